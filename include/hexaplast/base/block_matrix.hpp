@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// Square sparse matrix of 3x3 blocks, assembled by adding. The pattern grows with the first assembly and is kept by
+/// clear(), so that later assemblies only add numbers.
+class BlockMatrix {
+ public:
+  explicit BlockMatrix(int num_nodes = 0);
+
+  int num_nodes() const { return static_cast<int>(rows_.size()); }
+
+  /// Adds a block at (row, column). Both triangles are stored; the caller adds a symmetric matrix symmetrically.
+  void add(int row, int column, const Mat3& block);
+
+  /// All blocks to zero; the pattern stays.
+  void clear();
+
+  /// Empties row and column of one degree of freedom (axis 0..2 of a node) and puts 1 on its diagonal: x there solves to b.
+  void pin(int node, int axis);
+
+  struct Entry {
+    int column;
+    Mat3 block;
+  };
+  const std::vector<Entry>& row(int node) const { return rows_[node]; }  ///< ascending columns
+
+  /// Grows with every new block, so that a factorisation knows when its symbolic part is old.
+  long pattern_version() const { return pattern_version_; }
+
+ private:
+  std::vector<std::vector<Entry>> rows_;
+  long pattern_version_ = 0;
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Eigen/Core>
+
+namespace hexaplast {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+
+/// Nodal field: one row (x, y, z) per node, contiguous in memory (the layout of SOFA's Vec3d vectors).
+using PointArray = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Points = Eigen::Ref<PointArray>;             ///< writable view of a nodal field
+using ConstPoints = Eigen::Ref<const PointArray>;  ///< read-only view of a nodal field
+
+/// One row (x, y, z) per corner of a hexahedron.
+using ElementPoints = Eigen::Matrix<double, 8, 3>;
+
+}  // namespace hexaplast

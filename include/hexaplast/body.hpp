@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/hash.hpp"
+#include "hexaplast/plastic/flow.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "hexaplast/state/linearization.hpp"
+
+namespace hexaplast {
+
+/// What a picture or a table shows of a body: one value per hexahedron.
+struct ElementFields {
+  std::vector<double> plastic_strain;  ///< [-] mean over the corners of the accumulated plastic strain
+  std::vector<double> yield_stress;    ///< [Pa] greatest of the corners; infinite where it never yields
+  std::vector<double> volume_ratio;    ///< [-] material volume / original volume
+  std::vector<double> stress_norm;     ///< [Pa] greatest of the corners, in the body's yield norm
+  std::vector<double> strain;          ///< [-] greatest |D - 1| of the corners
+};
+
+/// A deformable, plastically flowing body: Model, History and Linearization behind a few verbs. The one place that
+/// knows the order of the stages (docs/architecture.md).
+///
+/// linearize, add_*, energy and fields evaluate: they never change the plastic history, and may be called at any
+/// positions, in any order, any number of times. flow is called once per accepted time step.
+/// Nodal arguments are num_nodes x 3 [m, N]. Not thread-safe; distinct bodies may be used concurrently.
+class Body {
+ public:
+  /// Throws InputError for materials or settings outside their ranges (material.hpp).
+  Body(HexMesh mesh, std::vector<Material> materials, Settings settings = {});
+
+  /// Fixes the positions that add_force and the stiffness verbs refer to.
+  void linearize(ConstPoints x);
+
+  /// f += elastic force at the linearized positions. Sums to zero force and zero moment.
+  void add_force(Points f) const;
+
+  /// df += factor * (df/dx) dx, rotations held fixed; df/dx is symmetric and negative semi-definite.
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const;
+
+  /// The same operator as 3x3 blocks: K += factor * df/dx.
+  void add_stiffness_blocks(double factor, BlockMatrix& K) const;
+
+  /// Elastic energy [J] at any positions; leaves the linearization alone.
+  double energy(ConstPoints x) const;
+
+  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. The linearization is void afterwards.
+  /// Throws InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is not finite;
+  /// the history is then as before.
+  FlowReport flow(ConstPoints x, double dt);
+
+  /// Back to the virgin state.
+  void reset();
+
+  const Model& model() const { return model_; }
+  const HexMesh& mesh() const { return model_.mesh; }
+  const History& history() const { return history_; }
+  const Linearization& linearization() const { return at_; }
+
+  ElementFields fields(ConstPoints x) const;
+
+  /// Volume [m^3] of the whole body at any nodal positions (world or material), and in its original shape.
+  double volume(ConstPoints x) const;
+  double original_volume() const;
+
+  /// Adds every History array, in declaration order, as raw little-endian bytes.
+  void add_to(StateHash& hash) const;
+
+ private:
+  Model model_;
+  History history_;
+  Linearization at_;
+  FlowWorkspace flow_;
+  PreconditionedConjugateGradients averaging_solver_;
+  mutable std::vector<ElementPoints> corner_product_;  // scratch of add_stiffness_product
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// Corner i: the columns of J_i = dx/ds are the three half edges that meet there.            theory.md eq. 2
+Mat3 corner_jacobian(const ElementPoints& x, int corner);
+
+/// Centre: J_o = dx/ds at s = 0.                                                              theory.md eq. 3
+Mat3 centre_jacobian(const ElementPoints& x);
+
+/// Exact volume [m^3] of the trilinear hexahedron (2x2x2 Gauss points of det J).              theory.md eq. 4
+double volume(const ElementPoints& x);
+
+/// Deformation gradients at the eight blended samples of one element, as a linear map of its world corner positions.
+///
+///   F_i  = Jhat_i J_i^-1                              at corner i, Jhat of the world positions     (theory.md eq. 1)
+///   F~_i = F_i / 2 + sum_a xh_a (x) h_a               blended and corrected                        (theory.md eq. 7)
+///   h_a  = Gm_a - mean_j g_ja / 2
+///
+/// g_ja is the gradient of shape function a at corner j, Gm_a = (1/V) int grad N_a dV its exact mean. This equals
+/// (F_i + F_o)/2 + F_m - mean_j (F_j + F_o)/2: on parallelepipeds the blend of corner and centre, and on every hexahedron
+/// with the exact mean, without which the patch test fails.
+struct RestOperator {
+  std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
+  ElementPoints shared_gradient;                ///< [1/m] h_a
+  double volume = 0;                            ///< [m^3] each sample carries an eighth of it
+};
+
+RestOperator rest_operator(const ElementPoints& material);
+
+/// F~_i for all eight samples.
+std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world);
+
+/// g~_ia, one row per corner a: dF~_i = sum_a dxh_a (x) g~_ia.
+ElementPoints sample_gradient(const RestOperator& rest, int sample);
+
+/// Transpose of deformation_gradients: f_a = sum_i T_i g~_ia, for one tensor T_i per sample.
+ElementPoints gradient_transpose(const RestOperator& rest, const std::array<Mat3, kCorners>& tensors);
+
+}  // namespace hexaplast

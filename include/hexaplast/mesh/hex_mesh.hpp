@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// A validated, immutable mesh of trilinear hexahedra.
+class HexMesh {
+ public:
+  /// One element that a node belongs to, and which of its corners the node is.
+  struct Incidence {
+    int element;
+    int corner;
+  };
+
+  /// positions: num_nodes x 3 [m]. Nodes without element are allowed.
+  /// Throws InputError, naming the first ten elements concerned, when a coordinate is not finite, an index lies outside
+  /// [0, num_nodes), an element names a node twice, or an element is inverted, flat or left-handed (a corner Jacobian <= 0).
+  HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra);
+
+  int num_nodes() const { return static_cast<int>(positions_.rows()); }
+  int num_elements() const { return static_cast<int>(hexahedra_.size()); }
+
+  const PointArray& positions() const { return positions_; }                     ///< original positions X [m]
+  const std::vector<Hexahedron>& hexahedra() const { return hexahedra_; }
+
+  /// Elements around a node, in ascending order.
+  std::span<const Incidence> incident(int node) const {
+    return {incidence_.data() + first_[node], incidence_.data() + first_[node + 1]};
+  }
+
+  /// Faces that belong to one element only, counter-clockwise seen from outside: the surface of the body.
+  std::vector<std::array<int, 4>> boundary_faces() const;
+
+ private:
+  PointArray positions_;
+  std::vector<Hexahedron> hexahedra_;
+  std::vector<int> first_;             // num_nodes + 1 offsets into incidence_
+  std::vector<Incidence> incidence_;   // grouped by node
+};
+
+/// The rows of a nodal field at the corners of a hexahedron.
+inline ElementPoints gather(ConstPoints field, const Hexahedron& corners) {
+  ElementPoints at;
+  for (int a = 0; a < kCorners; ++a) at.row(a) = field.row(corners[a]);
+  return at;
+}
+
+/// nodal += per-corner values, each node adding its elements in ascending order: same bits for any number of threads.
+void scatter(const HexMesh& mesh, const std::vector<ElementPoints>& corner, Points nodal);
+
+}  // namespace hexaplast

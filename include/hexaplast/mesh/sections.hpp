@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+namespace hexaplast {
+
+/// The two end sections of a body along the longest axis of its original bounding box: how bars are measured.
+struct EndSections {
+  int axis = 0;             ///< 0, 1, 2: the longest direction (the first one of equals)
+  double length = 0;        ///< [m] original distance of the two sections
+  std::vector<int> least;   ///< nodes with the least coordinate along the axis
+  std::vector<int> most;    ///< nodes with the greatest one
+};
+
+EndSections end_sections(const HexMesh& mesh);
+
+/// (mean axial position of `most` - mean of `least`) / length - 1.
+double elongation(const EndSections& ends, ConstPoints at);
+
+/// Angle [rad, in (-pi, pi]] by which a section of nodes has turned about the axis: the rotation that best fits
+/// (least squares, about the section's own centre) the original section to the present one.
+double section_angle(const HexMesh& mesh, const std::vector<int>& section, int axis, ConstPoints at);
+
+/// Twist between the two end sections [rad], following full turns: the change of angle is added up over the layers of
+/// nodes with equal original axial coordinate, each step taken in (-pi, pi].
+double twist(const HexMesh& mesh, const EndSections& ends, ConstPoints at);
+
+}  // namespace hexaplast

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/base/types.hpp"
+#include "hexaplast/kinematics/polar.hpp"
+#include "hexaplast/material/material.hpp"
+
+namespace hexaplast {
+
+/// Size of a stress [Pa] in the given norm.                                                   theory.md eq. 20
+double stress_norm(const Mat3& sigma, YieldNorm norm);
+
+/// Share of the excess that flows in dt: clamp(rate dt (value - threshold) / value, 0, 1); 0 for value <= threshold.
+/// Used for stretch (value |sigma| [Pa]) and for rotation (value phi [rad]).                  theory.md eq. 21, 25
+double flow_share(double value, double threshold, double rate, double dt);
+
+/// What one corner's stretch contributes in one step.
+struct StretchFlow {
+  Mat3 increment = Mat3::Identity();  ///< S^p = V (D / det(D)^1/3)^gamma V^T, det = 1                      eq. 22
+  double share = 0;                   ///< gamma [-]
+  double norm = 0;                    ///< |sigma| [Pa]
+  double strain = 0;                  ///< [-] sqrt(2/3) gamma |dev log D|_F
+  double dissipated = 0;              ///< [J/m^3] sigma : gamma dev log D
+};
+
+/// S: stretch of a sample that is not inverted (det S > 0). yield_stress is the corner's present threshold [Pa].
+StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yield_stress, double rate, double dt);
+
+/// What one corner's rotation relative to the element centre contributes in one step.
+struct RotationFlow {
+  Mat3 increment = Mat3::Identity();  ///< R^p = Q^eta with Q = R_o^T R_i                                    eq. 26
+  double share = 0;                   ///< eta [-]
+  double angle = 0;                   ///< phi [rad], rotation angle of Q, in [0, pi]                        eq. 24
+};
+
+RotationFlow rotation_flow(const Mat3& R_corner, const Mat3& R_centre, double rotation_yield, double rate, double dt);
+
+}  // namespace hexaplast

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/base/linear_system.hpp"
+
+namespace hexaplast {
+
+/// Conjugate gradients with the stopping rules of SOFA's CGLinearSolver (theory.md section 6).
+struct ConjugateGradientSettings {
+  int iterations = 25;
+  double tolerance = 1e-5;  ///< on |r| / |b|
+  double threshold = 1e-5;  ///< absolute, on p.Ap: stops when it is not greater
+  bool warm_start = false;
+};
+
+class ConjugateGradients final : public LinearSolver {
+ public:
+  explicit ConjugateGradients(ConjugateGradientSettings settings) : settings_(settings) {}
+  SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
+  void reset() override;
+
+ private:
+  ConjugateGradientSettings settings_;
+  bool first_solve_ = true;  // SOFA's rules are relaxed in the very first solve
+  PointArray residual_, direction_, product_, previous_;
+};
+
+/// Preconditioned conjugate gradients that end on |r| <= tolerance |b| alone: for systems of our own, where an answer
+/// is wanted rather than a number of iterations.
+class PreconditionedConjugateGradients final : public LinearSolver {
+ public:
+  PreconditionedConjugateGradients(double tolerance, int iterations) : tolerance_(tolerance), iterations_(iterations) {}
+  SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
+
+ private:
+  double tolerance_;
+  int iterations_;
+  PointArray residual_, direction_, product_, preconditioned_;
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/base/linear_system.hpp"
+
+namespace hexaplast {
+
+/// Factors of the operator m M + b B + k K with K = df/dx, B = df/dv (SOFA's signs: K is negative semi-definite).
+struct OperatorFactors {
+  double mass = 0;
+  double damping = 0;
+  double stiffness = 0;
+};
+
+/// A mechanical system as a time integrator sees it: nodal masses, forces, constraints, over num_nodes nodes.
+class MechanicalSystem {
+ public:
+  virtual ~MechanicalSystem() = default;
+
+  virtual int num_nodes() const = 0;
+
+  /// f = all forces at (x, v, time), gravity included; fixes the positions at which add_product and add_blocks act.
+  virtual void compute_force(double time, ConstPoints x, ConstPoints v, Points f) = 0;
+
+  /// df += (m M + b B + k K) dx.
+  virtual void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const = 0;
+
+  /// A += m M + b B + k K as blocks.
+  virtual void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const = 0;
+
+  /// Zeroes constrained degrees of freedom of a nodal field.
+  virtual void project(Points field) const = 0;
+
+  /// Pins constrained degrees of freedom (BlockMatrix::pin).
+  virtual void pin(BlockMatrix& A) const = 0;
+};
+
+struct EulerSettings {
+  double rayleigh_mass = 0;        ///< [1/s]
+  double rayleigh_stiffness = 0;   ///< [s]
+};
+
+/// One step of linearised implicit Euler, as SOFA's EulerImplicitSolver defines it:             theory.md eq. 40-42
+///
+///   A  = (1 + h rM) M - h B - h (h + rK) K
+///   b  = h [ f - rM M v + (h + rK) K v ]
+///   A dv = b  (both projected),  v += dv,  x += h v
+///
+/// One linear solve per step, no iteration on the nonlinearity.
+class ImplicitEuler {
+ public:
+  explicit ImplicitEuler(EulerSettings settings) : settings_(settings) {}
+
+  /// Advances x [m] and v [m/s] by dt [s]. Throws NumericalError naming the first node that left the finite numbers;
+  /// x and v are then as before.
+  SolveReport step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x, Points v);
+
+ private:
+  EulerSettings settings_;
+  PointArray force_, right_hand_side_, increment_;
+};
+
+}  // namespace hexaplast
