@@ -21,7 +21,8 @@ class BlockMatrix {
   /// All blocks to zero; the pattern stays.
   void clear();
 
-  /// Empties row and column of one degree of freedom (axis 0..2 of a node) and puts 1 on its diagonal: x there solves to b.
+  /// Empties row and column of one degree of freedom (axis 0..2 of a node) and puts 1 on its diagonal: x there solves
+  /// to b.
   void pin(int node, int axis);
 
   struct Entry {

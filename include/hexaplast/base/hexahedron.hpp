@@ -15,17 +15,16 @@ namespace hexaplast {
 ///      0--------1          o-- x
 inline constexpr int kCorners = 8;
 
-inline constexpr std::array<std::array<int, 3>, kCorners> kCornerSign{{
-    {-1, -1, -1}, {+1, -1, -1}, {+1, +1, -1}, {-1, +1, -1},
-    {-1, -1, +1}, {+1, -1, +1}, {+1, +1, +1}, {-1, +1, +1}}};
+inline constexpr std::array<std::array<int, 3>, kCorners> kCornerSign{
+    {{-1, -1, -1}, {+1, -1, -1}, {+1, +1, -1}, {-1, +1, -1}, {-1, -1, +1}, {+1, -1, +1}, {+1, +1, +1}, {-1, +1, +1}}};
 
 /// kEdgeNeighbour[a][d]: the corner that differs from corner a in direction d only.
-inline constexpr std::array<std::array<int, 3>, kCorners> kEdgeNeighbour{{
-    {1, 3, 4}, {0, 2, 5}, {3, 1, 6}, {2, 0, 7}, {5, 7, 0}, {4, 6, 1}, {7, 5, 2}, {6, 4, 3}}};
+inline constexpr std::array<std::array<int, 3>, kCorners> kEdgeNeighbour{
+    {{1, 3, 4}, {0, 2, 5}, {3, 1, 6}, {2, 0, 7}, {5, 7, 0}, {4, 6, 1}, {7, 5, 2}, {6, 4, 3}}};
 
 /// The six faces, corners counter-clockwise seen from outside.
-inline constexpr std::array<std::array<int, 4>, 6> kFaces{{
-    {0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
+inline constexpr std::array<std::array<int, 4>, 6> kFaces{
+    {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
 /// Corner indices of one hexahedron.
 using Hexahedron = std::array<int, kCorners>;

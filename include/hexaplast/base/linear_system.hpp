@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/base/types.hpp"
 #include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 
@@ -21,12 +21,15 @@ class LinearSystem {
 
   /// z = an approximation of A^-1 r, symmetric and positive definite; the default is none (z = r).
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
+
+  /// Size of the rounding errors in b: a residual as small as this cannot be improved.
+  virtual double rounding() const { return 0; }
 };
 
 struct SolveReport {
-  int iterations = 0;    ///< 1 for a direct solver
-  double residual = 0;   ///< |b - A x| / |b| as the solver knows it (0 for a direct solver)
-  bool converged = true; ///< false: stopped by the iteration limit
+  int iterations = 0;     ///< 1 for a direct solver
+  double residual = 0;    ///< |b - A x| / |b| as the solver knows it (0 for a direct solver)
+  bool converged = true;  ///< false: stopped by the iteration limit
 };
 
 /// Solves A x = b; x arrives with any content. Throws NumericalError when A is found not to be positive definite.

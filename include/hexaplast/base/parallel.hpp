@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <vector>
-
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {

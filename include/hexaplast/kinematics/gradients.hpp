@@ -24,8 +24,8 @@ double volume(const ElementPoints& x);
 ///   h_a  = Gm_a - mean_j g_ja / 2
 ///
 /// g_ja is the gradient of shape function a at corner j, Gm_a = (1/V) int grad N_a dV its exact mean. This equals
-/// (F_i + F_o)/2 + F_m - mean_j (F_j + F_o)/2: on parallelepipeds the blend of corner and centre, and on every hexahedron
-/// with the exact mean, without which the patch test fails.
+/// (F_i + F_o)/2 + F_m - mean_j (F_j + F_o)/2: on parallelepipeds the blend of corner and centre, and on every
+/// hexahedron with the exact mean, without which the patch test fails.
 struct RestOperator {
   std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
   ElementPoints shared_gradient;                ///< [1/m] h_a

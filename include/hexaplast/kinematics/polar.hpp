@@ -5,7 +5,8 @@
 
 namespace hexaplast {
 
-/// F = U diag(d) V^T with U and V rotations and d in descending magnitude; d[2] < 0 exactly when det F < 0.  theory.md eq. 5
+/// F = U diag(d) V^T with U and V rotations and d in descending magnitude; d[2] < 0 exactly when det F < 0.  theory.md
+/// eq. 5
 struct SignedSvd {
   Mat3 U;
   Vec3 d;
@@ -13,7 +14,8 @@ struct SignedSvd {
 };
 SignedSvd signed_svd(const Mat3& F);
 
-/// F = R S, R a rotation (det R = +1 for every F, reflections and singular ones included), S symmetric.       theory.md eq. 6
+/// F = R S, R a rotation (det R = +1 for every F, reflections and singular ones included), S symmetric.       theory.md
+/// eq. 6
 struct Polar {
   Mat3 R;
   Mat3 S;

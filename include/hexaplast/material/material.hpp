@@ -18,13 +18,13 @@ Lame lame(double young_modulus, double poisson_ratio);
 
 /// What one hexahedron is made of. The defaults make it purely elastic.
 struct Material {
-  double young_modulus = 5000;      ///< E [Pa], > 0
-  double poisson_ratio = 0.45;      ///< [-], in [0, 0.5)
+  double young_modulus = 5000;                                    ///< E [Pa], > 0
+  double poisson_ratio = 0.45;                                    ///< [-], in [0, 0.5)
   double yield_stress = std::numeric_limits<double>::infinity();  ///< tau [Pa], >= 0; infinite: never yields
-  double flow_rate = 0;             ///< nu [1/s], >= 0: share of the excess deviatoric stretch that flows per second
-  double rotation_yield = 0;        ///< tau^R [rad], in [0, pi]
-  double rotation_flow_rate = 0;    ///< nu^R [1/s], >= 0
-  double hardening = 0;             ///< kappa [-]: growth of both thresholds with flow
+  double flow_rate = 0;           ///< nu [1/s], >= 0: share of the excess deviatoric stretch that flows per second
+  double rotation_yield = 0;      ///< tau^R [rad], in [0, pi]
+  double rotation_flow_rate = 0;  ///< nu^R [1/s], >= 0
+  double hardening = 0;           ///< kappa [-]: growth of both thresholds with flow; < 0 softens, down to 0
 };
 
 /// Norm of the stress that is compared with the yield stress. All three give the tensile stress in uniaxial tension.
@@ -58,8 +58,8 @@ inline constexpr double kAdvisedFlowPerStep = 0.05;              // 2 % error of
 inline constexpr double kLargestRestitutionPerStep = 2.0 / 3.0;  // volume error is multiplied by 1 - 3 c dt per step
 inline constexpr double kAdvisedRestitutionPerStep = 0.3;
 
-/// Checks nu dt, nu^R dt and c dt. Throws InputError where a limit is passed, otherwise returns one sentence per advised
-/// limit that is passed.
+/// Checks nu dt, nu^R dt and c dt. Throws InputError where a limit is passed, otherwise returns one sentence per
+/// advised limit that is passed.
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt);
 
 }  // namespace hexaplast

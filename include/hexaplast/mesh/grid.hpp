@@ -8,8 +8,8 @@
 namespace hexaplast {
 
 /// Axis-aligned box [least, most] [m] cut into cells[0] x cells[1] x cells[2] hexahedra.
-/// Node (i, j, k) has the index i + nx (j + ny k), elements are numbered alike (x fastest): the order of SOFA's RegularGridTopology.
-/// Throws InputError for a cell count < 1, an empty box, or more nodes than an int can count.
+/// Node (i, j, k) has the index i + nx (j + ny k), elements are numbered alike (x fastest): the order of SOFA's
+/// RegularGridTopology. Throws InputError for a cell count < 1, an empty box, or more nodes than an int can count.
 HexMesh regular_grid(std::array<int, 3> cells, const Vec3& least, const Vec3& most);
 
 }  // namespace hexaplast

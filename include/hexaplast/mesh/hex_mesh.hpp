@@ -20,13 +20,14 @@ class HexMesh {
 
   /// positions: num_nodes x 3 [m]. Nodes without element are allowed.
   /// Throws InputError, naming the first ten elements concerned, when a coordinate is not finite, an index lies outside
-  /// [0, num_nodes), an element names a node twice, or an element is inverted, flat or left-handed (a corner Jacobian <= 0).
+  /// [0, num_nodes), an element names a node twice, or an element is inverted, flat or left-handed (a corner Jacobian
+  /// <= 0).
   HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra);
 
   int num_nodes() const { return static_cast<int>(positions_.rows()); }
   int num_elements() const { return static_cast<int>(hexahedra_.size()); }
 
-  const PointArray& positions() const { return positions_; }                     ///< original positions X [m]
+  const PointArray& positions() const { return positions_; }  ///< original positions X [m]
   const std::vector<Hexahedron>& hexahedra() const { return hexahedra_; }
 
   /// Elements around a node, in ascending order.
@@ -40,8 +41,8 @@ class HexMesh {
  private:
   PointArray positions_;
   std::vector<Hexahedron> hexahedra_;
-  std::vector<int> first_;             // num_nodes + 1 offsets into incidence_
-  std::vector<Incidence> incidence_;   // grouped by node
+  std::vector<int> first_;            // num_nodes + 1 offsets into incidence_
+  std::vector<Incidence> incidence_;  // grouped by node
 };
 
 /// The rows of a nodal field at the corners of a hexahedron.

@@ -18,10 +18,10 @@ namespace hexaplast {
 ///
 /// P removes an element's mean, B its infinitesimal rotations of t. Every connected part keeps the mean of its nodes.
 struct AveragingReport {
-  bool skipped = true;      ///< the rest shapes fitted already
-  bool fell_back = false;   ///< Gauss-Newton would have raised E; the local/global step was taken
-  int iterations = 0;       ///< of the linear solver
-  double residual = 0;      ///< relative residual it left
+  bool skipped = true;     ///< the rest shapes fitted already
+  bool fell_back = false;  ///< Gauss-Newton would have raised E; the local/global step was taken
+  int iterations = 0;      ///< of the linear solver
+  double residual = 0;     ///< relative residual it left
 };
 
 class Averaging {
@@ -35,11 +35,21 @@ class Averaging {
   class GaussNewton;
   class LocalGlobal;
 
+  struct Shift {
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+  };
+
+  double fit(const Model& model, History& history);  // best rotations at the present x; returns E
+  void keep_means(const Model& model);               // takes the mean of each connected part out of increment_
+
   std::vector<ElementPoints> target_;          // t = Pi y, per element
   std::vector<Mat3> inverse_inertia_;          // (B^T B)^-1, per element
   mutable std::vector<ElementPoints> corner_;  // scratch: what an element adds to its nodes
+  std::vector<double> misfit_;                 // [m^2] share of E, per element
   std::vector<double> node_weight_;            // number of elements around a node: diagonal of P but for 7/8
-  PointArray gradient_, increment_, before_;
+  std::vector<Shift> shift_;                   // per connected part
+  PointArray gradient_, increment_, before_;   // gradient_ holds -g
 };
 
 }  // namespace hexaplast

@@ -11,27 +11,35 @@ namespace hexaplast {
 
 /// What happened in one plastic step. Counts are elements.
 struct FlowReport {
-  int yielded = 0;                    ///< with flow of stretch or rotation at some corner
-  int inverted = 0;                   ///< turned inside out at some corner (det F~ < 0)
-  int guarded = 0;                    ///< kept elastic because they are inverted or nearly so
-  int repaired = 0;                   ///< whose material shape was led back towards the original one
-  double worst_volume_error = 0;      ///< greatest |material volume / original volume - 1| of an element, before the step
+  int yielded = 0;                ///< with flow of stretch or rotation at some corner
+  int inverted = 0;               ///< turned inside out at some corner (det F~ < 0)
+  int guarded = 0;                ///< kept elastic because they are inverted or nearly so
+  int repaired = 0;               ///< whose material shape was led back towards the original one
+  double worst_volume_error = 0;  ///< greatest |material volume / original volume - 1| of an element, before the step
   AveragingReport averaging;
+};
+
+/// What one element did in a plastic step.
+struct ElementFlow {
+  bool yielded = false, inverted = false, guarded = false, repaired = false;
+  bool collapsing = false;  ///< the averaging pressed it towards inversion
+  double volume_error = 0;  ///< [-] |material volume / original volume - 1| before the step
+  double dissipated = 0;    ///< [J]
 };
 
 /// Scratch arrays of flow, kept so that a step allocates nothing.
 struct FlowWorkspace {
   explicit FlowWorkspace(const Model& model);
 
-  History trial;                              ///< the history being made; taken over when the step is complete
+  History trial;  ///< the history being made; taken over when the step is complete
   Averaging averaging;
-  std::vector<unsigned char> yielded;         ///< per element
-  std::vector<double> dissipated;             ///< [J] per element
+  std::vector<ElementFlow> flows;  ///< per element
 };
 
-/// One plastic step at accepted world positions x (theory.md section 5): stretch and rotation flow at every corner, rest
-/// shapes, volume restitution, hardening, rest-to-material averaging. `at.rest` must belong to the present material
-/// shape. Throws NumericalError naming the element where a number is not finite; the history is then as before.
+/// One plastic step at accepted world positions x (theory.md section 5): stretch and rotation flow at every corner,
+/// rest shapes, volume restitution, hardening, rest-to-material averaging. `at.rest` must belong to the present
+/// material shape. Throws NumericalError naming the element where a number is not finite; the history is then as
+/// before.
 FlowReport flow(const Model& model, const Linearization& at, ConstPoints x, double dt, LinearSolver& solver,
                 History& history, FlowWorkspace& work);
 

@@ -7,7 +7,8 @@
 
 namespace hexaplast {
 
-/// Sparse Cholesky factorisation (CHOLMOD) of the assembled system; the symbolic part is reused while the pattern stays.
+/// Sparse Cholesky factorisation (CHOLMOD) of the assembled system; the symbolic part is reused while the pattern
+/// stays.
 class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver();

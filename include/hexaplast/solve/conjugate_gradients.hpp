@@ -25,8 +25,8 @@ class ConjugateGradients final : public LinearSolver {
   PointArray residual_, direction_, product_, previous_;
 };
 
-/// Preconditioned conjugate gradients that end on |r| <= tolerance |b| alone: for systems of our own, where an answer
-/// is wanted rather than a number of iterations.
+/// Preconditioned conjugate gradients that end on |r| <= max(tolerance |b|, A.rounding()) alone: for systems of our
+/// own, where an answer is wanted rather than a number of iterations.
 class PreconditionedConjugateGradients final : public LinearSolver {
  public:
   PreconditionedConjugateGradients(double tolerance, int iterations) : tolerance_(tolerance), iterations_(iterations) {}

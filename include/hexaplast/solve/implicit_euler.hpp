@@ -36,8 +36,8 @@ class MechanicalSystem {
 };
 
 struct EulerSettings {
-  double rayleigh_mass = 0;        ///< [1/s]
-  double rayleigh_stiffness = 0;   ///< [s]
+  double rayleigh_mass = 0;       ///< [1/s]
+  double rayleigh_stiffness = 0;  ///< [s]
 };
 
 /// One step of linearised implicit Euler, as SOFA's EulerImplicitSolver defines it:             theory.md eq. 40-42
@@ -57,7 +57,7 @@ class ImplicitEuler {
 
  private:
   EulerSettings settings_;
-  PointArray force_, right_hand_side_, increment_;
+  PointArray right_hand_side_, increment_;
 };
 
 }  // namespace hexaplast

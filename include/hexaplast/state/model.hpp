@@ -12,16 +12,17 @@ namespace hexaplast {
 /// What never changes after a body is built.
 struct Model {
   HexMesh mesh;
-  std::vector<Material> materials;                          ///< one, or one per element
+  std::vector<Material> materials;  ///< one, or one per element
   Settings settings;
-  std::vector<Lame> lame;                                   ///< [Pa] per element
-  std::vector<double> volume;                               ///< [m^3] V0, original volume per element
+  std::vector<Lame> lame;                                     ///< [Pa] per element
+  std::vector<double> volume;                                 ///< [m^3] V0, original volume per element
   std::vector<std::array<double, kCorners>> corner_jacobian;  ///< [m^3] det J_i(X) per element and corner
-  std::vector<ElementPoints> original_shape;                ///< [m] corners about their mean, per element
-  std::vector<int> component_of_node;                       ///< connected part of the mesh that a node belongs to
+  std::vector<ElementPoints> original_shape;                  ///< [m] corners about their mean, per element
+  std::vector<int> component_of_node;  ///< connected part of the mesh that a node belongs to; -1 without element
   int num_components = 0;
 
-  /// Throws InputError for materials or settings outside their ranges, or a material count that is neither 1 nor num_elements.
+  /// Throws InputError for materials or settings outside their ranges, or a material count that is neither 1 nor
+  /// num_elements.
   Model(HexMesh mesh, std::vector<Material> materials, Settings settings);
 
   const Material& material(int element) const { return materials[materials.size() == 1 ? 0 : element]; }

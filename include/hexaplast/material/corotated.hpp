@@ -2,7 +2,6 @@
 #pragma once
 
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/material.hpp"
 
 namespace hexaplast {

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/elastic/operators.hpp"
+#include "hexaplast/material/corotated.hpp"
+#include "hexaplast/plastic/point_flow.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+// The averaging is solved far beyond what a picture needs: the plastic result must not depend on the solver.
+constexpr double kAveragingTolerance = 1e-11;
+constexpr int kAveragingIterations = 10000;
+
+template <class T>
+void add_array(StateHash& hash, const std::vector<T>& array) {
+  hash.add(array.data(), array.size() * sizeof(T));
+}
+
+/// A body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it.
+bool can_flow(const std::vector<Material>& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const Material& m) {
+    return (m.flow_rate > 0 && std::isfinite(m.yield_stress)) || m.rotation_flow_rate > 0;
+  });
+}
+
+}  // namespace
+
+Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
+    : model_(std::move(mesh), std::move(materials), settings),
+      history_(model_),
+      flow_(model_),
+      averaging_solver_(kAveragingTolerance, kAveragingIterations),
+      corner_product_(model_.mesh.num_elements()) {}
+
+void Body::linearize(ConstPoints x) { hexaplast::linearize(model_, history_, x, at_); }
+
+void Body::add_force(Points f) const { hexaplast::add_force(model_, at_, f); }
+
+void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+  hexaplast::add_stiffness_product(model_, at_, factor, dx, corner_product_, df);
+}
+
+void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
+  hexaplast::add_stiffness_blocks(model_, at_, factor, K);
+}
+
+double Body::energy(ConstPoints x) const { return hexaplast::energy(model_, history_, x); }
+
+FlowReport Body::flow(ConstPoints x, double dt) {
+  if (dt != checked_dt_) {
+    if (can_flow(model_.materials)) check_time_step(model_.materials, model_.settings, dt);
+    checked_dt_ = dt;
+  }
+  update_rest_operators(model_, history_, at_);
+  return hexaplast::flow(model_, at_, x, dt, averaging_solver_, history_, flow_);
+}
+
+void Body::reset() {
+  const long version = history_.version;
+  history_ = History(model_);
+  history_.version = version + 1;  // what was derived from the old history is old
+}
+
+ElementFields Body::fields(ConstPoints x) const {
+  const int num_elements = model_.mesh.num_elements();
+  ElementFields out;
+  for (auto* field : {&out.plastic_strain, &out.yield_stress, &out.volume_ratio, &out.stress_norm, &out.strain})
+    field->resize(num_elements);
+
+  parallel_for(num_elements, [&](int e) {
+    const Hexahedron& corners = model_.mesh.hexahedra()[e];
+    const RestOperator rest = rest_operator(gather(history_.material, corners));
+    const auto& plastic_strain = history_.plastic_strain[e];
+    const auto& yield_stress = history_.yield_stress[e];
+    for (const double strain : plastic_strain) out.plastic_strain[e] += strain / kCorners;
+    out.yield_stress[e] = *std::max_element(yield_stress.begin(), yield_stress.end());
+    out.volume_ratio[e] = rest.volume / model_.volume[e];
+    for (const Mat3& F : deformation_gradients(rest, gather(x, corners))) {
+      const SignedSvd svd = signed_svd(F);
+      const Mat3 S = svd.V * svd.d.asDiagonal() * svd.V.transpose();
+      out.stress_norm[e] =
+          std::max(out.stress_norm[e], stress_norm(stress(S, model_.lame[e]), model_.settings.yield_norm));
+      out.strain[e] = std::max(out.strain[e], (svd.d.array() - 1).abs().maxCoeff());
+    }
+  });
+  return out;
+}
+
+double Body::volume(ConstPoints x) const {
+  double sum = 0;
+  for (const Hexahedron& corners : model_.mesh.hexahedra()) sum += hexaplast::volume(gather(x, corners));
+  return sum;
+}
+
+double Body::original_volume() const {
+  double sum = 0;
+  for (const double V : model_.volume) sum += V;
+  return sum;
+}
+
+void Body::add_to(StateHash& hash) const {
+  add_array(hash, history_.rest_shape);
+  add_array(hash, history_.rotation_map);
+  add_array(hash, history_.yield_stress);
+  add_array(hash, history_.rotation_yield);
+  hash.add(history_.material.data(), history_.material.size() * sizeof(double));
+  add_array(hash, history_.plastic_strain);
+  hash.add(&history_.dissipated_energy, sizeof(double));
+}
+
+}  // namespace hexaplast

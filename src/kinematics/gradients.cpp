@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/kinematics/gradients.hpp"
+
+#include <cmath>
+
+namespace hexaplast {
+
+namespace {
+
+/// dN_a/ds at s, one row per corner.
+ElementPoints shape_derivatives(const Vec3& s) {
+  ElementPoints dN;
+  for (int a = 0; a < kCorners; ++a) {
+    const Vec3 sign(kCornerSign[a][0], kCornerSign[a][1], kCornerSign[a][2]);
+    const Vec3 factor = Vec3::Ones() + sign.cwiseProduct(s);
+    dN.row(a) << sign[0] * factor[1] * factor[2], factor[0] * sign[1] * factor[2], factor[0] * factor[1] * sign[2];
+  }
+  return dN / 8;
+}
+
+/// Calls visit(dN, J) at the 2x2x2 Gauss points (all of weight 1): exact for det J and for cof(J) dN/ds.
+template <class Visit>
+void for_each_gauss_point(const ElementPoints& x, const Visit& visit) {
+  const double at = 1 / std::sqrt(3.0);
+  for (const auto& sign : kCornerSign) {
+    const ElementPoints dN = shape_derivatives(at * Vec3(sign[0], sign[1], sign[2]));
+    visit(dN, Mat3(x.transpose() * dN));
+  }
+}
+
+/// det(J) J^-T, defined for singular J too.
+Mat3 cofactor(const Mat3& J) {
+  Mat3 cof;
+  cof.col(0) = J.col(1).cross(J.col(2));
+  cof.col(1) = J.col(2).cross(J.col(0));
+  cof.col(2) = J.col(0).cross(J.col(1));
+  return cof;
+}
+
+/// Adds `scale` g_ia, the shape gradients at a corner, to one row per corner: only the corner and its three neighbours.
+void add_corner_gradient(const Mat3& inverse_jacobian, int corner, double scale, ElementPoints& gradient) {
+  for (int d = 0; d < 3; ++d) {
+    const Eigen::RowVector3d half_edge = scale * 0.5 * kCornerSign[corner][d] * inverse_jacobian.row(d);
+    gradient.row(corner) += half_edge;
+    gradient.row(kEdgeNeighbour[corner][d]) -= half_edge;
+  }
+}
+
+}  // namespace
+
+Mat3 corner_jacobian(const ElementPoints& x, int corner) {
+  Mat3 J;
+  for (int d = 0; d < 3; ++d)
+    J.col(d) = 0.5 * kCornerSign[corner][d] * (x.row(corner) - x.row(kEdgeNeighbour[corner][d])).transpose();
+  return J;
+}
+
+Mat3 centre_jacobian(const ElementPoints& x) { return x.transpose() * shape_derivatives(Vec3::Zero()); }
+
+double volume(const ElementPoints& x) {
+  double sum = 0;
+  for_each_gauss_point(x, [&](const ElementPoints&, const Mat3& J) { sum += J.determinant(); });
+  return sum;
+}
+
+RestOperator rest_operator(const ElementPoints& material) {
+  RestOperator rest;
+
+  // exact mean gradients Gm_a and the volume
+  ElementPoints mean_gradient = ElementPoints::Zero();
+  for_each_gauss_point(material, [&](const ElementPoints& dN, const Mat3& J) {
+    rest.volume += J.determinant();
+    mean_gradient += dN * cofactor(J).transpose();
+  });
+  mean_gradient /= rest.volume;
+
+  // h_a = Gm_a - mean_j g_ja / 2
+  rest.shared_gradient = mean_gradient;
+  for (int j = 0; j < kCorners; ++j) {
+    rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
+    add_corner_gradient(rest.inverse_jacobian[j], j, -0.5 / kCorners, rest.shared_gradient);
+  }
+  return rest;
+}
+
+std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world) {
+  const Mat3 shared = world.transpose() * rest.shared_gradient;
+  std::array<Mat3, kCorners> F;
+  for (int i = 0; i < kCorners; ++i) F[i] = 0.5 * corner_jacobian(world, i) * rest.inverse_jacobian[i] + shared;
+  return F;
+}
+
+ElementPoints sample_gradient(const RestOperator& rest, int sample) {
+  ElementPoints gradient = rest.shared_gradient;
+  add_corner_gradient(rest.inverse_jacobian[sample], sample, 0.5, gradient);
+  return gradient;
+}
+
+ElementPoints gradient_transpose(const RestOperator& rest, const std::array<Mat3, kCorners>& tensors) {
+  Mat3 sum = Mat3::Zero();
+  for (const Mat3& T : tensors) sum += T;
+
+  ElementPoints f = rest.shared_gradient * sum.transpose();
+  for (int i = 0; i < kCorners; ++i) {
+    const Mat3 along_edges = 0.5 * tensors[i] * rest.inverse_jacobian[i].transpose();
+    for (int d = 0; d < 3; ++d) {
+      const Eigen::RowVector3d half_edge = 0.5 * kCornerSign[i][d] * along_edges.col(d).transpose();
+      f.row(i) += half_edge;
+      f.row(kEdgeNeighbour[i][d]) -= half_edge;
+    }
+  }
+  return f;
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/material/material.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/base/error.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+void require(bool accepted, const char* name, double value, const std::string& where, const char* allowed) {
+  if (!accepted) throw InputError(fmt::format("{} = {}{}: must lie in {}", name, value, where, allowed));
+}
+
+double largest(const std::vector<Material>& materials, double Material::*rate) {
+  double most = 0;
+  for (const Material& material : materials) most = std::max(most, material.*rate);
+  return most;
+}
+
+}  // namespace
+
+Lame lame(double young_modulus, double poisson_ratio) {
+  const double E = young_modulus, nu = poisson_ratio;
+  return {E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))};
+}
+
+void validate(const std::vector<Material>& materials) {
+  for (std::size_t e = 0; e < materials.size(); ++e) {
+    const Material& m = materials[e];
+    const std::string where = materials.size() > 1 ? fmt::format(" of element {}", e) : "";
+    // a comparison with NaN is false, so every test is written to accept, never to refuse
+    require(m.young_modulus > 0 && std::isfinite(m.young_modulus), "youngModulus", m.young_modulus, where,
+            "(0, inf) Pa");
+    require(m.poisson_ratio >= 0 && m.poisson_ratio < 0.5, "poissonRatio", m.poisson_ratio, where, "[0, 0.5)");
+    require(m.yield_stress >= 0, "yieldStress", m.yield_stress, where, "[0, inf] Pa");
+    require(m.flow_rate >= 0 && std::isfinite(m.flow_rate), "plasticFlowRate", m.flow_rate, where, "[0, inf) 1/s");
+    require(m.rotation_yield >= 0 && m.rotation_yield <= M_PI, "rotationYield", m.rotation_yield, where, "[0, pi] rad");
+    require(m.rotation_flow_rate >= 0 && std::isfinite(m.rotation_flow_rate), "rotationFlowRate", m.rotation_flow_rate,
+            where, "[0, inf) 1/s");
+    require(std::isfinite(m.hardening), "hardening", m.hardening, where, "(-inf, inf)");
+  }
+}
+
+void validate(const Settings& settings) {
+  require(settings.volume_restitution >= 0 && std::isfinite(settings.volume_restitution), "volumeRestitution",
+          settings.volume_restitution, "", "[0, inf) 1/s");
+  require(settings.inversion_threshold >= 0 && settings.inversion_threshold < 1, "inversionThreshold",
+          settings.inversion_threshold, "", "[0, 1)");
+}
+
+std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt) {
+  std::vector<std::string> advice;
+  const auto check = [&](const char* name, double rate, double limit, bool limit_allowed, double advised) {
+    const double product = rate * dt;
+    if (product > limit || (product == limit && !limit_allowed))
+      throw InputError(fmt::format("{} = {} 1/s times dt = {} s is {:.6g}: must be {} {:.6g}", name, rate, dt, product,
+                                   limit_allowed ? "at most" : "below", limit));
+    if (product > advised)
+      advice.push_back(fmt::format("{} = {} 1/s times dt = {} s is {:.6g}: results lose accuracy above {}", name, rate,
+                                   dt, product, advised));
+  };
+  check("plasticFlowRate", largest(materials, &Material::flow_rate), kLargestFlowPerStep, true, kAdvisedFlowPerStep);
+  check("rotationFlowRate", largest(materials, &Material::rotation_flow_rate), kLargestFlowPerStep, true,
+        kAdvisedFlowPerStep);
+  check("volumeRestitution", settings.volume_restitution, kLargestRestitutionPerStep, false,
+        kAdvisedRestitutionPerStep);
+  return advice;
+}
+
+}  // namespace hexaplast

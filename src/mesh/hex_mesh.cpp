@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+constexpr std::size_t kNamedElements = 10;  // how many offenders a message lists
+
+/// Collects offending ids; throws one message that names the first ten.
+class Offenders {
+ public:
+  void add(int id) {
+    if (first_.size() < kNamedElements) first_.push_back(id);
+    ++count_;
+  }
+  void refuse(const char* what, const char* allowed) const {
+    if (count_ == 0) return;
+    throw InputError(fmt::format("{} {}: {}{}; {}", count_, what, fmt::join(first_, ", "),
+                                 count_ > static_cast<int>(kNamedElements) ? ", ..." : "", allowed));
+  }
+
+ private:
+  std::vector<int> first_;
+  int count_ = 0;
+};
+
+/// Six times the signed volume of the corner's three edges; > 0 for a right-handed, unfolded corner.
+double corner_determinant(const ElementPoints& x, int corner) {
+  Mat3 edges;
+  for (int d = 0; d < 3; ++d)
+    edges.col(d) = kCornerSign[corner][d] * (x.row(corner) - x.row(kEdgeNeighbour[corner][d])).transpose();
+  return edges.determinant();
+}
+
+}  // namespace
+
+HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
+    : positions_(std::move(positions)), hexahedra_(std::move(hexahedra)) {
+  Offenders not_finite, out_of_range, repeated, inverted;
+  for (int n = 0; n < num_nodes(); ++n)
+    if (!positions_.row(n).allFinite()) not_finite.add(n);
+  not_finite.refuse("nodes with a coordinate that is not finite", "coordinates must be finite numbers");
+
+  for (int e = 0; e < num_elements(); ++e) {
+    Hexahedron sorted = hexahedra_[e];
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted.front() < 0 || sorted.back() >= num_nodes()) out_of_range.add(e);
+    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) repeated.add(e);
+  }
+  out_of_range.refuse("hexahedra with a node index out of range",
+                      fmt::format("indices must lie in [0, {})", num_nodes()).c_str());
+  repeated.refuse("hexahedra that name a node twice", "the eight corners must be distinct");
+
+  for (int e = 0; e < num_elements(); ++e) {
+    const ElementPoints x = gather(positions_, hexahedra_[e]);
+    bool positive = true;
+    for (int a = 0; a < kCorners; ++a) positive = positive && corner_determinant(x, a) > 0;
+    if (!positive) inverted.add(e);
+  }
+  inverted.refuse("inverted, flat or left-handed hexahedra",
+                  "every corner must have a positive Jacobian in the corner order of VTK");
+
+  first_.assign(num_nodes() + 1, 0);
+  for (const Hexahedron& corners : hexahedra_)
+    for (const int node : corners) ++first_[node + 1];
+  for (int n = 0; n < num_nodes(); ++n) first_[n + 1] += first_[n];
+
+  incidence_.resize(first_[num_nodes()]);
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (int e = 0; e < num_elements(); ++e)
+    for (int a = 0; a < kCorners; ++a) incidence_[next[hexahedra_[e][a]]++] = {e, a};
+}
+
+std::vector<std::array<int, 4>> HexMesh::boundary_faces() const {
+  struct Face {
+    std::array<int, 4> corners;
+    int count = 0;
+  };
+  std::map<std::array<int, 4>, Face> faces;  // by sorted corners
+  for (const Hexahedron& hexahedron : hexahedra_) {
+    for (const auto& local : kFaces) {
+      std::array<int, 4> corners, key;
+      for (int k = 0; k < 4; ++k) corners[k] = hexahedron[local[k]];
+      key = corners;
+      std::sort(key.begin(), key.end());
+      Face& face = faces[key];
+      face.corners = corners;
+      ++face.count;
+    }
+  }
+  std::vector<std::array<int, 4>> boundary;
+  for (const auto& [key, face] : faces)
+    if (face.count == 1) boundary.push_back(face.corners);
+  return boundary;
+}
+
+void scatter(const HexMesh& mesh, const std::vector<ElementPoints>& corner, Points nodal) {
+  parallel_for(mesh.num_nodes(), [&](int n) {
+    for (const auto& [element, a] : mesh.incident(n)) nodal.row(n) += corner[element].row(a);
+  });
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/plastic/point_flow.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/material/corotated.hpp"
+
+namespace hexaplast {
+
+double stress_norm(const Mat3& sigma, YieldNorm norm) {
+  switch (norm) {
+    case YieldNorm::kFrobenius:
+      return sigma.norm();
+    case YieldNorm::kSpectral:
+      return Eigen::SelfAdjointEigenSolver<Mat3>(sigma, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff();
+    case YieldNorm::kVonMises:
+      break;
+  }
+  const Mat3 deviator = sigma - sigma.trace() / 3 * Mat3::Identity();
+  return std::sqrt(1.5) * deviator.norm();
+}
+
+double flow_share(double value, double threshold, double rate, double dt) {
+  if (!(value > threshold)) return 0;
+  return std::min(rate * dt * (value - threshold) / value, 1.0);
+}
+
+StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yield_stress, double rate, double dt) {
+  const Mat3 sigma = stress(S, k);
+
+  StretchFlow flow;
+  flow.norm = stress_norm(sigma, norm);
+  flow.share = flow_share(flow.norm, yield_stress, rate, dt);
+  if (flow.share == 0) return flow;
+
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
+  const Mat3& V = eigen.eigenvectors();
+  const Vec3 log_stretch = eigen.eigenvalues().array().log();
+  const Vec3 flowed = flow.share * (log_stretch.array() - log_stretch.mean());   // gamma dev log D
+  flow.increment = V * Vec3(flowed.array().exp()).asDiagonal() * V.transpose();  // eq. 22
+  flow.strain = std::sqrt(2.0 / 3.0) * flowed.norm();
+  flow.dissipated = (V.transpose() * sigma * V).diagonal().dot(flowed);
+  return flow;
+}
+
+RotationFlow rotation_flow(const Mat3& R_corner, const Mat3& R_centre, double rotation_yield, double rate, double dt) {
+  const Vec3 relative = rotation_log(R_centre.transpose() * R_corner);  // log Q
+
+  RotationFlow flow;
+  flow.angle = relative.norm();                                              // eq. 24
+  flow.share = flow_share(flow.angle, rotation_yield, rate, dt);             // eq. 25
+  if (flow.share > 0) flow.increment = rotation_exp(flow.share * relative);  // eq. 26
+  return flow;
+}
+
+}  // namespace hexaplast

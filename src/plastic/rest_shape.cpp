@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/plastic/rest_shape.hpp"
+
+#include <algorithm>
+
+#include "hexaplast/kinematics/polar.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+constexpr double kRepairRate = 5;  // [1/s] a jammed shape is back within a few tenths of a second
+constexpr double kLeastScale = 0.5, kGreatestScale = 2.0;  // volume may not change more in one step, whatever beta
+
+}  // namespace
+
+void deform_rest_shape(const std::array<Mat3, kCorners>& increments, const Mat3& rotation_map, ElementPoints& y) {
+  for (int i = 0; i < kCorners; ++i)
+    y.row(i) = (rotation_map.transpose() * (increments[i] * (rotation_map * y.row(i).transpose()))).transpose();
+  y = about_mean(y);
+}
+
+void repair_rest_shape(const ElementPoints& original, double dt, ElementPoints& y) {
+  const ElementPoints turned = original * fit_rotation(original, y).transpose();
+  y += std::min(1.0, kRepairRate * dt) * (turned - y);
+}
+
+void restore_volume(double volume_ratio, double rate, double dt, ElementPoints& y) {
+  y *= std::clamp(1 + rate * dt * (1 - volume_ratio), kLeastScale, kGreatestScale);
+}
+
+Mat3 fit_rotation(const ElementPoints& from, const ElementPoints& to) { return polar(to.transpose() * from).R; }
+
+}  // namespace hexaplast

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/cholesky.hpp"
+
+#include <cholmod.h>
+#include <fmt/format.h>
+
+#include "hexaplast/base/error.hpp"
+
+namespace hexaplast {
+
+struct CholeskySolver::Factor {
+  cholmod_common common{};
+  cholmod_sparse* lower = nullptr;  // lower triangle, compressed columns, 3 per node
+  cholmod_factor* factor = nullptr;
+  cholmod_dense* right_hand_side = nullptr;
+  cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;  // kept by cholmod_l_solve2 between calls
+  long pattern_version = -1;
+
+  Factor() {
+    cholmod_l_start(&common);
+    common.print = 0;     // errors come back as a status
+    common.final_ll = 1;  // L L^T: an indefinite matrix is found, where L D L^T would pass
+#ifdef HEXAPLAST_WITH_SUPERNODAL
+    common.supernodal = CHOLMOD_AUTO;
+#else
+    common.supernodal = CHOLMOD_SIMPLICIAL;
+#endif
+  }
+  Factor(const Factor&) = delete;
+  Factor& operator=(const Factor&) = delete;
+  ~Factor() {
+    free_all();
+    cholmod_l_finish(&common);
+  }
+
+  void free_all() {
+    cholmod_l_free_sparse(&lower, &common);
+    cholmod_l_free_factor(&factor, &common);
+    for (cholmod_dense** dense : {&right_hand_side, &solution, &work_y, &work_e}) cholmod_l_free_dense(dense, &common);
+    pattern_version = -1;
+  }
+
+  /// The lower triangle's pattern and its fill-reducing order.
+  void analyse(const BlockMatrix& A) {
+    free_all();
+    const std::size_t size = 3 * static_cast<std::size_t>(A.num_nodes());
+    std::size_t entries = 0;
+    for (int n = 0; n < A.num_nodes(); ++n)
+      for (const auto& entry : A.row(n)) entries += entry.column > n ? 9 : entry.column == n ? 6 : 0;
+
+    lower = cholmod_l_allocate_sparse(size, size, entries, 1, 1, -1, CHOLMOD_REAL, &common);
+    right_hand_side = cholmod_l_allocate_dense(size, 1, size, CHOLMOD_REAL, &common);
+    if (!lower || !right_hand_side)
+      throw NumericalError(fmt::format("Cholesky: not enough memory for {} unknowns", size));
+    fill(A);
+    factor = cholmod_l_analyze(lower, &common);
+    if (!factor)
+      throw NumericalError(fmt::format("Cholesky: analysis of {} unknowns failed ({})", size, common.status));
+    pattern_version = A.pattern_version();
+  }
+
+  /// The blocks right of the diagonal, read along a row, are the lower triangle's entries down a column.
+  void fill(const BlockMatrix& A) {
+    auto* first = static_cast<SuiteSparse_long*>(lower->p);
+    auto* rows = static_cast<SuiteSparse_long*>(lower->i);
+    auto* values = static_cast<double*>(lower->x);
+    SuiteSparse_long at = 0;
+    for (int n = 0; n < A.num_nodes(); ++n) {
+      for (int j = 0; j < 3; ++j) {
+        first[3 * n + j] = at;
+        for (const auto& entry : A.row(n)) {
+          if (entry.column < n) continue;
+          for (int i = entry.column == n ? j : 0; i < 3; ++i, ++at) {
+            rows[at] = 3 * SuiteSparse_long{entry.column} + i;
+            values[at] = entry.block(j, i);
+          }
+        }
+      }
+    }
+    first[3 * A.num_nodes()] = at;
+  }
+};
+
+CholeskySolver::CholeskySolver() : factor_(std::make_unique<Factor>()) {}
+CholeskySolver::~CholeskySolver() = default;
+
+SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  if (matrix_.num_nodes() != A.num_nodes()) {
+    matrix_ = BlockMatrix(A.num_nodes());
+    factor_->pattern_version = -1;
+  }
+  matrix_.clear();
+  A.assemble(matrix_);
+
+  Factor& f = *factor_;
+  if (f.pattern_version != matrix_.pattern_version())
+    f.analyse(matrix_);
+  else
+    f.fill(matrix_);
+  cholmod_l_factorize(f.lower, f.factor, &f.common);
+  if (f.common.status == CHOLMOD_NOT_POSDEF)
+    throw NumericalError(
+        fmt::format("Cholesky: the matrix is not positive definite (pivot of unknown {} of {} is not positive)",
+                    f.factor->minor, f.factor->n));
+  if (f.common.status < CHOLMOD_OK)
+    throw NumericalError(fmt::format("Cholesky: factorisation failed ({})", f.common.status));
+
+  Eigen::Map<PointArray>(static_cast<double*>(f.right_hand_side->x), b.rows(), 3) = b;
+  cholmod_l_solve2(CHOLMOD_A, f.factor, f.right_hand_side, nullptr, &f.solution, nullptr, &f.work_y, &f.work_e,
+                   &f.common);
+  x = Eigen::Map<const PointArray>(static_cast<const double*>(f.solution->x), b.rows(), 3);
+  return {.iterations = 1, .residual = 0, .converged = true};
+}
+
+void CholeskySolver::reset() {
+  factor_->free_all();
+  matrix_ = BlockMatrix();
+}
+
+}  // namespace hexaplast
