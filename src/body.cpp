@@ -74,12 +74,14 @@ ElementFields Body::fields(ConstPoints x) const {
     field->resize(num_elements);
 
   parallel_for(num_elements, [&](int e) {
-    const Hexahedron& corners = model_.mesh.hexahedra()[e];
-    const RestOperator rest = rest_operator(gather(history_.material, corners));
     const auto& plastic_strain = history_.plastic_strain[e];
     const auto& yield_stress = history_.yield_stress[e];
     for (const double strain : plastic_strain) out.plastic_strain[e] += strain / kCorners;
     out.yield_stress[e] = *std::max_element(yield_stress.begin(), yield_stress.end());
+    if (!history_.alive[e]) return;
+
+    const Hexahedron& corners = model_.mesh.hexahedra()[e];
+    const RestOperator rest = rest_operator(gather(history_.material, corners), model_.settings.gradient);
     out.volume_ratio[e] = rest.volume / model_.volume[e];
     for (const Mat3& F : deformation_gradients(rest, gather(x, corners))) {
       const SignedSvd svd = signed_svd(F);
@@ -94,13 +96,15 @@ ElementFields Body::fields(ConstPoints x) const {
 
 double Body::volume(ConstPoints x) const {
   double sum = 0;
-  for (const Hexahedron& corners : model_.mesh.hexahedra()) sum += hexaplast::volume(gather(x, corners));
+  for (int e = 0; e < model_.mesh.num_elements(); ++e)
+    if (history_.alive[e]) sum += hexaplast::volume(gather(x, model_.mesh.hexahedra()[e]));
   return sum;
 }
 
 double Body::original_volume() const {
   double sum = 0;
-  for (const double V : model_.volume) sum += V;
+  for (int e = 0; e < model_.mesh.num_elements(); ++e)
+    if (history_.alive[e]) sum += model_.volume[e];
   return sum;
 }
 
@@ -111,7 +115,10 @@ void Body::add_to(StateHash& hash) const {
   add_array(hash, history_.rotation_yield);
   hash.add(history_.material.data(), history_.material.size() * sizeof(double));
   add_array(hash, history_.plastic_strain);
+  add_array(hash, history_.plastic_stretch);
   hash.add(&history_.dissipated_energy, sizeof(double));
+  add_array(hash, history_.alive);
+  add_array(hash, history_.removed);
 }
 
 }  // namespace hexaplast

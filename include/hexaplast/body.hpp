@@ -11,7 +11,8 @@
 
 namespace hexaplast {
 
-/// What a picture or a table shows of a body: one value per hexahedron.
+/// What a picture or a table shows of a body: one value per hexahedron. A removed element keeps its plastic strain and
+/// yield stress; its other values are 0.
 struct ElementFields {
   std::vector<double> plastic_strain;  ///< [-] mean over the corners of the accumulated plastic strain
   std::vector<double> yield_stress;    ///< [Pa] greatest of the corners; infinite where it never yields
@@ -61,7 +62,8 @@ class Body {
 
   ElementFields fields(ConstPoints x) const;
 
-  /// Volume [m^3] of the whole body at any nodal positions (world or material), and in its original shape.
+  /// Volume [m^3] of the elements that are left, at any nodal positions (world or material) and in their original
+  /// shape.
   double volume(ConstPoints x) const;
   double original_volume() const;
 

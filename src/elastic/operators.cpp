@@ -10,8 +10,11 @@ namespace hexaplast {
 void update_rest_operators(const Model& model, const History& history, Linearization& at) {
   if (at.material_version == history.version) return;
   at.rest.resize(model.mesh.num_elements());
-  parallel_for(model.mesh.num_elements(),
-               [&](int e) { at.rest[e] = rest_operator(gather(history.material, model.mesh.hexahedra()[e])); });
+  parallel_for(model.mesh.num_elements(), [&](int e) {
+    at.rest[e] = history.alive[e]
+                     ? rest_operator(gather(history.material, model.mesh.hexahedra()[e]), model.settings.gradient)
+                     : removed_operator();
+  });
   at.material_version = history.version;
 }
 
@@ -76,8 +79,9 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
 double energy(const Model& model, const History& history, ConstPoints x) {
   double sum = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    if (!history.alive[e]) continue;
     const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const RestOperator rest = rest_operator(gather(history.material, corners));
+    const RestOperator rest = rest_operator(gather(history.material, corners), model.settings.gradient);
     double density = 0;
     for (const Mat3& F : deformation_gradients(rest, gather(x, corners)))
       density += energy_density(polar(F).S, model.lame[e]);

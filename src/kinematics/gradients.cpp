@@ -63,7 +63,7 @@ double volume(const ElementPoints& x) {
   return sum;
 }
 
-RestOperator rest_operator(const ElementPoints& material) {
+RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme) {
   RestOperator rest;
 
   // exact mean gradients Gm_a and the volume
@@ -74,25 +74,44 @@ RestOperator rest_operator(const ElementPoints& material) {
   });
   mean_gradient /= rest.volume;
 
-  // h_a = Gm_a - mean_j g_ja / 2
-  rest.shared_gradient = mean_gradient;
-  for (int j = 0; j < kCorners; ++j) {
-    rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
-    add_corner_gradient(rest.inverse_jacobian[j], j, -0.5 / kCorners, rest.shared_gradient);
+  for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
+
+  switch (scheme) {
+    case GradientScheme::kBlended:  // h_a = Gm_a - mean_j g_ja / 2
+      rest.shared_gradient = mean_gradient;
+      for (int j = 0; j < kCorners; ++j)
+        add_corner_gradient(rest.inverse_jacobian[j], j, -0.5 / kCorners, rest.shared_gradient);
+      break;
+    case GradientScheme::kVertex:
+      rest.corner_share = 1;
+      rest.shared_gradient.setZero();
+      break;
+    case GradientScheme::kCentre:
+      rest.corner_share = 0;
+      rest.shared_gradient = shape_derivatives(Vec3::Zero()) * centre_jacobian(material).inverse();
+      break;
   }
+  return rest;
+}
+
+RestOperator removed_operator() {
+  RestOperator rest;
+  rest.inverse_jacobian.fill(Mat3::Zero());
+  rest.shared_gradient.setZero();
   return rest;
 }
 
 std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world) {
   const Mat3 shared = world.transpose() * rest.shared_gradient;
   std::array<Mat3, kCorners> F;
-  for (int i = 0; i < kCorners; ++i) F[i] = 0.5 * corner_jacobian(world, i) * rest.inverse_jacobian[i] + shared;
+  for (int i = 0; i < kCorners; ++i)
+    F[i] = rest.corner_share * corner_jacobian(world, i) * rest.inverse_jacobian[i] + shared;
   return F;
 }
 
 ElementPoints sample_gradient(const RestOperator& rest, int sample) {
   ElementPoints gradient = rest.shared_gradient;
-  add_corner_gradient(rest.inverse_jacobian[sample], sample, 0.5, gradient);
+  add_corner_gradient(rest.inverse_jacobian[sample], sample, rest.corner_share, gradient);
   return gradient;
 }
 
@@ -102,7 +121,7 @@ ElementPoints gradient_transpose(const RestOperator& rest, const std::array<Mat3
 
   ElementPoints f = rest.shared_gradient * sum.transpose();
   for (int i = 0; i < kCorners; ++i) {
-    const Mat3 along_edges = 0.5 * tensors[i] * rest.inverse_jacobian[i].transpose();
+    const Mat3 along_edges = rest.corner_share * tensors[i] * rest.inverse_jacobian[i].transpose();
     for (int d = 0; d < 3; ++d) {
       const Eigen::RowVector3d half_edge = 0.5 * kCornerSign[i][d] * along_edges.col(d).transpose();
       f.row(i) += half_edge;

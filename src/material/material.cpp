@@ -43,6 +43,8 @@ void validate(const std::vector<Material>& materials) {
     require(m.rotation_flow_rate >= 0 && std::isfinite(m.rotation_flow_rate), "rotationFlowRate", m.rotation_flow_rate,
             where, "[0, inf) 1/s");
     require(std::isfinite(m.hardening), "hardening", m.hardening, where, "(-inf, inf)");
+    require(m.fracture_stress >= 0, "fractureStress", m.fracture_stress, where, "[0, inf] Pa");
+    require(m.fracture_stretch > 1, "fractureStretch", m.fracture_stretch, where, "(1, inf]");
   }
 }
 
@@ -51,6 +53,7 @@ void validate(const Settings& settings) {
           settings.volume_restitution, "", "[0, inf) 1/s");
   require(settings.inversion_threshold >= 0 && settings.inversion_threshold < 1, "inversionThreshold",
           settings.inversion_threshold, "", "[0, 1)");
+  require(settings.averaging_steps >= 1, "averagingSteps", settings.averaging_steps, "", "[1, inf)");
 }
 
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -40,6 +41,12 @@ double corner_determinant(const ElementPoints& x, int corner) {
   for (int d = 0; d < 3; ++d)
     edges.col(d) = kCornerSign[corner][d] * (x.row(corner) - x.row(kEdgeNeighbour[corner][d])).transpose();
   return edges.determinant();
+}
+
+/// Representative of a node's set in a disjoint-set forest, shortening the path on the way.
+int representative(std::vector<int>& parent, int node) {
+  while (parent[node] != node) node = parent[node] = parent[parent[node]];
+  return node;
 }
 
 }  // namespace
@@ -81,13 +88,15 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
     for (int a = 0; a < kCorners; ++a) incidence_[next[hexahedra_[e][a]]++] = {e, a};
 }
 
-std::vector<std::array<int, 4>> HexMesh::boundary_faces() const {
+std::vector<std::array<int, 4>> HexMesh::boundary_faces(std::span<const unsigned char> alive) const {
   struct Face {
     std::array<int, 4> corners;
     int count = 0;
   };
   std::map<std::array<int, 4>, Face> faces;  // by sorted corners
-  for (const Hexahedron& hexahedron : hexahedra_) {
+  for (int e = 0; e < num_elements(); ++e) {
+    if (!alive.empty() && !alive[e]) continue;
+    const Hexahedron& hexahedron = hexahedra_[e];
     for (const auto& local : kFaces) {
       std::array<int, 4> corners, key;
       for (int k = 0; k < 4; ++k) corners[k] = hexahedron[local[k]];
@@ -102,6 +111,30 @@ std::vector<std::array<int, 4>> HexMesh::boundary_faces() const {
   for (const auto& [key, face] : faces)
     if (face.count == 1) boundary.push_back(face.corners);
   return boundary;
+}
+
+ConnectedParts connected_parts(const HexMesh& mesh, std::span<const unsigned char> alive) {
+  std::vector<int> parent(mesh.num_nodes());
+  std::iota(parent.begin(), parent.end(), 0);
+  std::vector<bool> has_element(mesh.num_nodes(), false);
+  for (int e = 0; e < mesh.num_elements(); ++e) {
+    if (!alive[e]) continue;
+    const Hexahedron& corners = mesh.hexahedra()[e];
+    for (const int node : corners) {
+      parent[representative(parent, node)] = representative(parent, corners[0]);
+      has_element[node] = true;
+    }
+  }
+
+  ConnectedParts parts{std::vector<int>(mesh.num_nodes(), -1), 0};
+  std::vector<int> number(mesh.num_nodes(), -1);
+  for (int n = 0; n < mesh.num_nodes(); ++n) {
+    if (!has_element[n]) continue;
+    int& part = number[representative(parent, n)];
+    if (part < 0) part = parts.count++;
+    parts.part_of_node[n] = part;
+  }
+  return parts;
 }
 
 void scatter(const HexMesh& mesh, const std::vector<ElementPoints>& corner, Points nodal) {

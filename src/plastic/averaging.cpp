@@ -41,13 +41,15 @@ Mat3 inverse_inertia(const ElementPoints& t) {
 /// P or H of eq. 31 as a linear system: the per-element projections differ, all else is shared.
 class Averaging::LocalGlobal : public LinearSystem {
  public:
-  LocalGlobal(const Model& model, const Averaging& averaging) : model_(model), averaging_(averaging) {}
+  LocalGlobal(const Model& model, const Averaging& averaging, const History& history)
+      : model_(model), averaging_(averaging), alive_(history.alive) {}
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
 
   void apply(ConstPoints p, Points Ap) const override {
     parallel_for(model_.mesh.num_elements(), [&](int e) {
-      averaging_.corner_[e] = element_product(e, about_mean(gather(p, model_.mesh.hexahedra()[e])));
+      averaging_.corner_[e] = alive_[e] ? element_product(e, about_mean(gather(p, model_.mesh.hexahedra()[e])))
+                                        : ElementPoints(ElementPoints::Zero());
     });
     Ap.setZero();
     scatter(model_.mesh, averaging_.corner_, Ap);
@@ -56,9 +58,10 @@ class Averaging::LocalGlobal : public LinearSystem {
   // column by column through apply's own element product; the translations of each part are pinned at its first node
   void assemble(BlockMatrix& A) const override {
     for (int e = 0; e < model_.mesh.num_elements(); ++e) {
+      if (!alive_[e]) continue;
       const Hexahedron& corners = model_.mesh.hexahedra()[e];
       for (int b = 0; b < kCorners; ++b) {
-        std::array<Mat3, kCorners> column;
+        CornerTensors column;
         for (int axis = 0; axis < 3; ++axis) {
           ElementPoints unit = ElementPoints::Zero();
           unit(b, axis) = 1;
@@ -68,15 +71,12 @@ class Averaging::LocalGlobal : public LinearSystem {
         for (int a = 0; a < kCorners; ++a) A.add(corners[a], corners[b], column[a]);
       }
     }
-    std::vector<bool> pinned(model_.num_components, false);
+    std::vector<bool> pinned(averaging_.parts_.count, false);
     for (int n = 0; n < num_nodes(); ++n) {
-      const int component = model_.component_of_node[n];
-      if (component < 0) {
-        A.add(n, n, Mat3::Identity());
-      } else if (!pinned[component]) {
-        A.add(n, n, Mat3::Identity());
-        pinned[component] = true;
-      }
+      const int part = averaging_.parts_.part_of_node[n];
+      if (part >= 0 && pinned[part]) continue;
+      A.add(n, n, Mat3::Identity());
+      if (part >= 0) pinned[part] = true;
     }
   }
 
@@ -99,6 +99,7 @@ class Averaging::LocalGlobal : public LinearSystem {
 
   const Model& model_;
   const Averaging& averaging_;
+  const std::vector<unsigned char>& alive_;
 };
 
 class Averaging::GaussNewton final : public LocalGlobal {
@@ -114,75 +115,127 @@ class Averaging::GaussNewton final : public LocalGlobal {
 };
 
 Averaging::Averaging(const Model& model)
-    : target_(model.mesh.num_elements()),
+    : num_removed_(std::numeric_limits<std::size_t>::max()),
+      node_weight_(model.mesh.num_nodes()),
+      target_(model.mesh.num_elements()),
       inverse_inertia_(model.mesh.num_elements()),
       corner_(model.mesh.num_elements()),
       misfit_(model.mesh.num_elements()),
-      node_weight_(model.mesh.num_nodes()),
-      shift_(model.num_components),
       gradient_(model.mesh.num_nodes(), 3),
       increment_(model.mesh.num_nodes(), 3),
-      before_(model.mesh.num_nodes(), 3) {
-  for (int n = 0; n < model.mesh.num_nodes(); ++n) node_weight_[n] = static_cast<double>(model.mesh.incident(n).size());
+      before_(model.mesh.num_nodes(), 3) {}
+
+const ConnectedParts& Averaging::parts(const Model& model, const History& history) {
+  if (num_removed_ != history.removed.size()) {
+    num_removed_ = history.removed.size();
+    parts_ = connected_parts(model.mesh, history.alive);
+    shift_.resize(parts_.count);
+    for (int n = 0; n < model.mesh.num_nodes(); ++n) {
+      node_weight_[n] = 0;
+      for (const auto& [element, corner] : model.mesh.incident(n)) node_weight_[n] += history.alive[element];
+    }
+  }
+  return parts_;
 }
 
 double Averaging::fit(const Model& model, History& history) {
+  const bool fits_rotations = model.maps_per_element() == 1;
   parallel_for(model.mesh.num_elements(), [&](int e) {
+    if (!history.alive[e]) {
+      target_[e].setZero();
+      corner_[e].setZero();
+      misfit_[e] = 0;
+      return;
+    }
     const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
-    const Mat3 Pi = fit_rotation(history.rest_shape[e], x);
-    history.rotation_map[e] = Pi;
-    target_[e] = history.rest_shape[e] * Pi.transpose();
+    const ElementPoints& y = history.rest_shape[e];
+    if (fits_rotations) {
+      history.rotation_map[e] = fit_rotation(y, x);
+      target_[e] = y * history.rotation_map[e].transpose();
+    } else {
+      for (int i = 0; i < kCorners; ++i)
+        target_[e].row(i) = y.row(i) * history.rotation_map[e * kCorners + i].transpose();
+      target_[e] = about_mean(target_[e]);
+    }
     corner_[e] = x - target_[e];
     misfit_[e] = corner_[e].squaredNorm();
   });
   return std::accumulate(misfit_.begin(), misfit_.end(), 0.0);
 }
 
-void Averaging::keep_means(const Model& model) {
+double Averaging::misfit(const Model& model, const History& history) {
+  parallel_for(model.mesh.num_elements(), [&](int e) {
+    if (!history.alive[e]) return;
+    const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
+    const ElementPoints& y = history.rest_shape[e];
+    misfit_[e] = (y * fit_rotation(y, x).transpose() - x).squaredNorm();
+  });
+  return std::accumulate(misfit_.begin(), misfit_.end(), 0.0);
+}
+
+void Averaging::keep_means() {
   std::fill(shift_.begin(), shift_.end(), Shift{});
-  for (int n = 0; n < model.mesh.num_nodes(); ++n) {
-    const int component = model.component_of_node[n];
-    if (component < 0) continue;
-    shift_[component].sum += increment_.row(n).transpose();
-    ++shift_[component].count;
+  for (int n = 0; n < increment_.rows(); ++n) {
+    const int part = parts_.part_of_node[n];
+    if (part < 0) continue;
+    shift_[part].sum += increment_.row(n).transpose();
+    ++shift_[part].count;
   }
-  for (int n = 0; n < model.mesh.num_nodes(); ++n) {
-    const int component = model.component_of_node[n];
-    if (component < 0)
+  for (int n = 0; n < increment_.rows(); ++n) {
+    const int part = parts_.part_of_node[n];
+    if (part < 0)
       increment_.row(n).setZero();
     else
-      increment_.row(n) -= (shift_[component].sum / shift_[component].count).transpose();
+      increment_.row(n) -= (shift_[part].sum / shift_[part].count).transpose();
   }
 }
 
-AveragingReport Averaging::step(const Model& model, LinearSolver& solver, History& history) {
-  AveragingReport report;
+void Averaging::step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report) {
   const double E = fit(model, history);
   double size = 0;
   for (const ElementPoints& t : target_) size += t.squaredNorm();
-  if (!(E > kFitted * size)) return report;
+  if (!(E > kFitted * size)) return;
   report.skipped = false;
 
   gradient_.setZero();
   scatter(model.mesh, corner_, gradient_);
   gradient_ *= -1;
-  parallel_for(model.mesh.num_elements(), [&](int e) { inverse_inertia_[e] = inverse_inertia(target_[e]); });
-
   before_ = history.material;
-  const auto advance = [&](const LinearSystem& system) {
+  const auto move = [&] {
+    keep_means();
+    history.material = before_ + increment_;
+    ++history.version;
+    return misfit(model, history);
+  };
+  const auto solve = [&](const LinearSystem& system) {
     const SolveReport solved = solver.solve(system, gradient_, increment_);
     report.iterations += solved.iterations;
     report.residual = solved.residual;
-    keep_means(model);
-    history.material = before_ + increment_;
-    return fit(model, history);
+    return move();
   };
-  if (advance(GaussNewton(model, *this)) > E) {
-    // far from the fit the projected step may overshoot; the local/global step never raises E
-    report.fell_back = true;
-    advance(LocalGlobal(model, *this));
+
+  const LocalGlobal local_global(model, *this, history);
+  const AveragingMethod method = model.settings.averaging;
+  if (method == AveragingMethod::kJacobi) {
+    local_global.precondition(gradient_, increment_);
+    move();
+  } else if (method == AveragingMethod::kLocalGlobal || model.maps_per_element() > 1) {
+    solve(local_global);
+  } else {
+    parallel_for(model.mesh.num_elements(), [&](int e) { inverse_inertia_[e] = inverse_inertia(target_[e]); });
+    if (solve(GaussNewton(model, *this, history)) > E) {
+      // far from the fit the projected step may overshoot; the local/global step never raises E
+      report.fell_back = true;
+      solve(local_global);
+    }
   }
-  ++history.version;
+}
+
+AveragingReport Averaging::advance(const Model& model, LinearSolver& solver, History& history) {
+  parts(model, history);
+  AveragingReport report;
+  for (int step_number = 0; step_number < model.settings.averaging_steps; ++step_number)
+    step(model, solver, history, report);
   return report;
 }
 

@@ -3,12 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/plastic/point_flow.hpp"
+#include "hexaplast/plastic/element_flow.hpp"
 #include "hexaplast/plastic/rest_shape.hpp"
 
 namespace hexaplast {
@@ -18,117 +19,127 @@ namespace {
 constexpr double kVolumeAtRest = 1e-14;      // a volume error below is rounding
 constexpr double kCollapsedJacobian = 0.02;  // of the original: averaging may not press a corner below
 
-/// Smallest det J_i(x) / det J_i(X) of an element's corners.
-double least_jacobian_ratio(const Model& model, int e, const ElementPoints& x) {
-  double least = 1e300;
-  for (int i = 0; i < kCorners; ++i)
-    least = std::min(least, corner_jacobian(x, i).determinant() / model.corner_jacobian[e][i]);
-  return least;
+/// Rotation that best fits the material positions of each connected part to the world ones.
+void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints world, std::vector<Mat3>& frames) {
+  frames.assign(parts.count, Mat3::Zero());
+  std::vector<Vec3> from(parts.count, Vec3::Zero()), to(parts.count, Vec3::Zero());
+  std::vector<int> count(parts.count, 0);
+  for (int n = 0; n < material.rows(); ++n) {
+    const int part = parts.part_of_node[n];
+    if (part < 0) continue;
+    from[part] += material.row(n).transpose();
+    to[part] += world.row(n).transpose();
+    ++count[part];
+  }
+  for (int n = 0; n < material.rows(); ++n) {
+    const int part = parts.part_of_node[n];
+    if (part < 0) continue;
+    frames[part] += (world.row(n).transpose() - to[part] / count[part]) *
+                    (material.row(n) - (from[part] / count[part]).transpose());
+  }
+  for (Mat3& frame : frames) frame = polar(frame).R;
 }
 
-/// Flow of one element at world corners: history[e] -> trial[e].
-ElementFlow flow_element(const Model& model, int e, const RestOperator& rest, const ElementPoints& world,
-                         const History& history, double dt, History& trial) {
-  const Material& material = model.material(e);
-  const Settings& settings = model.settings;
-  const ElementPoints x = gather(history.material, model.mesh.hexahedra()[e]);
-  const std::array<Mat3, kCorners> F = deformation_gradients(rest, world);
-  ElementFlow out;
+/// Flow of every live element: history -> work.trial, work.flows.
+void flow_elements(const Model& model, const Linearization& at, ConstPoints x, double dt, const History& history,
+                   FlowWorkspace& work) {
+  const bool needs_frames = model.maps_per_element() > 1 && model.settings.rotation_frame == RotationFrame::kBestFit;
+  const ConnectedParts& parts = work.averaging.parts(model, history);
+  if (needs_frames) fit_frames(parts, history.material, x, work.frames);
+  const Mat3 axes = Mat3::Identity();
 
-  ElementPoints& y = trial.rest_shape[e];
-  y = history.rest_shape[e];
-  trial.rotation_map[e] = history.rotation_map[e];
-  trial.yield_stress[e] = history.yield_stress[e];
-  trial.rotation_yield[e] = history.rotation_yield[e];
-  trial.plastic_strain[e] = history.plastic_strain[e];
-
-  // guard: nothing flows in an element that is inside out or nearly so, in the world or in the material
-  double least_det = 1e300;
-  for (const Mat3& Fi : F) least_det = std::min(least_det, Fi.determinant());
-  const double least_jacobian = least_jacobian_ratio(model, e, x);
-  out.inverted = least_det < 0;
-  out.guarded = least_det < settings.inversion_threshold || least_jacobian < settings.inversion_threshold;
-
-  const bool stretches = material.flow_rate > 0 && std::isfinite(material.yield_stress);
-  const bool rotates = settings.rotation == RotationPlasticity::kObjective && material.rotation_flow_rate > 0;
-  if (!out.guarded && (stretches || rotates)) {
-    const Mat3 R_centre =
-        rotates ? polar(centre_jacobian(world) * centre_jacobian(x).inverse()).R : Mat3(Mat3::Identity());
-    std::array<Mat3, kCorners> increments;
-    for (int i = 0; i < kCorners; ++i) {
-      const Polar at = polar(F[i]);
-      const StretchFlow stretch =
-          stretch_flow(at.S, model.lame[e], settings.yield_norm, history.yield_stress[e][i], material.flow_rate, dt);
-      increments[i] = stretch.increment;
-      out.yielded = out.yielded || stretch.share > 0;
-      out.dissipated += rest.volume / kCorners * stretch.dissipated;
-      trial.plastic_strain[e][i] += stretch.strain;
-      if (stretch.share > 0)
-        trial.yield_stress[e][i] =
-            std::max(0.0, trial.yield_stress[e][i] + material.hardening * stretch.share * stretch.norm);
-
-      if (!rotates) continue;
-      const RotationFlow turn =
-          rotation_flow(at.R, R_centre, history.rotation_yield[e][i], material.rotation_flow_rate, dt);
-      if (turn.share == 0) continue;
-      increments[i] = turn.increment * increments[i];
-      out.yielded = true;
-      trial.rotation_yield[e][i] =
-          std::max(0.0, trial.rotation_yield[e][i] + material.hardening * turn.share * turn.angle);
+  parallel_for(model.mesh.num_elements(), [&](int e) {
+    if (!history.alive[e]) {
+      work.trial.set_element(e, history.element(e));
+      work.flows[e] = {};
+      return;
     }
-    if (out.yielded) deform_rest_shape(increments, history.rotation_map[e], y);
-  }
-
-  if (least_jacobian < settings.inversion_threshold) {
-    repair_rest_shape(model.original_shape[e], dt, y);
-    out.repaired = true;
-  }
-  const double volume_ratio = rest.volume / model.volume[e];
-  out.volume_error = std::abs(volume_ratio - 1);
-  if (out.volume_error >= kVolumeAtRest) restore_volume(volume_ratio, settings.volume_restitution, dt, y);
-  return out;
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const ElementPoints material = gather(history.material, corners), world = gather(x, corners);
+    const ElementMoment moment{.material = model.material(e),
+                               .lame = model.lame[e],
+                               .settings = model.settings,
+                               .original_shape = model.original_shape[e],
+                               .corner_jacobian = model.corner_jacobian[e],
+                               .original_volume = model.volume[e],
+                               .x = material,
+                               .rest = at.rest[e],
+                               .world = world,
+                               .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]] : axes};
+    const ElementStep step = flow_element(moment, history.element(e), dt);
+    work.trial.set_element(e, step.next);
+    work.flows[e] = {.yielded = step.yielded,
+                     .inverted = step.inverted,
+                     .guarded = step.guarded,
+                     .repaired = step.repaired,
+                     .volume_error = std::abs(step.volume_ratio - 1),
+                     .dissipated = step.dissipated};
+  });
 }
 
 /// Takes back the flow of one element: its present material shape becomes its rest shape.
-void adopt_material_shape(const Model& model, int e, const History& history, History& trial, ElementFlow& flow) {
+void adopt_material_shape(const Model& model, int e, const History& history, FlowWorkspace& work) {
+  ElementHistory element = history.element(e);
   const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
-  trial.rest_shape[e] = x * history.rotation_map[e];
-  trial.rotation_map[e] = history.rotation_map[e];
-  trial.yield_stress[e] = history.yield_stress[e];
-  trial.rotation_yield[e] = history.rotation_yield[e];
-  trial.plastic_strain[e] = history.plastic_strain[e];
-  flow.yielded = false;
-  flow.dissipated = 0;
+  for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
+  work.trial.set_element(e, element);
+  work.flows[e].yielded = false;
+  work.flows[e].dissipated = 0;
 }
 
 /// Marks elements that the averaging pressed towards inversion; returns how many.
-int mark_collapsing(const Model& model, const History& history, const History& trial, std::vector<ElementFlow>& flows) {
+int mark_collapsing(const Model& model, const History& history, FlowWorkspace& work) {
   int count = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    if (!history.alive[e]) continue;
     const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const double now = least_jacobian_ratio(model, e, gather(trial.material, corners));
-    flows[e].collapsing =
-        now < kCollapsedJacobian && now < least_jacobian_ratio(model, e, gather(history.material, corners));
-    count += flows[e].collapsing;
+    const auto ratio = [&](const History& of) {
+      return least_jacobian_ratio(model.corner_jacobian[e], gather(of.material, corners));
+    };
+    const double now = ratio(work.trial);
+    work.flows[e].collapsing = now < kCollapsedJacobian && now < ratio(history);
+    count += work.flows[e].collapsing;
   }
   return count;
 }
 
 /// Rest-to-material averaging that never presses an element inside out.
 AveragingReport average_safely(const Model& model, LinearSolver& solver, const History& history, FlowWorkspace& work) {
-  AveragingReport report = work.averaging.step(model, solver, work.trial);
-  if (mark_collapsing(model, history, work.trial, work.flows) == 0) return report;
+  AveragingReport report = work.averaging.advance(model, solver, work.trial);
+  if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    if (work.flows[e].collapsing) adopt_material_shape(model, e, history, work.trial, work.flows[e]);
+    if (work.flows[e].collapsing) adopt_material_shape(model, e, history, work);
   work.trial.material = history.material;
-  report = work.averaging.step(model, solver, work.trial);
-  if (mark_collapsing(model, history, work.trial, work.flows) == 0) return report;
+  report = work.averaging.advance(model, solver, work.trial);
+  if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    adopt_material_shape(model, e, history, work.trial, work.flows[e]);
+    if (history.alive[e]) adopt_material_shape(model, e, history, work);
   work.trial.material = history.material;
   return report;
+}
+
+/// Whether hardening or plastic stretch has carried an element past its limits at some corner.
+bool is_broken(const Material& material, const ElementHistory& element) {
+  const auto& tau = element.yield_stress;
+  if (*std::max_element(tau.begin(), tau.end()) > material.fracture_stress) return true;
+  if (!std::isfinite(material.fracture_stretch)) return false;
+  return std::any_of(element.plastic_stretch.begin(), element.plastic_stretch.end(), [&](const Mat3& Fp) {
+    return Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch;
+  });
+}
+
+/// Removes the elements that broke in this step; returns how many.
+int remove_broken(const Model& model, FlowWorkspace& work) {
+  int count = 0;
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    if (!work.flows[e].yielded || !is_broken(model.material(e), work.trial.element(e))) continue;
+    work.trial.alive[e] = 0;
+    work.trial.removed.push_back(e);
+    ++count;
+  }
+  return count;
 }
 
 void require_finite(ConstPoints x, const char* what) {
@@ -146,9 +157,7 @@ FlowWorkspace::FlowWorkspace(const Model& model) : trial(model), averaging(model
 FlowReport flow(const Model& model, const Linearization& at, ConstPoints x, double dt, LinearSolver& solver,
                 History& history, FlowWorkspace& work) {
   require_finite(x, "position");
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    work.flows[e] = flow_element(model, e, at.rest[e], gather(x, model.mesh.hexahedra()[e]), history, dt, work.trial);
-  });
+  flow_elements(model, at, x, dt, history, work);
 
   FlowReport report;
   const auto count = [&](bool ElementFlow::*mark) {
@@ -165,11 +174,13 @@ FlowReport flow(const Model& model, const Linearization& at, ConstPoints x, doub
   if (at_rest) return report;
 
   work.trial.material = history.material;
-  work.trial.version = history.version;
   work.trial.dissipated_energy = history.dissipated_energy;
+  work.trial.alive = history.alive;
+  work.trial.removed = history.removed;
   report.averaging = average_safely(model, solver, history, work);
   require_finite(work.trial.material, "material position");
   report.yielded = count(&ElementFlow::yielded);
+  report.removed = remove_broken(model, work);
   for (const ElementFlow& f : work.flows) work.trial.dissipated_energy += f.dissipated;
   work.trial.version = history.version + 1;
   std::swap(history, work.trial);

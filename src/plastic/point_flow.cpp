@@ -22,9 +22,9 @@ double stress_norm(const Mat3& sigma, YieldNorm norm) {
   return std::sqrt(1.5) * deviator.norm();
 }
 
-double flow_share(double value, double threshold, double rate, double dt) {
+double flow_share(double value, double threshold, double rate, double dt, double offset) {
   if (!(value > threshold)) return 0;
-  return std::min(rate * dt * (value - threshold) / value, 1.0);
+  return std::min(rate * dt * (value - threshold) / (value + offset), 1.0);
 }
 
 StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yield_stress, double rate, double dt) {
@@ -45,13 +45,12 @@ StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yi
   return flow;
 }
 
-RotationFlow rotation_flow(const Mat3& R_corner, const Mat3& R_centre, double rotation_yield, double rate, double dt) {
-  const Vec3 relative = rotation_log(R_centre.transpose() * R_corner);  // log Q
-
+RotationFlow rotation_flow(const Mat3& rotation, double angle, double pose_angle, double rotation_yield, double rate,
+                           double dt) {
   RotationFlow flow;
-  flow.angle = relative.norm();                                              // eq. 24
-  flow.share = flow_share(flow.angle, rotation_yield, rate, dt);             // eq. 25
-  if (flow.share > 0) flow.increment = rotation_exp(flow.share * relative);  // eq. 26
+  flow.angle = angle;
+  flow.share = flow_share(angle, rotation_yield, rate, dt, pose_angle);       // eq. 25
+  if (flow.share > 0) flow.increment = rotation_power(rotation, flow.share);  // eq. 26
   return flow;
 }
 

@@ -14,9 +14,12 @@ constexpr double kLeastScale = 0.5, kGreatestScale = 2.0;  // volume may not cha
 
 }  // namespace
 
-void deform_rest_shape(const std::array<Mat3, kCorners>& increments, const Mat3& rotation_map, ElementPoints& y) {
-  for (int i = 0; i < kCorners; ++i)
-    y.row(i) = (rotation_map.transpose() * (increments[i] * (rotation_map * y.row(i).transpose()))).transpose();
+void deform_rest_shape(const std::array<Mat3, kCorners>& increments, const std::array<Mat3, kCorners>& rotation_maps,
+                       ElementPoints& y) {
+  for (int i = 0; i < kCorners; ++i) {
+    const Mat3& Pi = rotation_maps[i];
+    y.row(i) = (Pi.transpose() * (increments[i] * (Pi * y.row(i).transpose()))).transpose();
+  }
   y = about_mean(y);
 }
 

@@ -3,22 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <numeric>
+#include <algorithm>
+#include <cmath>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/kinematics/gradients.hpp"
 
 namespace hexaplast {
-
-namespace {
-
-/// Representative of a node's set in a disjoint-set forest, shortening the path on the way.
-int representative(std::vector<int>& parent, int node) {
-  while (parent[node] != node) node = parent[node] = parent[parent[node]];
-  return node;
-}
-
-}  // namespace
 
 Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_)
     : mesh(std::move(mesh_)), materials(std::move(materials_)), settings(settings_) {
@@ -29,6 +20,8 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
   validate(materials);
   validate(settings);
 
+  tracks_plastic_stretch = std::any_of(materials.begin(), materials.end(),
+                                       [](const Material& m) { return std::isfinite(m.fracture_stretch); });
   lame.resize(num_elements);
   volume.resize(num_elements);
   corner_jacobian.resize(num_elements);
@@ -39,20 +32,6 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
     volume[e] = hexaplast::volume(X);
     for (int a = 0; a < kCorners; ++a) corner_jacobian[e][a] = hexaplast::corner_jacobian(X, a).determinant();
     original_shape[e] = X.rowwise() - X.colwise().mean();
-  }
-
-  // connected parts, numbered by their first node
-  std::vector<int> parent(mesh.num_nodes());
-  std::iota(parent.begin(), parent.end(), 0);
-  for (const Hexahedron& corners : mesh.hexahedra())
-    for (const int node : corners) parent[representative(parent, node)] = representative(parent, corners[0]);
-  component_of_node.assign(mesh.num_nodes(), -1);
-  std::vector<int> number(mesh.num_nodes(), -1);
-  for (int n = 0; n < mesh.num_nodes(); ++n) {
-    if (mesh.incident(n).empty()) continue;
-    int& component = number[representative(parent, n)];
-    if (component < 0) component = num_components++;
-    component_of_node[n] = component;
   }
 }
 

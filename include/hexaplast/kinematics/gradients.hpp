@@ -5,6 +5,7 @@
 
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
+#include "hexaplast/material/material.hpp"
 
 namespace hexaplast {
 
@@ -26,13 +27,20 @@ double volume(const ElementPoints& x);
 /// g_ja is the gradient of shape function a at corner j, Gm_a = (1/V) int grad N_a dV its exact mean. This equals
 /// (F_i + F_o)/2 + F_m - mean_j (F_j + F_o)/2: on parallelepipeds the blend of corner and centre, and on every
 /// hexahedron with the exact mean, without which the patch test fails.
+///
+/// The other schemes have the same form: F_i = share F_i(corner) + sum_a xh_a (x) h_a, with share = 1 and h = 0 at the
+/// corners alone, share = 0 and h = the gradients at the centre there.
 struct RestOperator {
   std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
   ElementPoints shared_gradient;                ///< [1/m] h_a
+  double corner_share = 0.5;                    ///< [-] of F_i; 1/2 blended, 1 corners alone, 0 centre alone
   double volume = 0;                            ///< [m^3] each sample carries an eighth of it
 };
 
-RestOperator rest_operator(const ElementPoints& material);
+RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme = GradientScheme::kBlended);
+
+/// The operator of an element that is gone: no volume and no gradients, hence no force and no stiffness.
+RestOperator removed_operator();
 
 /// F~_i for all eight samples.
 std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world);

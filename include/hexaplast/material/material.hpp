@@ -25,6 +25,15 @@ struct Material {
   double rotation_yield = 0;      ///< tau^R [rad], in [0, pi]
   double rotation_flow_rate = 0;  ///< nu^R [1/s], >= 0
   double hardening = 0;           ///< kappa [-]: growth of both thresholds with flow; < 0 softens, down to 0
+  double fracture_stress = std::numeric_limits<double>::infinity();  ///< [Pa] the element goes when tau hardens past it
+  double fracture_stretch = std::numeric_limits<double>::infinity();  ///< [-] > 1: it goes when plastic stretch does
+};
+
+/// Where deformation gradients are sampled. All carry V/8 per sample.
+enum class GradientScheme {
+  kBlended,  ///< mean of corner and centre, shifted to the exact mean: passes the patch test
+  kVertex,   ///< corners alone: stiff
+  kCentre    ///< the centre alone, eight times: soft, with hourglass modes
 };
 
 /// Norm of the stress that is compared with the yield stress. All three give the tensile stress in uniaxial tension.
@@ -37,14 +46,34 @@ enum class YieldNorm {
 /// How rotation within an element becomes permanent.
 enum class RotationPlasticity {
   kObjective,  ///< relative rotation of corner and centre, carried by the rest shape
+  kVertex,     ///< the paper's eq. 5 and 8: a rotation map per corner
+  kCentre,     ///< the paper's eq. 6 and 8: the rotation of the centre
   kNone        ///< only stretch flows
+};
+
+/// What the paper's modes measure rotations against.
+enum class RotationFrame {
+  kBestFit,  ///< the rotation of the whole connected part: objective
+  kWorld     ///< the axes, as printed: the pose of the body matters
+};
+
+/// How the isolated rest shapes become one material shape.
+enum class AveragingMethod {
+  kGaussNewton,  ///< one rotation-projected Gauss-Newton step                                   theory.md eq. 31
+  kLocalGlobal,  ///< rotations held fixed while positions are solved for: lags in bending and twist
+  kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size
 };
 
 /// What holds for a whole body.
 struct Settings {
+  GradientScheme gradient = GradientScheme::kBlended;
   YieldNorm yield_norm = YieldNorm::kVonMises;
   RotationPlasticity rotation = RotationPlasticity::kObjective;
-  double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
+  RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre
+  AveragingMethod averaging =
+      AveragingMethod::kGaussNewton;  ///< kVertex and kCentre know kLocalGlobal and kJacobi only
+  int averaging_steps = 1;            ///< per time step, >= 1
+  double volume_restitution = 1;      ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
 };
 

@@ -36,7 +36,8 @@ class HexMesh {
   }
 
   /// Faces that belong to one element only, counter-clockwise seen from outside: the surface of the body.
-  std::vector<std::array<int, 4>> boundary_faces() const;
+  /// `alive`, if not empty, has one entry per element: only elements with a non-zero entry count.
+  std::vector<std::array<int, 4>> boundary_faces(std::span<const unsigned char> alive = {}) const;
 
  private:
   PointArray positions_;
@@ -44,6 +45,15 @@ class HexMesh {
   std::vector<int> first_;            // num_nodes + 1 offsets into incidence_
   std::vector<Incidence> incidence_;  // grouped by node
 };
+
+/// The connected parts of a mesh of which some elements are gone.
+struct ConnectedParts {
+  std::vector<int> part_of_node;  ///< numbered by their first node; -1 for a node without live element
+  int count = 0;
+};
+
+/// alive: one entry per element; elements with a zero entry do not connect.
+ConnectedParts connected_parts(const HexMesh& mesh, std::span<const unsigned char> alive);
 
 /// The rows of a nodal field at the corners of a hexahedron.
 inline ElementPoints gather(ConstPoints field, const Hexahedron& corners) {

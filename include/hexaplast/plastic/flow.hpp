@@ -15,11 +15,12 @@ struct FlowReport {
   int inverted = 0;               ///< turned inside out at some corner (det F~ < 0)
   int guarded = 0;                ///< kept elastic because they are inverted or nearly so
   int repaired = 0;               ///< whose material shape was led back towards the original one
+  int removed = 0;                ///< broken in this step: the last ones of History::removed
   double worst_volume_error = 0;  ///< greatest |material volume / original volume - 1| of an element, before the step
   AveragingReport averaging;
 };
 
-/// What one element did in a plastic step.
+/// What is left of an element's step once it is in the trial history.
 struct ElementFlow {
   bool yielded = false, inverted = false, guarded = false, repaired = false;
   bool collapsing = false;  ///< the averaging pressed it towards inversion
@@ -34,6 +35,7 @@ struct FlowWorkspace {
   History trial;  ///< the history being made; taken over when the step is complete
   Averaging averaging;
   std::vector<ElementFlow> flows;  ///< per element
+  std::vector<Mat3> frames;        ///< B of each connected part
 };
 
 /// One plastic step at accepted world positions x (theory.md section 5): stretch and rotation flow at every corner,

@@ -10,9 +10,10 @@ namespace hexaplast {
 /// Size of a stress [Pa] in the given norm.                                                   theory.md eq. 20
 double stress_norm(const Mat3& sigma, YieldNorm norm);
 
-/// Share of the excess that flows in dt: clamp(rate dt (value - threshold) / value, 0, 1); 0 for value <= threshold.
-/// Used for stretch (value |sigma| [Pa]) and for rotation (value phi [rad]).                  theory.md eq. 21, 25
-double flow_share(double value, double threshold, double rate, double dt);
+/// Share of the excess that flows in dt: clamp(rate dt (value - threshold) / (value + offset), 0, 1); 0 for
+/// value <= threshold. Used for stretch (value |sigma| [Pa]) and for rotation (value phi [rad]); the offset is that of
+/// the paper's rotation modes.                                                               theory.md eq. 21, 25
+double flow_share(double value, double threshold, double rate, double dt, double offset = 0);
 
 /// What one corner's stretch contributes in one step.
 struct StretchFlow {
@@ -26,13 +27,16 @@ struct StretchFlow {
 /// S: stretch of a sample that is not inverted (det S > 0). yield_stress is the corner's present threshold [Pa].
 StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yield_stress, double rate, double dt);
 
-/// What one corner's rotation relative to the element centre contributes in one step.
+/// What one corner's rotation contributes in one step.
 struct RotationFlow {
-  Mat3 increment = Mat3::Identity();  ///< R^p = Q^eta with Q = R_o^T R_i                                    eq. 26
+  Mat3 increment = Mat3::Identity();  ///< R^p = rotation^eta                                               eq. 26
   double share = 0;                   ///< eta [-]
-  double angle = 0;                   ///< phi [rad], rotation angle of Q, in [0, pi]                        eq. 24
+  double angle = 0;                   ///< phi [rad], rotation angle of R_o^T R_i, in [0, pi]                eq. 24
 };
 
-RotationFlow rotation_flow(const Mat3& R_corner, const Mat3& R_centre, double rotation_yield, double rate, double dt);
+/// rotation: what flows, R_o^T R_i in the objective mode. angle: phi [rad]. pose_angle: Phi(I, R_o) [rad] in the
+/// paper's modes, 0 in the objective one.
+RotationFlow rotation_flow(const Mat3& rotation, double angle, double pose_angle, double rotation_yield, double rate,
+                           double dt);
 
 }  // namespace hexaplast

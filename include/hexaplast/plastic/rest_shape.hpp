@@ -11,9 +11,10 @@ namespace hexaplast {
 /// What happens to the isolated rest shape y of one element: eight rows about their own mean [m].  theory.md
 /// section 5.3
 
-/// y_i <- Pi^T A_i Pi y_i, with one increment A_i = R^p_i S^p_i per corner in the material frame; then the mean is
+/// y_i <- Pi_i^T A_i Pi_i y_i, with one increment A_i = R^p_i S^p_i and one rotation map per corner; then the mean is
 /// removed.                                                                                                   eq. 27
-void deform_rest_shape(const std::array<Mat3, kCorners>& increments, const Mat3& rotation_map, ElementPoints& y);
+void deform_rest_shape(const std::array<Mat3, kCorners>& increments, const std::array<Mat3, kCorners>& rotation_maps,
+                       ElementPoints& y);
 
 /// Leads a nearly inverted shape back: y <- y + min(1, 5 dt) (R y0 - y), R the best rotation from y0 to y.    eq. 29
 void repair_rest_shape(const ElementPoints& original, double dt, ElementPoints& y);

@@ -9,21 +9,38 @@
 
 namespace hexaplast {
 
+using CornerValues = std::array<double, kCorners>;
+using CornerTensors = std::array<Mat3, kCorners>;
+
+/// The plastic history of one element, by value.
+struct ElementHistory {
+  ElementPoints rest_shape;       ///< [m] y: isolated rest shape, about the element's own mean
+  CornerTensors rotation_map;     ///< Pi: rest frame -> material frame; eight equal ones where the mode has one
+  CornerValues yield_stress;      ///< [Pa] tau; infinite where it never yields
+  CornerValues rotation_yield;    ///< [rad] tau^R
+  CornerValues plastic_strain;    ///< [-] accumulated sqrt(2/3) gamma |dev log D|_F
+  CornerTensors plastic_stretch;  ///< product of the S^p, in the rest frame; identity unless the model tracks it
+};
+
 /// Everything plastic; changes once per accepted time step, by flow() alone. A checkpoint saves exactly this.
 struct History {
-  using CornerValues = std::array<double, kCorners>;
-
-  std::vector<ElementPoints> rest_shape;     ///< [m] y: isolated rest shape, about the element's own mean
-  std::vector<Mat3> rotation_map;            ///< Pi: rest frame -> material frame, per element
-  std::vector<CornerValues> yield_stress;    ///< [Pa] tau per element and corner; infinite where it never yields
-  std::vector<CornerValues> rotation_yield;  ///< [rad] tau^R per element and corner
-  PointArray material;                       ///< [m] x: the joined rest shape, num_nodes x 3; all that elasticity sees
-  std::vector<CornerValues> plastic_strain;  ///< [-] accumulated sqrt(2/3) gamma |dev log D|_F per element and corner
-  double dissipated_energy = 0;              ///< [J] accumulated plastic work
-  long version = 0;  ///< grows whenever `material` changes, so that derived data know they are old
+  std::vector<ElementPoints> rest_shape;       ///< y per element
+  std::vector<Mat3> rotation_map;              ///< Pi per element, or per element and corner (Model::maps_per_element)
+  std::vector<CornerValues> yield_stress;      ///< [Pa] tau per element
+  std::vector<CornerValues> rotation_yield;    ///< [rad] tau^R per element
+  PointArray material;                         ///< [m] x: joined rest shape, num_nodes x 3; all that elasticity sees
+  std::vector<CornerValues> plastic_strain;    ///< [-] per element
+  std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
+  double dissipated_energy = 0;                ///< [J] accumulated plastic work
+  std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
+  std::vector<int> removed;                    ///< removed elements in the order of their removal
+  long version = 0;  ///< grows whenever `material` or `alive` changes, so that derived data know they are old
 
   /// The virgin state of a model: material = original positions.
   explicit History(const Model& model);
+
+  ElementHistory element(int e) const;
+  void set_element(int e, const ElementHistory& element);
 };
 
 }  // namespace hexaplast

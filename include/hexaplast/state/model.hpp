@@ -18,12 +18,19 @@ struct Model {
   std::vector<double> volume;                                 ///< [m^3] V0, original volume per element
   std::vector<std::array<double, kCorners>> corner_jacobian;  ///< [m^3] det J_i(X) per element and corner
   std::vector<ElementPoints> original_shape;                  ///< [m] corners about their mean, per element
-  std::vector<int> component_of_node;  ///< connected part of the mesh that a node belongs to; -1 without element
-  int num_components = 0;
+
+  bool tracks_plastic_stretch = false;  ///< some element breaks by its plastic stretch, so that it must be remembered
 
   /// Throws InputError for materials or settings outside their ranges, or a material count that is neither 1 nor
   /// num_elements.
   Model(HexMesh mesh, std::vector<Material> materials, Settings settings);
+
+  /// Rotation maps that each element carries: one, or one per corner in the paper's modes.
+  int maps_per_element() const {
+    return settings.rotation == RotationPlasticity::kVertex || settings.rotation == RotationPlasticity::kCentre
+               ? kCorners
+               : 1;
+  }
 
   const Material& material(int element) const { return materials[materials.size() == 1 ? 0 : element]; }
 };

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+
+#include "hexaplast/kinematics/gradients.hpp"
+#include "hexaplast/plastic/point_flow.hpp"
+#include "hexaplast/state/history.hpp"
+
+namespace hexaplast {
+
+/// What a plastic step finds of one element; all references must outlive the call.
+struct ElementMoment {
+  const Material& material;
+  const Lame& lame;
+  const Settings& settings;
+  const ElementPoints& original_shape;  ///< [m] corners of the original mesh about their mean
+  const CornerValues& corner_jacobian;  ///< [m^3] det J_i of the original mesh
+  double original_volume;               ///< [m^3] V0
+  const ElementPoints& x;               ///< [m] material corners
+  const RestOperator& rest;             ///< of x
+  const ElementPoints& world;           ///< [m] world corners
+  const Mat3& frame;                    ///< B: what the paper's rotation modes are measured against
+};
+
+/// One plastic step of one element, with every intermediate.                        theory.md sections 5.1 to 5.4
+struct ElementStep {
+  bool inverted = false;              ///< inside out at some corner (det F~ < 0)
+  bool guarded = false;               ///< kept elastic: inverted or nearly so
+  bool repaired = false;              ///< the material shape was led back towards the original one
+  bool yielded = false;               ///< stretch or rotation flowed at some corner
+  CornerTensors F;                    ///< deformation gradient at the samples
+  std::array<Polar, kCorners> polar;  ///< R, S; set unless guarded, or nothing can flow
+  Mat3 R_centre = Mat3::Identity();   ///< R_o; set where rotation can flow
+  std::array<StretchFlow, kCorners> stretch;
+  std::array<RotationFlow, kCorners> rotation;
+  double volume_ratio = 1;  ///< beta [-]
+  double dissipated = 0;    ///< [J]
+  ElementHistory next;      ///< the element's history after the step, before the averaging
+};
+
+ElementStep flow_element(const ElementMoment& at, const ElementHistory& before, double dt);
+
+/// Smallest det J_i(x) / det J_i(X) of an element's corners.
+double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x);
+
+}  // namespace hexaplast

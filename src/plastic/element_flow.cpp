@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/plastic/element_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hexaplast/plastic/rest_shape.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+constexpr double kVolumeAtRest = 1e-14;  // a volume error below is rounding
+
+bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
+
+bool can_rotate(const Material& material, const Settings& settings) {
+  return settings.rotation != RotationPlasticity::kNone && material.rotation_flow_rate > 0;
+}
+
+/// Stretch at every corner: what flows, and what it does to thresholds and accumulated quantities.
+void flow_stretch(const ElementMoment& at, double dt, ElementStep& step) {
+  for (int i = 0; i < kCorners; ++i) {
+    StretchFlow& flow = step.stretch[i];
+    flow = stretch_flow(step.polar[i].S, at.lame, at.settings.yield_norm, step.next.yield_stress[i],
+                        at.material.flow_rate, dt);
+    if (flow.share == 0) continue;
+    step.yielded = true;
+    step.dissipated += at.rest.volume / kCorners * flow.dissipated;
+    step.next.plastic_strain[i] += flow.strain;
+    step.next.yield_stress[i] =
+        std::max(0.0, step.next.yield_stress[i] + at.material.hardening * flow.share * flow.norm);  // eq. 23
+  }
+}
+
+/// Rotation at every corner, relative to the centre (objective) or to the frame (the paper's modes).
+void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
+  step.R_centre = polar(centre_jacobian(at.world) * centre_jacobian(at.x).inverse()).R;
+  const Mat3 pose = at.frame.transpose() * step.R_centre;
+  const double pose_angle = rotation_log(pose).norm();
+
+  CornerValues angle;  // phi
+  for (int i = 0; i < kCorners; ++i) angle[i] = rotation_log(step.R_centre.transpose() * step.polar[i].R).norm();
+  const double largest_angle = *std::max_element(angle.begin(), angle.end());
+
+  for (int i = 0; i < kCorners; ++i) {
+    RotationFlow& flow = step.rotation[i];
+    const double threshold = step.next.rotation_yield[i], rate = at.material.rotation_flow_rate;
+    switch (at.settings.rotation) {
+      case RotationPlasticity::kObjective:
+        flow = rotation_flow(step.R_centre.transpose() * step.polar[i].R, angle[i], 0, threshold, rate, dt);
+        break;
+      case RotationPlasticity::kVertex:
+        flow = rotation_flow(at.frame.transpose() * step.polar[i].R, angle[i], pose_angle, threshold, rate, dt);
+        break;
+      case RotationPlasticity::kCentre:
+        flow = rotation_flow(pose, largest_angle, pose_angle, threshold, rate, dt);
+        break;
+      case RotationPlasticity::kNone:
+        break;
+    }
+    if (flow.share == 0) continue;
+    step.yielded = true;
+    step.next.rotation_yield[i] = std::max(0.0, threshold + at.material.hardening * flow.share * flow.angle);  // eq. 25
+  }
+}
+
+/// Takes the increments into the rest shape; in the paper's modes rotation goes into the maps instead.
+void apply_increments(const ElementMoment& at, bool tracks_stretch, ElementStep& step) {
+  const bool objective = at.settings.rotation == RotationPlasticity::kObjective;
+  CornerTensors increments;
+  for (int i = 0; i < kCorners; ++i) {
+    increments[i] = step.stretch[i].increment;
+    if (objective) increments[i] = step.rotation[i].increment * increments[i];
+  }
+  if (tracks_stretch)
+    for (int i = 0; i < kCorners; ++i) {
+      const Mat3& Pi = step.next.rotation_map[i];
+      step.next.plastic_stretch[i] = Pi.transpose() * step.stretch[i].increment * Pi * step.next.plastic_stretch[i];
+    }
+  deform_rest_shape(increments, step.next.rotation_map, step.next.rest_shape);
+  if (!objective)
+    for (int i = 0; i < kCorners; ++i)
+      step.next.rotation_map[i] = step.rotation[i].increment * step.next.rotation_map[i];
+}
+
+}  // namespace
+
+double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kCorners; ++i) least = std::min(least, corner_jacobian(x, i).determinant() / original[i]);
+  return least;
+}
+
+ElementStep flow_element(const ElementMoment& at, const ElementHistory& before, double dt) {
+  ElementStep step;
+  step.next = before;
+  step.F = deformation_gradients(at.rest, at.world);
+
+  // guard: nothing flows in an element that is inside out or nearly so, in the world or in the material
+  double least_det = std::numeric_limits<double>::infinity();
+  for (const Mat3& F : step.F) least_det = std::min(least_det, F.determinant());
+  const double least_jacobian = least_jacobian_ratio(at.corner_jacobian, at.x);
+  step.inverted = least_det < 0;
+  step.guarded = std::min(least_det, least_jacobian) < at.settings.inversion_threshold;
+
+  const bool stretches = can_stretch(at.material), rotates = can_rotate(at.material, at.settings);
+  if (!step.guarded && (stretches || rotates)) {
+    for (int i = 0; i < kCorners; ++i) step.polar[i] = polar(step.F[i]);
+    if (stretches) flow_stretch(at, dt, step);
+    if (rotates) flow_rotation(at, dt, step);
+    if (step.yielded) apply_increments(at, std::isfinite(at.material.fracture_stretch), step);
+  }
+
+  if (least_jacobian < at.settings.inversion_threshold) {
+    repair_rest_shape(at.original_shape, dt, step.next.rest_shape);
+    step.repaired = true;
+  }
+  step.volume_ratio = at.rest.volume / at.original_volume;
+  if (std::abs(step.volume_ratio - 1) >= kVolumeAtRest)
+    restore_volume(step.volume_ratio, at.settings.volume_restitution, dt, step.next.rest_shape);
+  return step;
+}
+
+}  // namespace hexaplast
