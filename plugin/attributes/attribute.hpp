@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string_view>
+
+/// The attribute table: what every component is called, what it takes, and within which limits. Plain data, written
+/// once; reading scenes, range checks, listings, documentation and every host use it, and nothing repeats it.
+namespace hexaplast::attributes {
+
+/// What the text of an attribute is read as.
+enum class Type {
+  kBool,       ///< true, false, 1, 0
+  kInteger,    ///< one whole number
+  kReal,       ///< one number
+  kVector3,    ///< three numbers
+  kIntegers,   ///< whole numbers; `a-b` and `a-b-step` stand for a range
+  kReals,      ///< numbers
+  kVectors3,   ///< groups of three numbers
+  kBoxes,      ///< groups of six numbers: two opposite corners
+  kHexahedra,  ///< groups of eight whole numbers
+  kText,       ///< any text
+  kWord,       ///< one of `words`
+  kLink        ///< `@path` of a node or component
+};
+
+/// Who writes an attribute.
+enum class Access {
+  kInput,   ///< the scene
+  kOutput,  ///< the component: other attributes may link to it
+  kState,   ///< the scene gives the first value, the component the later ones
+  kIgnored  ///< accepted because scenes have it (visual or bookkeeping), without effect here
+};
+
+/// Admissible values of a number, or of each number of a list.
+struct Range {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool without_least = false;  ///< `least` itself is not admissible
+  bool without_most = false;
+
+  constexpr bool contains(double value) const {
+    return (without_least ? value > least : value >= least) && (without_most ? value < most : value <= most);
+  }
+};
+
+inline constexpr Range kPositive{.least = 0, .without_least = true};
+inline constexpr Range kNotNegative{.least = 0};
+inline constexpr Range kIndex{.least = 0, .most = 2147483646};  // node and element numbers are ints
+
+struct Attribute {
+  std::string_view name = {};
+  Type type = Type::kText;
+  std::string_view initial = {};  ///< default, as text; empty: none (numbers) or empty (lists, text)
+  std::string_view unit = {};
+  Range range = {};
+  std::string_view words = {};    ///< of a kWord, separated by blanks
+  std::string_view aliases = {};  ///< further names, separated by blanks
+  Access access = Access::kInput;
+  std::string_view help = {};
+};
+
+/// One component.
+struct Description {
+  std::string_view class_name = {};
+  std::string_view category = {};
+  std::string_view help = {};
+  std::string_view templates = {};  ///< accepted values of `template`, separated by blanks
+  std::span<const Attribute> attributes = {};
+};
+
+/// What every node and component takes besides its own attributes.
+inline constexpr Attribute kCommon[] = {
+    {.name = "name", .type = Type::kText, .help = "Name in links; ClassName1, ClassName2, ... where it is not given."},
+    {.name = "printLog", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
+    {.name = "listening", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
+    {.name = "tags", .type = Type::kText, .access = Access::kIgnored, .help = "Ignored here."},
+};
+
+inline constexpr std::string_view kVec3Templates = "Vec3 Vec3d";
+inline constexpr std::string_view kMatrixTemplates =
+    "CompressedRowSparseMatrix CompressedRowSparseMatrixd CompressedRowSparseMatrixMat3x3 "
+    "CompressedRowSparseMatrixMat3x3d";
+
+}  // namespace hexaplast::attributes

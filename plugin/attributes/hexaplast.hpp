@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "attributes/attribute.hpp"
+
+/// Our own components, the same in every host.
+namespace hexaplast::attributes {
+
+inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
+    {.name = "youngModulus",
+     .type = Type::kReals,
+     .initial = "5000",
+     .unit = "Pa",
+     .range = kPositive,
+     .help = "Young's modulus: one value, or one per hexahedron."},
+    {.name = "poissonRatio",
+     .type = Type::kReals,
+     .initial = "0.45",
+     .range = {.least = 0, .most = 0.5, .without_most = true},
+     .help = "Poisson's ratio: one value, or one per hexahedron."},
+    {.name = "yieldStress",
+     .type = Type::kReal,
+     .unit = "Pa",
+     .range = kNotNegative,
+     .help = "Size of the stress at which plastic flow begins. Without it the body never yields."},
+    {.name = "yieldNorm",
+     .type = Type::kWord,
+     .initial = "vonMises",
+     .words = "vonMises frobenius spectral",
+     .help = "Norm of the stress that is compared with yieldStress. vonMises does not feel pressure."},
+    {.name = "plasticFlowRate",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "1/s",
+     .range = kNotNegative,
+     .help = "Share of the stretch in excess of yield that becomes permanent per second. Times dt: at most 1, wisely "
+             "at most 0.05."},
+    {.name = "rotationYield",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "rad",
+     .range = {.least = 0, .most = 3.141592653589793},
+     .help = "Angle between a corner and its hexahedron at which rotation begins to flow. Scale it with the size of "
+             "the hexahedra."},
+    {.name = "rotationFlowRate",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "1/s",
+     .range = kNotNegative,
+     .help = "Share of the rotation in excess of rotationYield that becomes permanent per second. Limits as for "
+             "plasticFlowRate."},
+    {.name = "rotationPlasticity",
+     .type = Type::kWord,
+     .initial = "objective",
+     .words = "objective none",
+     .help = "How rotation within a hexahedron becomes permanent. none: only stretch flows."},
+    {.name = "hardening",
+     .type = Type::kReal,
+     .initial = "0",
+     .range = kNotNegative,
+     .help = "Growth of yieldStress and rotationYield with the flow."},
+    {.name = "volumeRestitution",
+     .type = Type::kReal,
+     .initial = "1",
+     .unit = "1/s",
+     .range = kNotNegative,
+     .help = "Rate at which the rest shape is led back to its original volume: errors decay as exp(-3 c t). Times dt: "
+             "below 2/3, wisely at most 0.3."},
+    {.name = "inversionThreshold",
+     .type = Type::kReal,
+     .initial = "0.1",
+     .range = {.least = 0, .most = 1, .without_most = true},
+     .help = "Hexahedra squeezed below this share of their volume at some corner, or turned inside out, do not flow."},
+    {.name = "rayleighStiffness",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "s",
+     .range = kNotNegative,
+     .help = "Stiffness-proportional damping of this body in the system matrix alone, besides the solver's own."},
+    {.name = "topology",
+     .type = Type::kLink,
+     .help = "The hexahedra; the topology of the node (or of the nearest one above) where it is not given."},
+};
+inline constexpr Description kHexahedronElastoplasticFEMForceField{
+    .class_name = "HexahedronElastoplasticFEMForceField",
+    .category = "ForceField",
+    .help =
+        "Hexahedral corotational finite elements that stretch, yield and stay stretched. The defaults make a purely "
+        "elastic body.",
+    .templates = kVec3Templates,
+    .attributes = kHexahedronElastoplasticAttributes};
+
+inline constexpr Attribute kTangentialForceAttributes[] = {
+    {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes, group after group."},
+    {.name = "groupSize",
+     .type = Type::kInteger,
+     .initial = "1",
+     .range = {.least = 1, .most = 2147483646},
+     .help = "Consecutive indices that form a group: 1 for nodes, 2 for the centres of edges."},
+    {.name = "axis",
+     .type = Type::kVector3,
+     .initial = "0 0 1",
+     .help = "Direction of the axis; its length is irrelevant."},
+    {.name = "centre", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "A point on the axis."},
+    {.name = "times", .type = Type::kReals, .unit = "s", .help = "Key times, ascending."},
+    {.name = "forces",
+     .type = Type::kReals,
+     .unit = "N",
+     .help = "Size of the force on each group at each key time: none before the first time, linear in between, the "
+             "last one from the last time on. Evaluated at the beginning of a step."},
+};
+inline constexpr Description kTangentialForceField{
+    .class_name = "TangentialForceField",
+    .category = "ForceField",
+    .help =
+        "Forces around an axis that turn with the body. The force on a group acts along axis x (p - centre), p being "
+        "the mean of the group's present positions, and is shared equally by its nodes.",
+    .templates = kVec3Templates,
+    .attributes = kTangentialForceAttributes};
+
+inline constexpr Attribute kRunSettingsAttributes[] = {
+    {.name = "steps",
+     .type = Type::kInteger,
+     .range = {.least = 0, .most = 1e9},
+     .help = "Number of time steps of a run, unless the command line gives one."},
+    {.name = "outputEvery",
+     .type = Type::kInteger,
+     .initial = "25",
+     .range = {.least = 1, .most = 1e9},
+     .help = "Steps between two saved states."},
+};
+inline constexpr Description kRunSettings{.class_name = "RunSettings",
+                                          .category = "Settings",
+                                          .help = "How long a scene runs and how often its state is saved.",
+                                          .attributes = kRunSettingsAttributes};
+
+}  // namespace hexaplast::attributes

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene/component.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "attributes/stock.hpp"
+#include "scene/node.hpp"
+
+namespace hexaplast::scene {
+
+void Component::refresh() { reject("follows a link to something that changes during the run, which it cannot do"); }
+
+void Component::follow_inputs() {
+  const long inputs = inputs_version();
+  if (inputs == seen_inputs_) return;
+  seen_inputs_ = inputs;
+  refresh();
+}
+
+void Component::reject_missing(std::string_view category) {
+  reject(fmt::format("needs a {} in its node or above", category));
+}
+
+void Component::reject_late(std::string_view category, const Component& other) {
+  reject(fmt::format("needs its {} ('{}') before it in the scene", category, other.name()));
+}
+
+void Component::require_sound(const Component& other) const {
+  if (other.stage() == Stage::kFailed) throw Consequence();
+}
+
+Node::Node(Node* parent) : Object(attributes::kNode), parent_(parent) {}
+
+std::string Node::path() const {
+  if (!parent_) return "/";
+  const std::string above = parent_->path();
+  return above == "/" ? above + name() : above + "/" + name();
+}
+
+Component& Node::add(std::unique_ptr<Component> component) {
+  component->node_ = this;
+  components_.push_back(std::move(component));
+  return *components_.back();
+}
+
+Node& Node::add_child() {
+  children_.push_back(std::make_unique<Node>(this));
+  return *children_.back();
+}
+
+}  // namespace hexaplast::scene

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string_view>
+
+#include "scene/object.hpp"
+
+namespace hexaplast::scene {
+
+class Node;
+
+/// A part of a scene. The host calls, in this order:
+///
+///   init        once, nodes from the top down, components in the order of the scene file
+///   bwd_init    once, nodes from the bottom up, when all of init is done
+///   then per time step (scene.hpp):
+///   refresh     only where an attribute changed that the component reads
+///   begin_step  at time t_n
+///   ...         what its category does (interfaces.hpp)
+///   end_step    at time t_n + dt, positions accepted: the only call in which a component may change plastic history
+///   reset       at any time between steps: back to the state after init
+///
+/// Any of them may refuse the scene with reject() or InputError, and give up with NumericalError.
+class Component : public Object {
+ public:
+  using Object::Object;
+
+  virtual void init() {}
+  virtual void bwd_init() {}
+  virtual void refresh();  ///< the default refuses: nothing may follow a changing source unnoticed
+  virtual void begin_step() {}
+  virtual void end_step(double /*dt*/) {}
+  virtual void reset() {}
+
+  Node& node() const { return *node_; }
+
+  /// For the host: calls refresh if an input changed since init or since the last call.
+  void follow_inputs();
+
+  /// How far the host has come with this component.
+  enum class Stage { kMade, kReady, kFailed };
+  Stage stage() const { return stage_; }
+
+ protected:
+  /// The three below are defined in node.hpp.
+  ///
+  /// The component that a link attribute leads to, or, where it is not given, the nearest one of category T in this
+  /// node or above. Rejects the scene where there is none.
+  template <class T>
+  T& linked(std::string_view attribute);
+
+  /// The nearest one of category T in this node or above; rejects the scene where there is none.
+  template <class T>
+  T& needed();
+
+  /// The same, and its init is done.
+  template <class T>
+  T& needed_ready();
+
+ private:
+  friend class Node;
+  friend class Scene;
+
+  [[noreturn]] void reject_missing(std::string_view category);
+  [[noreturn]] void reject_late(std::string_view category, const Component& other);
+  void require_sound(const Component& other) const;
+  void mark_inputs_seen() { seen_inputs_ = inputs_version(); }
+
+  Node* node_ = nullptr;
+  Stage stage_ = Stage::kMade;
+  long seen_inputs_ = 0;
+};
+
+/// Thrown when a component needs another one that has failed already: nothing new to report.
+struct Consequence {};
+
+}  // namespace hexaplast::scene

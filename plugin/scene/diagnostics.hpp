@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hexaplast::scene {
+
+/// Where something was written.
+struct Place {
+  std::string file;  ///< as the user named it; "--set" for a command-line override
+  int line = 0;      ///< from 1; 0: no line
+};
+
+enum class Severity { kNote, kWarning, kError };
+
+struct Message {
+  Severity severity = Severity::kError;
+  Place place;
+  std::string text;       ///< "Component.attribute: what is wrong, the value, what is allowed"
+  std::string hint = {};  ///< may be empty
+};
+
+/// "file:line: error: text", and the hint on a line of its own.
+std::string format(const Message& message);
+std::string format_error(const Place& place, const std::string& text, const std::string& hint = {});
+
+/// A scene that cannot run. what() holds every error found, formatted, one after the other.
+class SceneError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Collects what is wrong with a scene, so that all of it is reported at once.
+class Diagnostics {
+ public:
+  static constexpr int kMostErrors = 20;  ///< errors kept; the others are counted
+
+  void add(Severity severity, Place place, std::string text, std::string hint = {});
+  void error(Place place, std::string text, std::string hint = {}) {
+    add(Severity::kError, std::move(place), std::move(text), std::move(hint));
+  }
+
+  bool has_errors() const { return num_errors_ > 0; }
+
+  /// Throws SceneError with all errors, if there are any.
+  void throw_errors() const;
+
+  /// Notes and warnings since the last call, in the order in which they came.
+  std::vector<Message> take_warnings();
+
+ private:
+  std::vector<Message> errors_, warnings_;
+  long num_errors_ = 0;
+};
+
+/// The one of `names` that `name` probably means: equal but for case, or at most two edits (insert, delete, replace,
+/// swap of neighbours) away, and nearer than half its length. Empty when there is none.
+std::string nearest(std::string_view name, const std::vector<std::string_view>& names);
+
+/// "did you mean 'x'?" for the nearest of `names`, or empty.
+std::string did_you_mean(std::string_view name, const std::vector<std::string_view>& names);
+
+}  // namespace hexaplast::scene

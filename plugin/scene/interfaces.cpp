@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene/interfaces.hpp"
+
+namespace hexaplast::scene {
+
+void Engine::provide(Data& output) {
+  if (is_computing_) reject(output.attribute().name, "depends on itself through links");
+  if (stage() == Stage::kFailed) throw Consequence();
+
+  // Reset on every way out, a refusal of the scene included.
+  struct Computing {
+    explicit Computing(bool& flag) : on(flag) { on = true; }
+    ~Computing() { on = false; }
+    bool& on;
+  } const guard(is_computing_);
+
+  const long inputs = inputs_version();
+  if (is_computed_ && inputs == computed_from_) return;
+  compute();
+  computed_from_ = inputs;
+  is_computed_ = true;
+}
+
+}  // namespace hexaplast::scene

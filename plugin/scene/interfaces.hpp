@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/linear_system.hpp"
+#include "scene/node.hpp"
+
+namespace hexaplast {
+class Body;
+struct FlowReport;
+}  // namespace hexaplast
+
+/// The categories of components: what each promises to the others. Nodal fields are num_nodes x 3.
+namespace hexaplast::scene {
+
+class Topology : public Component {
+ public:
+  static constexpr std::string_view kCategory = "Topology";
+  using Component::Component;
+
+  /// Available from the moment the scene is read, whatever the order of components. May reject the scene.
+  virtual const PointArray& positions() = 0;  ///< [m]
+  virtual const std::vector<Hexahedron>& hexahedra() = 0;
+};
+
+class MechanicalState : public Component {
+ public:
+  static constexpr std::string_view kCategory = "MechanicalState";
+  using Component::Component;
+
+  virtual PointArray& positions() = 0;                   ///< x [m]
+  virtual PointArray& velocities() = 0;                  ///< v [m/s]
+  virtual const PointArray& rest_positions() const = 0;  ///< [m]
+  virtual void add_external_force(Points f) const = 0;   ///< f += constant nodal forces [N]
+
+  int num_nodes() { return static_cast<int>(positions().rows()); }
+};
+
+class Mass : public Component {
+ public:
+  static constexpr std::string_view kCategory = "Mass";
+  using Component::Component;
+
+  virtual void add_gravity(const Vec3& gravity, Points f) const = 0;             ///< f += M g [N]
+  virtual void add_product(double factor, ConstPoints dx, Points df) const = 0;  ///< df += factor M dx
+  virtual void add_blocks(double factor, BlockMatrix& A) const = 0;              ///< A += factor M
+  virtual double kinetic_energy(ConstPoints v) const = 0;                        ///< v.M v / 2 [J]
+
+  /// [1/s] damping by this mass in the system matrix alone.
+  virtual double rayleigh_mass() const { return 0; }
+};
+
+/// Forces on the nearest mechanical state. K = df/dx is negative semi-definite for an elastic body.
+class ForceField : public Component {
+ public:
+  static constexpr std::string_view kCategory = "ForceField";
+  using Component::Component;
+
+  /// f += forces [N] at (x, v, time). Evaluates only: it may be called at any positions, any number of times. Fixes the
+  /// positions that the stiffness below refers to.
+  virtual void add_force(double time, ConstPoints x, ConstPoints v, Points f) = 0;
+
+  virtual void add_stiffness_product(double /*factor*/, ConstPoints /*dx*/, Points /*df*/) const {
+  }                                                                                  ///< df += factor K dx
+  virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}  ///< A += factor K
+
+  /// [s] stiffness-proportional damping of this force field in the system matrix alone.
+  virtual double rayleigh_stiffness() const { return 0; }
+
+  /// Nodes that carry forces prescribed by the scene; empty for the others.
+  virtual std::span<const int> loaded_nodes() const { return {}; }
+
+  /// The body that makes the forces, and what its latest plastic step did; null: none.
+  virtual const Body* body() const { return nullptr; }
+  virtual const FlowReport* flow_report() const { return nullptr; }
+};
+
+class ProjectiveConstraint : public Component {
+ public:
+  static constexpr std::string_view kCategory = "ProjectiveConstraint";
+  using Component::Component;
+
+  virtual void project(Points field) const = 0;  ///< zeroes the constrained degrees of freedom
+  virtual void pin(BlockMatrix& A) const = 0;    ///< BlockMatrix::pin for each of them
+
+  /// Prescribed motion, applied after init and after every solve, at the time t_n of the step's beginning.
+  virtual void project_motion(double /*time*/, Points /*x*/, Points /*v*/) const {}
+};
+
+/// Serves the linear systems of an OdeSolver.
+class LinearSolver : public Component {
+ public:
+  static constexpr std::string_view kCategory = "LinearSolver";
+  using Component::Component;
+
+  virtual hexaplast::LinearSolver& method() = 0;
+};
+
+/// Advances the mechanical state of its node, or of a node below, by one time step.
+class OdeSolver : public Component {
+ public:
+  static constexpr std::string_view kCategory = "OdeSolver";
+  using Component::Component;
+
+  virtual SolveReport solve(double time, double dt) = 0;
+  virtual double kinetic_energy() const = 0;  ///< [J] of what it advances
+};
+
+/// Computes outputs from inputs when they are asked for and an input has changed.
+class Engine : public Component {
+ public:
+  static constexpr std::string_view kCategory = "Engine";
+  using Component::Component;
+
+  void refresh() final {}
+  void provide(Data& output) final;
+
+ protected:
+  virtual void compute() = 0;  ///< sets every output
+
+ private:
+  bool is_computed_ = false;
+  bool is_computing_ = false;
+  long computed_from_ = 0;
+};
+
+/// The order of events of a time step.
+class AnimationLoop : public Component {
+ public:
+  static constexpr std::string_view kCategory = "AnimationLoop";
+  using Component::Component;
+
+  /// One step of everything in its node and below. Reports the sum of iterations and the worst residual of all solves.
+  virtual SolveReport step() = 0;
+};
+
+}  // namespace hexaplast::scene

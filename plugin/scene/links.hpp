@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/node.hpp"
+
+namespace hexaplast::scene {
+
+/// Where a path leads. Paths are SOFA's: `/from/the/root`, `./here`, `../above`, `name/inner`, `[-1]` (the component
+/// before this one). A bare first name is looked for in the node, nodes before components, then in the nodes above.
+struct PathResult {
+  Object* target = nullptr;  ///< a Node or a Component; null: not found
+  std::string problem = {};  ///< where it stopped and why, if not found
+  std::string hint = {};
+};
+
+/// `from`: the node that the path starts in. `self`: the component whose attribute it is, or null.
+PathResult resolve_path(Node& from, const Component* self, std::string_view path);
+
+/// Connects every link of the scene with its target, wherever in the scene it stands. Adds dangling links, links
+/// between different types and circles of links to `diagnostics`.
+void resolve_links(Node& root, Diagnostics& diagnostics);
+
+}  // namespace hexaplast::scene

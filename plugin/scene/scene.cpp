@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene/scene.hpp"
+
+#include <fmt/format.h>
+
+#include "hexaplast/base/error.hpp"
+#include "scene/links.hpp"
+
+namespace hexaplast::scene {
+
+Scene::Scene() : diagnostics_(std::make_unique<Diagnostics>()), root_(std::make_unique<Node>(nullptr)) {}
+
+// Runs one call of a component's life; what it objects to joins the scene's errors, and the component counts as failed.
+template <class Call>
+void Scene::attempt(Component& component, const Call& call) {
+  const auto fail = [&](const Message& message) {
+    component.stage_ = Component::Stage::kFailed;
+    diagnostics_->add(message.severity, message.place, message.text, message.hint);
+  };
+  try {
+    call();
+  } catch (const Rejection& rejection) {
+    fail(rejection.message());
+  } catch (const InputError& error) {
+    fail({Severity::kError, component.place(), fmt::format("{}: {}", component.class_name(), error.what()), {}});
+  } catch (const Consequence&) {
+    component.stage_ = Component::Stage::kFailed;
+  }
+}
+
+void Scene::init() {
+  resolve_links(*root_, *diagnostics_);
+  diagnostics_->throw_errors();
+
+  Clock& clock = root_->clock();
+  clock = {.time = 0, .dt = root_->real("dt"), .gravity = root_->vector3("gravity")};
+  init(*root_);
+  bwd_init(*root_);
+  diagnostics_->throw_errors();
+}
+
+void Scene::init(Node& node) {
+  for (const auto& component : node.components()) {
+    attempt(*component, [&] {
+      component->init();
+      component->mark_inputs_seen();
+      component->stage_ = Component::Stage::kReady;
+    });
+  }
+  for (const auto& child : node.children()) init(*child);
+}
+
+void Scene::bwd_init(Node& node) {
+  for (const auto& child : node.children()) bwd_init(*child);
+  for (const auto& component : node.components()) {
+    if (component->stage() == Component::Stage::kReady) attempt(*component, [&] { component->bwd_init(); });
+  }
+}
+
+void Scene::reset() {
+  root_->clock().time = 0;
+  root_->for_each<Component>([](Component& component) { component.reset(); });
+}
+
+SolveReport Scene::step() {
+  AnimationLoop* loop = root_->local<AnimationLoop>();
+  if (!loop) throw SceneError("the root has no AnimationLoop");
+  try {
+    return loop->step();
+  } catch (const Rejection& rejection) {
+    throw SceneError(rejection.what());
+  }
+}
+
+void begin_step(Node& node) {
+  node.for_each<Component>([](Component& component) {
+    component.follow_inputs();
+    component.begin_step();
+  });
+}
+
+void end_step(Node& node, double dt) {
+  node.for_each<Component>([dt](Component& component) { component.end_step(dt); });
+}
+
+}  // namespace hexaplast::scene

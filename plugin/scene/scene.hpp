@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "scene/interfaces.hpp"
+
+namespace hexaplast::scene {
+
+/// A graph of nodes and components, and their life: read, initialised, stepped.
+///
+/// One step, in SOFA's order:
+///   1. refresh of components whose inputs changed, begin_step of all            at t_n
+///   2. every OdeSolver solves: forces at (x_n, v_n, t_n), one linear solve, x_{n+1} and v_{n+1}; prescribed motion at
+///   t_n
+///   3. time becomes t_n + dt
+///   4. end_step of all: plastic flow at x_{n+1}
+class Scene {
+ public:
+  Scene();
+
+  Node& root() { return *root_; }
+  Diagnostics& diagnostics() { return *diagnostics_; }
+
+  /// Resolves the links, then init and bwd_init of every component. Throws SceneError with all that is wrong.
+  void init();
+
+  /// Back to the state after init, at time 0.
+  void reset();
+
+  /// One time step. Throws SceneError, InputError or NumericalError.
+  SolveReport step();
+
+  double time() { return root_->clock().time; }
+  double dt() { return root_->clock().dt; }
+
+ private:
+  void init(Node& node);
+  void bwd_init(Node& node);
+  template <class Call>
+  void attempt(Component& component, const Call& call);
+
+  // On the heap, so that objects may keep references while the scene is moved.
+  std::unique_ptr<Diagnostics> diagnostics_;
+  std::unique_ptr<Node> root_;
+};
+
+/// The events that an AnimationLoop sends to everything in a node and below.
+void begin_step(Node& node);
+void end_step(Node& node, double dt);
+
+}  // namespace hexaplast::scene

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene/value.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "hexaplast/base/error.hpp"
+#include "scene/diagnostics.hpp"
+
+namespace hexaplast::scene {
+namespace {
+
+using attributes::Attribute;
+using attributes::Range;
+using attributes::Type;
+
+constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::size_t kLongestRange = 16'777'216;  // numbers that `a-b` may stand for
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kShown = 40;
+  return fmt::format("'{}{}'", text.substr(0, kShown), text.size() > kShown ? "..." : "");
+}
+
+// The sign + is accepted as SOFA does; std::from_chars alone refuses it.
+std::string_view without_plus(std::string_view word) {
+  const bool signed_number = word.size() > 1 && word[0] == '+' && word[1] != '-' && word[1] != '+';
+  return signed_number ? word.substr(1) : word;
+}
+
+template <class Number>
+void check_range(const Range& range, Number number) {
+  if (range.contains(static_cast<double>(number))) return;
+  throw InputError(fmt::format("{} {}", number, describe(range)));
+}
+
+double read_real(std::string_view word, const Range& range) {
+  const std::string_view digits = without_plus(word);
+  double number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error == std::errc::result_out_of_range) throw InputError(fmt::format("{} is out of range", quoted(word)));
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    throw InputError(fmt::format("{} is not a number", quoted(word)));
+  }
+  if (!std::isfinite(number)) throw InputError(fmt::format("{} is not finite", quoted(word)));
+  check_range(range, number);
+  return number;
+}
+
+std::int64_t read_integer(std::string_view word, const Range& range) {
+  const std::string_view digits = without_plus(word);
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error == std::errc::result_out_of_range) throw InputError(fmt::format("{} is out of range", quoted(word)));
+  if (error != std::errc() || end != digits.data() + digits.size()) {
+    throw InputError(fmt::format("{} is not a whole number", quoted(word)));
+  }
+  check_range(range, number);
+  return number;
+}
+
+// `7`, `3-9` or `3-9-2`. A minus sign at the beginning belongs to the number.
+void read_integers(std::string_view word, const Range& range, std::vector<std::int64_t>& numbers) {
+  const std::size_t dash = word.find('-', 1);
+  if (dash == std::string_view::npos) {
+    numbers.push_back(read_integer(word, range));
+    return;
+  }
+
+  const std::size_t second = word.find('-', dash + 1);
+  const bool stepped = second != std::string_view::npos;
+  const std::int64_t first = read_integer(word.substr(0, dash), range);
+  const std::int64_t last = read_integer(word.substr(dash + 1, stepped ? second - dash - 1 : word.npos), range);
+  const std::int64_t step = stepped ? read_integer(word.substr(second + 1), Range{.least = 1}) : 1;
+  if (last < first) throw InputError(fmt::format("{} is a range that runs backwards", quoted(word)));
+
+  const std::uint64_t span = static_cast<std::uint64_t>(last) - static_cast<std::uint64_t>(first);
+  if (numbers.size() + span / static_cast<std::uint64_t>(step) >= kLongestRange) {
+    throw InputError(fmt::format("{} stands for more than {} numbers", quoted(word), kLongestRange));
+  }
+  for (std::uint64_t i = 0; i <= span; i += static_cast<std::uint64_t>(step)) {
+    numbers.push_back(first + static_cast<std::int64_t>(i));
+  }
+}
+
+bool read_bool(std::string_view word) {
+  if (word == "1" || word == "true" || word == "True") return true;
+  if (word == "0" || word == "false" || word == "False") return false;
+  throw InputError(fmt::format("{} must be true, false, 1 or 0", quoted(word)));
+}
+
+std::string_view only_word(const std::vector<std::string_view>& words) {
+  if (words.size() != 1) throw InputError(fmt::format("{} values given, must be one", words.size()));
+  return words[0];
+}
+
+std::vector<double> read_reals(const std::vector<std::string_view>& words, const Range& range, std::size_t group) {
+  if (words.size() % group != 0) {
+    throw InputError(fmt::format("{} numbers given, must be groups of {}", words.size(), group));
+  }
+  std::vector<double> numbers;
+  numbers.reserve(words.size());
+  for (const std::string_view word : words) numbers.push_back(read_real(word, range));
+  return numbers;
+}
+
+std::vector<std::int64_t> read_integer_list(const std::vector<std::string_view>& words, const Range& range) {
+  std::vector<std::int64_t> numbers;
+  for (const std::string_view word : words) read_integers(word, range, numbers);
+  return numbers;
+}
+
+std::string read_choice(const Attribute& attribute, std::string_view word) {
+  const std::vector<std::string_view> choices = split_words(attribute.words);
+  for (const std::string_view choice : choices) {
+    if (word == choice) return std::string(word);
+  }
+  std::string allowed;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (i > 0) allowed += i + 1 == choices.size() ? " or " : ", ";
+    allowed += choices[i];
+  }
+  const std::string candidate = nearest(word, choices);
+  throw InputError(fmt::format("{} must be {}{}", quoted(word), allowed,
+                               candidate.empty() ? "" : fmt::format(" (did you mean '{}'?)", candidate)));
+}
+
+}  // namespace
+
+std::vector<std::string_view> split_words(std::string_view text) {
+  std::vector<std::string_view> words;
+  std::size_t at = text.find_first_not_of(kBlanks);
+  while (at != std::string_view::npos) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(kBlanks, end);
+  }
+  return words;
+}
+
+std::string describe(const Range& range) {
+  const bool below = std::isfinite(range.least), above = std::isfinite(range.most);
+  if (below && above) {
+    return fmt::format("must lie in {}{:.10g}, {:.10g}{}", range.without_least ? '(' : '[', range.least, range.most,
+                       range.without_most ? ')' : ']');
+  }
+  if (below) return fmt::format("must be {} {:.10g}", range.without_least ? ">" : ">=", range.least);
+  if (above) return fmt::format("must be {} {:.10g}", range.without_most ? "<" : "<=", range.most);
+  return {};
+}
+
+Value read_value(const Attribute& attribute, std::string_view text) {
+  if (attribute.type == Type::kText) return std::string(text);
+
+  const std::vector<std::string_view> words = split_words(text);
+  switch (attribute.type) {
+    case Type::kBool:
+      return read_bool(only_word(words));
+    case Type::kInteger:
+      return read_integer(only_word(words), attribute.range);
+    case Type::kReal:
+      return read_real(only_word(words), attribute.range);
+    case Type::kWord:
+      return read_choice(attribute, only_word(words));
+    case Type::kVector3:
+      if (words.size() != 3) throw InputError(fmt::format("{} numbers given, must be three", words.size()));
+      return read_reals(words, attribute.range, 3);
+    case Type::kIntegers:
+      return read_integer_list(words, attribute.range);
+    case Type::kReals:
+      return read_reals(words, attribute.range, 1);
+    case Type::kVectors3:
+      return read_reals(words, attribute.range, 3);
+    case Type::kBoxes:
+      return read_reals(words, attribute.range, 6);
+    case Type::kHexahedra: {
+      std::vector<std::int64_t> corners = read_integer_list(words, attribute.range);
+      if (corners.size() % 8 != 0) {
+        throw InputError(fmt::format("{} numbers given, must be groups of 8", corners.size()));
+      }
+      return corners;
+    }
+    case Type::kLink:
+      throw InputError(fmt::format("{} must be a link: @path", quoted(text)));
+    case Type::kText:
+      break;
+  }
+  return std::string(text);
+}
+
+}  // namespace hexaplast::scene

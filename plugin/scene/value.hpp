@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "attributes/attribute.hpp"
+
+namespace hexaplast::scene {
+
+/// What an attribute holds. By attributes::Type: kBool bool; kInteger int64; kReal double; kText and kWord string;
+/// kIntegers and kHexahedra int64s (eight per hexahedron); kReals, kVector3, kVectors3 and kBoxes doubles (3, 3 n, 6 n
+/// of them); kLink the path as written. monostate: not given and without default.
+using Value = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<std::int64_t>,
+                           std::vector<double>>;
+
+/// Reads the text of an attribute, whatever the locale. Numbers are separated by blanks; they may begin with one sign,
+/// + or -; "nan", "inf" and numbers too large for a double are refused. Text without content is an empty list.
+/// Throws InputError saying what is wrong, the value, and what is allowed.
+Value read_value(const attributes::Attribute& attribute, std::string_view text);
+
+/// "must be > 0", "must lie in [0, 0.5)"; empty when every number is admissible.
+std::string describe(const attributes::Range& range);
+
+/// The words of a text separated by blanks, without copying it.
+std::vector<std::string_view> split_words(std::string_view text);
+
+}  // namespace hexaplast::scene
