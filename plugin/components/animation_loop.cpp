@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <algorithm>
+
+#include "attributes/stock.hpp"
+#include "components/components.hpp"
+#include "scene/scene.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+class DefaultAnimationLoop final : public scene::AnimationLoop {
+ public:
+  DefaultAnimationLoop() : AnimationLoop(attributes::kDefaultAnimationLoop) {}
+
+  void bwd_init() override {
+    node().for_each<scene::MechanicalState>([](scene::MechanicalState& state) {
+      if (!state.node().nearest<scene::OdeSolver>())
+        state.reject("nothing moves it: needs an OdeSolver in its node or above");
+    });
+    solvers_ = node().all<scene::OdeSolver>();
+  }
+
+  SolveReport step() override {
+    scene::Clock& clock = node().clock();
+    scene::begin_step(node());
+
+    SolveReport total;
+    for (scene::OdeSolver* solver : solvers_) {
+      const SolveReport report = solver->solve(clock.time, clock.dt);
+      total.iterations += report.iterations;
+      total.residual = std::max(total.residual, report.residual);
+      total.converged = total.converged && report.converged;
+    }
+
+    clock.time += clock.dt;
+    scene::end_step(node(), clock.dt);
+    return total;
+  }
+
+ private:
+  std::vector<scene::OdeSolver*> solvers_;
+};
+
+}  // namespace
+
+void add_animation_loop(scene::Factory& factory) {
+  factory.add<DefaultAnimationLoop>(attributes::kDefaultAnimationLoop);
+}
+
+}  // namespace hexaplast::components

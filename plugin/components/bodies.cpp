@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <limits>
+#include <optional>
+
+#include "attributes/hexaplast.hpp"
+#include "components/components.hpp"
+#include "hexaplast/body.hpp"
+#include "scene/interfaces.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
+ public:
+  HexahedronElastoplasticFEMForceField() : ForceField(attributes::kHexahedronElastoplasticFEMForceField) {}
+
+  void init() override {
+    state_ = &needed_ready<scene::MechanicalState>();
+    scene::Topology& topology = linked<scene::Topology>("topology");
+    if (topology.positions().rows() != state_->num_nodes())
+      reject(fmt::format("{} nodes in the topology, {} in the mechanical state", topology.positions().rows(),
+                         state_->num_nodes()));
+    if (topology.hexahedra().empty()) reject("its topology has no hexahedra");
+
+    const std::vector<Material> materials = given_materials(topology.hexahedra().size());
+    const Settings settings = given_settings();
+    for (const std::string& advice : check_time_step(materials, settings, node().clock().dt))
+      remark(scene::Severity::kWarning, {}, advice);
+    body_.emplace(HexMesh(state_->rest_positions(), topology.hexahedra()), materials, settings);
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+
+  void reset() override {
+    body_->reset();
+    report_ = {};
+  }
+
+  void add_force(double, ConstPoints x, ConstPoints, Points f) override {
+    body_->linearize(x);
+    body_->add_force(f);
+  }
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
+    body_->add_stiffness_product(factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override { body_->add_stiffness_blocks(factor, A); }
+  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+
+  void end_step(double dt) override { report_ = body_->flow(state_->positions(), dt); }
+
+  const Body* body() const override { return body_ ? &*body_ : nullptr; }
+  const FlowReport* flow_report() const override { return &report_; }
+
+ private:
+  std::vector<Material> given_materials(std::size_t num_elements) {
+    const std::vector<double>&young = one_or_per_element("youngModulus", num_elements),
+          &poisson = one_or_per_element("poissonRatio", num_elements);
+
+    Material common;
+    common.yield_stress = real_if_given("yieldStress").value_or(std::numeric_limits<double>::infinity());
+    common.flow_rate = real("plasticFlowRate");
+    common.rotation_yield = real("rotationYield");
+    common.rotation_flow_rate = real("rotationFlowRate");
+    common.hardening = real("hardening");
+
+    std::vector<Material> materials(std::max(young.size(), poisson.size()), common);
+    for (std::size_t e = 0; e < materials.size(); ++e) {
+      materials[e].young_modulus = young[young.size() == 1 ? 0 : e];
+      materials[e].poisson_ratio = poisson[poisson.size() == 1 ? 0 : e];
+    }
+    return materials;
+  }
+
+  const std::vector<double>& one_or_per_element(std::string_view name, std::size_t num_elements) {
+    const std::vector<double>& values = reals(name);
+    if (values.size() != 1 && values.size() != num_elements)
+      reject(name, fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_elements));
+    return values;
+  }
+
+  Settings given_settings() {
+    const std::string &norm = text("yieldNorm"), &rotation = text("rotationPlasticity");
+    return {.yield_norm = norm == "frobenius"  ? YieldNorm::kFrobenius
+                          : norm == "spectral" ? YieldNorm::kSpectral
+                                               : YieldNorm::kVonMises,
+            .rotation = rotation == "none" ? RotationPlasticity::kNone : RotationPlasticity::kObjective,
+            .volume_restitution = real("volumeRestitution"),
+            .inversion_threshold = real("inversionThreshold")};
+  }
+
+  scene::MechanicalState* state_ = nullptr;
+  std::optional<Body> body_;
+  FlowReport report_;
+  double rayleigh_stiffness_ = 0;
+};
+
+}  // namespace
+
+void add_bodies(scene::Factory& factory) {
+  factory.add<HexahedronElastoplasticFEMForceField>(attributes::kHexahedronElastoplasticFEMForceField);
+}
+
+}  // namespace hexaplast::components

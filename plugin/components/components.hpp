@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "scene/factory.hpp"
+
+/// The core as scene components, and the stock components that a scene needs around them. They translate between scene
+/// and core; what they mean is written in the attribute table (attributes/hexaplast.hpp, attributes/stock.hpp).
+namespace hexaplast::components {
+
+void add_settings(scene::Factory& factory);        // RunSettings, VisualStyle
+void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop
+void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, CGLinearSolver, SparseLDLSolver
+void add_topologies(scene::Factory& factory);      // RegularGridTopology
+void add_states(scene::Factory& factory);          // MechanicalObject
+void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass
+void add_engines(scene::Factory& factory);         // BoxROI
+void add_constraints(scene::Factory& factory);     // FixedProjectiveConstraint
+void add_loads(scene::Factory& factory);           // ConstantForceField, LinearForceField, TangentialForceField
+void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField
+
+}  // namespace hexaplast::components

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/components.hpp"
+#include "scene/plugin.hpp"
+
+HEXAPLAST_PLUGIN(factory) {
+  using namespace hexaplast::components;
+  add_settings(factory);
+  add_animation_loop(factory);
+  add_solvers(factory);
+  add_topologies(factory);
+  add_states(factory);
+  add_masses(factory);
+  add_engines(factory);
+  add_constraints(factory);
+  add_loads(factory);
+  add_bodies(factory);
+}

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include "attributes/stock.hpp"
+#include "components/components.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
+#include "scene/interfaces.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+/// A mass at every node.
+class LumpedMass : public scene::Mass {
+ public:
+  using Mass::Mass;
+
+  void init() override {
+    const auto num_nodes = static_cast<Eigen::Index>(needed_ready<scene::MechanicalState>().num_nodes());
+    mass_ = nodal_masses(num_nodes);
+    rayleigh_mass_ = real("rayleighMass");
+  }
+
+  void add_gravity(const Vec3& gravity, Points f) const override { f += mass_ * gravity.transpose(); }
+  void add_product(double factor, ConstPoints dx, Points df) const override { df += factor * mass_.asDiagonal() * dx; }
+  void add_blocks(double factor, BlockMatrix& A) const override {
+    for (int n = 0; n < static_cast<int>(mass_.size()); ++n) A.add(n, n, factor * mass_[n] * Mat3::Identity());
+  }
+  double kinetic_energy(ConstPoints v) const override { return mass_.dot(v.rowwise().squaredNorm()) / 2; }
+  double rayleigh_mass() const override { return rayleigh_mass_; }
+
+ protected:
+  virtual Eigen::VectorXd nodal_masses(Eigen::Index num_nodes) = 0;  ///< [kg]
+
+  /// Says which of several given attributes counts.
+  void remark_unused(std::string_view used, std::string_view unused) {
+    if (is_given(unused)) remark(scene::Severity::kWarning, unused, fmt::format("is ignored: {} counts", used));
+  }
+
+ private:
+  Eigen::VectorXd mass_;  // [kg] per node
+  double rayleigh_mass_ = 0;
+};
+
+class UniformMass final : public LumpedMass {
+ public:
+  UniformMass() : LumpedMass(attributes::kUniformMass) {}
+
+ private:
+  Eigen::VectorXd nodal_masses(Eigen::Index num_nodes) override {
+    if (is_given("totalMass")) {
+      remark_unused("totalMass", "vertexMass");
+      return Eigen::VectorXd::Constant(num_nodes, real("totalMass") / static_cast<double>(num_nodes));
+    }
+    if (!is_given("vertexMass")) reject("totalMass", "is not given, and vertexMass neither: one of them is needed");
+    return Eigen::VectorXd::Constant(num_nodes, real("vertexMass"));
+  }
+};
+
+class DiagonalMass final : public LumpedMass {
+ public:
+  DiagonalMass() : LumpedMass(attributes::kDiagonalMass) {}
+
+ private:
+  Eigen::VectorXd nodal_masses(Eigen::Index num_nodes) override {
+    const bool by_density = is_given("massDensity"), by_node = is_given("vertexMass");
+    if (is_given("totalMass") || (!by_density && !by_node)) {
+      for (const char* unused : {"massDensity", "vertexMass"}) remark_unused("totalMass", unused);
+      const Eigen::VectorXd volumes = rest_volumes(num_nodes);
+      return real_if_given("totalMass").value_or(1) / volumes.sum() * volumes;
+    }
+    if (by_density) {
+      remark_unused("massDensity", "vertexMass");
+      return real("massDensity") * rest_volumes(num_nodes);
+    }
+    const std::vector<double>& masses = reals("vertexMass");
+    if (static_cast<Eigen::Index>(masses.size()) != num_nodes)
+      reject("vertexMass", fmt::format("{} values given for {} nodes", masses.size(), num_nodes));
+    return Eigen::Map<const Eigen::VectorXd>(masses.data(), num_nodes);
+  }
+
+  Eigen::VectorXd rest_volumes(Eigen::Index num_nodes) {
+    scene::Topology& topology = linked<scene::Topology>("topology");
+    if (topology.hexahedra().empty()) reject("its topology has no hexahedra");
+    if (topology.positions().rows() != num_nodes)
+      reject(
+          fmt::format("{} nodes in the topology, {} in the mechanical state", topology.positions().rows(), num_nodes));
+    return nodal_volumes(needed_ready<scene::MechanicalState>().rest_positions(), topology.hexahedra());
+  }
+};
+
+}  // namespace
+
+void add_masses(scene::Factory& factory) {
+  factory.add<UniformMass>(attributes::kUniformMass);
+  factory.add<DiagonalMass>(attributes::kDiagonalMass);
+}
+
+}  // namespace hexaplast::components

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "attributes/stock.hpp"
+#include "components/components.hpp"
+#include "scene/interfaces.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+class MechanicalObject final : public scene::MechanicalState {
+ public:
+  MechanicalObject() : MechanicalState(attributes::kMechanicalObject) {}
+
+  void init() override {
+    first_positions_ = place(given_positions());
+    if (first_positions_.rows() == 0) reject("has no nodes: needs position or a topology");
+    rest_positions_ = is_given("rest_position") ? one_row_per_node("rest_position") : first_positions_;
+    first_velocities_ = one_row_per_node("velocity");
+    external_force_ = one_row_per_node("externalForce");
+    positions_ = first_positions_;
+    velocities_ = first_velocities_;
+  }
+
+  void reset() override {
+    positions_ = first_positions_;
+    velocities_ = first_velocities_;
+  }
+
+  PointArray& positions() override { return positions_; }
+  PointArray& velocities() override { return velocities_; }
+  const PointArray& rest_positions() const override { return rest_positions_; }
+  void add_external_force(Points f) const override { f += external_force_; }
+
+  void provide(scene::Data& output) override {
+    if (stage() != Stage::kReady) return;  // until then they hold what the scene gives
+    const std::string_view name = output.attribute().name;
+    const PointArray& field = name == "position" ? positions_ : name == "velocity" ? velocities_ : rest_positions_;
+    output.set(std::vector<double>(field.data(), field.data() + field.size()));
+  }
+
+ private:
+  PointArray given_positions() {
+    const PointArray own = vectors3("position");
+    const bool has_topology = is_given("topology") || node().nearest<scene::Topology>();
+    return own.rows() <= 1 && has_topology ? linked<scene::Topology>("topology").positions() : own;
+  }
+
+  // Scale, then rotation about x, y, z in this order, then translation.
+  PointArray place(PointArray points) {
+    const Vec3 angle = vector3("rotation") * std::numbers::pi / 180;
+    const Mat3 turn = (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
+                       Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
+                          .toRotationMatrix();
+    const Vec3 scale = vector3("scale3d"), shift = vector3("translation");
+    if (scale != Vec3::Ones()) points = points * scale.asDiagonal();
+    if (!angle.isZero(0)) points = points * turn.transpose();
+    if (!shift.isZero(0)) points.rowwise() += shift.transpose();
+    return points;
+  }
+
+  // Zero where not given.
+  PointArray one_row_per_node(std::string_view name) {
+    const Eigen::Index num_rows = first_positions_.rows();
+    const PointArray field = vectors3(name);
+    if (field.rows() == 0) return PointArray::Zero(num_rows, 3);
+    if (field.rows() != num_rows) reject(name, fmt::format("{} vectors given for {} nodes", field.rows(), num_rows));
+    return field;
+  }
+
+  PointArray positions_, velocities_;
+  PointArray rest_positions_, external_force_;
+  PointArray first_positions_, first_velocities_;  // what reset returns to
+};
+
+}  // namespace
+
+void add_states(scene::Factory& factory) { factory.add<MechanicalObject>(attributes::kMechanicalObject); }
+
+}  // namespace hexaplast::components

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/lumped_mass.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+namespace hexaplast {
+
+double six_tetrahedra_volume(const ElementPoints& corners) {
+  // the other six corners, in the order in which they surround the diagonal 0-6
+  constexpr std::array<int, 7> kAround{1, 2, 3, 7, 4, 5, 1};
+  const auto from_first = [&](int corner) -> Vec3 { return (corners.row(corner) - corners.row(0)).transpose(); };
+
+  double volume = 0;
+  for (std::size_t i = 0; i + 1 < kAround.size(); ++i)
+    volume += std::abs(from_first(6).dot(from_first(kAround[i]).cross(from_first(kAround[i + 1])))) / 6;
+  return volume;
+}
+
+Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra) {
+  Eigen::VectorXd share = Eigen::VectorXd::Zero(x.rows());
+  for (const Hexahedron& corners : hexahedra) {
+    const double eighth = six_tetrahedra_volume(gather(x, corners)) / kCorners;
+    for (const int node : corners) share[node] += eighth;
+  }
+  return share;
+}
+
+}  // namespace hexaplast
