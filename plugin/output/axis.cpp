@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/axis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hexaplast::output {
+namespace {
+
+constexpr int kMostDecimals = 4;  // longer fractions are harder to read than exponents
+constexpr double kLargestPlain = 1e5;
+
+/// The smallest of 1, 2, 5 times a power of ten that is not less than `step`.
+double round_up(double step) {
+  const double power = std::pow(10, std::floor(std::log10(step)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power >= step * (1 - 1e-9)) return digit * power;
+  return 10 * power;
+}
+
+Ticks multiples(double least, double most, double step) {
+  constexpr double kSlack = 1e-6;  // of a step: an end that is a multiple but for rounding counts
+  Ticks ticks{.least = least, .most = most, .values = {}, .decimals = 0};
+  const double first = std::ceil(least / step - kSlack), last = std::floor(most / step + kSlack);
+  for (double k = first; k <= last; ++k) ticks.values.push_back(k * step);
+
+  ticks.decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + kSlack)));
+  if (ticks.decimals > kMostDecimals || std::max(std::abs(least), std::abs(most)) >= kLargestPlain) ticks.decimals = -1;
+  return ticks;
+}
+
+}  // namespace
+
+std::string Ticks::label(double value) const {
+  if (value == 0) return "0";
+  return decimals < 0 ? fmt::format("{:.3g}", value) : fmt::format("{:.{}f}", value, decimals);
+}
+
+Ticks ticks_within(double least, double most, int count) {
+  return multiples(least, most, round_up((most - least) / count));
+}
+
+Ticks ticks_around(double least, double most, int count) {
+  const double step = round_up((most - least) / count);
+  return multiples(std::floor(least / step + 1e-6) * step, std::ceil(most / step - 1e-6) * step, step);
+}
+
+}  // namespace hexaplast::output

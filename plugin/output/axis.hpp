@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace hexaplast::output {
+
+/// Round numbers along an interval: multiples of 1, 2 or 5 times a power of ten.
+struct Ticks {
+  double least = 0;  ///< the interval that is shown
+  double most = 1;
+  std::vector<double> values;  ///< ascending, all within [least, most]
+  int decimals = 0;            ///< that tell neighbouring values apart; < 0: written with exponents
+
+  std::string label(double value) const;
+};
+
+/// About `count` (>= 2) ticks within [least, most], least < most; the interval stays as given.
+Ticks ticks_within(double least, double most, int count);
+
+/// The same with the interval grown outwards to the next tick at both ends.
+Ticks ticks_around(double least, double most, int count);
+
+}  // namespace hexaplast::output

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace hexaplast::output {
+
+/// An sRGB colour, components in [0, 1].
+struct Colour {
+  float red = 0, green = 0, blue = 0;
+};
+
+/// The colour of a share t of the scale's greatest value (clamped to [0, 1]): from pale sand at 0 through orange and
+/// red to dark violet at 1. Equal differences of t look equally different: the way through CIELAB is walked at constant
+/// speed, and lightness falls all along it, so that the order also survives a grey print and the common colour
+/// blindnesses.
+Colour colour_of(double t);
+
+}  // namespace hexaplast::output

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/files.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <vector>
+
+namespace hexaplast::output {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, std::string_view what, int error) {
+  throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::strerror(error)));
+}
+
+/// A rename is on disk only when its directory is. Some file systems cannot do that: the file itself is safe even then.
+void sync_directory(const fs::path& directory) {
+  const int handle = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (handle < 0) return;
+  ::fsync(handle);
+  ::close(handle);
+}
+
+/// prefix, at least one digit, suffix.
+bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix) {
+  if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
+    return false;
+  const std::string_view digits = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+  return std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+std::string_view without_part(std::string_view name) {
+  return name.ends_with(kPart) ? name.substr(0, name.size() - kPart.size()) : name;
+}
+
+/// Files of an earlier run, finished or not. mesh.pvd comes first: removed first, it never names a file that has gone.
+std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
+  std::vector<fs::path> found;
+  const auto collect = [&](const fs::path& in, auto&& is_ours) {
+    std::error_code error;
+    for (fs::directory_iterator entry(in, error), end; !error && entry != end; entry.increment(error))
+      if (is_ours(without_part(entry->path().filename().string()))) found.push_back(entry->path());
+    if (error && error != std::errc::no_such_file_or_directory) fail(in, "cannot be read", error.value());
+  };
+  collect(directory, [](std::string_view name) {
+    return name == "history.csv" || name == "mesh.pvd" || name == "plot.svg" || is_numbered(name, "mesh_", ".vtu");
+  });
+  if (fs::is_directory(directory / "frames"))
+    collect(directory / "frames", [](std::string_view name) { return is_numbered(name, "frame_", ".png"); });
+  std::stable_partition(found.begin(), found.end(), [](const fs::path& path) { return path.filename() == "mesh.pvd"; });
+  return found;
+}
+
+}  // namespace
+
+WholeFile::WholeFile(fs::path path) : path_(std::move(path)), part_(path_.string() + std::string(kPart)) {
+  file_ = std::fopen(part_.c_str(), "wbe");
+  if (!file_) fail(part_, "cannot be created", errno);
+}
+
+WholeFile::~WholeFile() {
+  if (!file_) return;
+  std::fclose(file_);
+  ::unlink(part_.c_str());
+}
+
+void WholeFile::write(const void* data, std::size_t bytes) {
+  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes) fail(part_, "cannot be written", errno);
+}
+
+void WholeFile::commit() {
+  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail(part_, "cannot be written", errno);
+  if (::rename(part_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be put in place", errno);
+  std::fclose(file_);
+  file_ = nullptr;
+  sync_directory(path_.parent_path());
+}
+
+LineFile::LineFile(fs::path path) : path_(std::move(path)) {
+  file_ = std::fopen(path_.c_str(), "wbe");
+  if (!file_) fail(path_, "cannot be created", errno);
+}
+
+LineFile::~LineFile() { std::fclose(file_); }
+
+void LineFile::append(std::string_view line) {
+  if (std::fwrite(line.data(), 1, line.size(), file_) != line.size() || std::fputc('\n', file_) == EOF ||
+      std::fflush(file_) != 0)
+    fail(path_, "cannot be written", errno);
+}
+
+void prepare_directory(const fs::path& directory, bool force) {
+  std::error_code error;
+  const fs::file_status status = fs::status(directory, error);
+  if (!fs::exists(status)) {
+    if (status.type() != fs::file_type::not_found) fail(directory, "cannot be reached", error.value());
+    fs::create_directories(directory, error);
+    if (error) fail(directory, "cannot be created", error.value());
+    return;
+  }
+  if (!fs::is_directory(status)) throw OutputError(directory.string() + ": is a file; an output directory is needed");
+  if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) fail(directory, "cannot be written", errno);
+
+  const fs::path frames = directory / "frames";
+  if (fs::exists(frames) && !fs::is_directory(frames))
+    throw OutputError(frames.string() + ": is a file where the directory of the pictures belongs");
+  if (fs::exists(frames) && ::access(frames.c_str(), R_OK | W_OK | X_OK) != 0) fail(frames, "cannot be written", errno);
+
+  const std::vector<fs::path> earlier = files_of_earlier_run(directory);
+  for (const fs::path& file : earlier)
+    if (fs::is_directory(file)) throw OutputError(file.string() + ": is a directory where a file belongs");
+  if (!earlier.empty() && !force)
+    throw OutputError(fmt::format("{}: holds an earlier run ({}); --force replaces it", directory.string(),
+                                  earlier.front().lexically_relative(directory).string()));
+  for (const fs::path& file : earlier)
+    if (::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);
+}
+
+}  // namespace hexaplast::output

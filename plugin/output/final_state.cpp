@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "output/files.hpp"
+#include "output/recorder.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+/// 17 significant digits give every double back; JSON has no infinity.
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : "null"; }
+
+void write_points(WholeFile& out, std::string_view name, ConstPoints points) {
+  out.write(fmt::format("  \"{}\": [", name));
+  for (Eigen::Index n = 0; n < points.rows(); ++n)
+    out.write(fmt::format("{}\n    [{}, {}, {}]", n == 0 ? "" : ",", number(points(n, 0)), number(points(n, 1)),
+                          number(points(n, 2))));
+  out.write("\n  ],\n");
+}
+
+void write_values(WholeFile& out, std::string_view name, const std::vector<double>& values) {
+  out.write(fmt::format("  \"{}\": [", name));
+  for (std::size_t e = 0; e < values.size(); ++e) out.write((e == 0 ? "" : ", ") + number(values[e]));
+  out.write("],\n");
+}
+
+}  // namespace
+
+std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body& body) {
+  const std::int64_t steps = step;
+  const PointArray x = positions, v = velocities;  // contiguous, whatever the views are
+  StateHash hash;
+  hash.add(&steps, sizeof steps);
+  hash.add(x.data(), sizeof(double) * static_cast<std::size_t>(x.size()));
+  hash.add(v.data(), sizeof(double) * static_cast<std::size_t>(v.size()));
+  body.add_to(hash);
+  return hash.text();
+}
+
+void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
+                 ConstPoints velocities, const Body& body) {
+  const ElementFields fields = body.fields(positions);
+  WholeFile out(file);
+  out.write(fmt::format("{{\n  \"time\": {},\n", number(time)));
+  write_points(out, "positions", positions);
+  write_points(out, "velocities", velocities);
+  write_points(out, "material_positions", body.history().material);
+  write_values(out, "volume_ratio", fields.volume_ratio);
+  write_values(out, "yield_stress", fields.yield_stress);
+  out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", state_hash(step, positions, velocities, body)));
+  out.commit();
+}
+
+}  // namespace hexaplast::output

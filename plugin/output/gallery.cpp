@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/gallery.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "hexaplast/mesh/sections.hpp"
+#include "output/axis.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+constexpr Colour kPaper{1, 1, 1};
+constexpr Colour kInk{0.13f, 0.13f, 0.15f};
+constexpr Colour kFaint{0.45f, 0.46f, 0.48f};
+constexpr Colour kOriginal{0.66f, 0.69f, 0.73f};
+constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
+
+// the page: what lies outside these margins belongs to the title above and the colour bar below [pixels]
+constexpr float kMargin = 56, kTop = 92, kBottom = 128;
+constexpr float kTitleLine = 52;
+constexpr float kBarWidth = 460, kBarHeight = 14, kBarTop = 648;
+
+// the viewer stands to the right of the body's side and above it
+constexpr float kAzimuth = 32 * std::numbers::pi_v<float> / 180;
+constexpr float kElevation = 24 * std::numbers::pi_v<float> / 180;
+
+constexpr float kCrease = 0.75f;     // cosine of the angle from which an edge is sharp, about 41 degrees
+constexpr float kWidestEdge = 1.4f;  // [pixels]
+constexpr float kShortestEdge = 4;   // [pixels] below this, element edges would cover the colours
+
+/// Brightness of a surface whose unit normal is `normal` in the camera's frame (right, up, towards): mostly even light,
+/// so that colours stay comparable with the colour bar, one lamp from the upper left, and some from the viewer's place.
+float brightness(Vector3f normal) {
+  static const Vector3f lamp = Vector3f(-0.35f, 0.85f, 0.45f).normalized();
+  if (normal.z() < 0) normal = -normal;
+  return std::min(1.0f, 0.62f + 0.26f * std::max(0.0f, normal.dot(lamp)) + 0.16f * normal.z());
+}
+
+Colour operator*(float share, const Colour& colour) {
+  return {share * colour.red, share * colour.green, share * colour.blue};
+}
+
+}  // namespace
+
+Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals)
+    : title_(std::move(title)), time_decimals_(time_decimals), long_axis_(end_sections(mesh).axis) {
+  std::vector<int> point_of_node(mesh.num_nodes(), -1);
+  for (const std::array<int, 4>& nodes : mesh.boundary_faces()) {
+    std::array<int, 4> face;
+    for (int k = 0; k < 4; ++k) {
+      int& point = point_of_node[nodes[k]];
+      if (point < 0) {
+        point = static_cast<int>(node_of_point_.size());
+        node_of_point_.push_back(nodes[k]);
+      }
+      face[k] = point;
+    }
+    faces_.push_back(face);
+
+    // the one hexahedron that has all four nodes
+    for (const HexMesh::Incidence& at : mesh.incident(nodes[0])) {
+      const Hexahedron& corners = mesh.hexahedra()[at.element];
+      if (std::ranges::all_of(nodes, [&](int node) { return std::ranges::find(corners, node) != corners.end(); })) {
+        element_of_face_.push_back(at.element);
+        break;
+      }
+    }
+  }
+  original_ = surface_of(mesh.positions());
+
+  faces_of_point_.resize(node_of_point_.size());
+  std::map<std::array<int, 2>, std::vector<int>> faces_of_edge;
+  for (int f = 0; f < static_cast<int>(faces_.size()); ++f)
+    for (int k = 0; k < 4; ++k) {
+      faces_of_point_[faces_[f][k]].push_back(f);
+      const auto [low, high] = std::minmax(faces_[f][k], faces_[f][(k + 1) % 4]);
+      faces_of_edge[{low, high}].push_back(f);
+    }
+
+  const std::vector<Vector3f> normals = face_normals(original_);
+  for (const auto& [edge, faces] : faces_of_edge) {
+    edges_.push_back(edge);
+    const Vector3f first = normals[faces.front()].normalized(), last = normals[faces.back()].normalized();
+    if (faces.size() != 2 || first.dot(last) < kCrease) original_creases_.push_back(edge);
+  }
+}
+
+void Gallery::add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain) {
+  State state{.step = step, .time = time, .points = surface_of(positions), .plastic_strain = {}};
+  for (const int element : element_of_face_)
+    state.plastic_strain.push_back(static_cast<float>(plastic_strain[element]));
+  states_.push_back(std::move(state));
+}
+
+std::vector<Vector3f> Gallery::surface_of(ConstPoints positions) const {
+  std::vector<Vector3f> points;
+  points.reserve(node_of_point_.size());
+  for (const int node : node_of_point_) points.push_back(positions.row(node).transpose().cast<float>());
+  return points;
+}
+
+std::vector<Vector3f> Gallery::face_normals(const std::vector<Vector3f>& points) const {
+  std::vector<Vector3f> normals;
+  normals.reserve(faces_.size());
+  for (const auto& [a, b, c, d] : faces_) normals.push_back((points[c] - points[a]).cross(points[d] - points[b]));
+  return normals;
+}
+
+Drawing::Vertex Gallery::View::project(const Vector3f& point) const {
+  const float width = kWidth - 2 * kMargin, height = kHeight - kTop - kBottom;
+  return {.x = kMargin + width / 2 + pixels_per_metre * (right.dot(point) - centre.x()),
+          .y = kTop + height / 2 - pixels_per_metre * (up.dot(point) - centre.y()),
+          .depth = 0.1f + 0.8f * (nearest - towards.dot(point)) / (nearest - farthest),
+          .colour = {}};
+}
+
+Gallery::View Gallery::fitted_view() const {
+  View view;
+
+  // the long axis runs to the right; y stands upright, as in SOFA's scenes, unless it is the long one
+  const Vector3f along = Vector3f::Unit(long_axis_), upright = Vector3f::Unit(long_axis_ == 1 ? 2 : 1);
+  const Vector3f side = along.cross(upright);
+  view.towards =
+      std::cos(kElevation) * (std::cos(kAzimuth) * side + std::sin(kAzimuth) * along) + std::sin(kElevation) * upright;
+  view.right = upright.cross(view.towards).normalized();
+  view.up = view.towards.cross(view.right);
+
+  Eigen::AlignedBox3f seen;
+  const auto extend = [&](const std::vector<Vector3f>& points) {
+    for (const Vector3f& point : points)
+      seen.extend(Vector3f(view.right.dot(point), view.up.dot(point), view.towards.dot(point)));
+  };
+  extend(original_);
+  for (const State& state : states_) {
+    extend(state.points);
+    for (const float strain : state.plastic_strain) view.greatest_strain = std::max(view.greatest_strain, strain);
+  }
+
+  view.centre = seen.center().head<2>();
+  view.pixels_per_metre =
+      std::min((kWidth - 2 * kMargin) / seen.sizes().x(), (kHeight - kTop - kBottom) / seen.sizes().y());
+  view.nearest = seen.max().z();
+  view.farthest = seen.min().z();
+  return view;
+}
+
+Drawing Gallery::drawing(const State& state, const View& view) const {
+  Drawing picture{.width = kWidth, .height = kHeight, .background = kPaper, .triangles = {}, .lines = {}, .texts = {}};
+  draw_original(view, picture);
+  draw_body(state, view, picture);
+
+  const auto write = [&](float x, float y, float size, Drawing::Align align, Colour colour, std::string words) {
+    picture.texts.push_back(
+        {.x = x, .y = y, .size = size, .align = align, .bold = false, .colour = colour, .words = std::move(words)});
+  };
+  write(kMargin, kTitleLine, 25, Drawing::Align::kLeft, kInk, title_);
+  picture.texts.back().bold = true;
+  write(kWidth - kMargin, kTitleLine, 25, Drawing::Align::kRight, kInk,
+        fmt::format("t = {:.{}f} s", state.time, time_decimals_));
+
+  // key of the grey outline
+  const auto line = [&](float x0, float y0, float x1, float y1, float width, Colour colour) {
+    picture.lines.push_back({{x0, y0, 0, colour}, {x1, y1, 0, colour}, width});
+  };
+  const float key = kBarTop + kBarHeight / 2;
+  line(kMargin, key, kMargin + 32, key, 1.5f, kOriginal);
+  write(kMargin + 42, key + 5, 15, Drawing::Align::kLeft, kFaint, "original shape");
+
+  const float left = (kWidth - kBarWidth) / 2;
+  if (view.greatest_strain == 0) {
+    write(kWidth / 2, key + 5, 17, Drawing::Align::kCentre, kInk, "no plastic strain in this run");
+    return picture;
+  }
+
+  // colour bar: every pixel column has its own colour
+  for (int column = 0; column < static_cast<int>(kBarWidth); ++column) {
+    const Colour colour = colour_of((column + 0.5) / kBarWidth);
+    const float x0 = left + column, x1 = x0 + 1, y0 = kBarTop, y1 = kBarTop + kBarHeight;
+    const Drawing::Vertex a{x0, y0, 0, colour}, b{x1, y0, 0, colour}, c{x1, y1, 0, colour}, d{x0, y1, 0, colour};
+    picture.triangles.push_back({{a, b, c}});
+    picture.triangles.push_back({{a, c, d}});
+  }
+  write(kWidth / 2, kBarTop - 12, 17, Drawing::Align::kCentre, kInk, "plastic strain [–]");
+  const Ticks ticks = ticks_within(0, view.greatest_strain, 5);
+  for (const double value : ticks.values) {
+    const float x = left + kBarWidth * static_cast<float>(value / view.greatest_strain);
+    line(x, kBarTop + kBarHeight, x, kBarTop + kBarHeight + 6, 1.3f, kInk);
+    write(x, kBarTop + kBarHeight + 24, 16, Drawing::Align::kCentre, kInk, ticks.label(value));
+  }
+  return picture;
+}
+
+void Gallery::draw_original(const View& view, Drawing& picture) const {
+  for (const auto& [a, b] : original_creases_) {
+    Drawing::Line line{view.project(original_[a]), view.project(original_[b]), 1.5f};
+    line.from.colour = line.to.colour = kOriginal;
+    picture.lines.push_back(line);
+  }
+}
+
+void Gallery::draw_body(const State& state, const View& view, Drawing& picture) const {
+  const std::vector<Vector3f> normals = face_normals(state.points);
+  const auto lit = [&](const Vector3f& normal, const Colour& colour) {
+    const Vector3f n = normal.normalized();
+    return brightness({view.right.dot(n), view.up.dot(n), view.towards.dot(n)}) * colour;
+  };
+  // smooth over gentle bends, sharp at creases: the mean normal of the faces around that look about the same way
+  const auto smooth_normal = [&](int face, int point) {
+    const Vector3f own = normals[face].normalized();
+    Vector3f sum = Vector3f::Zero();
+    for (const int other : faces_of_point_[point])
+      if (normals[other].normalized().dot(own) >= kCrease) sum += normals[other];
+    return sum;
+  };
+
+  // four triangles around the centre show a warped face without a preferred diagonal
+  for (int f = 0; f < static_cast<int>(faces_.size()); ++f) {
+    const double share = view.greatest_strain > 0 ? state.plastic_strain[f] / view.greatest_strain : 0;
+    const Colour colour = colour_of(share);
+    std::array<Drawing::Vertex, 4> corner;
+    Vector3f middle = Vector3f::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const int point = faces_[f][k];
+      corner[k] = view.project(state.points[point]);
+      corner[k].colour = lit(smooth_normal(f, point), colour);
+      middle += state.points[point] / 4;
+    }
+    Drawing::Vertex centre = view.project(middle);
+    centre.colour = lit(normals[f], colour);
+    for (int k = 0; k < 4; ++k) picture.triangles.push_back({{corner[k], corner[(k + 1) % 4], centre}});
+  }
+
+  float mean_length = 0;  // [pixels]
+  for (const auto& [a, b] : edges_) mean_length += view.pixels_per_metre * (original_[b] - original_[a]).norm();
+  mean_length /= static_cast<float>(edges_.size());
+  if (mean_length < kShortestEdge) return;
+  for (const auto& [a, b] : edges_) {
+    Drawing::Line line{view.project(state.points[a]), view.project(state.points[b]),
+                       std::min(kWidestEdge, mean_length / 12)};
+    line.from.colour = line.to.colour = kEdge;
+    picture.lines.push_back(line);
+  }
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+#include "output/renderer.hpp"
+
+namespace hexaplast::output {
+
+/// Collects states of a run and shows them: the shaded surface with its element edges, coloured per hexahedron by
+/// plastic strain. All pictures share one camera, fitted to every state collected, and one colour scale, from 0 to the
+/// greatest plastic strain among them; that is why states are kept (in single precision, surface only) until the run is
+/// over.
+class Gallery {
+ public:
+  static constexpr int kWidth = 1280, kHeight = 720;  // [pixels]
+
+  /// title: shown in every picture. time_decimals: of the time stamps.
+  Gallery(const HexMesh& mesh, std::string title, int time_decimals);
+
+  /// positions: num_nodes x 3 [m]; plastic_strain: one per hexahedron [-].
+  void add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain);
+
+  int num_states() const { return static_cast<int>(states_.size()); }
+  long step(int state) const { return states_[state].step; }
+
+  /// Drawings of all states, one after the other: draw(state, drawing) is called in the order of their steps.
+  template <class Draw>
+  void for_each_drawing(const Draw& draw) const {
+    if (states_.empty()) return;
+    const View view = fitted_view();
+    for (int s = 0; s < num_states(); ++s) draw(s, drawing(states_[s], view));
+  }
+
+ private:
+  struct State {
+    long step = 0;
+    double time = 0;                      // [s]
+    std::vector<Eigen::Vector3f> points;  // [m] one per surface point
+    std::vector<float> plastic_strain;    // one per face, of the hexahedron behind it
+  };
+
+  /// An orthographic camera, and the colour scale.
+  struct View {
+    Eigen::Vector3f right, up, towards;  // unit vectors; `towards` points at the viewer
+    Eigen::Vector2f centre;              // [m] along right and up, of what is shown
+    float pixels_per_metre = 1;
+    float nearest = 0, farthest = 1;  // [m] along `towards`
+    float greatest_strain = 0;
+
+    Drawing::Vertex project(const Eigen::Vector3f& point) const;
+  };
+
+  View fitted_view() const;
+  Drawing drawing(const State& state, const View& view) const;
+  void draw_body(const State& state, const View& view, Drawing& picture) const;
+  void draw_original(const View& view, Drawing& picture) const;
+  std::vector<Eigen::Vector3f> surface_of(ConstPoints positions) const;
+  std::vector<Eigen::Vector3f> face_normals(const std::vector<Eigen::Vector3f>& points) const;
+
+  std::string title_;
+  int time_decimals_;
+  int long_axis_ = 0;
+  std::vector<int> node_of_point_;         // surface points -> nodes of the mesh
+  std::vector<std::array<int, 4>> faces_;  // surface points, counter-clockwise seen from outside
+  std::vector<int> element_of_face_;
+  std::vector<std::vector<int>> faces_of_point_;
+  std::vector<std::array<int, 2>> edges_;             // surface points, each edge once
+  std::vector<Eigen::Vector3f> original_;             // [m] original positions of the surface points
+  std::vector<std::array<int, 2>> original_creases_;  // edges at which the original surface has a corner
+  std::vector<State> states_;
+};
+
+}  // namespace hexaplast::output

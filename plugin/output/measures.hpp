@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/sections.hpp"
+
+namespace hexaplast::output {
+
+/// How far a body has been stretched and twisted, between the end sections of its longest axis.
+struct Measures {
+  double plastic_elongation = 0;  ///< [-] of the material mesh along the longest axis of the original bounding box
+  double plastic_twist_deg = 0;   ///< of the material mesh about that axis
+  double world_elongation = 0;
+  double world_twist_deg = 0;
+  double material_volume_ratio = 1;  ///< material volume / original volume, whole body
+  double world_volume_ratio = 1;
+};
+
+/// Measures one body again and again. The body must outlive it.
+class Ruler {
+ public:
+  explicit Ruler(const Body& body);
+
+  /// positions: num_nodes x 3 [m], the world state; the material mesh is the body's present one.
+  Measures measure(ConstPoints positions) const;
+
+ private:
+  const Body& body_;
+  EndSections ends_;
+};
+
+}  // namespace hexaplast::output

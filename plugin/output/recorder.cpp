@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "output/gallery.hpp"
+#include "output/plot.hpp"
+#include "output/png_file.hpp"
+#include "output/vtu.hpp"
+
+namespace hexaplast::output {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kHeader =
+    "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
+    "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms";
+
+/// Enough to tell the time stamps of neighbouring steps apart, and not fewer than people expect of seconds.
+int time_decimals(double dt) {
+  return dt > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(dt) - 1e-9)), 2, 6) : 2;
+}
+
+/// The steps that are drawn: `count` of them, evenly over the run, ascending, the last step among them.
+std::vector<long> steps_to_draw(long num_steps, int count) {
+  std::vector<long> steps;
+  for (int i = 1; i <= count; ++i) steps.push_back(std::lround(static_cast<double>(num_steps) * i / count));
+  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+  return steps;
+}
+
+double mean_displacement(const std::vector<int>& nodes, ConstPoints from, ConstPoints to) {
+  double sum = 0;
+  for (const int node : nodes) sum += (to.row(node) - from.row(node)).norm();
+  return nodes.empty() ? 0 : sum / static_cast<double>(nodes.size());
+}
+
+fs::path prepared(fs::path directory, bool force) {
+  prepare_directory(directory, force);
+  return directory;
+}
+
+}  // namespace
+
+struct Recorder::Files {
+  Files(fs::path where, const Body& of, RunPlan run, RendererSource source)
+      : directory(prepared(std::move(where), run.force)),
+        body(of),
+        plan(std::move(run)),
+        renderer(std::move(source)),
+        ruler(body),
+        history(directory / "history.csv"),
+        series(directory / "mesh.pvd"),
+        plot(plan.title, body.mesh().num_elements()),
+        to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
+    history.append(kHeader);
+    if (plan.num_frames > 0) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt));
+  }
+
+  fs::path directory;
+  const Body& body;
+  RunPlan plan;
+  RendererSource renderer;
+  Ruler ruler;
+  LineFile history;
+  TimeSeries series;
+  Plot plot;
+  std::vector<long> to_draw;       // ascending
+  std::optional<Gallery> gallery;  // absent: no pictures wanted
+
+  // the latest state, so that a run that ends early still shows where it ended
+  StepRecord latest;
+  PointArray latest_positions, latest_velocities;
+  long step_on_disk = -1;  // of the latest .vtu
+  bool finished = false;
+
+  void append_row(const StepRecord& record, const Measures& measures, ConstPoints positions);
+  void write_mesh();
+  void keep_for_picture();
+  std::vector<std::string> draw_pictures();
+};
+
+Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, RendererSource renderer)
+    : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), std::move(renderer))) {}
+
+Recorder::~Recorder() = default;
+
+void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities) {
+  Files& files = *files_;
+  files.latest = record;
+  files.latest_positions = positions;
+  files.latest_velocities = velocities;
+
+  const Measures measures = files.ruler.measure(positions);
+  files.append_row(record, measures, positions);
+  files.plot.add(record.time, measures, record.flow.yielded);
+  if (record.step % std::max(files.plan.output_every, 1) == 0 || record.step == files.plan.num_steps)
+    files.write_mesh();
+  if (std::ranges::binary_search(files.to_draw, record.step)) files.keep_for_picture();
+}
+
+std::vector<std::string> Recorder::finish() {
+  Files& files = *files_;
+  if (files.finished || files.latest_positions.rows() == 0) return {};
+  files.finished = true;
+  if (files.step_on_disk != files.latest.step) files.write_mesh();
+  files.plot.write_svg(files.directory / "plot.svg");
+
+  if (!files.gallery) return {};
+  const int drawn = files.gallery->num_states();
+  if (drawn == 0 || files.gallery->step(drawn - 1) != files.latest.step) files.keep_for_picture();
+  return files.draw_pictures();
+}
+
+void Recorder::Files::append_row(const StepRecord& record, const Measures& measures, ConstPoints positions) {
+  constexpr int kRemoved = 0;  // hexahedra do not break
+  history.append(
+      fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
+                  body.energy(positions), body.history().dissipated_energy, measures.world_volume_ratio,
+                  measures.material_volume_ratio, measures.plastic_elongation, measures.plastic_twist_deg,
+                  mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions), record.flow.yielded,
+                  record.flow.inverted, kRemoved, record.solver_iterations, record.residual, record.step_ms));
+}
+
+void Recorder::Files::write_mesh() {
+  const std::string name = fmt::format("mesh_{:06}.vtu", latest.step);
+  write_vtu(directory / name, body, latest_positions, latest_velocities);
+  series.add(latest.time, name);
+  step_on_disk = latest.step;
+}
+
+void Recorder::Files::keep_for_picture() {
+  gallery->add(latest.step, latest.time, latest_positions, body.fields(latest_positions).plastic_strain);
+}
+
+std::vector<std::string> Recorder::Files::draw_pictures() {
+  const fs::path frames = directory / "frames";
+  std::error_code error;
+  fs::create_directory(frames, error);
+  if (error) throw OutputError(fmt::format("{}: cannot be created: {}", frames.string(), error.message()));
+  try {
+    const std::unique_ptr<Renderer> draw = renderer();
+    gallery->for_each_drawing([&](int state, const Drawing& drawing) {
+      write_png(frames / fmt::format("frame_{:06}.png", gallery->step(state)), draw->render(drawing));
+    });
+  } catch (const RendererUnavailable& reason) {
+    return {fmt::format("no pictures: {}", reason.what())};
+  }
+  return {};
+}
+
+Summary summarise(const Body& body, ConstPoints positions) {
+  const ElementFields fields = body.fields(positions);
+  Summary summary{Ruler(body).measure(positions)};
+  for (const double ratio : fields.volume_ratio)
+    summary.worst_element_volume_error = std::max(summary.worst_element_volume_error, std::abs(ratio - 1));
+
+  const auto largest = std::ranges::max_element(fields.strain);
+  summary.largest_strain = *largest;
+  summary.largest_strain_element = static_cast<int>(largest - fields.strain.begin());
+  summary.largest_strain_place =
+      gather(positions, body.mesh().hexahedra()[summary.largest_strain_element]).colwise().mean().transpose();
+  return summary;
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/renderer.hpp"
+
+#include <dlfcn.h>
+
+namespace hexaplast::output {
+namespace fs = std::filesystem;
+
+std::unique_ptr<Renderer> load_renderer(const fs::path& directory) {
+  // The module stays loaded for the life of the process: its graphics library keeps threads that cannot be unloaded.
+  const fs::path file = directory / HEXAPLAST_RENDER_MODULE;
+  void* module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!module) throw RendererUnavailable(std::string("the renderer cannot be loaded: ") + ::dlerror());
+  void* symbol = ::dlsym(module, HEXAPLAST_RENDER_ENTRY);
+  if (!symbol) throw RendererUnavailable(file.string() + ": belongs to another version of Hexaplast");
+  return std::unique_ptr<Renderer>(reinterpret_cast<Renderer* (*)()>(symbol)());
+}
+
+std::unique_ptr<Renderer> load_renderer() {
+  Dl_info here{};
+  if (::dladdr(reinterpret_cast<void*>(&colour_of), &here) == 0 || !here.dli_fname)
+    throw RendererUnavailable("the renderer cannot be found: the place of this library is not known");
+  return load_renderer(fs::absolute(here.dli_fname).parent_path() / HEXAPLAST_RENDER_DIRECTORY);
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/vtu.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "output/files.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the files say LittleEndian and hold memory as it is");
+
+constexpr std::uint8_t kVtkHexahedron = 12;
+
+/// One array of the file: how the header describes it, and its bytes, which stay where they are until they are written.
+struct Array {
+  std::string_view type;
+  std::string_view name;
+  int components;
+  std::span<const std::byte> bytes;
+};
+
+template <class Number>
+Array scalars(std::string_view type, std::string_view name, const std::vector<Number>& values) {
+  return {type, name, 1, std::as_bytes(std::span(values))};
+}
+
+Array vectors(std::string_view name, const PointArray& field) {
+  return {"Float64", name, 3, std::as_bytes(std::span(field.data(), static_cast<std::size_t>(field.size())))};
+}
+
+/// Writes the header's elements and hands out the offsets of the appended blocks: 8 bytes of length, then the data.
+class Layout {
+ public:
+  std::string describe(std::span<const Array> arrays) {
+    std::string text;
+    for (const Array& array : arrays) {
+      const std::string shape = array.components > 1 ? fmt::format(" NumberOfComponents=\"{}\"", array.components) : "";
+      text += fmt::format("        <DataArray type=\"{}\" Name=\"{}\"{} format=\"appended\" offset=\"{}\"/>\n",
+                          array.type, array.name, shape, offset_);
+      offset_ += sizeof(std::uint64_t) + array.bytes.size();
+    }
+    return text;
+  }
+
+ private:
+  std::uint64_t offset_ = 0;
+};
+
+}  // namespace
+
+void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities) {
+  const HexMesh& mesh = body.mesh();
+  const PointArray world = positions;
+  const PointArray displacement = positions - mesh.positions();
+  const PointArray velocity = velocities;
+  const ElementFields fields = body.fields(positions);
+
+  std::vector<std::int64_t> offsets(mesh.num_elements());
+  for (int e = 0; e < mesh.num_elements(); ++e) offsets[e] = std::int64_t{kCorners} * (e + 1);
+  const std::vector<std::uint8_t> types(mesh.num_elements(), kVtkHexahedron);
+  const std::span corners(mesh.hexahedra().front().data(), mesh.hexahedra().size() * kCorners);
+
+  const std::vector<Array> points{vectors("Points", world)};
+  const std::vector<Array> cells{{"Int32", "connectivity", 1, std::as_bytes(corners)},
+                                 scalars("Int64", "offsets", offsets),
+                                 scalars("UInt8", "types", types)};
+  const std::vector<Array> point_data{vectors("displacement", displacement),
+                                      vectors("material_position", body.history().material),
+                                      vectors("velocity", velocity)};
+  std::vector<Array> cell_data{scalars("Float64", "stress_norm", fields.stress_norm),
+                               scalars("Float64", "plastic_strain", fields.plastic_strain)};
+  if (std::ranges::any_of(fields.yield_stress, [](double stress) { return std::isfinite(stress); }))
+    cell_data.push_back(scalars("Float64", "yield_stress", fields.yield_stress));
+  cell_data.push_back(scalars("Float64", "volume_ratio", fields.volume_ratio));
+  cell_data.push_back(scalars("Float64", "strain", fields.strain));
+
+  Layout layout;
+  std::string header =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "  <UnstructuredGrid>\n";
+  header +=
+      fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.num_nodes(), mesh.num_elements());
+  header += "      <Points>\n" + layout.describe(points) + "      </Points>\n";
+  header += "      <Cells>\n" + layout.describe(cells) + "      </Cells>\n";
+  header += "      <PointData>\n" + layout.describe(point_data) + "      </PointData>\n";
+  header += "      <CellData Scalars=\"plastic_strain\">\n" + layout.describe(cell_data) + "      </CellData>\n";
+  header += "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_";
+
+  WholeFile out(file);
+  out.write(header);
+  for (const auto& group : {points, cells, point_data, cell_data})
+    for (const Array& array : group) {
+      const std::uint64_t bytes = array.bytes.size();
+      out.write(&bytes, sizeof bytes);
+      out.write(array.bytes.data(), array.bytes.size());
+    }
+  out.write("\n  </AppendedData>\n</VTKFile>\n");
+  out.commit();
+}
+
+void TimeSeries::add(double time, const std::string& vtu) {
+  std::string entries = entries_ + fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time, vtu);
+  WholeFile out(file_);
+  out.write(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+      "  <Collection>\n");
+  out.write(entries);
+  out.write("  </Collection>\n</VTKFile>\n");
+  out.commit();
+  entries_ = std::move(entries);
+}
+
+}  // namespace hexaplast::output

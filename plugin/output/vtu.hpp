@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+
+namespace hexaplast::output {
+
+/// Writes one state of a body as a VTK unstructured grid of hexahedra (XML, raw appended binary, little-endian, 64-bit
+/// headers). The points are the world positions [m]; every number is written with all its bits.
+///
+///   point data: displacement [m], material_position [m], velocity [m/s]
+///   cell data:  stress_norm [Pa], plastic_strain [-], yield_stress [Pa], volume_ratio [-], strain [-] (ElementFields)
+///
+/// yield_stress is left out for a body that yields nowhere; where only some hexahedra never yield, theirs is infinite.
+/// Throws OutputError.
+void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities);
+
+/// The time series of a run: names of .vtu files beside it and their times.
+class TimeSeries {
+ public:
+  explicit TimeSeries(std::filesystem::path file) : file_(std::move(file)) {}
+
+  /// Adds a state and replaces the file; `vtu` must be complete on disk. Throws OutputError; the file is then as
+  /// before.
+  void add(double time, const std::string& vtu);
+
+ private:
+  std::filesystem::path file_;
+  std::string entries_;
+};
+
+}  // namespace hexaplast::output
