@@ -43,8 +43,9 @@ Ticks ticks_within(double least, double most, int count) {
 }
 
 Ticks ticks_around(double least, double most, int count) {
+  constexpr double kOverhang = 0.02;  // of a step: so little may stand out rather than open another step
   const double step = round_up((most - least) / count);
-  return multiples(std::floor(least / step + 1e-6) * step, std::ceil(most / step - 1e-6) * step, step);
+  return multiples(std::floor(least / step + kOverhang) * step, std::ceil(most / step - kOverhang) * step, step);
 }
 
 }  // namespace hexaplast::output

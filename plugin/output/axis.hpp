@@ -19,7 +19,7 @@ struct Ticks {
 /// About `count` (>= 2) ticks within [least, most], least < most; the interval stays as given.
 Ticks ticks_within(double least, double most, int count);
 
-/// The same with the interval grown outwards to the next tick at both ends.
+/// The same with the interval grown outwards to the next tick at both ends (a fiftieth of a step may stand out).
 Ticks ticks_around(double least, double most, int count);
 
 }  // namespace hexaplast::output

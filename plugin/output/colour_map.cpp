@@ -14,12 +14,12 @@ struct Lab {
   double L, a, b;
 };
 
-/// The way from pale sand to dark violet: lightness falls evenly, the hue turns from yellow over red, and the chroma
-/// swells in the middle as far as sRGB allows.
+/// The way from pale sand to violet: lightness falls evenly, the hue turns from yellow over red, and the chroma swells
+/// as far as sRGB allows everywhere.
 Lab way(double s) {
-  const double lightness = 92 - 67 * s;
-  const double chroma = 16 + 54 * std::sin(std::numbers::pi * std::pow(s, 0.9)) + 12 * s;
-  const double hue = (88 - 138 * s) * std::numbers::pi / 180;
+  const double lightness = 93 - 56 * s;
+  const double chroma = 14 + 48 * std::sin(0.64 * std::numbers::pi * s);
+  const double hue = (90 - 140 * std::pow(s, 1.15)) * std::numbers::pi / 180;
   return {lightness, chroma * std::cos(hue), chroma * std::sin(hue)};
 }
 

@@ -9,7 +9,7 @@ struct Colour {
 };
 
 /// The colour of a share t of the scale's greatest value (clamped to [0, 1]): from pale sand at 0 through orange and
-/// red to dark violet at 1. Equal differences of t look equally different: the way through CIELAB is walked at constant
+/// red to violet at 1. Equal differences of t look equally different: the way through CIELAB is walked at constant
 /// speed, and lightness falls all along it, so that the order also survives a grey print and the common colour
 /// blindnesses.
 Colour colour_of(double t);

@@ -30,19 +30,20 @@ constexpr float kTitleLine = 52;
 constexpr float kBarWidth = 460, kBarHeight = 14, kBarTop = 648;
 
 // the viewer stands to the right of the body's side and above it
-constexpr float kAzimuth = 32 * std::numbers::pi_v<float> / 180;
-constexpr float kElevation = 24 * std::numbers::pi_v<float> / 180;
+constexpr float kAzimuth = 24 * std::numbers::pi_v<float> / 180;
+constexpr float kElevation = 22 * std::numbers::pi_v<float> / 180;
 
-constexpr float kCrease = 0.75f;     // cosine of the angle from which an edge is sharp, about 41 degrees
-constexpr float kWidestEdge = 1.4f;  // [pixels]
-constexpr float kShortestEdge = 4;   // [pixels] below this, element edges would cover the colours
+constexpr float kBackground = 0.98f;  // depth behind every body
+constexpr float kCrease = 0.75f;      // cosine of the angle from which an edge is sharp, about 41 degrees
+constexpr float kWidestEdge = 1.4f;   // [pixels]
+constexpr float kShortestEdge = 4;    // [pixels] below this, element edges would cover the colours
 
 /// Brightness of a surface whose unit normal is `normal` in the camera's frame (right, up, towards): mostly even light,
 /// so that colours stay comparable with the colour bar, one lamp from the upper left, and some from the viewer's place.
 float brightness(Vector3f normal) {
   static const Vector3f lamp = Vector3f(-0.35f, 0.85f, 0.45f).normalized();
   if (normal.z() < 0) normal = -normal;
-  return std::min(1.0f, 0.62f + 0.26f * std::max(0.0f, normal.dot(lamp)) + 0.16f * normal.z());
+  return std::min(1.0f, 0.66f + 0.22f * std::max(0.0f, normal.dot(lamp)) + 0.16f * normal.z());
 }
 
 Colour operator*(float share, const Colour& colour) {
@@ -203,6 +204,7 @@ void Gallery::draw_original(const View& view, Drawing& picture) const {
   for (const auto& [a, b] : original_creases_) {
     Drawing::Line line{view.project(original_[a]), view.project(original_[b]), 1.5f};
     line.from.colour = line.to.colour = kOriginal;
+    line.from.depth = line.to.depth = kBackground;
     picture.lines.push_back(line);
   }
 }

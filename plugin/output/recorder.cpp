@@ -119,13 +119,12 @@ std::vector<std::string> Recorder::finish() {
 }
 
 void Recorder::Files::append_row(const StepRecord& record, const Measures& measures, ConstPoints positions) {
-  constexpr int kRemoved = 0;  // hexahedra do not break
-  history.append(
-      fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
-                  body.energy(positions), body.history().dissipated_energy, measures.world_volume_ratio,
-                  measures.material_volume_ratio, measures.plastic_elongation, measures.plastic_twist_deg,
-                  mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions), record.flow.yielded,
-                  record.flow.inverted, kRemoved, record.solver_iterations, record.residual, record.step_ms));
+  history.append(fmt::format(
+      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
+      body.energy(positions), body.history().dissipated_energy, measures.world_volume_ratio,
+      measures.material_volume_ratio, measures.plastic_elongation, measures.plastic_twist_deg,
+      mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions), record.flow.yielded,
+      record.flow.inverted, body.history().removed.size(), record.solver_iterations, record.residual, record.step_ms));
 }
 
 void Recorder::Files::write_mesh() {

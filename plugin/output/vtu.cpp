@@ -60,15 +60,28 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
   const PointArray world = positions;
   const PointArray displacement = positions - mesh.positions();
   const PointArray velocity = velocities;
-  const ElementFields fields = body.fields(positions);
+  ElementFields fields = body.fields(positions);
 
-  std::vector<std::int64_t> offsets(mesh.num_elements());
-  for (int e = 0; e < mesh.num_elements(); ++e) offsets[e] = std::int64_t{kCorners} * (e + 1);
-  const std::vector<std::uint8_t> types(mesh.num_elements(), kVtkHexahedron);
-  const std::span corners(mesh.hexahedra().front().data(), mesh.hexahedra().size() * kCorners);
+  // removed hexahedra are not shown
+  std::vector<Hexahedron> hexahedra = mesh.hexahedra();
+  const auto keep_alive = [&](auto& values) {
+    std::size_t kept = 0;
+    for (std::size_t e = 0; e < values.size(); ++e)
+      if (body.history().alive[e]) values[kept++] = values[e];
+    values.resize(kept);
+  };
+  keep_alive(hexahedra);
+  for (std::vector<double>* values :
+       {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
+    keep_alive(*values);
+
+  const std::size_t num_cells = hexahedra.size();
+  std::vector<std::int64_t> offsets(num_cells);
+  for (std::size_t e = 0; e < num_cells; ++e) offsets[e] = kCorners * (static_cast<std::int64_t>(e) + 1);
+  const std::vector<std::uint8_t> types(num_cells, kVtkHexahedron);
 
   const std::vector<Array> points{vectors("Points", world)};
-  const std::vector<Array> cells{{"Int32", "connectivity", 1, std::as_bytes(corners)},
+  const std::vector<Array> cells{{"Int32", "connectivity", 1, std::as_bytes(std::span(hexahedra))},
                                  scalars("Int64", "offsets", offsets),
                                  scalars("UInt8", "types", types)};
   const std::vector<Array> point_data{vectors("displacement", displacement),
@@ -86,8 +99,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "  <UnstructuredGrid>\n";
-  header +=
-      fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.num_nodes(), mesh.num_elements());
+  header += fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.num_nodes(), num_cells);
   header += "      <Points>\n" + layout.describe(points) + "      </Points>\n";
   header += "      <Cells>\n" + layout.describe(cells) + "      </Cells>\n";
   header += "      <PointData>\n" + layout.describe(point_data) + "      </PointData>\n";
