@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <new>
+
+#include "hexaplast/base/error.hpp"
+#include "output/recorder.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run.hpp"
+#include "scene/reader.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using namespace hexaplast::runner;
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 ok, 2 usage, 3 scene or mesh rejected, 4 numerical failure, 5 input/output, 6 plugin, 130/143 "
+    "interrupted.";
+
+void add_run(CLI::App& app, RunOptions& options) {
+  CLI::App* run = app.add_subcommand("run", "Run a scene headless");
+  run->footer(kExitCodes);
+  run->add_option("scene", options.scene, "Scene file")->type_name("SCENE")->required();
+  run->add_option("--steps", options.steps, "Number of time steps; otherwise the scene's RunSettings say it")
+      ->type_name("N")
+      ->check(CLI::Range(0L, 1'000'000'000L));
+  CLI::Option* out =
+      run->add_option("--out", options.out, "Write history.csv, mesh.pvd, frames and plot.svg into this directory")
+          ->type_name("DIR");
+  run->add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  run->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  run->add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
+      ->type_name("PATH.attribute=VALUE")
+      ->allow_extra_args(false);
+  run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
+      ->type_name("N")
+      ->check(CLI::Range(0, 100'000))
+      ->needs(out);
+  run->add_flag("--force", options.force, "Write into a directory that holds an earlier run")->needs(out);
+  run->add_flag("--quiet", options.quiet, "Print nothing but errors");
+  run->add_option("--plugin-path", options.plugin_path, "Directory to look for plugins in; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+}
+
+int report(ExitCode code, const std::string& message) {
+  spdlog::error("{}", message);
+  return code;
+}
+
+int run_and_report(const RunOptions& options) {
+  try {
+    return run(options);
+  } catch (const UsageError& error) {
+    return report(kUsage, fmt::format("hexaplast: error: {}", error.what()));
+  } catch (const scene::OverrideError& error) {
+    return report(kUsage, error.what());
+  } catch (const scene::SceneError& error) {
+    return report(kScene, error.what());
+  } catch (const InputError& error) {
+    return report(kScene, fmt::format("{}: error: {}", options.scene.string(), error.what()));
+  } catch (const std::bad_alloc&) {
+    return report(kScene, fmt::format("{}: error: the scene does not fit into memory", options.scene.string()));
+  } catch (const NumericalError& error) {
+    return report(kNumerical, fmt::format("{}: error: {}", options.scene.string(), error.what()));
+  } catch (const scene::FileError& error) {
+    return report(kInputOutput, error.what());
+  } catch (const output::OutputError& error) {
+    return report(kInputOutput, fmt::format("hexaplast: error: {}", error.what()));
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(kInputOutput, fmt::format("hexaplast: error: {}", error.what()));
+  } catch (const scene::PluginError& error) {
+    return report(kPlugin, error.what());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Messages are sentences with their own place and severity; the log adds nothing to them.
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("hexaplast"));
+  spdlog::set_pattern("%v");
+
+  CLI::App app("Hexaplast: hexahedral corotational elastoplastic finite elements in real time", "hexaplast");
+  app.set_version_flag("--version", "hexaplast " HEXAPLAST_VERSION);
+  app.require_subcommand(1);
+  RunOptions options;
+  add_run(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kOk : kUsage;
+  }
+
+  if (options.quiet) spdlog::set_level(spdlog::level::err);
+  return run_and_report(options);
+}

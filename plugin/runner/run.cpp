@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <set>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/hash.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "output/recorder.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/interrupt.hpp"
+#include "runner/progress.hpp"
+#include "scene/reader.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using std::filesystem::path;
+
+/// A scene that is ready to run, and the parts of it that the run looks at.
+struct Stage {
+  scene::Scene scene;
+  scene::MechanicalState* state = nullptr;
+  scene::OdeSolver* solver = nullptr;
+  const scene::ForceField* body_field = nullptr;  // null: only masses
+  long num_steps = 0;
+  int output_every = 25;
+};
+
+/// The two kinds of time of a run.
+struct Progression {
+  long step = 0;        ///< accepted steps
+  double step_ms = 0;   ///< wall time of all of them, without output
+  long iterations = 0;  ///< of all linear solves
+};
+
+path installed_plugins() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / HEXAPLAST_PLUGINS_FROM_BIN)
+      .lexically_normal();
+}
+
+template <class T>
+T* only_one(scene::Scene& scene, const char* what) {
+  const std::vector<T*> all = scene.root().all<T>();
+  if (all.size() != 1) {
+    const std::string place =
+        all.empty() ? "" : fmt::format("; the second one is {} '{}'", all[1]->class_name(), all[1]->name());
+    throw scene::SceneError(
+        scene::format_error(all.empty() ? scene.root().place() : all[1]->place(),
+                            fmt::format("{} {} in the scene, a run moves exactly one{}", all.size(), what, place)));
+  }
+  return all[0];
+}
+
+const scene::ForceField* find_body(scene::Scene& scene) {
+  const scene::ForceField* found = nullptr;
+  for (const scene::ForceField* field : scene.root().all<scene::ForceField>()) {
+    if (!field->body()) continue;
+    if (found) {
+      throw scene::SceneError(scene::format_error(
+          field->place(),
+          fmt::format("{} '{}': a second body; a run has at most one", field->class_name(), field->name())));
+    }
+    found = field;
+  }
+  return found;
+}
+
+// RunSettings is found by its class, because the component itself lives in a plugin.
+scene::Component* find_settings(scene::Scene& scene) {
+  for (scene::Component* component : scene.root().all<scene::Component>())
+    if (component->class_name() == "RunSettings") return component;
+  return nullptr;
+}
+
+void log_warnings(scene::Scene& scene) {
+  for (const scene::Message& message : scene.diagnostics().take_warnings()) {
+    const bool is_note = message.severity == scene::Severity::kNote;
+    spdlog::log(is_note ? spdlog::level::info : spdlog::level::warn, "{}", scene::format(message));
+  }
+}
+
+// The stock components live in a plugin too: every scene needs it, whether it says so or not.
+void load_own_components(scene::PluginLoader& plugins) {
+  try {
+    plugins.load("Hexaplast");
+  } catch (const scene::PluginError& error) {
+    throw scene::PluginError(scene::format_error({"hexaplast", 0}, error.what()));
+  }
+}
+
+Stage set_up(const RunOptions& options) {
+  // Both are needed for reading alone: the code of a loaded plugin stays.
+  scene::Factory factory;
+  std::vector<path> directories = options.plugin_path;
+  directories.push_back(installed_plugins());
+  scene::PluginLoader plugins(factory, directories);
+  load_own_components(plugins);
+
+  Stage stage;
+  stage.scene = scene::read_scene(options.scene, factory, plugins);
+  // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
+  if (!stage.scene.diagnostics().has_errors())
+    for (const std::string& assignment : options.overrides) scene::override_attribute(stage.scene, assignment);
+  stage.scene.init();
+  log_warnings(stage.scene);
+
+  stage.state = only_one<scene::MechanicalState>(stage.scene, "mechanical states");
+  stage.solver = only_one<scene::OdeSolver>(stage.scene, "solvers of motion");
+  stage.body_field = find_body(stage.scene);
+  if (!stage.body_field && (options.out || options.final_state))
+    throw scene::SceneError(scene::format_error(stage.scene.root().place(),
+                                                "no body in the scene: --out and --final have nothing to write"));
+
+  scene::Component* settings = find_settings(stage.scene);
+  if (settings) stage.output_every = settings->integer("outputEvery");
+  if (options.steps) {
+    stage.num_steps = *options.steps;
+  } else if (settings && settings->is_given("steps")) {
+    stage.num_steps = settings->integer("steps");
+  } else {
+    throw UsageError("the number of steps is not given: neither --steps nor RunSettings.steps in the scene");
+  }
+  return stage;
+}
+
+output::RunPlan plan_of(Stage& stage, const RunOptions& options) {
+  output::RunPlan plan;
+  plan.title = options.scene.stem().string();
+  plan.num_steps = stage.num_steps;
+  plan.dt = stage.scene.dt();
+  plan.output_every = stage.output_every;
+  plan.num_frames = options.frames.value_or(plan.num_frames);
+  plan.force = options.force;
+
+  std::set<int> loaded;
+  for (const scene::ForceField* field : stage.scene.root().all<scene::ForceField>())
+    loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
+  plan.loaded_nodes.assign(loaded.begin(), loaded.end());
+  return plan;
+}
+
+// Before the first step, so that a long run does not end in a file that cannot be written.
+void require_writable_parent(const path& file) {
+  const path parent = file.has_parent_path() ? file.parent_path() : path(".");
+  std::error_code unknown;
+  if (!std::filesystem::is_directory(parent, unknown))
+    throw output::OutputError(fmt::format("{}: there is no directory {}", file.string(), parent.string()));
+}
+
+output::StepRecord record_of(Stage& stage, const Progression& done, const SolveReport& solve, double step_ms) {
+  output::StepRecord record;
+  record.step = done.step;
+  record.time = stage.scene.time();
+  record.kinetic_energy = stage.solver->kinetic_energy();
+  if (stage.body_field) record.flow = *stage.body_field->flow_report();
+  record.solver_iterations = solve.iterations;
+  record.residual = solve.residual;
+  record.step_ms = step_ms;
+  return record;
+}
+
+// Steps until the end, a signal, or a failure. After a failure the files hold everything up to the last good step.
+Progression advance(Stage& stage, output::Recorder* recorder, bool shows_progress) {
+  Progression done;
+  if (recorder) recorder->record(record_of(stage, done, {}, 0), stage.state->positions(), stage.state->velocities());
+
+  Progress progress(stage.num_steps, shows_progress);
+  while (done.step < stage.num_steps && requested_signal() == 0) {
+    const auto begin = std::chrono::steady_clock::now();
+    SolveReport solve;
+    try {
+      solve = stage.scene.step();
+    } catch (const NumericalError& error) {
+      if (recorder) recorder->finish();
+      throw NumericalError(
+          fmt::format("step {} (from t = {:.6g} s): {}", done.step + 1, stage.scene.time(), error.what()));
+    }
+    const double step_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+
+    ++done.step;
+    done.step_ms += step_ms;
+    done.iterations += solve.iterations;
+    const output::StepRecord record = record_of(stage, done, solve, step_ms);
+    if (recorder) recorder->record(record, stage.state->positions(), stage.state->velocities());
+    progress.show(done.step, record.time, record.flow.yielded);
+  }
+  return done;
+}
+
+std::string hash_without_body(Stage& stage, long step) {
+  StateHash hash;
+  const std::int64_t count = step;
+  hash.add(&count, sizeof count);
+  for (const PointArray* field : {&stage.state->positions(), &stage.state->velocities()})
+    hash.add(field->data(), sizeof(double) * static_cast<std::size_t>(field->size()));
+  return hash.text();
+}
+
+void print_summary(Stage& stage, const Progression& done, const path& scene_file) {
+  const double per_step = done.step_ms / static_cast<double>(std::max(done.step, 1L));
+  const scene::ForceField* field = stage.body_field;
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", scene_file.stem().string(), done.step, stage.scene.dt(),
+             stage.scene.time());
+  fmt::print("  nodes               {}\n", stage.state->num_nodes());
+  if (field) {
+    const Body& body = *field->body();
+    const PointArray& x = stage.state->positions();
+    const output::Summary summary = output::summarise(body, x);
+    const Vec3& place = summary.largest_strain_place;
+    fmt::print("  hexahedra           {}\n", body.mesh().num_elements());
+    fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", 100 * summary.plastic_elongation,
+               100 * summary.world_elongation);
+    fmt::print("  plastic twist       {:+.3f} deg  (world {:+.3f} deg)\n", summary.plastic_twist_deg,
+               summary.world_twist_deg);
+    fmt::print("  volume error        {:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)\n",
+               100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
+               100 * (summary.world_volume_ratio - 1));
+    fmt::print("  largest strain      {:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g})\n", summary.largest_strain,
+               summary.largest_strain_element, place.x(), place.y(), place.z());
+    if (done.step > 0) fmt::print("  speed               {:.1f} hex/ms\n", body.mesh().num_elements() / per_step);
+  }
+  if (done.step > 0)
+    fmt::print("  step                {:.3f} ms, {:.1f} solver iterations\n", per_step,
+               static_cast<double>(done.iterations) / static_cast<double>(done.step));
+  fmt::print("  state hash          {}\n",
+             field ? output::state_hash(done.step, stage.state->positions(), stage.state->velocities(), *field->body())
+                   : hash_without_body(stage, done.step));
+}
+
+}  // namespace
+
+int run(const RunOptions& options) {
+  if (options.threads) set_num_threads(*options.threads);
+  watch_signals();
+
+  Stage stage = set_up(options);
+  if (options.final_state) require_writable_parent(*options.final_state);
+  std::optional<output::Recorder> recorder;
+  if (options.out) recorder.emplace(*options.out, *stage.body_field->body(), plan_of(stage, options));
+
+  const Progression done = advance(stage, recorder ? &*recorder : nullptr, !options.quiet);
+
+  if (recorder)
+    for (const std::string& warning : recorder->finish()) spdlog::warn("warning: {}", warning);
+  if (options.final_state)
+    output::write_final(*options.final_state, done.step, stage.scene.time(), stage.state->positions(),
+                        stage.state->velocities(), *stage.body_field->body());
+  if (!options.quiet) print_summary(stage, done, options.scene);
+
+  const int signal = requested_signal();
+  if (signal != 0) spdlog::warn("warning: ended by signal {} after step {} of {}", signal, done.step, stage.num_steps);
+  return signal == 0 ? kOk : kSignalled + signal;
+}
+
+}  // namespace hexaplast::runner
