@@ -52,68 +52,87 @@ Colour operator*(float share, const Colour& colour) {
 
 }  // namespace
 
-Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals)
-    : title_(std::move(title)), time_decimals_(time_decimals), long_axis_(end_sections(mesh).axis) {
+Gallery::Surface::Surface(const HexMesh& mesh, std::span<const unsigned char> alive) {
   std::vector<int> point_of_node(mesh.num_nodes(), -1);
-  for (const std::array<int, 4>& nodes : mesh.boundary_faces()) {
+  for (const std::array<int, 4>& nodes : mesh.boundary_faces(alive)) {
     std::array<int, 4> face;
     for (int k = 0; k < 4; ++k) {
       int& point = point_of_node[nodes[k]];
       if (point < 0) {
-        point = static_cast<int>(node_of_point_.size());
-        node_of_point_.push_back(nodes[k]);
+        point = static_cast<int>(node_of_point.size());
+        node_of_point.push_back(nodes[k]);
       }
       face[k] = point;
     }
-    faces_.push_back(face);
+    faces.push_back(face);
 
-    // the one hexahedron that has all four nodes
+    // the one hexahedron left that has all four nodes
     for (const HexMesh::Incidence& at : mesh.incident(nodes[0])) {
       const Hexahedron& corners = mesh.hexahedra()[at.element];
+      if (!alive.empty() && !alive[at.element]) continue;
       if (std::ranges::all_of(nodes, [&](int node) { return std::ranges::find(corners, node) != corners.end(); })) {
-        element_of_face_.push_back(at.element);
+        element_of_face.push_back(at.element);
         break;
       }
     }
   }
-  original_ = surface_of(mesh.positions());
 
-  faces_of_point_.resize(node_of_point_.size());
+  faces_of_point.resize(node_of_point.size());
   std::map<std::array<int, 2>, std::vector<int>> faces_of_edge;
-  for (int f = 0; f < static_cast<int>(faces_.size()); ++f)
+  for (int f = 0; f < static_cast<int>(faces.size()); ++f)
     for (int k = 0; k < 4; ++k) {
-      faces_of_point_[faces_[f][k]].push_back(f);
-      const auto [low, high] = std::minmax(faces_[f][k], faces_[f][(k + 1) % 4]);
+      faces_of_point[faces[f][k]].push_back(f);
+      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 4]);
       faces_of_edge[{low, high}].push_back(f);
     }
 
-  const std::vector<Vector3f> normals = face_normals(original_);
-  for (const auto& [edge, faces] : faces_of_edge) {
-    edges_.push_back(edge);
-    const Vector3f first = normals[faces.front()].normalized(), last = normals[faces.back()].normalized();
-    if (faces.size() != 2 || first.dot(last) < kCrease) original_creases_.push_back(edge);
+  original = points_at(mesh.positions());
+  const std::vector<Vector3f> normals = face_normals(original);
+  for (const auto& [edge, around] : faces_of_edge) {
+    edges.push_back(edge);
+    const Vector3f first = normals[around.front()].normalized(), last = normals[around.back()].normalized();
+    if (around.size() != 2 || first.dot(last) < kCrease) creases.push_back(edge);
   }
 }
 
-void Gallery::add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain) {
-  State state{.step = step, .time = time, .points = surface_of(positions), .plastic_strain = {}};
-  for (const int element : element_of_face_)
-    state.plastic_strain.push_back(static_cast<float>(plastic_strain[element]));
-  states_.push_back(std::move(state));
-}
-
-std::vector<Vector3f> Gallery::surface_of(ConstPoints positions) const {
+std::vector<Vector3f> Gallery::Surface::points_at(ConstPoints positions) const {
   std::vector<Vector3f> points;
-  points.reserve(node_of_point_.size());
-  for (const int node : node_of_point_) points.push_back(positions.row(node).transpose().cast<float>());
+  points.reserve(node_of_point.size());
+  for (const int node : node_of_point) points.push_back(positions.row(node).transpose().cast<float>());
   return points;
 }
 
-std::vector<Vector3f> Gallery::face_normals(const std::vector<Vector3f>& points) const {
+std::vector<Vector3f> Gallery::Surface::face_normals(const std::vector<Vector3f>& points) const {
   std::vector<Vector3f> normals;
-  normals.reserve(faces_.size());
-  for (const auto& [a, b, c, d] : faces_) normals.push_back((points[c] - points[a]).cross(points[d] - points[b]));
+  normals.reserve(faces.size());
+  for (const auto& [a, b, c, d] : faces) normals.push_back((points[c] - points[a]).cross(points[d] - points[b]));
   return normals;
+}
+
+Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals)
+    : mesh_(mesh),
+      title_(std::move(title)),
+      time_decimals_(time_decimals),
+      long_axis_(end_sections(mesh).axis),
+      original_(std::make_shared<Surface>(mesh, std::span<const unsigned char>())),
+      current_(original_) {}
+
+void Gallery::add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain,
+                  std::span<const unsigned char> alive) {
+  const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
+  if (all_alive) {
+    current_ = original_;
+    current_alive_.clear();
+  } else if (!std::ranges::equal(alive, current_alive_)) {
+    current_ = std::make_shared<Surface>(mesh_, alive);
+    current_alive_.assign(alive.begin(), alive.end());
+  }
+
+  State state{
+      .step = step, .time = time, .surface = current_, .points = current_->points_at(positions), .plastic_strain = {}};
+  for (const int element : current_->element_of_face)
+    state.plastic_strain.push_back(static_cast<float>(plastic_strain[element]));
+  states_.push_back(std::move(state));
 }
 
 Drawing::Vertex Gallery::View::project(const Vector3f& point) const {
@@ -140,7 +159,7 @@ Gallery::View Gallery::fitted_view() const {
     for (const Vector3f& point : points)
       seen.extend(Vector3f(view.right.dot(point), view.up.dot(point), view.towards.dot(point)));
   };
-  extend(original_);
+  extend(original_->original);
   for (const State& state : states_) {
     extend(state.points);
     for (const float strain : state.plastic_strain) view.greatest_strain = std::max(view.greatest_strain, strain);
@@ -201,8 +220,8 @@ Drawing Gallery::drawing(const State& state, const View& view) const {
 }
 
 void Gallery::draw_original(const View& view, Drawing& picture) const {
-  for (const auto& [a, b] : original_creases_) {
-    Drawing::Line line{view.project(original_[a]), view.project(original_[b]), 1.5f};
+  for (const auto& [a, b] : original_->creases) {
+    Drawing::Line line{view.project(original_->original[a]), view.project(original_->original[b]), 1.5f};
     line.from.colour = line.to.colour = kOriginal;
     line.from.depth = line.to.depth = kBackground;
     picture.lines.push_back(line);
@@ -210,7 +229,8 @@ void Gallery::draw_original(const View& view, Drawing& picture) const {
 }
 
 void Gallery::draw_body(const State& state, const View& view, Drawing& picture) const {
-  const std::vector<Vector3f> normals = face_normals(state.points);
+  const Surface& surface = *state.surface;
+  const std::vector<Vector3f> normals = surface.face_normals(state.points);
   const auto lit = [&](const Vector3f& normal, const Colour& colour) {
     const Vector3f n = normal.normalized();
     return brightness({view.right.dot(n), view.up.dot(n), view.towards.dot(n)}) * colour;
@@ -219,19 +239,19 @@ void Gallery::draw_body(const State& state, const View& view, Drawing& picture) 
   const auto smooth_normal = [&](int face, int point) {
     const Vector3f own = normals[face].normalized();
     Vector3f sum = Vector3f::Zero();
-    for (const int other : faces_of_point_[point])
+    for (const int other : surface.faces_of_point[point])
       if (normals[other].normalized().dot(own) >= kCrease) sum += normals[other];
     return sum;
   };
 
   // four triangles around the centre show a warped face without a preferred diagonal
-  for (int f = 0; f < static_cast<int>(faces_.size()); ++f) {
+  for (int f = 0; f < static_cast<int>(surface.faces.size()); ++f) {
     const double share = view.greatest_strain > 0 ? state.plastic_strain[f] / view.greatest_strain : 0;
     const Colour colour = colour_of(share);
     std::array<Drawing::Vertex, 4> corner;
     Vector3f middle = Vector3f::Zero();
     for (int k = 0; k < 4; ++k) {
-      const int point = faces_[f][k];
+      const int point = surface.faces[f][k];
       corner[k] = view.project(state.points[point]);
       corner[k].colour = lit(smooth_normal(f, point), colour);
       middle += state.points[point] / 4;
@@ -241,11 +261,13 @@ void Gallery::draw_body(const State& state, const View& view, Drawing& picture) 
     for (int k = 0; k < 4; ++k) picture.triangles.push_back({{corner[k], corner[(k + 1) % 4], centre}});
   }
 
+  if (surface.edges.empty()) return;
   float mean_length = 0;  // [pixels]
-  for (const auto& [a, b] : edges_) mean_length += view.pixels_per_metre * (original_[b] - original_[a]).norm();
-  mean_length /= static_cast<float>(edges_.size());
+  for (const auto& [a, b] : surface.edges)
+    mean_length += view.pixels_per_metre * (surface.original[b] - surface.original[a]).norm();
+  mean_length /= static_cast<float>(surface.edges.size());
   if (mean_length < kShortestEdge) return;
-  for (const auto& [a, b] : edges_) {
+  for (const auto& [a, b] : surface.edges) {
     Drawing::Line line{view.project(state.points[a]), view.project(state.points[b]),
                        std::min(kWidestEdge, mean_length / 12)};
     line.from.colour = line.to.colour = kEdge;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,11 +20,13 @@ class Gallery {
  public:
   static constexpr int kWidth = 1280, kHeight = 720;  // [pixels]
 
-  /// title: shown in every picture. time_decimals: of the time stamps.
+  /// title: shown in every picture. time_decimals: of the time stamps. The mesh must outlive the gallery.
   Gallery(const HexMesh& mesh, std::string title, int time_decimals);
 
-  /// positions: num_nodes x 3 [m]; plastic_strain: one per hexahedron [-].
-  void add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain);
+  /// positions: num_nodes x 3 [m]; plastic_strain: one per hexahedron [-]; alive, if not empty: one per hexahedron, 0
+  /// for those that are removed and not shown.
+  void add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain,
+           std::span<const unsigned char> alive = {});
 
   int num_states() const { return static_cast<int>(states_.size()); }
   long step(int state) const { return states_[state].step; }
@@ -36,11 +40,29 @@ class Gallery {
   }
 
  private:
+  /// The boundary of the hexahedra that are left, by itself: points are those nodes that lie on it.
+  struct Surface {
+    Surface(const HexMesh& mesh, std::span<const unsigned char> alive);
+
+    std::vector<Eigen::Vector3f> points_at(ConstPoints positions) const;  ///< [m]
+    std::vector<Eigen::Vector3f> face_normals(
+        const std::vector<Eigen::Vector3f>& points) const;  ///< twice the area long
+
+    std::vector<int> node_of_point;
+    std::vector<std::array<int, 4>> faces;  // points, counter-clockwise seen from outside
+    std::vector<int> element_of_face;
+    std::vector<std::vector<int>> faces_of_point;
+    std::vector<std::array<int, 2>> edges;    // points, each edge once
+    std::vector<std::array<int, 2>> creases;  // edges at which the original surface has a corner
+    std::vector<Eigen::Vector3f> original;    // [m] original positions of the points
+  };
+
   struct State {
     long step = 0;
-    double time = 0;                      // [s]
-    std::vector<Eigen::Vector3f> points;  // [m] one per surface point
-    std::vector<float> plastic_strain;    // one per face, of the hexahedron behind it
+    double time = 0;                         // [s]
+    std::shared_ptr<const Surface> surface;  // shared by all states between two removals
+    std::vector<Eigen::Vector3f> points;     // [m] one per surface point
+    std::vector<float> plastic_strain;       // one per face, of the hexahedron behind it
   };
 
   /// An orthographic camera, and the colour scale.
@@ -58,19 +80,13 @@ class Gallery {
   Drawing drawing(const State& state, const View& view) const;
   void draw_body(const State& state, const View& view, Drawing& picture) const;
   void draw_original(const View& view, Drawing& picture) const;
-  std::vector<Eigen::Vector3f> surface_of(ConstPoints positions) const;
-  std::vector<Eigen::Vector3f> face_normals(const std::vector<Eigen::Vector3f>& points) const;
 
+  const HexMesh& mesh_;
   std::string title_;
   int time_decimals_;
-  int long_axis_ = 0;
-  std::vector<int> node_of_point_;         // surface points -> nodes of the mesh
-  std::vector<std::array<int, 4>> faces_;  // surface points, counter-clockwise seen from outside
-  std::vector<int> element_of_face_;
-  std::vector<std::vector<int>> faces_of_point_;
-  std::vector<std::array<int, 2>> edges_;             // surface points, each edge once
-  std::vector<Eigen::Vector3f> original_;             // [m] original positions of the surface points
-  std::vector<std::array<int, 2>> original_creases_;  // edges at which the original surface has a corner
+  int long_axis_;
+  std::shared_ptr<const Surface> original_, current_;
+  std::vector<unsigned char> current_alive_;  // that current_ belongs to; empty: all
   std::vector<State> states_;
 };
 

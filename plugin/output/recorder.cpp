@@ -135,7 +135,8 @@ void Recorder::Files::write_mesh() {
 }
 
 void Recorder::Files::keep_for_picture() {
-  gallery->add(latest.step, latest.time, latest_positions, body.fields(latest_positions).plastic_strain);
+  gallery->add(latest.step, latest.time, latest_positions, body.fields(latest_positions).plastic_strain,
+               body.history().alive);
 }
 
 std::vector<std::string> Recorder::Files::draw_pictures() {

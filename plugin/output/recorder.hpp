@@ -17,11 +17,11 @@ namespace hexaplast::output {
 struct RunPlan {
   std::string title;  ///< shown in pictures and plots: the scene's name
   long num_steps = 0;
-  double dt = 0;                  ///< [s]
-  int output_every = 25;          ///< steps between two .vtu files; the first and the last state are always written
-  int num_frames = 8;             ///< pictures, spread evenly over the run, the last state among them; 0: none
-  bool force = false;             ///< write into a directory that holds an earlier run
-  std::vector<int> loaded_nodes;  ///< nodes that carry prescribed forces, ascending; may be empty
+  double dt = 0;          ///< [s]
+  int output_every = 25;  ///< steps between two .vtu files; the first and the last state are always written
+  int num_frames = 8;     ///< pictures, spread evenly over the run, the last state among them; 0: none
+  bool force = false;     ///< write into a directory that holds an earlier run
+  std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
 };
 
 /// One accepted step, or the initial state (step 0).
@@ -29,7 +29,7 @@ struct StepRecord {
   long step = 0;
   double time = 0;            ///< [s] at the end of the step
   double kinetic_energy = 0;  ///< [J]
-  FlowReport flow;
+  FlowReport flow = {};
   int solver_iterations = 0;
   double residual = 0;  ///< relative residual of the linear solve
   double step_ms = 0;   ///< wall time of the step without output
