@@ -210,7 +210,7 @@ Drawing Gallery::drawing(const State& state, const View& view) const {
     picture.triangles.push_back({{a, c, d}});
   }
   write(kWidth / 2, kBarTop - 12, 17, Drawing::Align::kCentre, kInk, "plastic strain [–]");
-  const Ticks ticks = ticks_within(0, view.greatest_strain, 5);
+  const Ticks ticks = ticks_within(0, view.greatest_strain, 6);
   for (const double value : ticks.values) {
     const float x = left + kBarWidth * static_cast<float>(value / view.greatest_strain);
     line(x, kBarTop + kBarHeight, x, kBarTop + kBarHeight + 6, 1.3f, kInk);

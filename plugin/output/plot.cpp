@@ -62,7 +62,7 @@ Ticks vertical_axis(const Panel& panel) {
     most = falls ? std::max(most, 0.0) : least + panel.least_span;
     least = falls ? most - panel.least_span : least;
   }
-  return ticks_around(least, most, 5);
+  return ticks_around(least, most, 6);
 }
 
 class Page {
