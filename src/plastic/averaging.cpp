@@ -227,6 +227,10 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
       // far from the fit the projected step may overshoot; the local/global step never raises E
       report.fell_back = true;
       solve(local_global);
+    } else {
+      // a turn of the whole part costs next to nothing in eq. 31 and comes out with little accuracy: the maps follow
+      // it, so that rest shapes and thresholds do not feel it
+      fit(model, history);
     }
   }
 }

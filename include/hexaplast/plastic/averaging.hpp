@@ -30,8 +30,8 @@ class Averaging {
  public:
   explicit Averaging(const Model& model);
 
-  /// Moves history.material by settings.averaging_steps steps; history.rotation_map becomes the best
-  /// rotations at the positions before the last of them.
+  /// Moves history.material by settings.averaging_steps steps. history.rotation_map becomes the best rotations at the
+  /// new positions; a local/global step keeps those that it started from.
   AveragingReport advance(const Model& model, LinearSolver& solver, History& history);
 
   /// Connected parts of the elements that are alive in `history`, found anew when some were removed since the last
