@@ -33,10 +33,10 @@ class ConstrainedOperator final : public LinearSystem {
   OperatorFactors factors_;
 };
 
-void require_finite(ConstPoints increment) {
-  for (int n = 0; n < increment.rows(); ++n)
-    if (!increment.row(n).allFinite())
-      throw NumericalError(fmt::format("the velocity of node {} left the finite numbers in this step", n));
+void require_finite(ConstPoints field, const char* what) {
+  for (int n = 0; n < field.rows(); ++n)
+    if (!field.row(n).allFinite())
+      throw NumericalError(fmt::format("the {} of node {} left the finite numbers in this step", what, n));
 }
 
 }  // namespace
@@ -52,13 +52,14 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
   system.add_product({.mass = -rM, .damping = 0, .stiffness = h + rK}, v, right_hand_side_);
   right_hand_side_ *= h;
   system.project(right_hand_side_);
+  require_finite(right_hand_side_, "force");  // before the solver, which would spread it over all nodes
 
   // A = (1 + h rM) M - h B - h (h + rK) K                                                                     eq. 40
   const ConstrainedOperator A(system, {.mass = 1 + h * rM, .damping = -h, .stiffness = -h * (h + rK)});
   const SolveReport report = solver.solve(A, right_hand_side_, increment_);
 
   increment_ += v;  // the new velocity                                                                        eq. 42
-  require_finite(increment_);
+  require_finite(increment_, "velocity");
   v = increment_;
   x += h * v;
   return report;
