@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/plastic/averaging.hpp"
+
+#include <cmath>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/plastic/rest_shape.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "support/compare.hpp"
+#include "support/motion.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::mapped;
+
+constexpr double kEdge = 0.1;
+
+Model elastic_model(HexMesh mesh) { return Model(std::move(mesh), {Material{}}, Settings{}); }
+
+/// History in which every element for itself would like to be stretched by half along z.
+History stretched_rest_shapes(const Model& model) {
+  History history(model);
+  for (ElementPoints& y : history.rest_shape) y = mapped(y, Vec3(1, 1, 1.5).asDiagonal());
+  return history;
+}
+
+/// Square of the misfit of isolated and joined shapes that the averaging minimises.
+double misfit(const Model& model, const History& history) {
+  double sum = 0;
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
+    sum += (mapped(history.rest_shape[e], fit_rotation(history.rest_shape[e], x)) - x).squaredNorm();
+  }
+  return sum;
+}
+
+TEST(Averaging, JoinsStretchedElementsIntoAStretchedBarOfAnyLength) {
+  for (const int slices : {10, 20, 40}) {
+    const Model model = elastic_model(support::block({2, 2, slices}, kEdge));
+    const EndSections ends = end_sections(model.mesh);
+    for (const bool direct : {false, true}) {
+      History history = stretched_rest_shapes(model);
+      Averaging averaging(model);
+      PreconditionedConjugateGradients iterative(1e-12, 10000);
+      CholeskySolver cholesky;
+      LinearSolver& solver = direct ? static_cast<LinearSolver&>(cholesky) : iterative;
+      averaging.advance(model, solver, history);
+      EXPECT_NEAR(elongation(ends, history.material), 0.5, 1e-6);  // one step leaves its regularisation, 1e-7
+      averaging.advance(model, solver, history);
+      EXPECT_NEAR(elongation(ends, history.material), 0.5, 1e-9) << slices << " slices";
+    }
+  }
+}
+
+// Why a linear system is solved: replacing nodes by the mean of their elements' wishes reaches ten slices only slowly.
+TEST(Averaging, ByOneSweepOfNodeMeansWouldFallShort) {
+  const Model model = elastic_model(support::block({2, 2, 10}, kEdge));
+  const History history = stretched_rest_shapes(model);
+  PointArray joined = PointArray::Zero(model.mesh.num_nodes(), 3);
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const Eigen::RowVector3d centre = gather(history.material, corners).colwise().mean();
+    for (int a = 0; a < kCorners; ++a) {
+      joined.row(corners[a]) += (history.rest_shape[e].row(a) + centre) / model.mesh.incident(corners[a]).size();
+    }
+  }
+  EXPECT_LT(elongation(end_sections(model.mesh), joined), 0.1);
+}
+
+TEST(Averaging, KeepsTheMeanOfEveryConnectedPart) {
+  const HexMesh one = support::distorted_block({2, 2, 3}, kEdge, 0.15, 141);
+  PointArray positions(2 * one.num_nodes(), 3);
+  positions << one.positions(), mapped(one.positions(), Mat3::Identity(), Vec3(5, 0, 0));
+  std::vector<Hexahedron> hexahedra = one.hexahedra();
+  for (Hexahedron corners : one.hexahedra()) {
+    for (int& n : corners) n += one.num_nodes();
+    hexahedra.push_back(corners);
+  }
+  const Model model = elastic_model(HexMesh(positions, hexahedra));
+  ASSERT_EQ(connected_parts(model.mesh, History(model).alive).count, 2);
+
+  support::Random random(142);
+  History history(model);
+  for (ElementPoints& y : history.rest_shape) y = about_mean(mapped(y, Mat3::Identity() + random.matrix(0.3)));
+  Averaging averaging(model);
+  PreconditionedConjugateGradients solver(1e-12, 10000);
+  EXPECT_FALSE(averaging.advance(model, solver, history).skipped);
+  for (const int first : {0, one.num_nodes()}) {
+    const Vec3 before = positions.middleRows(first, one.num_nodes()).colwise().mean();
+    const Vec3 after = history.material.middleRows(first, one.num_nodes()).colwise().mean();
+    EXPECT_LE((after - before).norm(), 1e-12);
+  }
+  EXPECT_GT(support::max_abs(history.material - positions), 1e-3);
+}
+
+TEST(Averaging, NeverRaisesTheMisfitAndArrives) {
+  support::Random random(143);
+  const Model model = elastic_model(support::distorted_block({2, 2, 3}, kEdge, 0.15, 144));
+  for (const double size : {0.1, 0.5, 1.0}) {
+    History history(model);
+    for (ElementPoints& y : history.rest_shape) {
+      y = about_mean(ElementPoints(mapped(y, random.rotation() * (Mat3::Identity() + random.matrix(0.3))) +
+                                   ElementPoints(random.field(kCorners, size * kEdge / 2))));
+    }
+    Averaging averaging(model);
+    PreconditionedConjugateGradients solver(1e-12, 10000);
+    double before = misfit(model, history);
+    for (int k = 0; k < 30; ++k) {
+      averaging.advance(model, solver, history);
+      const double after = misfit(model, history);
+      ASSERT_LE(after, before * (1 + 1e-12));
+      before = after;
+    }
+    // at the minimum one more step changes nothing
+    const PointArray arrived = history.material;
+    averaging.advance(model, solver, history);
+    EXPECT_LE(support::max_abs(history.material - arrived), 1e-6 * kEdge);
+  }
+}
+
+TEST(Averaging, LeavesShapesThatFitUntouched) {
+  support::Random random(145);
+  const Model model = elastic_model(support::distorted_block({2, 2, 3}, kEdge, 0.15, 146));
+  History history(model);
+  for (ElementPoints& y : history.rest_shape) y = mapped(y, random.rotation());  // each in a frame of its own
+  Averaging averaging(model);
+  PreconditionedConjugateGradients solver(1e-12, 10000);
+  EXPECT_TRUE(averaging.advance(model, solver, history).skipped);
+  EXPECT_EQ(history.material, model.mesh.positions());
+}
+
+/// Permanent twist of a bar twisted by hand, with `averaging_steps` per time step.
+double permanent_twist(int averaging_steps) {
+  Material m;
+  m.yield_stress = 50;
+  m.flow_rate = 2;
+  m.rotation_flow_rate = 2;
+  m.rotation_yield = 0.005;
+  Settings settings;
+  settings.averaging_steps = averaging_steps;
+  Body body(support::block({2, 2, 10}, kEdge), {m}, settings);
+  for (int k = 1; k <= 60; ++k) {
+    const double share = std::min(1.0, k / 40.0);
+    const PointArray world = support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 2 * share);
+    body.flow(world, 0.01);
+  }
+  return twist(body.mesh(), end_sections(body.mesh()), body.history().material);
+}
+
+TEST(Averaging, IsConvergedAfterOneStepPerTimeStep) {
+  const double one = permanent_twist(1), four = permanent_twist(4);
+  EXPECT_GT(one, 0.1);
+  EXPECT_NEAR(one, four, 1e-3 * four);
+}
+
+}  // namespace
+}  // namespace hexaplast

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/base/block_matrix.hpp"
+
+#include "support/compare.hpp"
+#include "support/dense.hpp"
+#include "support/random.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::dense;
+
+TEST(BlockMatrix, AddsBlocksAndKeepsColumnsAscending) {
+  support::Random random(62);
+  const Mat3 A = random.matrix(1), B = random.matrix(1), C = random.matrix(1);
+  BlockMatrix M(3);
+  M.add(1, 2, A);
+  M.add(1, 0, B);
+  M.add(1, 2, C);
+  ASSERT_EQ(M.row(1).size(), 2u);
+  EXPECT_EQ(M.row(1)[0].column, 0);
+  EXPECT_EQ(M.row(1)[0].block, B);
+  EXPECT_EQ(M.row(1)[1].block, A + C);
+}
+
+TEST(BlockMatrix, KeepsItsPatternWhenCleared) {
+  BlockMatrix M(2);
+  M.add(0, 1, Mat3::Ones());
+  const long version = M.pattern_version();
+  M.clear();
+  EXPECT_TRUE(dense(M).isZero(0));
+  M.add(0, 1, Mat3::Ones());
+  EXPECT_EQ(M.pattern_version(), version);
+  M.add(1, 1, Mat3::Ones());
+  EXPECT_GT(M.pattern_version(), version);
+}
+
+TEST(BlockMatrix, PinsOneDegreeOfFreedom) {
+  BlockMatrix M(2);
+  for (const int row : {0, 1}) {
+    for (const int column : {0, 1}) M.add(row, column, Mat3::Ones());
+  }
+  Eigen::MatrixXd expected = dense(M);
+  M.pin(1, 2);
+  expected.row(5).setZero();
+  expected.col(5).setZero();
+  expected(5, 5) = 1;
+  EXPECT_EQ(dense(M), expected);
+}
+
+}  // namespace
+}  // namespace hexaplast

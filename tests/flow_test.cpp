@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/plastic/flow.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/kinematics/polar.hpp"
+#include "hexaplast/material/corotated.hpp"
+#include "hexaplast/plastic/point_flow.hpp"
+#include "support/bar.hpp"
+#include "support/compare.hpp"
+#include "support/motion.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::mapped;
+using support::Random;
+
+constexpr double kEdge = 0.1;   // [m]
+constexpr double kStep = 0.01;  // [s]
+constexpr YieldNorm kNorms[] = {YieldNorm::kVonMises, YieldNorm::kFrobenius, YieldNorm::kSpectral};
+
+Material soft() {
+  Material m;
+  m.yield_stress = 300;
+  m.flow_rate = 3;
+  m.rotation_yield = 0.02;
+  m.rotation_flow_rate = 2;
+  m.hardening = 0.2;
+  return m;
+}
+
+std::string hash_of(const Body& body) {
+  StateHash hash;
+  body.add_to(hash);
+  return hash.text();
+}
+
+TEST(Flow, ChangesNothingBelowYield) {
+  Random random(151);
+  Material m = soft();
+  m.yield_stress = 1e5;
+  m.rotation_yield = 0.5;
+  Body body(support::distorted_block({2, 2, 3}, kEdge, 0.15, 152), {m});
+  const std::string before = hash_of(body);
+  for (int k = 0; k < 20; ++k) {
+    const PointArray world =
+        mapped(PointArray(body.mesh().positions() + random.field(36, 0.1 * kEdge)), random.rotation());
+    EXPECT_EQ(body.flow(world, kStep).yielded, 0);
+  }
+  EXPECT_EQ(hash_of(body), before);
+}
+
+TEST(Flow, ChangesNothingAtRest) {
+  Material m = soft();
+  m.yield_stress = 0;
+  m.rotation_yield = 0;
+  Body body(support::block({2, 2, 3}, kEdge), {m});
+  const PointArray rest = body.mesh().positions();
+  for (int k = 0; k < 1000; ++k) body.flow(rest, kStep);
+  // without any threshold rounding itself may flow, but it must not add up
+  EXPECT_LE(support::max_abs(body.history().material - rest), 1e-15);
+}
+
+TEST(Flow, OfRigidMotionsIsNothing) {
+  Random random(153);
+  Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 154), {soft()});
+  const std::string before = hash_of(body);
+  for (int k = 0; k < 100; ++k) body.flow(mapped(body.mesh().positions(), random.rotation(), random.vector(1)), kStep);
+  EXPECT_EQ(hash_of(body), before);
+}
+
+// One hexahedron of any shape held at a homogeneous stretch: tensors disappear, and a recursion of two numbers remains.
+TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
+  Random random(155);
+  for (const YieldNorm norm : kNorms) {
+    for (const double stretch : {0.8, 1.4}) {
+      const ElementPoints X = support::distorted_hexahedron(kEdge, 0.2, 156);
+      Settings settings;
+      settings.yield_norm = norm;
+      Body body(support::single_element(X), {soft()}, settings);
+      const Mat3 Q = random.rotation();
+      const auto uniaxial = [&](double log_stretch) {
+        return Mat3(Q *
+                    Vec3(std::exp(-log_stretch / 2), std::exp(-log_stretch / 2), std::exp(log_stretch)).asDiagonal() *
+                    Q.transpose());
+      };
+      const PointArray world = mapped(PointArray(X), random.rotation() * uniaxial(std::log(stretch)));
+      const Lame k = lame(soft().young_modulus, soft().poisson_ratio);
+
+      double elastic = std::log(stretch), tau = soft().yield_stress;  // along the axis
+      // steps so small that what the averaging's regularisation leaves of each, 1e-7, is below the tolerance
+      const double dt = 0.05 * kStep;
+      for (int step = 0; step < 600; ++step) {
+        const double n = stress_norm(stress(uniaxial(elastic), k), norm);
+        const double gamma = std::max(0.0, soft().flow_rate * dt * (n - tau) / n);
+        elastic *= 1 - gamma;
+        tau += soft().hardening * gamma * n;
+        body.flow(world, dt);
+
+        for (const double actual : body.history().yield_stress[0])
+          ASSERT_NEAR(actual, tau, 1e-9 * tau) << "step " << step;
+        // the material shape is free to turn, so compare Fp^T Fp
+        const Mat3 U = uniaxial(std::log(stretch) - elastic);
+        for (int a = 0; a < kCorners; ++a) {
+          const Mat3 Fp = corner_jacobian(ElementPoints(body.history().material), a) * corner_jacobian(X, a).inverse();
+          ASSERT_LE((Fp.transpose() * Fp - U * U).cwiseAbs().maxCoeff(), 1e-10) << "step " << step;
+        }
+      }
+      EXPECT_LT(std::abs(elastic), 0.7 * std::abs(std::log(stretch)));
+    }
+  }
+}
+
+/// Greatest relative difference, over 1 s, between the stress of a held small strain and its closed form.
+double error_of_small_strain(double dt) {
+  Material m;
+  m.flow_rate = 3;
+  m.hardening = 0.2;
+  const double strain = 1e-4;
+  const Lame k = lame(m.young_modulus, m.poisson_ratio);
+  const double initial = 3 * k.mu * strain;  // von Mises stress of diag(-e/2, -e/2, e)
+  m.yield_stress = 0.4 * initial;
+  const double settled = (m.hardening * initial + m.yield_stress) / (1 + m.hardening);
+
+  Body body(support::block({1, 1, 1}, kEdge), {m});
+  const PointArray world = mapped(body.mesh().positions(),
+                                  Vec3(std::exp(-strain / 2), std::exp(-strain / 2), std::exp(strain)).asDiagonal());
+  double worst = 0;
+  for (int step = 1; step * dt <= 1 + 1e-9; ++step) {
+    body.flow(world, dt);
+    const double expected = settled + (initial - settled) * std::exp(-m.flow_rate * (1 + m.hardening) * step * dt);
+    worst = std::max(worst, std::abs(body.fields(world).stress_norm[0] - expected) / initial);
+  }
+  return worst;
+}
+
+TEST(Flow, ConvergesToTheClosedFormOfSmallStrainsInFirstOrder) {
+  double before = error_of_small_strain(0.02);
+  EXPECT_LT(before, 0.02);
+  for (const double dt : {0.01, 0.005, 0.0025}) {
+    const double error = error_of_small_strain(dt);
+    EXPECT_NEAR(before / error, 2, 0.15) << "dt " << dt;
+    before = error;
+  }
+}
+
+TEST(Flow, OfAPureVolumeChangeMovesNothing) {
+  for (const YieldNorm norm : kNorms) {
+    Settings settings;
+    settings.yield_norm = norm;
+    Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 157), {soft()}, settings);
+    const PointArray X = body.mesh().positions(), world = mapped(X, 1.05 * Mat3::Identity());
+    for (int k = 0; k < 50; ++k) body.flow(world, kStep);
+    EXPECT_LE(support::max_abs(body.history().material - X), 1e-12);
+    for (const auto& corners : body.history().yield_stress) {
+      for (const double tau : corners) {
+        if (norm == YieldNorm::kVonMises) {
+          EXPECT_EQ(tau, 300);
+        } else {
+          EXPECT_GT(tau, 310);  // these two norms respond to pressure
+        }
+      }
+    }
+  }
+}
+
+TEST(Flow, OfAVolumePreservingStretchKeepsTheVolume) {
+  Body body(support::block({2, 2, 4}, kEdge), {soft()});
+  const PointArray world = support::stretched_and_twisted(body.mesh(), 1.3, 0);
+  for (int k = 0; k < 200; ++k) body.flow(world, kStep);
+  EXPECT_GT(elongation(end_sections(body.mesh()), body.history().material), 0.1);
+  EXPECT_NEAR(body.volume(body.history().material) / body.original_volume(), 1, 1e-10);
+}
+
+/// Volume ratio of a body whose material shape starts 3 % too large, after some steps of volume restitution alone.
+double volume_ratio_after(int steps, double rate) {
+  Settings settings;
+  settings.volume_restitution = rate;
+  const Model model(support::distorted_block({2, 2, 2}, kEdge, 0.15, 158), {soft()}, settings);
+  History history(model);
+  const double scale = std::cbrt(1.03);
+  history.material *= scale;
+  for (ElementPoints& y : history.rest_shape) y *= scale;
+  ++history.version;
+  FlowWorkspace work(model);
+  Linearization at;
+  PreconditionedConjugateGradients solver(1e-12, 10000);
+  for (int k = 0; k < steps; ++k) {
+    at.rest.clear();
+    for (const Hexahedron& corners : model.mesh.hexahedra())
+      at.rest.push_back(rest_operator(gather(history.material, corners)));
+    flow(model, at, history.material, kStep, solver, history, work);  // the world follows: nothing yields
+  }
+  double volume_now = 0, volume_before = 0;
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    volume_now += volume(gather(history.material, model.mesh.hexahedra()[e]));
+    volume_before += model.volume[e];
+  }
+  return volume_now / volume_before;
+}
+
+TEST(VolumeRestitution, DecaysExponentially) {
+  for (const double rate : {1.0, 5.0}) {
+    for (const int steps : {20, 100}) {
+      const double discrete = [&] {
+        double beta = 1.03;
+        for (int k = 0; k < steps; ++k) beta *= std::pow(1 + rate * kStep * (1 - beta), 3);
+        return beta;
+      }();
+      EXPECT_NEAR(volume_ratio_after(steps, rate) - 1, discrete - 1, 1e-6 * 0.03);
+      const double decay = std::exp(-3 * rate * steps * kStep);
+      EXPECT_NEAR(discrete - 1, 0.03 * decay, 0.1 * 0.03 * rate);  // the recursion itself is a decay of that rate
+    }
+  }
+  EXPECT_NEAR((volume_ratio_after(100, 1) - 1) / 0.03, std::exp(-3.0), 0.1 * std::exp(-3.0));
+}
+
+TEST(VolumeRestitution, RefusesUnstableRates) {
+  Settings settings;
+  settings.volume_restitution = 100;
+  Body body(support::block({1, 1, 1}, kEdge), {soft()}, settings);
+  const std::string before = hash_of(body);
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(body.mesh().positions(), kStep); }, {"volumeRestitution"}));
+  EXPECT_EQ(hash_of(body), before);
+}
+
+TEST(Flow, OfAHeldShapeDoesNotDriftInTenThousandSteps) {
+  Body body(support::block({1, 1, 3}, kEdge), {soft()});
+  const HexMesh& mesh = body.mesh();
+  const PointArray world = support::stretched_and_twisted(mesh, 1.3, 0);
+  for (int k = 0; k < 10000; ++k) body.flow(world, kStep);
+  const PointArray& x = body.history().material;
+  EXPECT_GT(elongation(end_sections(mesh), x), 0.1);
+  EXPECT_LE((x.colwise().mean() - mesh.positions().colwise().mean()).norm(), 1e-10);
+  EXPECT_NEAR(body.volume(x) / body.original_volume(), 1, 1e-10);
+  const Mat3 moment =
+      (x.rowwise() - x.colwise().mean()).transpose() * (mesh.positions().rowwise() - mesh.positions().colwise().mean());
+  EXPECT_LE(rotation_log(polar(moment).R).norm(), 1e-6);
+}
+
+TEST(Flow, KeepsPlasticTwistBelowTheTwistThatIsHeld) {
+  Material m = soft();
+  m.yield_stress = 50;
+  m.rotation_yield = 0;
+  m.hardening = 0;
+  Settings settings;
+  settings.volume_restitution = 5;
+  Body body(support::block({2, 2, 8}, kEdge), {m}, settings);
+  const EndSections ends = end_sections(body.mesh());
+  const PointArray world = support::stretched_and_twisted(body.mesh(), 1, 2);
+  double before = 0;
+  for (int k = 0; k < 300; ++k) {
+    body.flow(world, kStep);
+    const double now = twist(body.mesh(), ends, body.history().material);
+    ASSERT_LE(now, 2) << "step " << k;
+    ASSERT_GE(now, before - 1e-6) << "step " << k;
+    before = now;
+  }
+  EXPECT_GT(before, 1.5);
+}
+
+TEST(Guard, KeepsInvertedElementsElastic) {
+  Body body(support::block({1, 1, 2}, kEdge), {soft()});
+  PointArray world = body.mesh().positions();
+  world.bottomRows(4) = mapped(PointArray(world.bottomRows(4)), Mat3::Identity(),
+                               Vec3(0, 0, -1.6 * kEdge));  // the upper cube, inside out
+  const FlowReport report = body.flow(world, kStep);
+  EXPECT_EQ(report.inverted, 1);
+  EXPECT_EQ(report.guarded, 1);
+  for (const double tau : body.history().yield_stress[1]) EXPECT_EQ(tau, 300);
+
+  // the same at a stretch below the threshold, though not inverted
+  world = mapped(body.mesh().positions(), Vec3(1, 1, 0.05).asDiagonal());
+  EXPECT_EQ(body.flow(world, kStep).guarded, 2);
+  EXPECT_EQ(body.fields(world).yield_stress[1], 300);
+}
+
+/// A small bar that nothing holds.
+support::Simulation free_bar(const Material& m) {
+  support::SimulationSetup setup;
+  setup.dt = 0.02;
+  setup.euler = {.rayleigh_mass = 1, .rayleigh_stiffness = 0.1};
+  return support::Simulation(Body(support::block({2, 2, 4}, kEdge), {m}), std::move(setup));
+}
+
+// A single element may be folded into itself in a way that is stable, so not every throw comes back; none may get lost.
+TEST(Scramble, OfAnElasticBodyStaysFiniteAndMostlyRecovers) {
+  int num_recovered = 0;
+  for (int seed = 0; seed < 10; ++seed) {
+    support::Simulation bar = free_bar(Material{});
+    Random random(1000 + seed);
+    bar.x = random.field(bar.x.rows(), 0.3);
+    bar.run(400);
+    ASSERT_TRUE(bar.x.allFinite());
+    // the energy knows the shape and forgets where it lies
+    num_recovered += bar.body.energy(bar.x) < 1e-9 * 5000 * bar.body.original_volume();
+  }
+  EXPECT_GE(num_recovered, 5);
+}
+
+TEST(Scramble, OfAPlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
+  for (int seed = 0; seed < 3; ++seed) {
+    support::Simulation bar = free_bar(soft());
+    Random random(1000 + seed);
+    bar.x = random.field(bar.x.rows(), 0.3);
+    for (int k = 0; k < 200; ++k) {
+      bar.step();
+      for (const Hexahedron& corners : bar.body.mesh().hexahedra()) {
+        for (int a = 0; a < kCorners; ++a) {
+          ASSERT_GT(corner_jacobian(gather(bar.body.history().material, corners), a).determinant(), 0) << "step " << k;
+        }
+      }
+    }
+    EXPECT_TRUE(bar.x.allFinite());
+    EXPECT_NEAR(bar.body.volume(bar.body.history().material) / bar.body.original_volume(), 1, 0.05);
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast

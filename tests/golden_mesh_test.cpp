@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "support/compare.hpp"
+#include "support/golden.hpp"
+#include "support/shapes.hpp"
+#include "support/simulation.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::agrees;
+using support::Json;
+using support::matrix;
+
+class GoldenMesh : public testing::TestWithParam<std::string> {
+ protected:
+  const std::string mode = GetParam();
+  const Json data = support::golden("mesh_" + mode + (mode == "objective" ? "_gn" : ""));
+  const Json& params = data["params"];
+  Body body{HexMesh(matrix(data["X"]), support::hexahedra(data["H"])),
+            {support::material(params)},
+            support::settings(params, mode, RotationFrame::kBestFit)};
+};
+
+TEST_P(GoldenMesh, ThreePlasticStepsAtHeldPositions) {
+  constexpr double kTolerance = 1e-8;
+  const PointArray world = matrix(data["xh"]);
+  for (const Json& step : data["steps"]) {
+    const std::vector<double> beta = body.fields(world).volume_ratio;
+    body.flow(world, params["dt"]);
+
+    const History& history = body.history();
+    EXPECT_TRUE(agrees(history.material, matrix(step["x"]), kTolerance));
+    for (int e = 0; e < body.mesh().num_elements(); ++e) {
+      EXPECT_TRUE(agrees(beta[e], step["beta"][e].get<double>(), kTolerance));
+      EXPECT_TRUE(agrees(history.rest_shape[e], matrix(step["y"][e]), kTolerance));
+      const ElementHistory element = history.element(e);
+      for (int a = 0; a < kCorners; ++a) {
+        const Json& Pi = mode == "paper_vertex" ? step["Pi_vertex"][e][a] : step["Pi"][e];
+        EXPECT_TRUE(agrees(element.rotation_map[a], matrix(Pi), kTolerance));
+        EXPECT_TRUE(agrees(history.yield_stress[e][a], step["tau"][e][a].get<double>(), kTolerance));
+        EXPECT_TRUE(agrees(history.rotation_yield[e][a], step["tauR"][e][a].get<double>(), kTolerance));
+      }
+    }
+  }
+}
+
+TEST_P(GoldenMesh, TwentyDynamicSteps) {
+  constexpr double kTolerance = 1e-6;
+  const Json& dynamic = data["dynamic"];
+  std::vector<int> loaded;  // 8 N along z on every node above 0.15 m
+  for (int n = 0; n < body.mesh().num_nodes(); ++n) {
+    if (body.mesh().positions()(n, 2) > 0.15) loaded.push_back(n);
+  }
+  support::SimulationSetup setup;
+  setup.density = params["rho"];
+  setup.dt = dynamic["dt"];
+  setup.euler = {.rayleigh_mass = params["rayleigh_m"], .rayleigh_stiffness = params["rayleigh_k"]};
+  setup.fixed = dynamic["fixed"].get<std::vector<int>>();
+  setup.load = [&](double, ConstPoints, Points f) {
+    for (const int n : loaded) f(n, 2) += 8;
+  };
+  support::Simulation simulation(std::move(body), std::move(setup));
+
+  simulation.run(1);
+  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step1"]), kTolerance));
+  simulation.run(4);
+  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step5"]), kTolerance));
+  simulation.run(15);
+  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step20"]), kTolerance));
+  EXPECT_TRUE(agrees(simulation.body.history().material, matrix(dynamic["x_step20"]), kTolerance));
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, GoldenMesh, testing::Values("objective", "paper_vertex", "paper_centre"),
+                         [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace hexaplast

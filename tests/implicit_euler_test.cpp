@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/implicit_euler.hpp"
+
+#include <limits>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+#include "support/simulation.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kStep = 0.01;  // [s]
+
+std::unique_ptr<LinearSolver> exact_conjugate_gradients() {
+  return std::make_unique<ConjugateGradients>(
+      ConjugateGradientSettings{.iterations = 1000, .tolerance = 1e-14, .threshold = 0});
+}
+
+// One hexahedron falling freely: every node obeys v <- (v + h g) / (1 + h r_M).
+TEST(ImplicitEuler, LetsAMassFallAsTheDiscreteSchemeSays) {
+  const Vec3 gravity(0, -9.81, 1);
+  for (const bool direct : {true, false}) {
+    support::SimulationSetup setup;
+    setup.dt = kStep;
+    setup.euler.rayleigh_mass = 0.7;
+    const std::vector<double> mass(8, 0.125);  // 1000 kg/m^3 in (0.1 m)^3
+    setup.load = [&](double, ConstPoints, Points f) {
+      for (int n = 0; n < f.rows(); ++n) f.row(n) += mass[n] * gravity.transpose();
+    };
+    support::Simulation body(Body(support::block({1, 1, 1}, 0.1), {Material{}}), std::move(setup),
+                             direct ? std::make_unique<CholeskySolver>() : exact_conjugate_gradients());
+    const PointArray start = body.x;
+    Vec3 v = Vec3::Zero(), u = Vec3::Zero();
+    for (int k = 0; k < 50; ++k) {
+      body.step();
+      v = (v + kStep * gravity) / (1 + kStep * 0.7);
+      u += kStep * v;
+      ASSERT_LE(support::max_abs(body.v.rowwise() - v.transpose()), 1e-11);
+      ASSERT_LE(support::max_abs((body.x - start).rowwise() - u.transpose()), 1e-12);
+    }
+  }
+}
+
+// One cube with nu = 0, its lower face fixed and the upper moving along its normal, is a spring: k = E A / L over four
+// nodes.
+TEST(ImplicitEuler, SwingsAnOscillatorAsTheDiscreteSchemeSays) {
+  const double edge = 0.1, E = 5000, k = E * edge, m = 4 * 1000 * edge * edge * edge / 8, rM = 0.3, rK = 0.02,
+               h = kStep;
+  Material material;
+  material.young_modulus = E;
+  material.poisson_ratio = 0;
+  for (const bool direct : {true, false}) {
+    const HexMesh mesh = support::block({1, 1, 1}, edge);
+    support::SimulationSetup setup;
+    setup.dt = h;
+    setup.euler = {.rayleigh_mass = rM, .rayleigh_stiffness = rK};
+    setup.fixed = support::nodes_at(mesh, 2, 0);
+    support::Simulation cube(Body(mesh, {material}), std::move(setup),
+                             direct ? std::make_unique<CholeskySolver>() : exact_conjugate_gradients());
+    double u = 0.02, v = 0;
+    const std::vector<int> top = support::nodes_at(mesh, 2, edge);
+    for (const int n : top) cube.x(n, 2) += u;
+
+    for (int step = 0; step < 200; ++step) {
+      cube.step();
+      const double dv = h * (-k * u - rM * m * v - (h + rK) * k * v) / ((1 + h * rM) * m + h * (h + rK) * k);
+      v += dv;
+      u += h * v;
+      for (const int n : top) {
+        ASSERT_NEAR(cube.v(n, 2), v, 1e-11);
+        ASSERT_NEAR(cube.x(n, 2) - edge, u, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(ImplicitEuler, AgreesBetweenTheSolvers) {
+  const auto run = [](std::unique_ptr<LinearSolver> solver) {
+    const HexMesh mesh = support::distorted_block({2, 2, 3}, 0.1, 0.15, 131);
+    support::SimulationSetup setup;
+    setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
+    setup.fixed = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+    setup.load = [](double, ConstPoints, Points f) { f.bottomRows(9).rowwise() += Eigen::RowVector3d(0.5, 0.2, 1); };
+    support::Simulation body(Body(mesh, {Material{}}), std::move(setup), std::move(solver));
+    body.run(30);
+    return body.x;
+  };
+  const PointArray direct = run(std::make_unique<CholeskySolver>());
+  EXPECT_LE(support::max_abs(run(exact_conjugate_gradients()) - direct), 1e-10);
+}
+
+TEST(ImplicitEuler, KeepsFixedNodesExactlyInPlace) {
+  const HexMesh mesh = support::block({2, 2, 2}, 0.1);
+  support::SimulationSetup setup;
+  setup.fixed = {0, 5, 13};
+  setup.load = [](double, ConstPoints, Points f) { f.rowwise() += Eigen::RowVector3d(0.5, 0.2, 1); };
+  support::Simulation body(Body(mesh, {Material{}}), std::move(setup));
+  body.run(10);
+  for (const int n : {0, 5, 13}) {
+    EXPECT_EQ(body.x.row(n), mesh.positions().row(n));
+    EXPECT_TRUE(body.v.row(n).isZero(0));
+  }
+}
+
+TEST(ImplicitEuler, NamesTheNodeThatLeavesTheFiniteNumbersAndKeepsTheState) {
+  support::SimulationSetup setup;
+  bool spoiled = false;
+  setup.load = [&](double, ConstPoints, Points f) {
+    if (spoiled) f(5, 1) = std::numeric_limits<double>::quiet_NaN();
+  };
+  // fixing all but node 5 keeps the trouble at its place
+  setup.fixed = {0, 1, 2, 3, 4, 6, 7};
+  support::Simulation body(Body(support::block({1, 1, 1}, 0.1), {Material{}}), std::move(setup),
+                           exact_conjugate_gradients());
+  body.run(2);
+  const PointArray x = body.x, v = body.v;
+  spoiled = true;
+  EXPECT_TRUE(support::refuses<NumericalError>([&] { body.step(); }, {"node 5"}));
+  EXPECT_EQ(body.x, x);
+  EXPECT_EQ(body.v, v);
+}
+
+}  // namespace
+}  // namespace hexaplast

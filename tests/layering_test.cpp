@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <regex>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Height of each module in the order of the data flow: an include may only point down, or stay in its own module.
+/// Modules of equal height are siblings and do not include one another.
+const std::map<std::string, int> kHeight{
+    {"base", 0},    {"mesh", 1}, {"material", 1},   {"kinematics", 2}, {"state", 3},      {"elastic", 4}, {"solve", 4},
+    {"plastic", 4}, {"body", 5}, {"attributes", 6}, {"scene", 7},      {"components", 8}, {"output", 8},  {"runner", 9},
+};
+
+/// Module that a path below include/hexaplast, src or plugin belongs to: its first folder, or body for the file of that
+/// name.
+std::optional<std::string> module_of(const fs::path& path) {
+  if (path.empty()) return std::nullopt;
+  const std::string first = path.begin()->stem().string();
+  if (kHeight.count(first)) return first;
+  return std::nullopt;
+}
+
+/// Module that the text between the quotes of an include refers to.
+std::optional<std::string> module_of_include(const std::string& text) {
+  for (const char* root : {"hexaplast/", "plugin/"}) {
+    if (text.rfind(root, 0) == 0) return module_of(fs::path(text.substr(std::string(root).size())));
+  }
+  return module_of(fs::path(text));
+}
+
+TEST(Layering, IncludesPointDown) {
+  const fs::path root(HEXAPLAST_SOURCE_DIR);
+  const std::regex include("^\\s*#include\\s+\"([^\"]+)\".*");
+  int num_includes = 0;
+
+  for (const char* folder : {"include/hexaplast", "src", "plugin"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      const fs::path extension = entry.path().extension();
+      if (extension != ".hpp" && extension != ".cpp" && extension != ".h") continue;
+      const auto from = module_of(fs::relative(entry.path(), root / folder));
+      ASSERT_TRUE(from) << entry.path() << " belongs to no module: name it in this test, at its height";
+
+      std::ifstream file(entry.path());
+      std::smatch match;
+      for (std::string line; std::getline(file, line);) {
+        if (!std::regex_match(line, match, include)) continue;
+        const auto to = module_of_include(match[1]);
+        if (!to) continue;  // a file next to the including one
+        ++num_includes;
+        EXPECT_TRUE(*from == *to || kHeight.at(*to) < kHeight.at(*from))
+            << entry.path() << ": " << *from << " includes " << *to << ", which does not lie below it";
+      }
+    }
+  }
+  EXPECT_GT(num_includes, 50) << "the search has lost its object";
+}
+
+}  // namespace

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <limits>
+#include <set>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/grid.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::refuses;
+
+HexMesh made_of(const PointArray& positions, const std::vector<Hexahedron>& hexahedra) {
+  return HexMesh(positions, hexahedra);
+}
+
+TEST(HexMesh, RefusesCoordinatesThatAreNotFinite) {
+  const HexMesh good = support::block({2, 2, 2}, 0.1);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    PointArray positions = good.positions();
+    positions(17, 1) = bad;
+    EXPECT_TRUE(refuses<InputError>([&] { made_of(positions, good.hexahedra()); }, {"17", "finite"}));
+  }
+}
+
+TEST(HexMesh, RefusesIndicesOutOfRange) {
+  const HexMesh good = support::block({2, 2, 2}, 0.1);
+  for (const int bad : {-1, 27, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()}) {
+    std::vector<Hexahedron> hexahedra = good.hexahedra();
+    hexahedra[5][3] = bad;
+    EXPECT_TRUE(refuses<InputError>([&] { made_of(good.positions(), hexahedra); }, {"5", "[0, 27)"}));
+  }
+}
+
+TEST(HexMesh, RefusesARepeatedNode) {
+  const HexMesh good = support::block({2, 2, 2}, 0.1);
+  std::vector<Hexahedron> hexahedra = good.hexahedra();
+  hexahedra[6][3] = hexahedra[6][0];
+  EXPECT_TRUE(refuses<InputError>([&] { made_of(good.positions(), hexahedra); }, {"6", "twice"}));
+}
+
+TEST(HexMesh, RefusesLeftHandedElementsAndNamesTheFirstTen) {
+  const HexMesh good = support::block({3, 2, 2}, 0.1);
+  std::vector<Hexahedron> hexahedra = good.hexahedra();
+  for (Hexahedron& corners : hexahedra) {
+    for (int a = 0; a < 4; ++a) std::swap(corners[a], corners[a + 4]);
+  }
+  EXPECT_TRUE(refuses<InputError>([&] { made_of(good.positions(), hexahedra); },
+                                  {"12 ", "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, ...", "left-handed"}));
+}
+
+TEST(HexMesh, RefusesFlatAndInvertedElements) {
+  const ElementPoints cube = support::cube(1);
+  EXPECT_TRUE(refuses<InputError>([&] { support::single_element(support::mapped(cube, Vec3(1, 1, 0).asDiagonal())); },
+                                  {"inverted, flat"}));
+  ElementPoints folded = cube;
+  folded.row(6) = -1.2 * cube.row(6);  // one corner pushed through the others: seven corners are still right
+  EXPECT_TRUE(refuses<InputError>([&] { support::single_element(folded); }, {"0"}));
+}
+
+TEST(HexMesh, AllowsNodesWithoutElementAndNoElementsAtAll) {
+  PointArray positions(9, 3);
+  positions << PointArray(support::cube(1)), 5, 5, 5;
+  const HexMesh mesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}});
+  EXPECT_TRUE(mesh.incident(8).empty());
+  EXPECT_EQ(HexMesh(positions, {}).num_elements(), 0);
+}
+
+TEST(HexMesh, KnowsTheElementsAroundANode) {
+  const HexMesh mesh = support::block({2, 2, 2}, 0.1);
+  for (int n = 0; n < mesh.num_nodes(); ++n) {
+    int before = -1;
+    for (const auto& [element, corner] : mesh.incident(n)) {
+      EXPECT_EQ(mesh.hexahedra()[element][corner], n);
+      EXPECT_GT(element, before);
+      before = element;
+    }
+  }
+  EXPECT_EQ(mesh.incident(13).size(), 8u);
+  EXPECT_EQ(mesh.incident(0).size(), 1u);
+}
+
+TEST(HexMesh, BoundaryFacesLookOutwards) {
+  const HexMesh mesh = support::distorted_block({2, 3, 2}, 0.1, 0.15, 63);
+  const auto faces = mesh.boundary_faces();
+  EXPECT_EQ(faces.size(), 2u * (2 * 3 + 3 * 2 + 2 * 2));
+  // the divergence theorem: the faces enclose the volume only when all of them look outwards
+  double enclosed = 0;
+  for (const auto& face : faces) {
+    const auto at = [&](int k) -> Vec3 { return mesh.positions().row(face[k]).transpose(); };
+    const Vec3 area = 0.5 * (at(2) - at(0)).cross(at(3) - at(1));
+    enclosed += area.dot(0.25 * (at(0) + at(1) + at(2) + at(3))) / 3;
+    EXPECT_GT(area.norm(), 0.003);
+  }
+  EXPECT_NEAR(enclosed, 0.012, 0.002);
+}
+
+TEST(Gather, AndScatterAreAdjoint) {
+  support::Random random(64);
+  const HexMesh mesh = support::block({2, 2, 3}, 0.1);
+  const PointArray field = random.field(mesh.num_nodes(), 1);
+  std::vector<ElementPoints> corner(mesh.num_elements());
+  double expected = 0;
+  for (int e = 0; e < mesh.num_elements(); ++e) {
+    corner[e] = random.field(kCorners, 1);
+    expected += corner[e].cwiseProduct(gather(field, mesh.hexahedra()[e])).sum();
+  }
+  PointArray nodal = PointArray::Zero(mesh.num_nodes(), 3);
+  scatter(mesh, corner, nodal);
+  EXPECT_NEAR(nodal.cwiseProduct(field).sum(), expected, 1e-12);
+}
+
+TEST(RegularGrid, NumbersNodesAndElementsWithXFastest) {
+  const HexMesh mesh = regular_grid({2, 3, 4}, Vec3(-1, 0, 1), Vec3(1, 3, 3));
+  EXPECT_EQ(mesh.num_nodes(), 3 * 4 * 5);
+  EXPECT_EQ(mesh.num_elements(), 24);
+  EXPECT_TRUE(mesh.positions().row(1 + 3 * (2 + 4 * 3)).isApprox(Eigen::RowVector3d(0, 2, 2.5)));
+  EXPECT_EQ(mesh.hexahedra()[1], (Hexahedron{1, 2, 5, 4, 13, 14, 17, 16}));
+}
+
+TEST(RegularGrid, RefusesEmptyAndUncountableGrids) {
+  const Vec3 zero = Vec3::Zero(), one = Vec3::Ones();
+  EXPECT_TRUE(refuses<InputError>([&] { regular_grid({1, 0, 1}, zero, one); }, {"0 cells"}));
+  EXPECT_TRUE(refuses<InputError>([&] { regular_grid({1, 1, 1}, zero, Vec3(1, 0, 1)); }, {"empty"}));
+  EXPECT_TRUE(refuses<InputError>([&] { regular_grid({100000, 100000, 100000}, zero, one); }, {"100000 x 100000"}));
+  const int most = std::numeric_limits<int>::max();
+  EXPECT_TRUE(refuses<InputError>([&] { regular_grid({most, most, most}, zero, one); }, {"more nodes"}));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(regular_grid({1, 1, 1}, zero, Vec3(1, nan, 1)), InputError);
+}
+
+}  // namespace
+}  // namespace hexaplast

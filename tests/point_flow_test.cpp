@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/plastic/point_flow.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+
+#include "hexaplast/material/corotated.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::Random;
+
+const Lame kSoft = lame(5000, 0.45);
+constexpr YieldNorm kNorms[] = {YieldNorm::kVonMises, YieldNorm::kFrobenius, YieldNorm::kSpectral};
+
+Mat3 random_stretch(Random& random, double size) {
+  const Mat3 V = random.rotation();
+  const Vec3 d = Vec3::Ones() + random.vector(size);
+  return V * d.asDiagonal() * V.transpose();
+}
+
+TEST(StressNorm, OfUniaxialTensionIsTheTension) {
+  Random random(51);
+  for (const double tension : {700.0, -700.0}) {
+    const Mat3 R = random.rotation();
+    const Mat3 sigma = R * Vec3(tension, 0, 0).asDiagonal() * R.transpose();
+    for (const YieldNorm norm : kNorms) EXPECT_NEAR(stress_norm(sigma, norm), 700, 1e-10);
+  }
+}
+
+TEST(StressNorm, HasTheHandValues) {
+  const Mat3 sigma = Vec3(300, -100, -500).asDiagonal();
+  EXPECT_NEAR(stress_norm(sigma, YieldNorm::kVonMises), std::sqrt(0.5 * (400. * 400 + 400. * 400 + 800. * 800)), 1e-10);
+  EXPECT_NEAR(stress_norm(sigma, YieldNorm::kFrobenius), std::sqrt(350000.0), 1e-10);
+  EXPECT_NEAR(stress_norm(sigma, YieldNorm::kSpectral), 500, 1e-10);
+}
+
+TEST(StressNorm, OnlyVonMisesIgnoresPressure) {
+  Random random(52);
+  const Mat3 A = random.matrix(300), sigma = 0.5 * (A + A.transpose()), pressed = sigma - 1000 * Mat3::Identity();
+  EXPECT_NEAR(stress_norm(pressed, YieldNorm::kVonMises), stress_norm(sigma, YieldNorm::kVonMises), 1e-9);
+  EXPECT_GT(stress_norm(pressed, YieldNorm::kFrobenius), stress_norm(sigma, YieldNorm::kFrobenius) + 100);
+  EXPECT_GT(stress_norm(pressed, YieldNorm::kSpectral), stress_norm(sigma, YieldNorm::kSpectral) + 100);
+}
+
+TEST(FlowShare, IsTheRateTimesTheExcessAndStaysWithinZeroAndOne) {
+  EXPECT_DOUBLE_EQ(flow_share(400, 300, 2, 0.01), 0.02 * 0.25);
+  EXPECT_EQ(flow_share(300, 300, 2, 0.01), 0);
+  EXPECT_EQ(flow_share(200, 300, 2, 0.01), 0);
+  EXPECT_EQ(flow_share(0, 0, 2, 0.01), 0);
+  EXPECT_EQ(flow_share(400, std::numeric_limits<double>::infinity(), 2, 0.01), 0);
+  EXPECT_EQ(flow_share(400, 0, 1000, 0.01), 1);
+}
+
+TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
+  Random random(53);
+  for (const YieldNorm norm : kNorms) {
+    for (int k = 0; k < 200; ++k) {
+      const Mat3 S = random_stretch(random, 0.4);
+      const StretchFlow flow = stretch_flow(S, kSoft, norm, 100, 3, 0.01);
+      const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
+      Vec3 logs = eigen.eigenvalues().array().log();
+      logs.array() -= logs.mean();
+
+      ASSERT_NEAR(flow.norm, stress_norm(stress(S, kSoft), norm), 1e-9);
+      ASSERT_DOUBLE_EQ(flow.share, flow_share(flow.norm, 100, 3, 0.01));
+      const Vec3 expected = (flow.share * logs).array().exp();
+      ASSERT_LE((flow.increment - eigen.eigenvectors() * expected.asDiagonal() * eigen.eigenvectors().transpose())
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-12);
+      ASSERT_NEAR(flow.increment.determinant(), 1, 1e-12);
+      ASSERT_NEAR(flow.strain, std::sqrt(2.0 / 3) * flow.share * logs.norm(), 1e-12);
+      const Mat3 flowed = eigen.eigenvectors() * (flow.share * logs).asDiagonal() * eigen.eigenvectors().transpose();
+      ASSERT_NEAR(flow.dissipated, stress(S, kSoft).cwiseProduct(flowed).sum(), 1e-9);
+    }
+  }
+}
+
+TEST(StretchFlow, NeverGainsEnergy) {
+  Random random(54);
+  for (int k = 0; k < 500; ++k) {
+    const StretchFlow flow = stretch_flow(random_stretch(random, 0.5), kSoft, YieldNorm::kVonMises, 50, 3, 0.01);
+    ASSERT_GE(flow.dissipated, 0);
+  }
+}
+
+TEST(StretchFlow, IsExactlyNothingBelowYield) {
+  Random random(55);
+  const StretchFlow flow = stretch_flow(random_stretch(random, 0.3), kSoft, YieldNorm::kFrobenius, 1e6, 3, 0.01);
+  EXPECT_EQ(flow.share, 0);
+  EXPECT_EQ(flow.strain, 0);
+  EXPECT_EQ(flow.dissipated, 0);
+  EXPECT_EQ(flow.increment, Mat3::Identity());
+}
+
+TEST(StretchFlow, OfAPureVolumeChangeHasNoShape) {
+  const StretchFlow flow = stretch_flow(1.05 * Mat3::Identity(), kSoft, YieldNorm::kFrobenius, 300, 3, 0.01);
+  EXPECT_GT(flow.share, 0);
+  EXPECT_LE((flow.increment - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+TEST(RotationFlow, IsAShareOfTheRotation) {
+  Random random(56);
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 axis = random.direction();
+    const double angle = random.uniform(0.06, 3.1);
+    const Mat3 Q = Eigen::AngleAxisd(angle, axis).matrix();
+    const RotationFlow flow = rotation_flow(Q, angle, 0, 0.05, 2, 0.01);
+    ASSERT_EQ(flow.angle, angle);
+    ASSERT_NEAR(flow.share, 0.02 * (angle - 0.05) / angle, 1e-15);
+    ASSERT_LE((flow.increment - Eigen::AngleAxisd(flow.share * angle, axis).matrix()).cwiseAbs().maxCoeff(), 1e-12);
+    ASSERT_NEAR(flow.increment.determinant(), 1, 1e-12);
+    // the pose of the element slows the paper's modes down
+    ASSERT_NEAR(rotation_flow(Q, angle, 0.4, 0.05, 2, 0.01).share, 0.02 * (angle - 0.05) / (angle + 0.4), 1e-15);
+  }
+}
+
+TEST(RotationFlow, IsExactlyNothingBelowYield) {
+  Random random(57);
+  const RotationFlow flow = rotation_flow(random.rotation_by(0.04), 0.04, 0, 0.05, 2, 0.01);
+  EXPECT_EQ(flow.share, 0);
+  EXPECT_EQ(flow.increment, Mat3::Identity());
+  EXPECT_EQ(rotation_flow(Mat3::Identity(), 0, 0, 0, 2, 0.01).increment, Mat3::Identity());
+}
+
+}  // namespace
+}  // namespace hexaplast

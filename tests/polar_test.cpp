@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/kinematics/polar.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/compare.hpp"
+#include "support/golden.hpp"
+#include "support/random.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::Random;
+
+constexpr double kPi = std::numbers::pi;
+
+/// The laws that hold for every F: R is a rotation, S symmetric, R S = F.
+void expect_polar_of(const Mat3& F) {
+  const Polar p = polar(F);
+  const double size = F.cwiseAbs().maxCoeff();
+  ASSERT_TRUE(p.R.allFinite() && p.S.allFinite()) << F;
+  EXPECT_LE((p.R.transpose() * p.R - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-12) << F;
+  EXPECT_NEAR(p.R.determinant(), 1, 1e-12) << F;
+  EXPECT_LE((p.R * p.S - F).cwiseAbs().maxCoeff(), 1e-12 * size) << F;
+  EXPECT_LE((p.S - p.S.transpose()).cwiseAbs().maxCoeff(), 1e-12 * size) << F;
+
+  const SignedSvd svd = signed_svd(F);
+  EXPECT_LE((svd.U.transpose() * svd.U - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-12) << F;
+  EXPECT_LE((svd.V.transpose() * svd.V - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-12) << F;
+  EXPECT_NEAR(svd.U.determinant(), 1, 1e-12) << F;
+  EXPECT_NEAR(svd.V.determinant(), 1, 1e-12) << F;
+  EXPECT_LE((svd.U * svd.d.asDiagonal() * svd.V.transpose() - F).cwiseAbs().maxCoeff(), 1e-12 * size) << F;
+  EXPECT_GE(svd.d[0], svd.d[1]);
+  EXPECT_GE(svd.d[1], std::abs(svd.d[2]));
+}
+
+Mat3 with_singular_values(Random& random, const Vec3& d) {
+  const Mat3 U = random.rotation(), V = random.rotation();
+  return U * d.asDiagonal() * V.transpose();
+}
+
+TEST(Polar, MatchesGoldenCases) {
+  for (const auto& c : support::golden("polar")) {
+    const Mat3 F = support::matrix(c["F"]);
+    const Vec3 d = support::vector(c["D"]);
+    expect_polar_of(F);
+    EXPECT_LE((signed_svd(F).d - d).cwiseAbs().maxCoeff(), 1e-10);
+    if (d[1] + d[2] < 1e-8) continue;  // two opposite or vanishing singular values leave the rotation open
+
+    const Polar p = polar(F);
+    EXPECT_TRUE(support::agrees(p.R, support::matrix(c["R"]), 1e-10)) << F;
+    EXPECT_TRUE(support::agrees(p.S, support::matrix(c["S"]), 1e-10)) << F;
+    const Vec3 w = rotation_log(p.R);
+    // close to pi the axis comes from a difference that has lost digits: 1e-16 / 1e-7
+    EXPECT_NEAR(w.norm(), c["phi"], 1e-9) << F;
+    EXPECT_LE((w - support::vector(c["rotvec"])).cwiseAbs().maxCoeff(), 1e-8) << F;
+    EXPECT_LE((rotation_power(p.R, 0.3) - support::matrix(c["R_pow_0_3"])).cwiseAbs().maxCoeff(), 1e-8) << F;
+  }
+}
+
+TEST(Polar, HoldsForRandomReflectedAndDeficientGradients) {
+  Random random(11);
+  for (int k = 0; k < 20000; ++k) {
+    const double a = random.uniform(0.2, 2), b = random.uniform(-1, 1);
+    expect_polar_of(random.matrix(1));
+    expect_polar_of(with_singular_values(random, {a, a, a}));
+    expect_polar_of(with_singular_values(random, {a, a, -a}));
+    expect_polar_of(with_singular_values(random, {2, a, -a}));
+    expect_polar_of(with_singular_values(random, {a, b, 0}));
+    expect_polar_of(with_singular_values(random, {a, 0, 0}));
+    expect_polar_of(with_singular_values(random, {a, 1e-9 * b, 1e-13}));
+    if (HasFailure()) return;
+  }
+  expect_polar_of(Mat3::Zero());
+}
+
+TEST(Polar, HoldsAtExtremeScales) {
+  Random random(12);
+  for (int k = 0; k < 2000; ++k) {
+    const Mat3 F = random.matrix(1);
+    for (const double scale : {1e-150, 1e-80, 1e80, 1e150}) expect_polar_of(scale * F);
+    if (HasFailure()) return;
+  }
+}
+
+// Higham's iteration X <- (X + X^-T) / 2 shares nothing with a singular value decomposition.
+TEST(Polar, EqualsHighamsIterationForRightHandedGradients) {
+  Random random(13);
+  for (int k = 0; k < 20000; ++k) {
+    const Mat3 F = random.matrix(1);
+    if (F.determinant() < 1e-3) continue;  // the iteration loses digits towards rank 2
+    Mat3 X = F;
+    for (int i = 0; i < 40; ++i) X = 0.5 * (X + X.inverse().transpose().eval());
+    ASSERT_LE((polar(F).R - X).cwiseAbs().maxCoeff(), 1e-10) << F;
+  }
+}
+
+TEST(RotationLog, GoesThereAndBack) {
+  Random random(14);
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 axis = random.direction();
+    for (double angle = 1e-16; angle < 3; angle *= 10) {
+      ASSERT_LE((rotation_log(rotation_exp(angle * axis)) - angle * axis).cwiseAbs().maxCoeff(),
+                1e-12 * std::max(1.0, angle));
+    }
+    const double angle = random.uniform(0, kPi - 1e-5);
+    ASSERT_LE((rotation_log(rotation_exp(angle * axis)) - angle * axis).cwiseAbs().maxCoeff(), 1e-10);
+  }
+}
+
+TEST(RotationLog, KeepsTheRotationNearHalfATurn) {
+  Random random(15);
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 axis = random.direction();
+    for (const double gap : {0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-5}) {
+      const Mat3 R = rotation_exp((kPi - gap) * axis);
+      const Vec3 w = rotation_log(R);
+      ASSERT_LE(w.norm(), kPi + 1e-15);
+      ASSERT_LE((rotation_exp(w) - R).cwiseAbs().maxCoeff(), 1e-8) << "gap " << gap;
+    }
+  }
+}
+
+TEST(RotationPower, MultipliesTheAngleAndKeepsTheAxis) {
+  Random random(16);
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 w = random.uniform(0, 3.1) * random.direction();
+    const Mat3 R = rotation_exp(w);
+    ASSERT_LE(
+        (rotation_power(R, 0.3) - Eigen::AngleAxisd(0.3 * w.norm(), w.normalized()).matrix()).cwiseAbs().maxCoeff(),
+        1e-12);
+    ASSERT_LE((rotation_power(R, 0.3) * rotation_power(R, 0.7) - R).cwiseAbs().maxCoeff(), 1e-12);
+    ASSERT_NEAR(rotation_power(R, 0.3).determinant(), 1, 1e-12);
+  }
+  EXPECT_EQ(rotation_power(Mat3::Identity(), 0.3), Mat3::Identity());
+}
+
+}  // namespace
+}  // namespace hexaplast

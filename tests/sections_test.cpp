@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/sections.hpp"
+
+#include <cmath>
+
+#include "hexaplast/kinematics/polar.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::Random;
+
+/// Bar whose sections turn by `per_length` [rad/m] about its axis, z.
+PointArray twisted(const HexMesh& mesh, double per_length, const Vec3& centre) {
+  PointArray x = mesh.positions();
+  for (int n = 0; n < x.rows(); ++n) {
+    const Mat3 turn = rotation_exp(Vec3(0, 0, per_length * x(n, 2)));
+    x.row(n) = (turn * (x.row(n).transpose() - centre) + centre).transpose();
+  }
+  return x;
+}
+
+TEST(EndSections, LieAcrossTheLongestAxis) {
+  const HexMesh mesh = regular_grid({2, 5, 1}, Vec3(0, -1, 0), Vec3(0.2, 1, 0.3));
+  const EndSections ends = end_sections(mesh);
+  EXPECT_EQ(ends.axis, 1);
+  EXPECT_DOUBLE_EQ(ends.length, 2);
+  EXPECT_EQ(ends.least, support::nodes_at(mesh, 1, -1));
+  EXPECT_EQ(ends.most, support::nodes_at(mesh, 1, 1));
+}
+
+TEST(Elongation, IsTheMeanChangeOfLength) {
+  const HexMesh mesh = support::block({2, 2, 6}, 0.1);
+  const EndSections ends = end_sections(mesh);
+  EXPECT_NEAR(elongation(ends, support::mapped(mesh.positions(), Vec3(0.8, 0.9, 1.3).asDiagonal(), Vec3(1, 2, 3))), 0.3,
+              1e-14);
+}
+
+TEST(SectionAngle, IsTheAngleOfBestFit) {
+  Random random(71);
+  const HexMesh mesh = support::block({3, 3, 2}, 0.1);
+  const std::vector<int> section = support::nodes_at(mesh, 2, 0.2);
+  for (const double angle : {-3.0, -1.0, 0.3, 2.5}) {
+    // stretched as well as turned and moved along: none of these is a turn
+    const Mat3 A = rotation_exp(Vec3(0, 0, angle)) * Vec3(1.1, 1.1, 2).asDiagonal();
+    EXPECT_NEAR(section_angle(mesh, section, 2, support::mapped(mesh.positions(), A, random.vector(1))), angle, 1e-12);
+  }
+}
+
+TEST(Twist, CountsFullTurns) {
+  const HexMesh mesh = support::block({2, 2, 12}, 0.1);
+  const EndSections ends = end_sections(mesh);
+  for (const double turns : {-2.25, 0.1, 0.75, 2.5}) {
+    const double per_length = turns * 2 * std::numbers::pi / ends.length;
+    EXPECT_NEAR(twist(mesh, ends, twisted(mesh, per_length, Vec3(0.1, 0.1, 0))), per_length * ends.length, 1e-10);
+  }
+}
+
+TEST(Twist, OfARigidTurnAboutTheAxisIsZero) {
+  const HexMesh mesh = support::block({2, 2, 6}, 0.1);
+  const PointArray turned = support::mapped(mesh.positions(), rotation_exp(Vec3(0, 0, 3.1)), Vec3(1, 2, 3));
+  EXPECT_NEAR(twist(mesh, end_sections(mesh), turned), 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace hexaplast

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "support/bar.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "hexaplast/solve/loads.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast::support {
+namespace {
+
+constexpr double kCell = 0.1;  // [m]
+constexpr int kSlices = 10;
+constexpr double kStep = 0.01;  // [s]
+
+int node_at(int i, int j, int k) { return i + 4 * (j + 4 * k); }
+
+/// Share of the full load in the step that begins at `time`.
+double load_share(double time) {
+  const int step = static_cast<int>(std::lround(time / kStep)) + 1;
+  return step <= 200 ? std::min(1.0, step / 50.0) : 0.0;
+}
+
+void add_stretch(double time, ConstPoints, Points f) {
+  const double force = 90.0 / 4 * load_share(time);  // [N] per node of the central face
+  for (const int i : {1, 2}) {
+    for (const int j : {1, 2}) {
+      f(node_at(i, j, 0), 2) -= force;
+      f(node_at(i, j, kSlices), 2) += force;
+    }
+  }
+}
+
+void add_twist(double time, ConstPoints x, Points f) {
+  const double force = 20 * load_share(time);  // [N] per edge
+  const Vec3 axis(0, 0, 1), centre(1.5 * kCell, 1.5 * kCell, 0);
+  for (const int k : {0, kSlices}) {
+    const int a = node_at(1, 1, k), b = node_at(2, 1, k), c = node_at(2, 2, k), d = node_at(1, 2, k);
+    const std::array edges{a, b, b, c, c, d, d, a};
+    add_tangential_forces(edges, 2, axis, centre, k == 0 ? -force : force, x, f);
+  }
+}
+
+}  // namespace
+
+Material bar_material(BarLoad load, const std::string& strength) {
+  const int level = strength == "high" ? 0 : strength == "medium" ? 1 : strength == "low" ? 2 : 3;
+  if (level == 3) throw std::invalid_argument("no bar of strength " + strength);
+
+  Material m;
+  m.young_modulus = 5000;
+  m.poisson_ratio = 0.45;
+  m.hardening = 0.2;
+  m.yield_stress = std::array{300.0, 500.0, 800.0}[level];
+  if (load == BarLoad::kStretch) {
+    m.flow_rate = std::array{4.0, 2.0, 0.5}[level];
+  } else {
+    m.flow_rate = std::array{2.0, 1.0, 0.5}[level];
+    m.rotation_flow_rate = std::array{1.0, 0.5, 0.25}[level];
+    m.rotation_yield = std::array{0.03, 0.1, 0.2}[level];
+  }
+  return m;
+}
+
+Simulation bar(BarLoad load, const std::string& strength) {
+  Settings settings;
+  settings.yield_norm = YieldNorm::kFrobenius;
+  HexMesh mesh = block({3, 3, kSlices}, kCell);
+
+  SimulationSetup setup;
+  setup.dt = kStep;
+  setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
+  setup.fixed = nodes_at(mesh, 2, kSlices / 2 * kCell);
+  setup.load = load == BarLoad::kStretch ? Load(add_stretch) : Load(add_twist);
+  return Simulation(Body(std::move(mesh), {bar_material(load, strength)}, settings), std::move(setup));
+}
+
+}  // namespace hexaplast::support

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <string>
+
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast::support {
+
+/// Greatest magnitude of an entry.
+template <class Derived>
+double max_abs(const Eigen::MatrixBase<Derived>& values) {
+  return values.size() == 0 ? 0.0 : values.cwiseAbs().maxCoeff();
+}
+
+/// Greatest difference of two entries, relative to the greatest entry of `expected` (absolute where that is zero).
+template <class Actual, class Expected>
+double relative_error(const Eigen::MatrixBase<Actual>& actual, const Eigen::MatrixBase<Expected>& expected) {
+  const double size = max_abs(expected);
+  return max_abs(actual - expected) / (size > 0 ? size : 1.0);
+}
+
+inline double relative_error(double actual, double expected) {
+  return std::abs(actual - expected) / (expected != 0 ? std::abs(expected) : 1.0);
+}
+
+/// Passes when relative_error is a number not greater than `tolerance`.
+template <class Actual, class Expected>
+testing::AssertionResult agrees(const Actual& actual, const Expected& expected, double tolerance) {
+  const double error = relative_error(actual, expected);
+  if (error <= tolerance) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "relative error " << error << " above " << tolerance;
+}
+
+/// (f(+step) - f(-step)) / 2 step.
+inline double central_difference(const std::function<double(double)>& f, double step) {
+  return (f(step) - f(-step)) / (2 * step);
+}
+
+/// Runs `act` and passes when it throws an Error whose message contains every one of `parts`.
+template <class Error, class Act>
+testing::AssertionResult refuses(const Act& act, std::initializer_list<std::string> parts) {
+  try {
+    act();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    for (const std::string& part : parts) {
+      if (message.find(part) == std::string::npos) {
+        return testing::AssertionFailure() << "'" << part << "' is missing in: " << message;
+      }
+    }
+    return testing::AssertionSuccess();
+  } catch (const std::exception& error) {
+    return testing::AssertionFailure() << "another kind of exception: " << error.what();
+  }
+  return testing::AssertionFailure() << "nothing was thrown";
+}
+
+}  // namespace hexaplast::support

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+
+/// Reads the golden data of tests/data/golden; its README states conventions and tolerances.
+namespace hexaplast::support {
+
+using Json = nlohmann::json;
+
+inline Json golden(const std::string& name) {
+  const std::string path = std::string(HEXAPLAST_TEST_DATA) + "/golden/" + name + ".json";
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error("cannot open " + path);
+  return Json::parse(file);
+}
+
+/// A number; null stands for infinity (no limit).
+inline double number(const Json& value) {
+  return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
+}
+
+inline Eigen::VectorXd vector(const Json& rows) {
+  Eigen::VectorXd values(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) values[i] = number(rows[i]);
+  return values;
+}
+
+inline Eigen::MatrixXd matrix(const Json& rows) {
+  Eigen::MatrixXd values(rows.size(), rows.at(0).size());
+  for (std::size_t i = 0; i < rows.size(); ++i) values.row(i) = vector(rows[i]).transpose();
+  return values;
+}
+
+inline std::vector<Hexahedron> hexahedra(const Json& rows) { return rows.get<std::vector<Hexahedron>>(); }
+
+inline Material material(const Json& params) {
+  Material m;
+  m.young_modulus = params.at("E");
+  m.poisson_ratio = params.at("nu");
+  m.yield_stress = number(params.at("tau"));
+  m.flow_rate = params.at("flow");
+  m.rotation_yield = number(params.at("tauR"));
+  m.rotation_flow_rate = params.at("flowR");
+  m.hardening = params.at("kappa");
+  return m;
+}
+
+/// Settings of a rotation mode: "objective", "paper_vertex" or "paper_centre".
+inline Settings settings(const Json& params, const std::string& mode, RotationFrame frame) {
+  if (params.at("norm") != "fro") throw std::runtime_error("golden data know the Frobenius norm only");
+  Settings s;
+  s.yield_norm = YieldNorm::kFrobenius;
+  s.rotation = mode == "paper_vertex"   ? RotationPlasticity::kVertex
+               : mode == "paper_centre" ? RotationPlasticity::kCentre
+                                        : RotationPlasticity::kObjective;
+  s.rotation_frame = frame;
+  s.volume_restitution = params.at("volrate");
+  s.inversion_threshold = params.at("guard_F");
+  return s;
+}
+
+}  // namespace hexaplast::support

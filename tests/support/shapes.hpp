@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "hexaplast/mesh/grid.hpp"
+#include "support/random.hpp"
+
+namespace hexaplast::support {
+
+/// Corners of the cube [-1, 1]^3 times half the edge.
+inline ElementPoints cube(double edge) {
+  ElementPoints x;
+  for (int a = 0; a < kCorners; ++a) {
+    x.row(a) << kCornerSign[a][0] * edge / 2, kCornerSign[a][1] * edge / 2, kCornerSign[a][2] * edge / 2;
+  }
+  return x;
+}
+
+/// A cube whose corners are moved by up to `share` of its edge: no two edges parallel.
+inline ElementPoints distorted_hexahedron(double edge, double share, std::uint64_t seed) {
+  Random random(seed);
+  ElementPoints x = cube(edge);
+  for (int a = 0; a < kCorners; ++a) x.row(a) += random.vector(share * edge).transpose();
+  return x;
+}
+
+/// One hexahedron as a mesh.
+inline HexMesh single_element(const ElementPoints& x) {
+  return HexMesh(PointArray(x), {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}});
+}
+
+/// Block of cubes with its least corner at the origin.
+inline HexMesh block(std::array<int, 3> cells, double edge) {
+  return regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * edge, cells[1] * edge, cells[2] * edge));
+}
+
+/// The same with every node moved by up to `share` of the edge.
+inline HexMesh distorted_block(std::array<int, 3> cells, double edge, double share, std::uint64_t seed) {
+  const HexMesh regular = block(cells, edge);
+  Random random(seed);
+  return HexMesh(regular.positions() + random.field(regular.num_nodes(), share * edge), regular.hexahedra());
+}
+
+/// A x + b for every row x.
+template <class Rows>
+Rows mapped(const Rows& x, const Mat3& A, const Vec3& b = Vec3::Zero()) {
+  return (x * A.transpose()).rowwise() + b.transpose();
+}
+
+/// Nodes whose original coordinate along `axis` lies within `reach` of `value`.
+inline std::vector<int> nodes_at(const HexMesh& mesh, int axis, double value, double reach = 1e-9) {
+  std::vector<int> nodes;
+  for (int n = 0; n < mesh.num_nodes(); ++n) {
+    if (std::abs(mesh.positions()(n, axis) - value) <= reach) nodes.push_back(n);
+  }
+  return nodes;
+}
+
+/// Whether each node lies on the surface.
+inline std::vector<bool> is_on_boundary(const HexMesh& mesh) {
+  std::vector<bool> on_boundary(mesh.num_nodes(), false);
+  for (const std::array<int, 4>& face : mesh.boundary_faces()) {
+    for (const int n : face) on_boundary[n] = true;
+  }
+  return on_boundary;
+}
+
+}  // namespace hexaplast::support

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "support/simulation.hpp"
+
+#include <utility>
+
+#include "hexaplast/solve/cholesky.hpp"
+
+namespace hexaplast::support {
+
+std::vector<double> lumped_mass(const Model& model, double density) {
+  std::vector<double> mass(model.mesh.num_nodes(), 0.0);
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    for (const int n : model.mesh.hexahedra()[e]) mass[n] += density * model.volume[e] / kCorners;
+  }
+  return mass;
+}
+
+LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, Load load)
+    : body_(body), mass_(std::move(mass)), fixed_(std::move(fixed)), load_(std::move(load)) {}
+
+void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints, Points f) {
+  body_.linearize(x);
+  f.setZero();
+  body_.add_force(f);
+  if (load_) load_(time, x, f);
+}
+
+void LoadedBody::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  for (int n = 0; n < num_nodes(); ++n) df.row(n) += factors.mass * mass_[n] * dx.row(n);
+  body_.add_stiffness_product(factors.stiffness, dx, df);
+}
+
+void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
+  for (int n = 0; n < num_nodes(); ++n) A.add(n, n, factors.mass * mass_[n] * Mat3::Identity());
+  body_.add_stiffness_blocks(factors.stiffness, A);
+}
+
+void LoadedBody::project(Points field) const {
+  for (const int n : fixed_) field.row(n).setZero();
+}
+
+void LoadedBody::pin(BlockMatrix& A) const {
+  for (const int n : fixed_) {
+    for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
+  }
+}
+
+Simulation::Simulation(Body made, SimulationSetup setup, std::unique_ptr<LinearSolver> solver)
+    : body(std::move(made)),
+      mass(lumped_mass(body.model(), setup.density)),
+      x(body.mesh().positions()),
+      v(PointArray::Zero(x.rows(), 3)),
+      system_(body, mass, std::move(setup.fixed), std::move(setup.load)),
+      euler_(setup.euler),
+      solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
+      dt_(setup.dt) {}
+
+FlowReport Simulation::step() {
+  euler_.step(system_, *solver_, time(), dt_, x, v);
+  ++steps_;
+  return body.flow(x, dt_);
+}
+
+void Simulation::run(int steps) {
+  for (int k = 0; k < steps; ++k) step();
+}
+
+std::string Simulation::state_hash() const {
+  StateHash hash;
+  hash.add(x.data(), x.size() * sizeof(double));
+  hash.add(v.data(), v.size() * sizeof(double));
+  body.add_to(hash);
+  return hash.text();
+}
+
+}  // namespace hexaplast::support
