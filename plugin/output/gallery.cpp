@@ -36,6 +36,8 @@ constexpr float kElevation = 22 * std::numbers::pi_v<float> / 180;
 constexpr float kBackground = 0.98f;  // depth behind every body
 constexpr float kCrease = 0.75f;      // cosine of the angle from which an edge is sharp, about 41 degrees
 constexpr float kWidestEdge = 1.4f;   // [pixels]
+constexpr float kPatch = 12;          // [pixels] size of the flat pieces that a face is drawn with
+constexpr int kMostParts = 8;         // of them along an edge
 constexpr float kShortestEdge = 4;    // [pixels] below this, element edges would cover the colours
 
 /// Brightness of a surface whose unit normal is `normal` in the camera's frame (right, up, towards): mostly even light,
@@ -244,28 +246,44 @@ void Gallery::draw_body(const State& state, const View& view, Drawing& picture) 
     return sum;
   };
 
-  // four triangles around the centre show a warped face without a preferred diagonal
-  for (int f = 0; f < static_cast<int>(surface.faces.size()); ++f) {
-    const double share = view.greatest_strain > 0 ? state.plastic_strain[f] / view.greatest_strain : 0;
-    const Colour colour = colour_of(share);
-    std::array<Drawing::Vertex, 4> corner;
-    Vector3f middle = Vector3f::Zero();
-    for (int k = 0; k < 4; ++k) {
-      const int point = surface.faces[f][k];
-      corner[k] = view.project(state.points[point]);
-      corner[k].colour = lit(smooth_normal(f, point), colour);
-      middle += state.points[point] / 4;
-    }
-    Drawing::Vertex centre = view.project(middle);
-    centre.colour = lit(normals[f], colour);
-    for (int k = 0; k < 4; ++k) picture.triangles.push_back({{corner[k], corner[(k + 1) % 4], centre}});
-  }
-
   if (surface.edges.empty()) return;
-  float mean_length = 0;  // [pixels]
+  float mean_length = 0;  // of an edge [pixels]
   for (const auto& [a, b] : surface.edges)
     mean_length += view.pixels_per_metre * (surface.original[b] - surface.original[a]).norm();
   mean_length /= static_cast<float>(surface.edges.size());
+
+  // a warped face is a bilinear patch: cut finely enough, it shows no preferred diagonal
+  const int parts = std::clamp(static_cast<int>(mean_length / kPatch), 2, kMostParts);
+  std::vector<Drawing::Vertex> grid((parts + 1) * (parts + 1));
+  for (int f = 0; f < static_cast<int>(surface.faces.size()); ++f) {
+    const double share = view.greatest_strain > 0 ? state.plastic_strain[f] / view.greatest_strain : 0;
+    const Colour colour = colour_of(share);
+    const std::array<int, 4>& face = surface.faces[f];
+    std::array<Vector3f, 4> normal;
+    for (int k = 0; k < 4; ++k) normal[k] = smooth_normal(f, face[k]).normalized();
+
+    for (int j = 0; j <= parts; ++j)
+      for (int i = 0; i <= parts; ++i) {
+        const float s = static_cast<float>(i) / parts, t = static_cast<float>(j) / parts;
+        const std::array<float, 4> weight{(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
+        Vector3f place = Vector3f::Zero(), outwards = Vector3f::Zero();
+        for (int k = 0; k < 4; ++k) {
+          place += weight[k] * state.points[face[k]];
+          outwards += weight[k] * normal[k];
+        }
+        Drawing::Vertex& vertex = grid[j * (parts + 1) + i];
+        vertex = view.project(place);
+        vertex.colour = lit(outwards, colour);
+      }
+    for (int j = 0; j < parts; ++j)
+      for (int i = 0; i < parts; ++i) {
+        const Drawing::Vertex* low = &grid[j * (parts + 1) + i];
+        const Drawing::Vertex* high = low + parts + 1;
+        picture.triangles.push_back({{low[0], low[1], high[1]}});
+        picture.triangles.push_back({{low[0], high[1], high[0]}});
+      }
+  }
+
   if (mean_length < kShortestEdge) return;
   for (const auto& [a, b] : surface.edges) {
     Drawing::Line line{view.project(state.points[a]), view.project(state.points[b]),
