@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int code;
+  std::string out, err;
+};
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// Runs the command as its users do, in a directory of its own.
+class Command : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_runner_") + info->name());
+    fs::remove_all(directory_);
+    fs::create_directories(directory_);
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  Outcome hexaplast(const std::string& arguments, const std::string& before = "") {
+    const std::string line = "cd '" + directory_.string() + "' && " + before + " '" + HEXAPLAST_COMMAND + "' " +
+                             arguments + " > out 2> err < /dev/null";
+    const int status = std::system(line.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(directory_ / "out"),
+            content(directory_ / "err")};
+  }
+
+  void write(const std::string& name, const std::string& text) { std::ofstream(directory_ / name) << text; }
+
+  fs::path directory_;
+};
+
+// A bar of two hexahedra, pulled at one end.
+const std::string kBar =
+    "<Node name='root' gravity='0 0 0'>\n<DefaultAnimationLoop/><RunSettings steps='4'/>\n<Node name='bar'>"
+    "<EulerImplicitSolver/><SparseLDLSolver/>\n<RegularGridTopology n='3 2 2'/><MechanicalObject/><DiagonalMass/>\n"
+    "<HexahedronElastoplasticFEMForceField name='material'/>\n<FixedProjectiveConstraint indices='0 3 6 9'/>"
+    "<ConstantForceField name='pull' indices='2' forces='1 0 0'/></Node></Node>";
+
+TEST_F(Command, ShowsASummaryAndWritesNothingElse) {
+  write("bar.scn", kBar);
+  const Outcome outcome = hexaplast("run bar.scn");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "");
+  for (const char* line : {"bar: 4 steps of 0.01 s, to t = 0.04 s", "hexahedra           2", "plastic elongation",
+                           "plastic twist", "volume error", "largest strain", "hex/ms", "state hash"}) {
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << " is missing in\n" << outcome.out;
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 3);  // the scene, out and err
+}
+
+TEST_F(Command, ControlCodesStayOutOfFiles) {
+  write("bar.scn", kBar);
+  const Outcome outcome = hexaplast("run bar.scn --steps 50");
+  EXPECT_EQ((outcome.out + outcome.err).find('\x1b'), std::string::npos);
+  EXPECT_EQ((outcome.out + outcome.err).find('\r'), std::string::npos);
+}
+
+TEST_F(Command, QuietPrintsNothing) {
+  write("bar.scn", kBar);
+  const Outcome outcome = hexaplast("run bar.scn --quiet --set bar/material.plasticFlowRate=20");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
+TEST_F(Command, StepsAndAttributesOfTheCommandLineCountBeforeTheScene) {
+  write("bar.scn", kBar);
+  EXPECT_NE(hexaplast("run bar.scn --steps 2 --set root.dt=0.5 --set bar/pull.forces='0 0 0'")
+                .out.find("2 steps of 0.5 s, to t = 1 s"),
+            std::string::npos);
+}
+
+TEST_F(Command, TheHashDoesNotDependOnThreads) {
+  write("bar.scn", kBar);
+  const auto hash = [&](const std::string& options) {
+    const std::string out = hexaplast("run bar.scn " + options).out;
+    return out.substr(out.find("state hash"));
+  };
+  EXPECT_EQ(hash("--threads 1"), hash("--threads 3"));
+  EXPECT_NE(hash("--threads 1"), hash("--set bar/pull.forces='2 0 0'"));
+}
+
+TEST_F(Command, VersionAndHelpAreNoErrors) {
+  const Outcome version = hexaplast("--version");
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out.rfind("hexaplast ", 0), 0u);
+  const Outcome help = hexaplast("run --help");
+  EXPECT_EQ(help.code, 0);
+  for (const char* option : {"--steps", "--out", "--final", "--threads", "--set", "--frames", "--force", "--quiet",
+                             "--plugin-path", "Exit codes"}) {
+    EXPECT_NE(help.out.find(option), std::string::npos) << option;
+  }
+}
+
+TEST_F(Command, UsageErrorsEndWith2) {
+  write("bar.scn", kBar);
+  write("endless.scn",
+        "<Node><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject position='0 0 0'/>"
+        "<UniformMass totalMass='1'/></Node>");
+  for (const char* arguments :
+       {"", "walk", "run", "run bar.scn --nonsense", "run bar.scn --steps -1", "run bar.scn --steps x",
+        "run bar.scn --threads 0", "run bar.scn --frames 2", "run bar.scn --force", "run bar.scn --set nonsense",
+        "run bar.scn --set bar/material.yieldStres=1", "run bar.scn --set bar/material.yieldStress=-1",
+        "run endless.scn"}) {
+    const Outcome outcome = hexaplast(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.err;
+    EXPECT_NE(outcome.err, "") << arguments;
+  }
+}
+
+TEST_F(Command, RejectedScenesEndWith3) {
+  write("bad.scn", "<Node>\n<Nonsense/>\n<RunSettings stepz='3'/>\n</Node>");
+  const Outcome outcome = hexaplast("run bad.scn");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_EQ(outcome.err,
+            "bad.scn:2: error: Nonsense: unknown component\n"
+            "bad.scn:3: error: RunSettings.stepz: unknown attribute\n  hint: did you mean 'steps'?\n");
+
+  write("two.scn",
+        "<Node><DefaultAnimationLoop/><RunSettings "
+        "steps='1'/>\n<Node><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject "
+        "position='0 0 0'/><UniformMass "
+        "totalMass='1'/></Node>\n<Node><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject "
+        "name='other' position='0 0 0'/><UniformMass totalMass='1'/></Node></Node>");
+  const Outcome two = hexaplast("run two.scn");
+  EXPECT_EQ(two.code, 3);
+  EXPECT_EQ(
+      two.err,
+      "two.scn:3: error: 2 mechanical states in the scene, a run moves exactly one; the second one is MechanicalObject "
+      "'other'\n");
+
+  write("mass.scn",
+        "<Node><DefaultAnimationLoop/><RunSettings steps='1'/><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject "
+        "position='0 0 0'/><UniformMass totalMass='1'/></Node>");
+  EXPECT_EQ(hexaplast("run mass.scn").code, 0);
+  EXPECT_EQ(hexaplast("run mass.scn --final state.json").code, 3);
+}
+
+TEST_F(Command, NumericalFailureEndsWith4AndNamesTheStep) {
+  write("bar.scn", kBar);
+  const Outcome outcome = hexaplast("run bar.scn --set bar/pull.forces='1e308 0 0'");
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_NE(outcome.err.find("bar.scn: error: step "), std::string::npos) << outcome.err;
+}
+
+TEST_F(Command, UnreadableAndUnwritableFilesEndWith5) {
+  write("bar.scn", kBar);
+  write("file", "");
+  EXPECT_EQ(hexaplast("run absent.scn").err, "absent.scn: error: no such file\n");
+  EXPECT_EQ(hexaplast("run absent.scn").code, 5);
+  EXPECT_EQ(hexaplast("run .").code, 5);
+  EXPECT_EQ(hexaplast("run bar.scn --final absent/state.json").code, 5);
+  EXPECT_EQ(hexaplast("run bar.scn --out file").code, 5);
+}
+
+TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
+  write("absent.scn", "<Node>\n<RequiredPlugin name='Absent'/></Node>");
+  const Outcome absent = hexaplast("run absent.scn --plugin-path elsewhere");
+  EXPECT_EQ(absent.code, 6);
+  EXPECT_EQ(
+      absent.err.rfind(
+          "absent.scn:2: error: RequiredPlugin: plugin 'Absent': no libAbsent.so in the search path:\n  elsewhere\n",
+          0),
+      0u)
+      << absent.err;
+  write("text.scn", "<Node>\n<RequiredPlugin pluginName='Sofa.Component.Mass Text'/></Node>");
+  write("libText.so", "text");
+  EXPECT_EQ(hexaplast("run text.scn --plugin-path .").code, 6);
+}
+
+TEST_F(Command, ASignalEndsTheRunAfterTheStep) {
+  write("bar.scn", kBar);
+  const std::string forever = "run bar.scn --steps 1000000000";
+  const Outcome interrupted = hexaplast(forever, "timeout --preserve-status -s INT 0.5");
+  EXPECT_EQ(interrupted.code, 130);
+  EXPECT_NE(interrupted.out.find("state hash"), std::string::npos);
+  EXPECT_NE(interrupted.err.find("warning: ended by signal 2 after step "), std::string::npos);
+  EXPECT_EQ(hexaplast(forever, "timeout --preserve-status -s TERM 0.5").code, 143);
+}
+
+TEST_F(Command, AClosedOutputDoesNotCrashIt) {
+  write("bar.scn", kBar);
+  const int status =
+      std::system(("'" HEXAPLAST_COMMAND "' run '" + (directory_ / "bar.scn").string() + "' >&- 2>&-").c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+}  // namespace

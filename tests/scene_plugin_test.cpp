@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "scene/plugin.hpp"
+
+namespace {
+
+using namespace hexaplast;
+namespace fs = std::filesystem;
+
+/// A directory of its own for each test, with plugins made from the bytes of the real one.
+class PluginFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_plugins_") + info->name());
+    fs::remove_all(directory_);
+    fs::create_directories(directory_);
+    std::ifstream file(fs::path(HEXAPLAST_TEST_PLUGINS) / "libHexaplast.so", std::ios::binary);
+    real_.assign(std::istreambuf_iterator<char>(file), {});
+    ASSERT_FALSE(real_.empty());
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  std::string refusal(const std::string& bytes) {
+    std::ofstream(directory_ / "libOther.so", std::ios::binary) << bytes;
+    return refusal_of_name("Other");
+  }
+  std::string refusal_of_name(const std::string& name) {
+    scene::Factory factory;
+    try {
+      scene::PluginLoader(factory, {directory_}).load(name);
+      return "loaded";
+    } catch (const scene::PluginError& error) {
+      return error.what();
+    }
+  }
+
+  std::string prefix() const { return "plugin 'Other': " + (directory_ / "libOther.so").string() + ": "; }
+
+  fs::path directory_;
+  std::string real_;
+};
+
+TEST_F(PluginFiles, ComponentsComeFromAPluginFoundByName) {
+  scene::Factory factory;
+  scene::PluginLoader loader(factory, {directory_, HEXAPLAST_TEST_PLUGINS});
+  EXPECT_FALSE(factory.make("MechanicalObject"));
+  loader.load("Hexaplast");
+  loader.load("Hexaplast");  // a second time does nothing
+  loader.load("Sofa.Component.Mass");
+  EXPECT_TRUE(factory.make("MechanicalObject"));
+}
+
+TEST_F(PluginFiles, APathIsNoName) {
+  for (const char* name : {"../Other", "/tmp/libOther.so", "a/b", "..", ".hidden", "a b", ""}) {
+    EXPECT_EQ(refusal_of_name(name),
+              std::string("plugin '") + name + "': plugins are loaded by name (letters, digits, _ - .), never by path");
+  }
+}
+
+TEST_F(PluginFiles, AMissingPluginNamesTheSearchPath) {
+  EXPECT_EQ(refusal_of_name("Absent"),
+            "plugin 'Absent': no libAbsent.so in the search path:\n  " + directory_.string());
+}
+
+TEST_F(PluginFiles, OtherFilesAreNotLoaded) {
+  EXPECT_EQ(refusal(""), prefix() + "it is damaged, or no shared library");
+  EXPECT_EQ(refusal(std::string(4096, 'x')), prefix() + "it is not a shared library");
+  EXPECT_EQ(refusal(real_.substr(0, real_.size() / 2)), prefix() + "it is damaged, or no shared library");
+
+  fs::remove(directory_ / "libOther.so");
+  fs::create_directory(directory_ / "libOther.so");
+  EXPECT_EQ(refusal_of_name("Other"), "plugin 'Other': no libOther.so in the search path:\n  " + directory_.string());
+}
+
+// The bytes of the tag are changed in the file, and the refusal shows that they were read there.
+TEST_F(PluginFiles, AnotherAbiIsRefusedBeforeAnyCodeRuns) {
+  const scene::AbiTag tag = scene::abi_tag();
+  const std::string bytes(reinterpret_cast<const char*>(&tag), sizeof tag);
+  const std::size_t at = real_.find(bytes);
+  ASSERT_NE(at, real_.npos);
+  ASSERT_EQ(real_.find(bytes, at + 1), real_.npos);
+
+  const auto with = [&](scene::AbiTag changed) {
+    std::string other = real_;
+    std::memcpy(other.data() + at, &changed, sizeof changed);
+    return other;
+  };
+  scene::AbiTag changed = tag;
+  changed.interface_number = 7;
+  EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another component interface: 7, must be 1");
+  changed = tag;
+  changed.scalar_size = 4;
+  EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another scalar size: 4, must be 8");
+  changed = tag;
+  changed.compiler_abi += 1;
+  EXPECT_NE(refusal(with(changed)).find("another compiler ABI"), std::string::npos);
+  changed = tag;
+  changed.sizes[1] += 8;
+  EXPECT_NE(refusal(with(changed)).find("another layout of shared types"), std::string::npos);
+  changed = tag;
+  changed.magic[0] = 'H';
+  EXPECT_EQ(refusal(with(changed)), prefix() + "it carries no hexaplast_plugin_abi_tag of this program");
+}
+
+TEST_F(PluginFiles, EveryTruncationIsRefused) {
+  for (std::size_t i = 0; i < 64; ++i) {
+    const std::string message = refusal(real_.substr(0, real_.size() * i / 64));
+    EXPECT_NE(message.find(prefix()), message.npos) << message;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::read;
+using support::read_and_init;
+
+// What a scene needs around the lines under test; these stand on line 3 and after.
+std::string bar(const std::string& lines) {
+  return "<Node name=\"root\" gravity=\"0 0 0\">\n"
+         " <DefaultAnimationLoop/> <EulerImplicitSolver name=\"euler\"/> <CGLinearSolver/>"
+         " <RegularGridTopology name=\"grid\" n=\"3 3 3\"/> <MechanicalObject name=\"nodes\"/> <UniformMass "
+         "totalMass=\"1\"/>\n" +
+         lines + "\n</Node>\n";
+}
+
+TEST(SceneReading, TheFrameOfTheseTestsIsSound) { EXPECT_EQ(errors_of(bar("")), ""); }
+
+TEST(SceneReading, UnknownComponentsAndAttributesAreNamedWithTheNearestKnownOne) {
+  EXPECT_EQ(errors_of(bar("<DiagonalMas massDensity='1'/>")),
+            "test.scn:3: error: DiagonalMas: unknown component\n  hint: did you mean 'DiagonalMass'?");
+  EXPECT_EQ(errors_of(bar("\n<DiagonalMass\n massDensty='1'/>")),
+            "test.scn:5: error: DiagonalMass.massDensty: unknown attribute\n  hint: did you mean 'massDensity'?");
+  EXPECT_EQ(errors_of(bar("<TotallyElse/>")), "test.scn:3: error: TotallyElse: unknown component");
+}
+
+TEST(SceneReading, ValuesOutsideTheirRangeAreNamedWithTheRange) {
+  EXPECT_EQ(errors_of(bar("<HexahedronElastoplasticFEMForceField poissonRatio='0.5'/>")),
+            "test.scn:3: error: HexahedronElastoplasticFEMForceField.poissonRatio: 0.5 must lie in [0, 0.5)");
+  EXPECT_EQ(errors_of("<Node dt='0'/>"), "test.scn:1: error: Node.dt: 0 must be > 0");
+}
+
+TEST(SceneReading, AllErrorsAreReportedAtOnceAndAtMostTwenty) {
+  std::string lines;
+  for (int i = 0; i < 23; ++i) lines += "<Nonsense/>\n";
+  const std::string errors = errors_of(bar(lines));
+  EXPECT_NE(errors.find("test.scn:3: error: Nonsense: unknown component\n"), errors.npos);
+  EXPECT_NE(errors.find("test.scn:22: error: Nonsense: unknown component\n"), errors.npos);
+  EXPECT_EQ(errors.find("test.scn:23: "), errors.npos);
+  EXPECT_NE(errors.find("\n3 further errors are not shown"), errors.npos);
+}
+
+TEST(SceneReading, AMistakeDoesNotHideTheDanglingLinkBesideIt) {
+  const std::string errors =
+      errors_of(bar("<DiagonalMass massDensity='x'/>\n<FixedProjectiveConstraint indices='@no.indices'/>"));
+  EXPECT_NE(errors.find("test.scn:3: error: DiagonalMass.massDensity: 'x' is not a number"), errors.npos);
+  EXPECT_NE(errors.find("test.scn:4: error: FixedProjectiveConstraint.indices: link '@no.indices'"), errors.npos);
+}
+
+TEST(SceneReading, AttributesWithAnUnderscoreOrNoInFrontAreSwitchedOff) {
+  EXPECT_EQ(errors_of(bar("<MechanicalObject name='x' _position='nonsense' NOvelocity='nonsense'/>")),
+            "test.scn:2: error: EulerImplicitSolver: 2 mechanical states in its node and below, must be one");
+  EXPECT_EQ(errors_of(bar("<RunSettings _steps='nonsense' NOsteps='nonsense'/>")), "");
+}
+
+TEST(SceneReading, UnnamedObjectsAreNumberedByClass) {
+  scene::Scene scene = read(bar("<BoxROI/> <BoxROI name='BoxROI2'/> <BoxROI/> <Node/>"));
+  EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI1"));
+  EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI2"));
+  EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI3"));
+  EXPECT_EQ(scene.root().children()[0]->name(), "Node1");
+}
+
+TEST(SceneReading, AGenericObjectNamesItsClassByType) {
+  EXPECT_EQ(errors_of(bar("<Object type='BoxROI' box='0 0 0 1 1 1'/>")), "");
+  EXPECT_EQ(errors_of(bar("<Object/>")),
+            "test.scn:3: error: Object.type: is not given, must be the class of a component");
+}
+
+TEST(SceneReading, TemplatesOfThreeDimensionsInDoublePrecisionAlone) {
+  EXPECT_EQ(errors_of(bar("<BoxROI template='Vec3'/> <BoxROI template='Vec3d'/>")), "");
+  EXPECT_EQ(errors_of(bar("<BoxROI template='Rigid3d'/>")),
+            "test.scn:3: error: BoxROI.template: 'Rigid3d', must be one of: Vec3 Vec3d");
+}
+
+TEST(SceneReading, AnAttributeMayNotBeGivenTwiceUnderTwoNames) {
+  EXPECT_EQ(errors_of(bar("<RegularGridTopology points='0 0 0'/>")),
+            "test.scn:3: error: RegularGridTopology.points: is computed, and cannot be set");
+}
+
+TEST(SceneReading, OnlyTheRootsClockCounts) {
+  scene::Scene scene =
+      read_and_init("<Node dt='0.5' gravity='1 2 3'>\n<Node name='inner' dt='0.1' gravity='0 0 0'/></Node>");
+  EXPECT_EQ(scene.dt(), 0.5);
+  EXPECT_EQ(scene.root().children()[0]->clock().gravity, Vec3(1, 2, 3));
+  const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();
+  ASSERT_EQ(warnings.size(), 3u);  // and the note on the missing animation loop
+  EXPECT_EQ(scene::format(warnings[0]), "test.scn:2: warning: Node.dt: is ignored: only the root's counts");
+}
+
+TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
+  EXPECT_EQ(errors_of(bar("words")), "test.scn:2: error: Node 'root': holds text, must hold nodes and components");
+  EXPECT_EQ(errors_of(bar("<BoxROI><BoxROI/></BoxROI>")),
+            "test.scn:3: error: BoxROI: components hold neither elements nor text");
+  EXPECT_EQ(errors_of("<BoxROI/>"), "test.scn:1: error: the root element is <BoxROI>, must be <Node>");
+}
+
+TEST(SceneReading, FilesThatAreNoPlainXmlAreRefusedWithTheirLine) {
+  EXPECT_EQ(errors_of("<!DOCTYPE scene [<!ENTITY a 'b'>]>\n<Node/>"),
+            "test.scn:1: error: document types and entities are not allowed in a scene");
+  EXPECT_EQ(errors_of("<Node>\n\n<RunSettings tags='&x;'/></Node>"),
+            "test.scn:3: error: unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
+  EXPECT_EQ(errors_of("<Node/>\n<Node/>"),
+            "test.scn:2: error: something stands beside the root element, must be one <Node> alone");
+  EXPECT_EQ(errors_of("<Node>\n<Node name='a' name='b'/></Node>"),
+            "test.scn:2: error: an attribute is given twice, or is not of the form name=\"value\"");
+  EXPECT_EQ(errors_of("<Node>\n\xC3</Node>"), "test.scn:2: error: the file is not valid UTF-8");
+  EXPECT_EQ(errors_of("<Node>\n<!-- \xED\xA0\x80 --></Node>"), "test.scn:2: error: the file is not valid UTF-8");
+  EXPECT_EQ(errors_of(std::string("<Node>\n\0</Node>", 15)),
+            "test.scn:2: error: the file contains a NUL byte: must be text");
+  EXPECT_EQ(errors_of(""), "test.scn:1: error: the file holds no element, must hold one <Node>");
+  EXPECT_NE(errors_of("<Node>").find("test.scn:"), std::string::npos);
+}
+
+TEST(SceneReading, CommentsEntitiesAndWindowsLineEndsAreFine) {
+  EXPECT_EQ(errors_of("\xEF\xBB\xBF<?xml version='1.0'?>\r\n<!-- & <!DOCTYPE -->\r\n<Node "
+                      "tags='&lt;&#65;&#x42;&amp;&quot;'>\r\n</Node>\r\n"),
+            "");
+}
+
+TEST(SceneReading, DepthIsLimited) {
+  std::string deep;
+  for (int i = 0; i < 1'000'000; ++i) deep += "<Node>";
+  EXPECT_EQ(errors_of(deep), "test.scn:1: error: more than 100 levels of elements");
+}
+
+TEST(SceneReading, EveryTruncationIsRefusedOrLoads) {
+  const std::string whole = bar(
+      "<BoxROI name='b' box='0 0 0 1 1 1'/><!-- \xC3\xA4 &amp; --><FixedProjectiveConstraint indices='@b.indices'/>");
+  for (std::size_t length = 0; length < whole.size(); ++length)
+    EXPECT_NO_THROW(errors_of(whole.substr(0, length))) << length;
+}
+
+TEST(SceneReading, ADenseGridIsRefusedBeforeItIsMade) {
+  EXPECT_EQ(errors_of("<Node>\n<RegularGridTopology n='100000 100000 100000'/></Node>"),
+            "test.scn:2: error: RegularGridTopology.n: 1e+15 cells, must be at most 16777216");
+  EXPECT_EQ(errors_of("<Node>\n<RegularGridTopology n='2 2 2147483646'/></Node>"),
+            "test.scn:2: error: RegularGridTopology.n: 2.147e+09 cells, must be at most 16777216");
+}
+
+// Links
+// ---------------------------------------------------------------------------------------------------------------------
+
+const std::vector<std::int64_t>& fixed_nodes(scene::Scene& scene) {
+  return at<scene::ProjectiveConstraint>(scene, "fixed").integers("indices");
+}
+
+TEST(SceneLinks, LeadForwardsUpwardsAndAround) {
+  const std::vector<std::int64_t> bottom = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+  const std::string roi = "<BoxROI name='roi' box='0 0 0 1 1 0'/>";
+  for (const char* link :
+       {"@roi.indices", "@./roi.indices", "@/roi.indices", "@[1].indices", "@Node1/../roi.indices"}) {
+    SCOPED_TRACE(link);
+    scene::Scene scene = read_and_init(
+        bar("<FixedProjectiveConstraint name='fixed' indices='" + std::string(link) + "'/>" + roi + "<Node/>"));
+    EXPECT_EQ(fixed_nodes(scene), bottom);
+  }
+}
+
+TEST(SceneLinks, ABareNameIsFoundInTheNodesAbove) {
+  scene::Scene scene =
+      read_and_init(bar("<BoxROI name='roi' box='0 0 0 1 1 0'/>"
+                        "<Node name='inner'><FixedProjectiveConstraint name='fixed' indices='@roi.indices'/></Node>"));
+  EXPECT_EQ(at<scene::ProjectiveConstraint>(scene, "inner/fixed").integers("indices").size(), 9u);
+}
+
+TEST(SceneLinks, ALinkToANodeFindsTheComponentOfItsKind) {
+  EXPECT_EQ(errors_of(bar("<HexahedronElastoplasticFEMForceField topology='@.'/>"
+                          "<HexahedronElastoplasticFEMForceField topology='@grid'/>"
+                          "<HexahedronElastoplasticFEMForceField topology='@/'/>")),
+            "");
+  EXPECT_EQ(errors_of(bar("<HexahedronElastoplasticFEMForceField topology='@nodes'/>")),
+            "test.scn:3: error: HexahedronElastoplasticFEMForceField.topology: the link leads to MechanicalObject "
+            "'nodes', must "
+            "lead to a Topology");
+}
+
+TEST(SceneLinks, SayWhereTheyStop) {
+  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@../roi.indices'/>")),
+            "test.scn:3: error: FixedProjectiveConstraint.indices: link '@../roi.indices' stops at node '/', which has "
+            "no parent");
+  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@gird.hexahedra'/>")),
+            "test.scn:3: error: FixedProjectiveConstraint.indices: link '@gird.hexahedra' stops at node '/', which "
+            "holds no 'gird'\n"
+            "  hint: did you mean 'grid'?");
+  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid/x.y'/>")),
+            "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid/x.y' stops at RegularGridTopology "
+            "'grid', which holds "
+            "nothing");
+  EXPECT_EQ(
+      errors_of(bar("<FixedProjectiveConstraint indices='@grid'/>")),
+      "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid' names no attribute: must be @path.attribute");
+  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid.position'/>")),
+            "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid.position' leads to RegularGridTopology "
+            "'grid'.position, which is of another type");
+  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid.positon'/>")),
+            "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid.positon' stops at RegularGridTopology "
+            "'grid', which "
+            "has no attribute 'positon'\n  hint: did you mean 'position'?");
+}
+
+TEST(SceneLinks, CirclesAreFound) {
+  EXPECT_EQ(errors_of(bar("<BoxROI name='a' box='@b.box'/>\n<BoxROI name='b' box='@a.box'/>")),
+            "test.scn:3: error: BoxROI.box: link '@b.box' leads back to itself\n"
+            "test.scn:4: error: BoxROI.box: link '@a.box' leads back to itself");
+  EXPECT_EQ(errors_of(bar("<BoxROI name='a' position='@a.pointsInROI'/>")),
+            "test.scn:3: error: BoxROI.pointsInROI: depends on itself through links");
+}
+
+TEST(SceneLinks, StayLive) {
+  // The body falls out of the box; the constraint follows the box, and lets go.
+  scene::Scene scene = read_and_init(
+      "<Node dt='1' gravity='0 0 -1'><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/>"
+      "<MechanicalObject name='nodes' position='0 0 0  0 0 5'/><UniformMass vertexMass='1'/>"
+      "<BoxROI name='roi' box='-1 -1 3.5 1 1 9' position='@nodes.position'/>"
+      "<BoxROI name='low' box='-1 -1 -9 1 1 -0.5' position='@nodes.position'/>"
+      "<FixedProjectiveConstraint name='fixed' indices='@low.indices'/></Node>");
+  EXPECT_TRUE(fixed_nodes(scene).empty());
+  scene.step();  // v = -1, z = -1 and 4
+  EXPECT_EQ(fixed_nodes(scene), (std::vector<std::int64_t>{0}));
+  scene.step();  // node 0 keeps its velocity now, node 1 goes on accelerating
+  const PointArray& x = at<scene::MechanicalState>(scene, "nodes").positions();
+  EXPECT_DOUBLE_EQ(x(0, 2), -2);
+  EXPECT_DOUBLE_EQ(x(1, 2), 2);
+}
+
+TEST(SceneLinks, WhatCannotFollowAChangeRefusesIt) {
+  scene::Scene scene = read_and_init(
+      "<Node dt='1' gravity='0 0 -1'><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/>\n"
+      "<MechanicalObject name='nodes' position='0 0 0' velocity='0 0 0' externalForce='@nodes.velocity'/>"
+      "<UniformMass vertexMass='1'/></Node>");
+  scene.step();
+  try {
+    scene.step();
+    FAIL() << "the constant force followed the velocity";
+  } catch (const scene::SceneError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "test.scn:2: error: MechanicalObject: follows a link to something that changes during the run, which it "
+        "cannot do");
+  }
+}
+
+// Overrides
+// -----------------------------------------------------------------------------------------------------------------
+
+TEST(SceneOverride, ReplacesAnAttributeBeforeInit) {
+  scene::Scene scene = read(bar("<Node name='in'><BoxROI name='roi'/></Node>"));
+  scene::override_attribute(scene, "root.dt=0.25");
+  scene::override_attribute(scene, ".gravity=0 0 -2");
+  scene::override_attribute(scene, "in/roi.box=0 0 0 .5 .5 .5");
+  scene.init();
+  EXPECT_EQ(scene.dt(), 0.25);
+  EXPECT_EQ(scene.root().clock().gravity, Vec3(0, 0, -2));
+  EXPECT_EQ(at<scene::Engine>(scene, "in/roi").integers("indices").size(), 8u);
+}
+
+TEST(SceneOverride, SaysWhatIsWrong) {
+  scene::Scene scene = read(bar(""));
+  const auto refusal = [&](const char* assignment) -> std::string {
+    try {
+      scene::override_attribute(scene, assignment);
+      return "accepted";
+    } catch (const scene::OverrideError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal("euler"), "--set euler: error: must be PATH.attribute=VALUE");
+  EXPECT_EQ(
+      refusal("eulr.rayleighMass=1"),
+      "--set eulr.rayleighMass=1: error: stops at node '/', which holds no 'eulr'\n  hint: did you mean 'euler'?");
+  EXPECT_EQ(refusal("euler.rayleighMas=1"),
+            "--set euler.rayleighMas=1: error: EulerImplicitSolver 'euler' has no attribute 'rayleighMas'\n"
+            "  hint: did you mean 'rayleighMass'?");
+  EXPECT_EQ(refusal("euler.rayleighMass=-1"),
+            "--set euler.rayleighMass=-1: error: EulerImplicitSolver.rayleighMass: -1 must be >= 0");
+  EXPECT_EQ(refusal("euler.rayleighMass=1"), "accepted");
+}
+
+}  // namespace

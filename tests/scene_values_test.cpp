@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <clocale>
+#include <set>
+
+#include "attributes/hexaplast.hpp"
+#include "attributes/stock.hpp"
+#include "hexaplast/base/error.hpp"
+#include "scene/value.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using attributes::Attribute;
+using attributes::Type;
+using scene::read_value;
+
+constexpr Attribute kReal{.name = "real", .type = Type::kReal};
+constexpr Attribute kCount{.name = "count", .type = Type::kInteger};
+constexpr Attribute kList{.name = "list", .type = Type::kIntegers};
+constexpr Attribute kShare{
+    .name = "share", .type = Type::kReal, .range = {.least = 0, .most = 0.5, .without_most = true}};
+
+double real(std::string_view text) { return std::get<double>(read_value(kReal, text)); }
+std::vector<std::int64_t> list(std::string_view text) {
+  return std::get<std::vector<std::int64_t>>(read_value(kList, text));
+}
+std::string refusal(const Attribute& attribute, std::string_view text) {
+  try {
+    read_value(attribute, text);
+    return "accepted";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(SceneValues, NumbersAreReadToTheLastBit) {
+  EXPECT_EQ(real("0.1"), 0.1);
+  EXPECT_EQ(real("  -1.7976931348623157e308\n"), -1.7976931348623157e308);
+  EXPECT_EQ(real("+2.5"), 2.5);
+  EXPECT_EQ(real("1e-320"), 1e-320);
+}
+
+TEST(SceneValues, NumbersDoNotDependOnTheLocale) {
+  // Where the machine has it; a comma would be the decimal sign then.
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  std::setlocale(LC_ALL, "de_DE.UTF-8");
+  EXPECT_EQ(real("1.5"), 1.5);
+  EXPECT_EQ(refusal(kReal, "1,5"), "'1,5' is not a number");
+  std::setlocale(LC_ALL, before.c_str());
+}
+
+TEST(SceneValues, WhatIsNoFiniteNumberIsRefused) {
+  EXPECT_EQ(refusal(kReal, ""), "0 values given, must be one");
+  EXPECT_EQ(refusal(kReal, "1 2"), "2 values given, must be one");
+  EXPECT_EQ(refusal(kReal, "abc"), "'abc' is not a number");
+  EXPECT_EQ(refusal(kReal, "nan"), "'nan' is not finite");
+  EXPECT_EQ(refusal(kReal, "-inf"), "'-inf' is not finite");
+  EXPECT_EQ(refusal(kReal, "1e400"), "'1e400' is out of range");
+  EXPECT_EQ(refusal(kReal, "+-1"), "'+-1' is not a number");
+  EXPECT_EQ(refusal(kReal, "0x10"), "'0x10' is not a number");
+  EXPECT_EQ(refusal(kCount, "2.0"), "'2.0' is not a whole number");
+  EXPECT_EQ(refusal(kCount, "9223372036854775808"), "'9223372036854775808' is out of range");
+}
+
+TEST(SceneValues, ARangeOfWholeNumbersStandsForItsNumbers) {
+  EXPECT_EQ(list("7 2-5 10-20-4 -3"), (std::vector<std::int64_t>{7, 2, 3, 4, 5, 10, 14, 18, -3}));
+  EXPECT_EQ(list(" "), (std::vector<std::int64_t>{}));
+  EXPECT_EQ(refusal(kList, "5-1"), "'5-1' is a range that runs backwards");
+  EXPECT_EQ(refusal(kList, "1-5-0"), "0 must be >= 1");
+  EXPECT_EQ(refusal(kList, "0-9000000000000000000"), "'0-9000000000000000000' stands for more than 16777216 numbers");
+}
+
+TEST(SceneValues, RangesNameTheirBounds) {
+  EXPECT_EQ(refusal(kShare, "0"), "accepted");
+  EXPECT_EQ(refusal(kShare, "0.5"), "0.5 must lie in [0, 0.5)");
+  EXPECT_EQ(scene::describe(attributes::kPositive), "must be > 0");
+  EXPECT_EQ(scene::describe(attributes::kNotNegative), "must be >= 0");
+  EXPECT_EQ(scene::describe({}), "");
+}
+
+TEST(SceneValues, WordsListTheirChoices) {
+  const Attribute& norm = attributes::kHexahedronElastoplasticAttributes[3];
+  ASSERT_EQ(norm.name, "yieldNorm");
+  EXPECT_EQ(refusal(norm, "frobenius"), "accepted");
+  EXPECT_EQ(refusal(norm, "vonMiss"), "'vonMiss' must be vonMises, frobenius or spectral (did you mean 'vonMises'?)");
+}
+
+TEST(SceneValues, NearNamesAreFoundAtTwoEditsAtMost) {
+  const std::vector<std::string_view> names = {"youngModulus", "yieldStress", "n"};
+  EXPECT_EQ(scene::nearest("youngmodulus", names), "youngModulus");
+  EXPECT_EQ(scene::nearest("yeildStres", names), "yieldStress");
+  EXPECT_EQ(scene::nearest("yeldtress", names), "yieldStress");
+  EXPECT_EQ(scene::nearest("hardening", names), "");
+  EXPECT_EQ(scene::nearest("m", names), "");
+}
+
+// The table is the single source: every class that can be made is described, and every default can be read and lies in
+// its range.
+TEST(AttributeTable, DefaultsCanBeReadAndNamesAreUnique) {
+  support::plugins();
+  const std::vector<const attributes::Description*> all = support::factory().descriptions();
+  EXPECT_GE(all.size(), 16u);
+  for (const attributes::Description* description : all) {
+    EXPECT_FALSE(description->help.empty()) << description->class_name;
+    std::set<std::string_view> names;
+    for (const Attribute& attribute : description->attributes) {
+      EXPECT_TRUE(names.insert(attribute.name).second) << description->class_name << "." << attribute.name;
+      EXPECT_FALSE(attribute.help.empty()) << description->class_name << "." << attribute.name;
+      if (!attribute.initial.empty()) {
+        EXPECT_NO_THROW(read_value(attribute, attribute.initial)) << description->class_name << "." << attribute.name;
+      }
+    }
+    EXPECT_EQ(support::factory().make(description->class_name)->class_name(), description->class_name);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "scene/reader.hpp"
+
+namespace hexaplast::support {
+
+/// The components that scenes may name, loaded once from the build tree's plugin.
+inline scene::Factory& factory() {
+  static scene::Factory instance;
+  return instance;
+}
+inline scene::PluginLoader& plugins() {
+  static scene::PluginLoader instance = [] {
+    scene::PluginLoader loader(factory(), {HEXAPLAST_TEST_PLUGINS});
+    loader.load("Hexaplast");
+    return loader;
+  }();
+  return instance;
+}
+
+/// A scene as read, not yet initialised.
+inline scene::Scene read(std::string_view text) {
+  scene::PluginLoader& loader = plugins();
+  return scene::read_scene_text(text, "test.scn", factory(), loader);
+}
+
+inline scene::Scene read_and_init(std::string_view text) {
+  scene::Scene scene = read(text);
+  scene.init();
+  return scene;
+}
+
+/// All errors of a scene, one after the other; empty when it can run.
+inline std::string errors_of(std::string_view text) {
+  try {
+    read_and_init(text);
+    return {};
+  } catch (const scene::SceneError& error) {
+    return error.what();
+  }
+}
+
+/// A component or node by its path from the root.
+template <class T>
+T& at(scene::Scene& scene, std::string_view path) {
+  const std::size_t slash = path.rfind('/');
+  scene::Node* node = &scene.root();
+  for (std::string_view folder = slash == path.npos ? "" : path.substr(0, slash); !folder.empty();) {
+    const std::string_view name = folder.substr(0, folder.find('/'));
+    for (const auto& child : node->children())
+      if (child->name() == name) node = child.get();
+    folder.remove_prefix(std::min(folder.size(), name.size() + 1));
+  }
+  for (const auto& component : node->components())
+    if (component->name() == path.substr(slash + 1)) return dynamic_cast<T&>(*component);
+  throw std::out_of_range(std::string(path));
+}
+
+}  // namespace hexaplast::support
