@@ -219,7 +219,8 @@ TEST(TimeStep, ConstantNodalForcesOfTheStateAct) {
                             "<MechanicalObject name='nodes' position='0 0 0  1 0 0' externalForce='0 0 0  0 3 "
                             "0'/><UniformMass vertexMass='2'/>"));
   scene.step();
-  EXPECT_EQ(at<scene::MechanicalState>(scene, "nodes").velocities(), rows({kNone, {0, 1.5, 0}}));
+  const PointArray& v = at<scene::MechanicalState>(scene, "nodes").velocities();
+  EXPECT_TRUE(v.isApprox(rows({kNone, {0, 1.5, 0}}), 1e-15)) << v;
 }
 
 TEST(TimeStep, ResetReturnsToTheBeginning) {
@@ -241,7 +242,8 @@ TEST(FixedConstraint, ZeroesTheAccelerationAndKeepsAVelocity) {
               "<MechanicalObject name='nodes' position='0 0 0  1 0 0  2 0 0' velocity='0 1 0  0 1 0  0 1 0'/>"
               "<UniformMass vertexMass='3'/><FixedProjectiveConstraint indices='2 1'/>"));
   scene.step();
-  EXPECT_EQ(at<scene::MechanicalState>(scene, "nodes").velocities(), rows({{0, 1, -5}, {0, 1, 0}, {0, 1, 0}}));
+  const PointArray& v = at<scene::MechanicalState>(scene, "nodes").velocities();
+  EXPECT_TRUE(v.isApprox(rows({{0, 1, -5}, {0, 1, 0}, {0, 1, 0}}), 1e-15)) << v;
 }
 
 TEST(FixedConstraint, HoldsNodeZeroByDefaultAndAllOnRequest) {
@@ -379,7 +381,7 @@ TEST(BodyField, FlowsOnceAtTheEndOfEachStep) {
   const long before = field.body()->history().version;
   force_of(scene, "body", 0);
   EXPECT_EQ(field.body()->history().version, before);
-  for (int i = 0; i < 20; ++i) scene.step();
+  for (int i = 0; i < 60; ++i) scene.step();
   EXPECT_GT(field.body()->history().version, before);
   EXPECT_EQ(field.flow_report()->yielded, 2);
   EXPECT_GT(field.body()->history().material.col(0).maxCoeff(), 1.01);

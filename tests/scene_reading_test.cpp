@@ -97,7 +97,7 @@ TEST(SceneReading, OnlyTheRootsClockCounts) {
 }
 
 TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
-  EXPECT_EQ(errors_of(bar("words")), "test.scn:2: error: Node 'root': holds text, must hold nodes and components");
+  EXPECT_EQ(errors_of(bar("words")), "test.scn:3: error: Node 'root': holds text, must hold nodes and components");
   EXPECT_EQ(errors_of(bar("<BoxROI><BoxROI/></BoxROI>")),
             "test.scn:3: error: BoxROI: components hold neither elements nor text");
   EXPECT_EQ(errors_of("<BoxROI/>"), "test.scn:1: error: the root element is <BoxROI>, must be <Node>");
@@ -116,7 +116,7 @@ TEST(SceneReading, FilesThatAreNoPlainXmlAreRefusedWithTheirLine) {
   EXPECT_EQ(errors_of("<Node>\n<!-- \xED\xA0\x80 --></Node>"), "test.scn:2: error: the file is not valid UTF-8");
   EXPECT_EQ(errors_of(std::string("<Node>\n\0</Node>", 15)),
             "test.scn:2: error: the file contains a NUL byte: must be text");
-  EXPECT_EQ(errors_of(""), "test.scn:1: error: the file holds no element, must hold one <Node>");
+  EXPECT_EQ(errors_of(""), "test.scn: error: the file holds no element, must hold one <Node>");
   EXPECT_NE(errors_of("<Node>").find("test.scn:"), std::string::npos);
 }
 
