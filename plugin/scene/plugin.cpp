@@ -102,8 +102,9 @@ void check_tag(const std::filesystem::path& file) {
 }
 
 void register_components(const std::filesystem::path& file, Factory& factory) {
-  // RTLD_NOW: a missing function is found here, not in the middle of a run.
-  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  // An absolute path, because dlopen looks for bare names in the system's directories. RTLD_NOW: a missing function is
+  // found here, not in the middle of a run.
+  void* library = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw PluginError(dlerror());
   const auto add_all = reinterpret_cast<void (*)(Factory&)>(dlsym(library, kRegisterSymbol));
   if (!add_all) throw PluginError(fmt::format("it has no function {}", kRegisterSymbol));

@@ -59,7 +59,9 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
 // A reference must be one of XML's five entities or a character number: the parser would leave others in the text as
 // they are.
 bool is_known_reference(std::string_view from_ampersand) {
-  const std::string_view name = from_ampersand.substr(1, from_ampersand.substr(0, 16).find(';') - 1);
+  const std::size_t end = from_ampersand.substr(0, 16).find(';');
+  if (end == from_ampersand.npos) return false;
+  const std::string_view name = from_ampersand.substr(1, end - 1);
   static constexpr std::array<std::string_view, 5> kEntities = {"amp", "lt", "gt", "quot", "apos"};
   if (std::ranges::count(kEntities, name) > 0) return true;
   if (name.size() < 2 || name[0] != '#') return false;
