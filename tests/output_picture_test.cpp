@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Pictures: the right size, the right colours at the right places, the same pixels every time.
+#include <png.h>
+
+#include "output/gallery.hpp"
+#include "output/png_file.hpp"
+#include "output_support.hpp"
+
+/// OSMesa keeps a few bytes of every drawing context to the end; the leak checker of sanitized builds is told.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so"; }
+
+namespace hexaplast {
+namespace {
+
+namespace fs = std::filesystem;
+using output::Colour;
+using output::Drawing;
+using output::Gallery;
+using output::Image;
+using support::Scratch;
+
+using Rgb = std::array<int, 3>;
+
+Rgb pixel(const Image& image, int x, int y) {
+  const std::uint8_t* at = &image.pixels[(static_cast<std::size_t>(y) * image.width + x) * 3];
+  return {at[0], at[1], at[2]};
+}
+
+Rgb bytes(const Colour& colour) {
+  return {static_cast<int>(std::lround(255 * colour.red)), static_cast<int>(std::lround(255 * colour.green)),
+          static_cast<int>(std::lround(255 * colour.blue))};
+}
+
+int difference(const Rgb& a, const Rgb& b) {
+  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+}
+
+std::vector<Drawing> drawings_of(const Gallery& gallery) {
+  std::vector<Drawing> drawings;
+  gallery.for_each_drawing([&](int, const Drawing& drawing) { drawings.push_back(drawing); });
+  return drawings;
+}
+
+std::vector<Image> pictures_of(const Gallery& gallery) {
+  const auto renderer = output::load_renderer();
+  std::vector<Image> images;
+  for (const Drawing& drawing : drawings_of(gallery)) images.push_back(renderer->render(drawing));
+  return images;
+}
+
+/// A bar of 1 x 1 x 4 hexahedra, at rest and stretched by a half, plastic strain 0, 1, 2, 3 tenths.
+Gallery bar_at_rest_and_stretched() {
+  static const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
+  Gallery gallery(body.mesh(), "bar", 2);
+  const std::vector<double> strain{0, 0.1, 0.2, 0.3};
+  gallery.add(0, 0, body.mesh().positions(), strain);
+  gallery.add(10, 0.1, support::mapped(body.mesh().positions(), Vec3(0.8, 0.8, 1.5).asDiagonal()), strain);
+  return gallery;
+}
+
+/// First and last column with a colour of the map among the rows of the body: neither paper nor ink nor grey.
+std::pair<int, int> coloured_columns(const Image& image) {
+  int first = image.width, last = -1;
+  for (int y = 90; y < 590; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Rgb at = pixel(image, x, y);
+      if (std::ranges::max(at) - std::ranges::min(at) < 22) continue;
+      first = std::min(first, x);
+      last = std::max(last, x);
+    }
+  return {first, last};
+}
+
+TEST(Picture, HasItsSizeAndPaper) {
+  const std::vector<Image> images = pictures_of(bar_at_rest_and_stretched());
+  ASSERT_EQ(images.size(), 2u);
+  for (const Image& image : images) {
+    EXPECT_EQ(image.width, 1280);
+    EXPECT_EQ(image.height, 720);
+    ASSERT_EQ(image.pixels.size(), 1280u * 720 * 3);
+    for (const auto& [x, y] : {std::pair{0, 0}, {1279, 0}, {0, 719}, {1279, 719}, {640, 20}})
+      EXPECT_EQ(pixel(image, x, y), (Rgb{255, 255, 255}));
+  }
+}
+
+TEST(Picture, IsTheSameEveryTime) {
+  const Gallery gallery = bar_at_rest_and_stretched();
+  const std::vector<Image> once = pictures_of(gallery), again = pictures_of(gallery);
+  for (std::size_t k = 0; k < once.size(); ++k) EXPECT_EQ(once[k].pixels, again[k].pixels);
+}
+
+TEST(Picture, OfAStretchedBarIsWiderByTheStretch) {
+  const std::vector<Image> images = pictures_of(bar_at_rest_and_stretched());
+  const auto [rest_first, rest_last] = coloured_columns(images[0]);
+  const auto [first, last] = coloured_columns(images[1]);
+  EXPECT_GT(last - first, 1.3 * (rest_last - rest_first));
+  EXPECT_GT(first, 40);  // and both lie within the margins
+  EXPECT_LT(last, 1240);
+}
+
+TEST(Picture, FillsThePageOverTheWholeRun) {
+  const auto [first, last] = coloured_columns(pictures_of(bar_at_rest_and_stretched())[1]);
+  EXPECT_GT(last - first, 900);
+}
+
+TEST(Picture, ShowsTheScaleFromZeroToTheGreatestValue) {
+  const Image image = pictures_of(bar_at_rest_and_stretched())[0];
+  for (const double share : {0.01, 0.25, 0.5, 0.75, 0.99}) {
+    const int x = 410 + static_cast<int>(share * 460);
+    EXPECT_LE(difference(pixel(image, x, 655), bytes(output::colour_of(share))), 2) << share;
+  }
+}
+
+TEST(Picture, ShowsFacesInTheColourOfTheirHexahedron) {
+  const Gallery gallery = bar_at_rest_and_stretched();
+  const Drawing drawing = drawings_of(gallery)[1];
+  const Image image = pictures_of(gallery)[1];
+
+  // The long upper and front faces are in sight. Their triangles stand in the drawing's list, lit; a hidden one shows
+  // another's colour. What is seen must be a shade of one of the four colours, and each of the four must be seen twice.
+  std::array<int, 4> seen{};
+  for (const Drawing::Triangle& triangle : drawing.triangles) {
+    const auto& [a, b, c] = triangle.corner;
+    const int x = static_cast<int>((a.x + b.x + c.x) / 3), y = static_cast<int>((a.y + b.y + c.y) / 3);
+    const Rgb at = pixel(image, x, y);
+    if (y > 600 || difference(at, bytes(c.colour)) > 2) continue;
+    for (int k = 0; k < 4; ++k) {
+      const Colour base = output::colour_of(k / 3.0);
+      const double shade = at[1] / (255.0 * base.green);
+      const Rgb shaded = bytes({static_cast<float>(shade * base.red), static_cast<float>(shade * base.green),
+                                static_cast<float>(shade * base.blue)});
+      if (shade > 0.6 && shade < 1.01 && difference(at, shaded) <= 3) ++seen[k];
+    }
+  }
+  for (int k = 0; k < 4; ++k) EXPECT_GE(seen[k], 8) << "four triangles on each of two faces, strain " << k / 10.0;
+}
+
+TEST(Picture, ShowsTheGapOfARemovedHexahedron) {
+  const Body body(support::block({1, 1, 3}, 0.1), {Material{}});
+  Gallery gallery(body.mesh(), "torn", 2);
+  const std::vector<double> strain{1, 2, 3};
+  gallery.add(0, 0, body.mesh().positions(), strain);
+  gallery.add(1, 0.01, body.mesh().positions(), strain, std::vector<unsigned char>{1, 0, 1});
+  gallery.add(2, 0.02, body.mesh().positions(), strain, std::vector<unsigned char>{0, 0, 0});
+  const std::vector<Image> images = pictures_of(gallery);
+  const auto shows_body = [](const Image& image, int x) {
+    int coloured = 0;
+    for (int y = 90; y < 590; ++y)
+      coloured += std::ranges::max(pixel(image, x, y)) - std::ranges::min(pixel(image, x, y)) > 22;
+    return coloured > 0;
+  };
+  const auto [first, last] = coloured_columns(images[0]);
+  EXPECT_TRUE(shows_body(images[0], (first + last) / 2));
+  EXPECT_EQ(coloured_columns(images[1]), coloured_columns(images[0]));
+  EXPECT_NE(images[0].pixels, images[1].pixels);
+  EXPECT_FALSE(shows_body(images[2], (first + last) / 2));
+}
+
+TEST(Picture, WithoutPlasticStrainSaysSo) {
+  const Body body(support::block({1, 1, 2}, 0.1), {Material{}});
+  Gallery gallery(body.mesh(), "elastic", 2);
+  gallery.add(0, 0, body.mesh().positions(), {0, 0});
+  const Drawing drawing = drawings_of(gallery).front();
+  EXPECT_TRUE(std::ranges::any_of(
+      drawing.texts, [](const Drawing::Text& text) { return text.words == "no plastic strain in this run"; }));
+  EXPECT_EQ(pictures_of(gallery).front().width, 1280);
+}
+
+TEST(Picture, TakesAnyTitle) {
+  const Body body(support::block({1, 1, 2}, 0.1), {Material{}});
+  Gallery gallery(body.mesh(), "Zug 50 µm \xff\xc3 % {} " + std::string(300, 'W'), 2);
+  gallery.add(0, 0, body.mesh().positions(), {0, 0});
+  EXPECT_EQ(pictures_of(gallery).front().width, 1280);
+}
+
+TEST(PngFile, HoldsThePixels) {
+  const Scratch scratch;
+  Image image{31, 17, std::vector<std::uint8_t>(31 * 17 * 3)};
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<std::uint8_t>(i * i % 251);
+  output::write_png(scratch / "some.png", image);
+
+  png_image read{};
+  read.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_file(&read, (scratch / "some.png").c_str()));
+  ASSERT_EQ(read.format, static_cast<png_uint_32>(PNG_FORMAT_RGB));
+  ASSERT_EQ(read.width, 31u);
+  ASSERT_EQ(read.height, 17u);
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(read));
+  ASSERT_TRUE(png_image_finish_read(&read, nullptr, pixels.data(), 0, nullptr));
+  EXPECT_EQ(pixels, image.pixels);
+}
+
+TEST(Frames, AreSpreadOverTheRunAndEndWithTheLastState) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  output::Recorder recorder(scratch / "run", body,
+                            {.title = "frames", .num_steps = 8, .dt = 0.01, .output_every = 100, .num_frames = 4});
+  support::record_stretch(recorder, body, 7);  // interrupted: the seventh step is the last
+  EXPECT_EQ(recorder.finish(), std::vector<std::string>{});
+  for (const char* name : {"frame_000002.png", "frame_000004.png", "frame_000006.png", "frame_000007.png"})
+    EXPECT_TRUE(fs::exists(scratch / "run/frames" / name)) << name;
+}
+
+TEST(Frames, MissingRendererIsOneWarningAndNothingElseIsLost) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  output::Recorder recorder(scratch / "run", body, {.title = "blind", .num_steps = 3, .dt = 0.01},
+                            [&] { return output::load_renderer(scratch / "nowhere"); });
+  support::record_stretch(recorder, body, 3);
+  const std::vector<std::string> warnings = recorder.finish();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("no pictures"), std::string::npos);
+  EXPECT_NE(warnings[0].find("nowhere"), std::string::npos) << warnings[0];
+  for (const char* name : {"history.csv", "mesh.pvd", "mesh_000003.vtu", "plot.svg"})
+    EXPECT_TRUE(fs::exists(scratch / "run" / name)) << name;
+}
+
+/// CIELAB of an sRGB colour, D65.
+Vec3 lab(const Colour& colour) {
+  const auto linear = [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); };
+  Mat3 to_xyz;
+  to_xyz << 0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920, 0.9503041;
+  const Vec3 xyz = to_xyz * Vec3(linear(colour.red), linear(colour.green), linear(colour.blue));
+  const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
+  const double x = f(xyz.x() / 0.95047), y = f(xyz.y()), z = f(xyz.z() / 1.08883);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+
+TEST(ColourMap, TakesEqualStepsAndGetsDarkerAllTheWay) {
+  constexpr int kSteps = 32;
+  double least = 1e9, most = 0;
+  for (int k = 0; k < kSteps; ++k) {
+    const Vec3 from = lab(output::colour_of(static_cast<double>(k) / kSteps));
+    const Vec3 to = lab(output::colour_of((k + 1.0) / kSteps));
+    EXPECT_GT(from[0], to[0] + 0.5);
+    least = std::min(least, (to - from).norm());
+    most = std::max(most, (to - from).norm());
+  }
+  EXPECT_LT(most, 1.05 * least);
+  EXPECT_EQ(bytes(output::colour_of(-1)), bytes(output::colour_of(0)));
+  EXPECT_EQ(bytes(output::colour_of(2)), bytes(output::colour_of(1)));
+}
+
+}  // namespace
+}  // namespace hexaplast

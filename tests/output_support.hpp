@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "output/recorder.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast::support {
+
+/// A directory of the running test, gone when it ends.
+class Scratch {
+ public:
+  Scratch() {
+    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
+    path_ = std::filesystem::temp_directory_path() /
+            (std::string("hexaplast_") + test.test_suite_name() + "_" + test.name() + "_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(path_);
+  }
+  ~Scratch() { std::filesystem::remove_all(path_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string content(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+inline void put(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// A distorted block whose hexahedra yield, except the first, which never does.
+inline Body yielding_block() {
+  const HexMesh mesh = distorted_block({2, 3, 5}, 0.1, 0.12, 11);
+  std::vector<Material> materials(mesh.num_elements(), Material{.yield_stress = 120, .flow_rate = 4, .hardening = 0.2});
+  materials.front().yield_stress = std::numeric_limits<double>::infinity();
+  return Body(mesh, materials);
+}
+
+/// Stretched along z by the given share, thinner across, sheared a little.
+inline PointArray stretched(const Body& body, double share) {
+  Mat3 A;
+  A << 1 - 0.4 * share, 0.1 * share, 0, 0, 1 - 0.45 * share, 0.05 * share, 0.02 * share, 0, 1 + share;
+  return mapped(body.mesh().positions(), A, share * Vec3(0.3, -0.2, 0.1));
+}
+
+/// Velocities that are all different.
+inline PointArray some_velocities(const Body& body) { return Random(5).field(body.mesh().num_nodes(), 0.7); }
+
+/// Records the initial state and steps 1 .. last of a stretch that grows by 2 % a step; returns the last positions.
+inline PointArray record_stretch(output::Recorder& recorder, Body& body, long last, double dt = 0.01) {
+  const PointArray velocities = some_velocities(body);
+  PointArray x = body.mesh().positions();
+  recorder.record({}, x, velocities);
+  for (long step = 1; step <= last; ++step) {
+    x = stretched(body, 0.02 * static_cast<double>(step));
+    body.linearize(x);
+    const FlowReport report = body.flow(x, dt);
+    recorder.record({.step = step,
+                     .time = static_cast<double>(step) * dt,
+                     .kinetic_energy = 0.1 / 3,
+                     .flow = report,
+                     .solver_iterations = 7,
+                     .residual = 1e-6 / 3,
+                     .step_ms = 0.125},
+                    x, velocities);
+  }
+  return x;
+}
+
+}  // namespace hexaplast::support
