@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The six scenes that ship with the program, run as a user runs them: permanent shape and volume in their bands, twice
+// the same.
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "hexaplast/mesh/sections.hpp"
+#include "support/compare.hpp"
+#include "support/golden.hpp"
+#include "support/shapes.hpp"
+
+extern char** environ;
+
+namespace hexaplast {
+namespace {
+
+namespace fs = std::filesystem;
+using support::Json;
+
+struct SceneCase {
+  const char* name;
+  bool is_stretched;
+  double expected;  ///< permanent elongation [-] or twist [degrees]
+};
+
+void PrintTo(const SceneCase& scene, std::ostream* out) { *out << scene.name; }
+
+/// Runs the command with these arguments and waits; returns its exit code, -1 if it did not exit.
+int run_command(std::vector<std::string> words) {
+  words.insert(words.begin(), HEXAPLAST_COMMAND);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  if (posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return -1;
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// The columns of a CSV file by name.
+std::map<std::string, std::vector<double>> read_csv(const fs::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> columns;
+  std::string line, cell;
+  std::getline(file, line);
+  for (std::istringstream cells(line); std::getline(cells, cell, ',');) names.push_back(cell);
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    for (const std::string& name : names) {
+      std::getline(cells, cell, ',');
+      columns[name].push_back(std::stod(cell));
+    }
+  }
+  return columns;
+}
+
+Json read_json(const fs::path& path) {
+  std::ifstream file(path);
+  return Json::parse(file);
+}
+
+class ShippedScene : public testing::TestWithParam<SceneCase> {
+ protected:
+  ShippedScene() { fs::create_directories(folder); }
+  ~ShippedScene() override { fs::remove_all(folder); }
+
+  const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + GetParam().name + ".scn";
+  const fs::path folder =
+      fs::temp_directory_path() / ("hexaplast_" + std::string(GetParam().name) + std::to_string(getpid()));
+};
+
+TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
+  const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
+  ASSERT_EQ(run_command({"run", scene, "--quiet", "--threads", "1", "--frames", "0", "--out", out, "--final", first}),
+            0);
+  ASSERT_EQ(run_command({"run", scene, "--quiet", "--threads", "2", "--final", second}), 0);
+
+  const Json final = read_json(first);
+  EXPECT_NEAR(final["time"], 5, 1e-9);
+  EXPECT_EQ(final["state_hash"], read_json(second)["state_hash"]);
+
+  const HexMesh mesh = regular_grid({3, 3, 10}, Vec3(-0.15, -0.15, -0.5), Vec3(0.15, 0.15, 0.5));
+  const EndSections ends = end_sections(mesh);
+  const PointArray material = support::matrix(final["material_positions"]);
+  ASSERT_EQ(material.rows(), mesh.num_nodes());
+  const double permanent = GetParam().is_stretched ? elongation(ends, material)
+                                                   : std::abs(twist(mesh, ends, material)) * 180 / std::numbers::pi;
+  EXPECT_NEAR(permanent, GetParam().expected, 0.02 * GetParam().expected);
+
+  // halves are alike: the same distance from the clamp, and opposite angles
+  for (int slice = 0; slice < 5; ++slice) {
+    const std::vector<int> lower = support::nodes_at(mesh, 2, -0.5 + slice * 0.1),
+                           upper = support::nodes_at(mesh, 2, 0.5 - slice * 0.1);
+    double height = 0;
+    for (std::size_t k = 0; k < lower.size(); ++k)
+      height += (material(lower[k], 2) + material(upper[k], 2)) / lower.size();
+    EXPECT_NEAR(height, 0, 1e-9) << "slice " << slice;
+    EXPECT_NEAR(section_angle(mesh, lower, 2, material) + section_angle(mesh, upper, 2, material), 0,
+                1e-6 * std::numbers::pi / 180);
+  }
+
+  auto history = read_csv(out / "history.csv");
+  ASSERT_EQ(history["time"].size(), 501u);  // the beginning, then every step
+  for (const double ratio : history["material_volume_ratio"]) EXPECT_NEAR(ratio, 1, 0.01);
+  EXPECT_NEAR(history["material_volume_ratio"].back(), 1, 0.001);
+  EXPECT_EQ(history["inverted"].back(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Bars, ShippedScene,
+    testing::Values(SceneCase{"bar_stretch_high", true, 0.6795}, SceneCase{"bar_stretch_medium", true, 0.2301},
+                    SceneCase{"bar_stretch_low", true, 0.0307}, SceneCase{"bar_twist_high", false, 110.5},
+                    SceneCase{"bar_twist_medium", false, 29.2}, SceneCase{"bar_twist_low", false, 4.5}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace hexaplast
