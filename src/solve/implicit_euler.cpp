@@ -4,42 +4,16 @@
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
+#include "solve/constrained_operator.hpp"
 
 namespace hexaplast {
 
-namespace {
-
-/// m M + b B + k K of a mechanical system with its constraints, as a linear system.
-class ConstrainedOperator final : public LinearSystem {
- public:
-  ConstrainedOperator(const MechanicalSystem& system, const OperatorFactors& factors)
-      : system_(system), factors_(factors) {}
-
-  int num_nodes() const override { return system_.num_nodes(); }
-
-  void apply(ConstPoints p, Points Ap) const override {
-    Ap.setZero();
-    system_.add_product(factors_, p, Ap);
-    system_.project(Ap);
-  }
-
-  void assemble(BlockMatrix& A) const override {
-    system_.add_blocks(factors_, A);
-    system_.pin(A);
-  }
-
- private:
-  const MechanicalSystem& system_;
-  OperatorFactors factors_;
-};
-
 void require_finite(ConstPoints field, const char* what) {
+  if (field.allFinite()) return;
   for (int n = 0; n < field.rows(); ++n)
     if (!field.row(n).allFinite())
       throw NumericalError(fmt::format("the {} of node {} left the finite numbers in this step", what, n));
 }
-
-}  // namespace
 
 SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x,
                                 Points v) {

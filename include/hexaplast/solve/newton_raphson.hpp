@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/solve/implicit_euler.hpp"
+
+namespace hexaplast {
+
+/// Stopping rules and line search of SOFA's NewtonRaphsonSolver; norms are Euclidean norms of the projected force [N]
+/// and of the positions [m]. A threshold of 0 switches its rule off.
+struct NewtonSettings {
+  int iterations = 1;                    ///< at most
+  double relative_successive = 1e-5;     ///< on |r_k| / |r_k-1|
+  double relative_initial = 1e-5;        ///< on |r_k| / |r_0|
+  double absolute_residual = 1e-5;       ///< on |r_k|
+  double relative_estimate = 0;          ///< on |x_k - x_k-1| / |x_k-1|
+  double absolute_estimate = 0;          ///< on |x_k - x_k-1|
+  int line_search_iterations = 1;        ///< tries per iteration, at least 1
+  double line_search_coefficient = 0.5;  ///< by which the step is shortened while the residual has not decreased
+  bool update_when_diverged = true;      ///< keep the last iterate when the rules were not met
+};
+
+enum class NewtonStatus {
+  kEquilibrium,  ///< the absolute rule held before the first iteration
+  kConverged,    ///< one of the rules held
+  kNotConverged  ///< the iterations ran out
+};
+
+struct NewtonReport {
+  NewtonStatus status = NewtonStatus::kNotConverged;
+  int iterations = 0;
+  int linear_iterations = 0;     ///< of the linear solver, all Newton iterations together
+  int failed_line_searches = 0;  ///< iterations in which no tried step lowered the residual
+  double initial_residual = 0;   ///< [N] |r_0|
+  double residual = 0;           ///< [N] |r| at the end
+};
+
+/// Static equilibrium, as SOFA's StaticSolver finds it: f(x) = 0 under constraints.               theory.md eq. 43
+///
+///   -K(x_k) dx = f(x_k),  x_k+1 = x_k + a dx,  a = 1, c, c^2, ... until |f| decreases
+class NewtonRaphson {
+ public:
+  explicit NewtonRaphson(NewtonSettings settings) : settings_(settings) {}
+
+  /// Moves x [m] towards equilibrium under the loads at `time`; velocities are taken as zero. Throws NumericalError
+  /// naming the first node that left the finite numbers; x is then as before.
+  NewtonReport solve(MechanicalSystem& system, LinearSolver& solver, double time, Points x);
+
+ private:
+  NewtonSettings settings_;
+  PointArray position_, trial_, velocity_, force_, trial_force_, increment_;
+};
+
+}  // namespace hexaplast

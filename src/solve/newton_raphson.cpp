@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/newton_raphson.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/base/parallel.hpp"
+#include "solve/constrained_operator.hpp"
+
+namespace hexaplast {
+
+NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver, double time, Points x) {
+  const auto norm = [](ConstPoints field) { return std::sqrt(dot(field, field)); };
+  const auto residual_at = [&](ConstPoints at, PointArray& f) {
+    system.compute_force(time, at, velocity_, f);
+    system.project(f);
+    return norm(f);
+  };
+  // a threshold of 0 is never met, not even by 0
+  const auto below = [](double value, double threshold) { return threshold > 0 && value <= threshold; };
+
+  position_ = x;
+  velocity_.setZero(x.rows(), 3);
+  trial_.resize(x.rows(), 3);
+  force_.resize(x.rows(), 3);
+  trial_force_.resize(x.rows(), 3);
+  increment_.resize(x.rows(), 3);
+
+  NewtonReport report;
+  report.initial_residual = report.residual = residual_at(position_, force_);
+  if (below(report.residual, settings_.absolute_residual)) {
+    report.status = NewtonStatus::kEquilibrium;
+    return report;
+  }
+
+  while (report.iterations < settings_.iterations && report.status == NewtonStatus::kNotConverged) {
+    ++report.iterations;
+    const ConstrainedOperator A(system, {.mass = 0, .damping = 0, .stiffness = -1});
+    report.linear_iterations += solver.solve(A, force_, increment_).iterations;
+    require_finite(increment_, "displacement");
+
+    double residual = 0, step = 1;
+    bool decreased = false;
+    for (int attempt = 0; attempt < std::max(settings_.line_search_iterations, 1) && !decreased; ++attempt) {
+      if (attempt > 0) step *= settings_.line_search_coefficient;
+      trial_ = position_ + step * increment_;
+      residual = residual_at(trial_, trial_force_);
+      decreased = residual < report.residual;
+    }
+    if (!decreased) ++report.failed_line_searches;
+    require_finite(trial_force_, "force");
+
+    const double moved = step * norm(increment_);
+    const bool converged = below(residual / report.residual, settings_.relative_successive) ||
+                           below(residual / report.initial_residual, settings_.relative_initial) ||
+                           below(residual, settings_.absolute_residual) || below(moved, settings_.absolute_estimate) ||
+                           below(moved / norm(position_), settings_.relative_estimate);
+    if (converged) report.status = NewtonStatus::kConverged;
+    position_.swap(trial_);
+    force_.swap(trial_force_);
+    report.residual = residual;
+  }
+  if (report.status == NewtonStatus::kConverged || settings_.update_when_diverged) x = position_;
+  return report;
+}
+
+}  // namespace hexaplast
