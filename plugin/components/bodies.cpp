@@ -12,6 +12,16 @@
 namespace hexaplast::components {
 namespace {
 
+constexpr double kNever = std::numeric_limits<double>::infinity();  // a limit that is not given
+
+/// The enumerator that belongs to a word of the attribute table.
+template <class Enum>
+Enum chosen(const std::string& word, std::initializer_list<std::pair<std::string_view, Enum>> words) {
+  for (const auto& [name, value] : words)
+    if (name == word) return value;
+  return words.begin()->second;  // the table admits no other word
+}
+
 class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
  public:
   HexahedronElastoplasticFEMForceField() : ForceField(attributes::kHexahedronElastoplasticFEMForceField) {}
@@ -58,11 +68,13 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
           &poisson = one_or_per_element("poissonRatio", num_elements);
 
     Material common;
-    common.yield_stress = real_if_given("yieldStress").value_or(std::numeric_limits<double>::infinity());
+    common.yield_stress = real_if_given("yieldStress").value_or(kNever);
     common.flow_rate = real("plasticFlowRate");
     common.rotation_yield = real("rotationYield");
     common.rotation_flow_rate = real("rotationFlowRate");
     common.hardening = real("hardening");
+    common.fracture_stress = real_if_given("fractureStress").value_or(kNever);
+    common.fracture_stretch = real_if_given("fractureStretch").value_or(kNever);
 
     std::vector<Material> materials(std::max(young.size(), poisson.size()), common);
     for (std::size_t e = 0; e < materials.size(); ++e) {
@@ -80,13 +92,27 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
   }
 
   Settings given_settings() {
-    const std::string &norm = text("yieldNorm"), &rotation = text("rotationPlasticity");
-    return {.yield_norm = norm == "frobenius"  ? YieldNorm::kFrobenius
-                          : norm == "spectral" ? YieldNorm::kSpectral
-                                               : YieldNorm::kVonMises,
-            .rotation = rotation == "none" ? RotationPlasticity::kNone : RotationPlasticity::kObjective,
-            .volume_restitution = real("volumeRestitution"),
-            .inversion_threshold = real("inversionThreshold")};
+    Settings settings;
+    settings.gradient = chosen<GradientScheme>(text("gradient"), {{"blended", GradientScheme::kBlended},
+                                                                  {"vertex", GradientScheme::kVertex},
+                                                                  {"centre", GradientScheme::kCentre}});
+    settings.yield_norm = chosen<YieldNorm>(
+        text("yieldNorm"),
+        {{"vonMises", YieldNorm::kVonMises}, {"frobenius", YieldNorm::kFrobenius}, {"spectral", YieldNorm::kSpectral}});
+    settings.rotation =
+        chosen<RotationPlasticity>(text("rotationPlasticity"), {{"objective", RotationPlasticity::kObjective},
+                                                                {"vertex", RotationPlasticity::kVertex},
+                                                                {"centre", RotationPlasticity::kCentre},
+                                                                {"none", RotationPlasticity::kNone}});
+    settings.rotation_frame = chosen<RotationFrame>(
+        text("rotationFrame"), {{"bestFit", RotationFrame::kBestFit}, {"world", RotationFrame::kWorld}});
+    settings.averaging = chosen<AveragingMethod>(text("averaging"), {{"gaussNewton", AveragingMethod::kGaussNewton},
+                                                                     {"localGlobal", AveragingMethod::kLocalGlobal},
+                                                                     {"jacobi", AveragingMethod::kJacobi}});
+    settings.averaging_steps = integer("averagingSteps");
+    settings.volume_restitution = real("volumeRestitution");
+    settings.inversion_threshold = real("inversionThreshold");
+    return settings;
   }
 
   scene::MechanicalState* state_ = nullptr;

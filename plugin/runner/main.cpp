@@ -8,6 +8,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "output/recorder.hpp"
+#include "runner/element.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run.hpp"
 #include "scene/reader.hpp"
@@ -49,14 +50,28 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->allow_extra_args(false);
 }
 
+void add_element(CLI::App& app, ElementOptions& options) {
+  CLI::App* element = app.add_subcommand("element", "Print every intermediate of one hexahedron as JSON");
+  element->footer(kExitCodes);
+  element
+      ->add_option("file", options.file, "JSON that describes the hexahedron (docs/element.md); - for standard input")
+      ->type_name("FILE.json|-");
+  element
+      ->add_option("--path", options.path,
+                   "CSV rows time,F11,F12,...,F33: drive the hexahedron through them and print its response as CSV")
+      ->type_name("FILE.csv");
+}
+
 int report(ExitCode code, const std::string& message) {
   spdlog::error("{}", message);
   return code;
 }
 
-int run_and_report(const RunOptions& options) {
+/// Carries out a subcommand and turns what it throws into a message about `subject` and an exit code.
+template <class Action>
+int report_errors(const std::string& subject, const Action& action) {
   try {
-    return run(options);
+    return action();
   } catch (const UsageError& error) {
     return report(kUsage, fmt::format("hexaplast: error: {}", error.what()));
   } catch (const scene::OverrideError& error) {
@@ -64,11 +79,11 @@ int run_and_report(const RunOptions& options) {
   } catch (const scene::SceneError& error) {
     return report(kScene, error.what());
   } catch (const InputError& error) {
-    return report(kScene, fmt::format("{}: error: {}", options.scene.string(), error.what()));
+    return report(kScene, fmt::format("{}: error: {}", subject, error.what()));
   } catch (const std::bad_alloc&) {
-    return report(kScene, fmt::format("{}: error: the scene does not fit into memory", options.scene.string()));
+    return report(kScene, fmt::format("{}: error: it does not fit into memory", subject));
   } catch (const NumericalError& error) {
-    return report(kNumerical, fmt::format("{}: error: {}", options.scene.string(), error.what()));
+    return report(kNumerical, fmt::format("{}: error: {}", subject, error.what()));
   } catch (const scene::FileError& error) {
     return report(kInputOutput, error.what());
   } catch (const output::OutputError& error) {
@@ -90,14 +105,21 @@ int main(int argc, char** argv) {
   CLI::App app("Hexaplast: hexahedral corotational elastoplastic finite elements in real time", "hexaplast");
   app.set_version_flag("--version", "hexaplast " HEXAPLAST_VERSION);
   app.require_subcommand(1);
-  RunOptions options;
-  add_run(app, options);
+  RunOptions run_options;
+  add_run(app, run_options);
+  ElementOptions element_options;
+  add_element(app, element_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kOk : kUsage;
   }
 
-  if (options.quiet) spdlog::set_level(spdlog::level::err);
-  return run_and_report(options);
+  if (app.got_subcommand("element"))
+    return report_errors(element_options.file, [&] {
+      run_element(element_options);
+      return kOk;
+    });
+  if (run_options.quiet) spdlog::set_level(spdlog::level::err);
+  return report_errors(run_options.scene.string(), [&] { return run(run_options); });
 }

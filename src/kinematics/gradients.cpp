@@ -63,22 +63,25 @@ double volume(const ElementPoints& x) {
   return sum;
 }
 
+ElementPoints mean_gradient(const ElementPoints& x) {
+  ElementPoints sum = ElementPoints::Zero();
+  double volume = 0;
+  for_each_gauss_point(x, [&](const ElementPoints& dN, const Mat3& J) {
+    volume += J.determinant();
+    sum += dN * cofactor(J).transpose();
+  });
+  return sum / volume;
+}
+
 RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme) {
   RestOperator rest;
 
-  // exact mean gradients Gm_a and the volume
-  ElementPoints mean_gradient = ElementPoints::Zero();
-  for_each_gauss_point(material, [&](const ElementPoints& dN, const Mat3& J) {
-    rest.volume += J.determinant();
-    mean_gradient += dN * cofactor(J).transpose();
-  });
-  mean_gradient /= rest.volume;
-
+  rest.volume = volume(material);
   for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
 
   switch (scheme) {
     case GradientScheme::kBlended:  // h_a = Gm_a - mean_j g_ja / 2
-      rest.shared_gradient = mean_gradient;
+      rest.shared_gradient = mean_gradient(material);
       for (int j = 0; j < kCorners; ++j)
         add_corner_gradient(rest.inverse_jacobian[j], j, -0.5 / kCorners, rest.shared_gradient);
       break;

@@ -18,6 +18,9 @@ Mat3 centre_jacobian(const ElementPoints& x);
 /// Exact volume [m^3] of the trilinear hexahedron (2x2x2 Gauss points of det J).              theory.md eq. 4
 double volume(const ElementPoints& x);
 
+/// Gm_a = (1/V) int grad N_a dV, exactly; one row per corner [1/m].                           theory.md eq. 9
+ElementPoints mean_gradient(const ElementPoints& x);
+
 /// Deformation gradients at the eight blended samples of one element, as a linear map of its world corner positions.
 ///
 ///   F_i  = Jhat_i J_i^-1                              at corner i, Jhat of the world positions     (theory.md eq. 1)
