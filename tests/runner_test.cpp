@@ -190,11 +190,12 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
 TEST_F(Command, ASignalEndsTheRunAfterTheStep) {
   write("bar.scn", kBar);
   const std::string forever = "run bar.scn --steps 1000000000";
-  const Outcome interrupted = hexaplast(forever, "timeout --preserve-status -s INT 0.5");
+  // --foreground: otherwise timeout signals its group too, and the second signal ends the program at once
+  const Outcome interrupted = hexaplast(forever, "timeout --foreground --preserve-status -s INT 0.5");
   EXPECT_EQ(interrupted.code, 130);
   EXPECT_NE(interrupted.out.find("state hash"), std::string::npos);
   EXPECT_NE(interrupted.err.find("warning: ended by signal 2 after step "), std::string::npos);
-  EXPECT_EQ(hexaplast(forever, "timeout --preserve-status -s TERM 0.5").code, 143);
+  EXPECT_EQ(hexaplast(forever, "timeout --foreground --preserve-status -s TERM 0.5").code, 143);
 }
 
 TEST_F(Command, AClosedOutputDoesNotCrashIt) {
