@@ -7,27 +7,6 @@ namespace hexaplast {
 
 namespace {
 
-/// dN_a/ds at s, one row per corner.
-ElementPoints shape_derivatives(const Vec3& s) {
-  ElementPoints dN;
-  for (int a = 0; a < kCorners; ++a) {
-    const Vec3 sign(kCornerSign[a][0], kCornerSign[a][1], kCornerSign[a][2]);
-    const Vec3 factor = Vec3::Ones() + sign.cwiseProduct(s);
-    dN.row(a) << sign[0] * factor[1] * factor[2], factor[0] * sign[1] * factor[2], factor[0] * factor[1] * sign[2];
-  }
-  return dN / 8;
-}
-
-/// Calls visit(dN, J) at the 2x2x2 Gauss points (all of weight 1): exact for det J and for cof(J) dN/ds.
-template <class Visit>
-void for_each_gauss_point(const ElementPoints& x, const Visit& visit) {
-  const double at = 1 / std::sqrt(3.0);
-  for (const auto& sign : kCornerSign) {
-    const ElementPoints dN = shape_derivatives(at * Vec3(sign[0], sign[1], sign[2]));
-    visit(dN, Mat3(x.transpose() * dN));
-  }
-}
-
 /// det(J) J^-T, defined for singular J too.
 Mat3 cofactor(const Mat3& J) {
   Mat3 cof;
@@ -47,21 +26,6 @@ void add_corner_gradient(const Mat3& inverse_jacobian, int corner, double scale,
 }
 
 }  // namespace
-
-Mat3 corner_jacobian(const ElementPoints& x, int corner) {
-  Mat3 J;
-  for (int d = 0; d < 3; ++d)
-    J.col(d) = 0.5 * kCornerSign[corner][d] * (x.row(corner) - x.row(kEdgeNeighbour[corner][d])).transpose();
-  return J;
-}
-
-Mat3 centre_jacobian(const ElementPoints& x) { return x.transpose() * shape_derivatives(Vec3::Zero()); }
-
-double volume(const ElementPoints& x) {
-  double sum = 0;
-  for_each_gauss_point(x, [&](const ElementPoints&, const Mat3& J) { sum += J.determinant(); });
-  return sum;
-}
 
 ElementPoints mean_gradient(const ElementPoints& x) {
   ElementPoints sum = ElementPoints::Zero();

@@ -5,11 +5,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/mesh/trilinear.hpp"
 
 namespace hexaplast {
 
@@ -35,12 +37,18 @@ class Offenders {
   int count_ = 0;
 };
 
-/// Six times the signed volume of the corner's three edges; > 0 for a right-handed, unfolded corner.
-double corner_determinant(const ElementPoints& x, int corner) {
-  Mat3 edges;
-  for (int d = 0; d < 3; ++d)
-    edges.col(d) = kCornerSign[corner][d] * (x.row(corner) - x.row(kEdgeNeighbour[corner][d])).transpose();
-  return edges.determinant();
+constexpr double kFlatCorner = 1e-6;  // of the mean Jacobian: a corner this flat has no gradient to speak of
+
+/// Whether the map from the reference cube is right side out where the volume is integrated, and no corner is flat.
+/// A single corner may be reentrant: its three edges still span the gradient there.
+bool is_sound(const ElementPoints& x) {
+  bool positive = true;
+  for_each_gauss_point(x, [&](const ElementPoints&, const Mat3& J) { positive = positive && J.determinant() > 0; });
+  if (!positive) return false;
+  const double flat = kFlatCorner * volume(x) / kCorners;
+  for (int a = 0; a < kCorners; ++a)
+    if (!(std::abs(corner_jacobian(x, a).determinant()) > flat)) return false;
+  return true;
 }
 
 /// Representative of a node's set in a disjoint-set forest, shortening the path on the way.
@@ -69,13 +77,11 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
   repeated.refuse("hexahedra that name a node twice", "the eight corners must be distinct");
 
   for (int e = 0; e < num_elements(); ++e) {
-    const ElementPoints x = gather(positions_, hexahedra_[e]);
-    bool positive = true;
-    for (int a = 0; a < kCorners; ++a) positive = positive && corner_determinant(x, a) > 0;
-    if (!positive) inverted.add(e);
+    if (!is_sound(gather(positions_, hexahedra_[e]))) inverted.add(e);
   }
-  inverted.refuse("inverted, flat or left-handed hexahedra",
-                  "every corner must have a positive Jacobian in the corner order of VTK");
+  inverted.refuse(
+      "inverted, flat or left-handed hexahedra",
+      "the Jacobian must be positive at the Gauss points, in the corner order of VTK, and not 0 at a corner");
 
   first_.assign(num_nodes() + 1, 0);
   for (const Hexahedron& corners : hexahedra_)

@@ -6,17 +6,9 @@
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/material/material.hpp"
+#include "hexaplast/mesh/trilinear.hpp"
 
 namespace hexaplast {
-
-/// Corner i: the columns of J_i = dx/ds are the three half edges that meet there.            theory.md eq. 2
-Mat3 corner_jacobian(const ElementPoints& x, int corner);
-
-/// Centre: J_o = dx/ds at s = 0.                                                              theory.md eq. 3
-Mat3 centre_jacobian(const ElementPoints& x);
-
-/// Exact volume [m^3] of the trilinear hexahedron (2x2x2 Gauss points of det J).              theory.md eq. 4
-double volume(const ElementPoints& x);
 
 /// Gm_a = (1/V) int grad N_a dV, exactly; one row per corner [1/m].                           theory.md eq. 9
 ElementPoints mean_gradient(const ElementPoints& x);

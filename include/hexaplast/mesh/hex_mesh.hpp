@@ -20,8 +20,8 @@ class HexMesh {
 
   /// positions: num_nodes x 3 [m]. Nodes without element are allowed.
   /// Throws InputError, naming the first ten elements concerned, when a coordinate is not finite, an index lies outside
-  /// [0, num_nodes), an element names a node twice, or an element is inverted, flat or left-handed (a corner Jacobian
-  /// <= 0).
+  /// [0, num_nodes), an element names a node twice, or an element is inverted, flat or left-handed: the Jacobian must
+  /// be positive at the Gauss points and not 0 at a corner.
   HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra);
 
   int num_nodes() const { return static_cast<int>(positions_.rows()); }
