@@ -10,7 +10,7 @@ namespace {
 
 /// Tip deflection of a clamped 1 x 0.1 x 0.1 m beam of cubes, `thickness` of them across, relative to Timoshenko's
 /// beam.
-double relative_deflection(int thickness, double poisson_ratio) {
+double relative_deflection(int thickness, double poisson_ratio, GradientScheme gradient = GradientScheme::kBlended) {
   constexpr double kLength = 1, kWidth = 0.1, kForce = 1e-6;
   Material m;
   m.poisson_ratio = poisson_ratio;
@@ -27,7 +27,9 @@ double relative_deflection(int thickness, double poisson_ratio) {
     // the end face's load per node: a quarter cell's share for every cell that the node belongs to
     for (const int n : tip) f(n, 2) += kForce * mesh.incident(n).size() / (4.0 * thickness * thickness);
   };
-  support::Simulation beam(Body(mesh, {m}), std::move(setup));
+  Settings settings;
+  settings.gradient = gradient;
+  support::Simulation beam(Body(mesh, {m}, settings), std::move(setup));
   beam.step();
 
   double deflection = 0;
@@ -43,6 +45,23 @@ TEST(Cantilever, HasTheStiffnessOfTheBlendedElement) {
   EXPECT_NEAR(relative_deflection(1, 0), 0.886, 0.005 * 0.886);
   EXPECT_NEAR(relative_deflection(1, 0.3), 0.849, 0.005 * 0.849);
   EXPECT_NEAR(relative_deflection(1, 0.45), 0.647, 0.005 * 0.647);
+}
+
+TEST(Cantilever, OfCornerGradientsIsFarTooStiff) {
+  EXPECT_NEAR(relative_deflection(1, 0, GradientScheme::kVertex), 0.225, 0.005 * 0.225);
+  EXPECT_NEAR(relative_deflection(1, 0.45, GradientScheme::kVertex), 0.167, 0.005 * 0.167);
+}
+
+// Towards incompressibility trilinear hexahedra stiffen; the answer stays a number, and falls without jumps.
+TEST(Cantilever, LocksTowardsIncompressibilityAndStillRuns) {
+  double before = 1;
+  for (const double poisson_ratio : {0.0, 0.3, 0.45, 0.49, 0.499}) {
+    const double deflection = relative_deflection(2, poisson_ratio);
+    RecordProperty("poisson_ratio_" + std::to_string(poisson_ratio), std::to_string(deflection));
+    EXPECT_LT(deflection, before) << poisson_ratio;
+    EXPECT_GT(deflection, 0.1) << poisson_ratio;
+    before = deflection;
+  }
 }
 
 TEST(Cantilever, ConvergesWithRefinement) {

@@ -288,22 +288,76 @@ support::Simulation free_bar(const Material& m) {
   return support::Simulation(Body(support::block({2, 2, 4}, kEdge), {m}), std::move(setup));
 }
 
-// A single element may be folded into itself in a way that is stable, so not every throw comes back; none may get lost.
-TEST(Scramble, OfAnElasticBodyStaysFiniteAndMostlyRecovers) {
+/// How the nodes of a bar are thrown about before it is let go.
+struct Throw {
+  const char* name;
+  PointArray (*positions)(const PointArray& rest, int seed);
+  int least_recovered;  ///< of 10
+};
+
+void PrintTo(const Throw& t, std::ostream* out) { *out << t.name; }
+
+class Scramble : public testing::TestWithParam<Throw> {};
+
+// The energy of the blended samples has resting places of its own among the folded shapes, where no sample or only a
+// few are inverted: a corner pushed through the plane of its neighbours, an element folded onto the next. Not every
+// throw therefore comes back, whatever the step and the damping; none may get lost, and those flattened to a plane all
+// return.
+TEST_P(Scramble, OfAnElasticBodyStaysFiniteAndComesBackAsOftenAsPublished) {
   int num_recovered = 0;
   for (int seed = 0; seed < 10; ++seed) {
     support::Simulation bar = free_bar(Material{});
-    Random random(1000 + seed);
-    bar.x = random.field(bar.x.rows(), 0.3);
-    bar.run(400);
-    ASSERT_TRUE(bar.x.allFinite());
-    // the energy knows the shape and forgets where it lies
-    num_recovered += bar.body.energy(bar.x) < 1e-9 * 5000 * bar.body.original_volume();
+    bar.x = GetParam().positions(bar.body.mesh().positions(), 1000 + seed);
+    const auto energy = [&] { return bar.body.energy(bar.x) / (5000 * bar.body.original_volume()); };
+    const double thrown = energy();
+    for (int k = 0; k < 400 && energy() > 1e-12; k += 20) {
+      bar.run(20);
+      ASSERT_TRUE(bar.x.allFinite() && bar.v.allFinite());
+    }
+    EXPECT_LT(energy(), thrown) << "seed " << seed;
+    num_recovered += energy() < 1e-9;  // the energy knows the shape and forgets where it lies
   }
-  EXPECT_GE(num_recovered, 5);
+  RecordProperty("recovered", num_recovered);
+  EXPECT_GE(num_recovered, GetParam().least_recovered);
 }
 
-TEST(Scramble, OfAPlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
+INSTANTIATE_TEST_SUITE_P(
+    Throws, Scramble,
+    testing::Values(Throw{"Random", [](const PointArray& X, int seed) { return Random(seed).field(X.rows(), 0.3); }, 3},
+                    Throw{"InTheBox",
+                          [](const PointArray& X, int seed) {
+                            Random random(seed);
+                            PointArray x = X;
+                            for (int n = 0; n < x.rows(); ++n)
+                              x.row(n) << random.uniform(0, 0.2), random.uniform(0, 0.2), random.uniform(0, 0.4);
+                            return x;
+                          },
+                          3},
+                    Throw{"FlattenedToAPlane",
+                          [](const PointArray& X, int seed) {
+                            PointArray x = X + Random(seed).field(X.rows(), 1e-6);
+                            x.col(seed % 3) *= 1e-6;
+                            return x;
+                          },
+                          10},
+                    Throw{"FlattenedToALine",
+                          [](const PointArray& X, int seed) {
+                            PointArray x = X + Random(seed).field(X.rows(), 1e-6);
+                            x.col(seed % 3) *= 1e-6;
+                            x.col((seed + 1) % 3) *= 1e-6;
+                            return x;
+                          },
+                          2},
+                    Throw{"TurnedInsideOut",
+                          [](const PointArray& X, int seed) {
+                            PointArray x = X + Random(seed).field(X.rows(), 1e-6);
+                            x.col(seed % 3) *= -1;
+                            return x;
+                          },
+                          3}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
   for (int seed = 0; seed < 3; ++seed) {
     support::Simulation bar = free_bar(soft());
     Random random(1000 + seed);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/kinematics/polar.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -96,6 +97,41 @@ TEST(Polar, EqualsHighamsIterationForRightHandedGradients) {
   }
 }
 
+// A million gradients of every rank, orientation and scale, with equal and opposite singular values among them.
+TEST(Polar, HoldsForAMillionGradientsAndIsEigensWhereItIsUnique) {
+  Random random(17);
+  constexpr double kScales[] = {1, 1, 1, 1e-150, 1e-75, 1e75, 1e150};
+  int num_unique = 0;
+  for (int k = 0; k < 1000000; ++k) {
+    Vec3 d(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
+    if (k % 4 == 1) d[1] = (k % 8 == 1 ? 1 : -1) * d[0];
+    if (k % 16 == 3) d[2] = d[1] = d[0];
+    if (k % 16 == 7) d[2] = 0;
+    if (k % 16 == 11) d[2] = d[1] = 0;
+    if (k % 1024 == 15) d.setZero();
+    const Mat3 A = random.matrix(1);  // two rotations for the price of one: the frames of a random matrix
+    const Eigen::JacobiSVD<Mat3> frames(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double scale = kScales[k % 7];
+    const Mat3 F = scale * (frames.matrixU() * d.asDiagonal() * frames.matrixV().transpose());
+
+    const SignedSvd svd = signed_svd(F);
+    const Mat3 R = svd.U * svd.V.transpose();
+    ASSERT_TRUE(R.allFinite() && svd.d.allFinite()) << F;
+    ASSERT_LE((R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-12) << F;
+    ASSERT_GT(R.determinant(), 0) << F;
+    ASSERT_LE((svd.U * svd.d.asDiagonal() * svd.V.transpose() - F).cwiseAbs().maxCoeff(), 4e-12 * scale) << F;
+
+    // unique where the two least stretches are not opposite
+    if (svd.d[1] + svd.d[2] < 1e-3 * scale) continue;
+    ++num_unique;
+    const Eigen::JacobiSVD<Mat3> eigen(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Mat3 U = eigen.matrixU();
+    if ((U * eigen.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;
+    ASSERT_LE((R - U * eigen.matrixV().transpose()).cwiseAbs().maxCoeff(), 1e-10) << F;
+  }
+  EXPECT_GT(num_unique, 500000);
+}
+
 TEST(RotationLog, GoesThereAndBack) {
   Random random(14);
   for (int k = 0; k < 2000; ++k) {
@@ -118,6 +154,20 @@ TEST(RotationLog, KeepsTheRotationNearHalfATurn) {
       const Vec3 w = rotation_log(R);
       ASSERT_LE(w.norm(), kPi + 1e-15);
       ASSERT_LE((rotation_exp(w) - R).cwiseAbs().maxCoeff(), 1e-8) << "gap " << gap;
+    }
+  }
+}
+
+TEST(RotationPower, MakesOneRotationOfTwoPartsUpToHalfATurn) {
+  Random random(18);
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 axis = random.direction();
+    const double share = random.uniform(0, 1);
+    for (const double gap : {1.0, 1e-3, 1e-6, 1e-9, 1e-12, 0.0}) {
+      const Mat3 R = rotation_exp((kPi - gap) * axis);
+      const double tolerance = gap > 1e-6 ? 1e-12 : 1e-8;
+      ASSERT_LE((rotation_power(R, share) * rotation_power(R, 1 - share) - R).cwiseAbs().maxCoeff(), tolerance);
+      ASSERT_LE((rotation_exp(rotation_log(R)) - R).cwiseAbs().maxCoeff(), tolerance) << "gap " << gap;
     }
   }
 }

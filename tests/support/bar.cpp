@@ -65,7 +65,9 @@ Material bar_material(BarLoad load, const std::string& strength) {
   return m;
 }
 
-Simulation bar(BarLoad load, const std::string& strength) {
+Simulation bar(BarLoad load, const std::string& strength, double fracture_stress) {
+  Material material = bar_material(load, strength);
+  material.fracture_stress = fracture_stress;
   Settings settings;
   settings.yield_norm = YieldNorm::kFrobenius;
   HexMesh mesh = block({3, 3, kSlices}, kCell);
@@ -75,7 +77,7 @@ Simulation bar(BarLoad load, const std::string& strength) {
   setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
   setup.fixed = nodes_at(mesh, 2, kSlices / 2 * kCell);
   setup.load = load == BarLoad::kStretch ? Load(add_stretch) : Load(add_twist);
-  return Simulation(Body(std::move(mesh), {bar_material(load, strength)}, settings), std::move(setup));
+  return Simulation(Body(std::move(mesh), {material}, settings), std::move(setup));
 }
 
 }  // namespace hexaplast::support

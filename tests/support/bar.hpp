@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "support/simulation.hpp"
@@ -20,6 +21,8 @@ enum class BarLoad {
 /// Material of a preset; `strength` is "high", "medium" or "low": how much of the deformation stays.
 Material bar_material(BarLoad load, const std::string& strength);
 
-Simulation bar(BarLoad load, const std::string& strength);
+/// `fracture_stress` [Pa]: elements go when their yield stress has hardened past it.
+Simulation bar(BarLoad load, const std::string& strength,
+               double fracture_stress = std::numeric_limits<double>::infinity());
 
 }  // namespace hexaplast::support

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Far from where the method is meant to be used: extreme steps and stiffnesses, many steps, shapes without volume.
+#include <cmath>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/plastic/point_flow.hpp"
+#include "support/compare.hpp"
+#include "support/motion.hpp"
+#include "support/shapes.hpp"
+#include "support/simulation.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::Random;
+
+constexpr double kEdge = 0.1;
+
+Material soft() {
+  Material m;
+  m.yield_stress = 300;
+  m.flow_rate = 3;
+  m.rotation_yield = 0.02;
+  m.rotation_flow_rate = 2;
+  m.hardening = 0.2;
+  return m;
+}
+
+/// A clamped bar under a side load that is the same share of its stiffness for every E.
+support::Simulation bent_bar(double young_modulus, double dt, double yield_share) {
+  const HexMesh mesh = support::block({1, 1, 4}, kEdge);
+  Material m = soft();
+  m.young_modulus = young_modulus;
+  m.yield_stress = yield_share * young_modulus;
+  m.flow_rate = std::min(1.0, 0.05 / dt);
+  m.rotation_flow_rate = 0;
+  Settings settings;
+  settings.volume_restitution = std::min(1.0, 0.3 / dt);
+  support::SimulationSetup setup;
+  setup.dt = dt;
+  setup.euler = {.rayleigh_mass = std::sqrt(young_modulus / 1000), .rayleigh_stiffness = 0.1};  // about critical
+  setup.fixed = support::nodes_at(mesh, 2, 0);
+  const std::vector<int> tip = support::nodes_at(mesh, 2, 0.4);
+  setup.load = [tip, young_modulus](double, ConstPoints, Points f) {
+    for (const int n : tip) f(n, 0) += 2e-4 * young_modulus * kEdge * kEdge;
+  };
+  return support::Simulation(Body(mesh, {m}, settings), std::move(setup));
+}
+
+TEST(Simulation, StaysFiniteForEveryTimeStepAndStiffness) {
+  for (const double E : {1e2, 1e4, 1e6, 1e9}) {
+    for (const double dt : {1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0}) {
+      for (const double yield_share : {1e3, 0.003}) {
+        support::Simulation bar = bent_bar(E, dt, yield_share);
+        for (int k = 0; k < 50; ++k) {
+          bar.step();
+          ASSERT_TRUE(bar.x.allFinite() && bar.v.allFinite() && bar.body.history().material.allFinite())
+              << "E " << E << " dt " << dt << " step " << k;
+        }
+        ASSERT_LE(support::max_abs(bar.x), 10) << "E " << E << " dt " << dt;
+      }
+    }
+  }
+}
+
+TEST(Simulation, ComesToRestWhereTheTimeStepDoesNotMatter) {
+  constexpr double kDuration = 200;  // [s]
+  for (const double E : {1e2, 1e5, 1e9}) {
+    support::Simulation reference = bent_bar(E, 0.1, 1e3);
+    reference.run(static_cast<int>(kDuration / 0.1));
+    EXPECT_GT(support::max_abs(reference.x - reference.body.mesh().positions()), 0.01 * kEdge);
+    for (const double dt : {0.4, 1.0}) {
+      support::Simulation bar = bent_bar(E, dt, 1e3);
+      bar.run(static_cast<int>(kDuration / dt));
+      EXPECT_LE(support::max_abs(bar.x - reference.x), 1e-8 * 0.4) << "E " << E << " dt " << dt;
+    }
+  }
+}
+
+TEST(StretchFlow, KeepsTheVolumeOverAHundredThousandRandomSteps) {
+  Random random(221);
+  const Lame k = lame(5000, 0.45);
+  for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius, YieldNorm::kSpectral}) {
+    Mat3 Fp = Mat3::Identity();
+    for (int step = 0; step < 100000; ++step) {
+      const Mat3 A = random.matrix(0.1);
+      Fp = stretch_flow(Mat3::Identity() + (A + A.transpose()) / 2, k, norm, 100, 4, 0.01).increment * Fp;
+    }
+    EXPECT_GT((Fp - Mat3::Identity()).norm(), 0.1);
+    EXPECT_NEAR(Fp.determinant(), 1, 1e-10);
+  }
+}
+
+TEST(Body, KeepsItsVolumeAfterRandomPlasticMotions) {
+  for (int seed = 0; seed < 4; ++seed) {
+    Random random(222 + seed);
+    Body body(support::distorted_block({2, 2, 3}, kEdge, 0.1, 226), {soft()});
+    for (int k = 0; k < 300; ++k) {
+      const PointArray world = body.history().material + random.field(body.mesh().num_nodes(), 0.3 * kEdge);
+      body.flow(world, 0.01);
+    }
+    EXPECT_GT(body.history().dissipated_energy, 0);
+    for (int k = 0; k < 300; ++k) body.flow(body.history().material, 0.01);  // unloaded
+    EXPECT_NEAR(body.volume(body.history().material) / body.original_volume(), 1, 1e-3) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast

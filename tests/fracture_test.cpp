@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Elements that break: when they go, and that nothing else notices.                           theory.md section 5.7
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "support/bar.hpp"
+#include "support/compare.hpp"
+#include "support/motion.hpp"
+#include "support/shapes.hpp"
+#include "support/simulation.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::mapped;
+using support::Random;
+
+constexpr double kEdge = 0.1;
+constexpr double kStep = 0.01;
+
+Material hardening() {
+  Material m;
+  m.yield_stress = 300;
+  m.flow_rate = 4;
+  m.hardening = 0.3;
+  return m;
+}
+
+double greatest(const CornerValues& values) { return *std::max_element(values.begin(), values.end()); }
+
+// A body that never breaks flows beside one that does: until the step in which tau passes the limit they are the same.
+TEST(Fracture, TakesAnElementInTheStepInWhichItsYieldStressPassesTheLimit) {
+  const HexMesh mesh = support::distorted_block({1, 1, 1}, kEdge, 0.1, 201);
+  for (const double limit : {320.0, 400.0, 500.0}) {
+    Material brittle = hardening();
+    brittle.fracture_stress = limit;
+    Body whole(mesh, {hardening()}), body(mesh, {brittle});
+    for (int k = 1; k <= 200; ++k) {
+      const PointArray world = support::stretched_and_twisted(mesh, 1 + 0.002 * k, 0);
+      whole.flow(world, kStep);
+      const FlowReport report = body.flow(world, kStep);
+      const double tau = greatest(whole.history().yield_stress[0]);
+      ASSERT_EQ(report.removed, tau > limit) << "step " << k;
+      ASSERT_EQ(body.history().yield_stress[0], whole.history().yield_stress[0]);
+      if (report.removed) break;
+    }
+    EXPECT_EQ(body.history().removed, std::vector<int>{0});
+  }
+}
+
+TEST(Fracture, TakesAnElementInTheStepInWhichItsPlasticStretchPassesTheLimit) {
+  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  Material brittle = hardening();
+  brittle.fracture_stretch = 1.1;
+  Body whole(mesh, {hardening()}), body(mesh, {brittle});
+  const EndSections ends = end_sections(mesh);
+  const PointArray world = mapped(mesh.positions(), Vec3(1.3, 1 / std::sqrt(1.3), 1 / std::sqrt(1.3)).asDiagonal());
+  for (int k = 1; k <= 200; ++k) {
+    whole.flow(world, kStep);
+    const FlowReport report = body.flow(world, kStep);
+    // a homogeneous stretch is the same product of S^p at every corner: the stretch of the material shape
+    ASSERT_EQ(report.removed, elongation(ends, whole.history().material) > 0.1) << "step " << k;
+    if (report.removed) return;
+  }
+  FAIL() << "it never broke";
+}
+
+// The load is the same at both ends, so the ends break alike and at once. The times are those of an independent
+// implementation; the order is the physics: next to the load and the clamp.
+TEST(Fracture, OfABarUnderASymmetricLoadIsSymmetric) {
+  for (const auto& [limit, expected_time] : {std::pair{900.0, 0.66}, std::pair{1500.0, 1.04}}) {
+    support::Simulation bar = support::bar(support::BarLoad::kStretch, "high", limit);
+    const std::vector<double> mass = bar.mass;
+    double first = 0;
+    for (int k = 0; k < 130; ++k) {
+      if (bar.step().removed > 0 && first == 0) first = bar.time();
+      const auto& alive = bar.body.history().alive;
+      for (int e = 0; e < 90; ++e) {
+        const int layer = e / 9, opposite = (9 - layer) * 9 + e % 9;
+        ASSERT_EQ(alive[e], alive[opposite]) << "element " << e << " at " << bar.time() << " s";
+      }
+    }
+    EXPECT_NEAR(first, expected_time, 0.02);
+    EXPECT_EQ(bar.mass, mass);
+    EXPECT_TRUE(bar.x.allFinite());
+  }
+}
+
+// A free bar pulled apart by equal and opposite forces has no momentum, whatever goes.
+TEST(Fracture, LeavesMomentumAlone) {
+  const HexMesh mesh = support::block({2, 2, 6}, kEdge);
+  const std::vector<int> lower = support::nodes_at(mesh, 2, 0), upper = support::nodes_at(mesh, 2, 0.6);
+  support::SimulationSetup setup;
+  setup.euler = {.rayleigh_mass = 0, .rayleigh_stiffness = 0.02};
+  setup.load = [&](double, ConstPoints, Points f) {
+    for (const int n : lower) f(n, 2) -= 4;
+    for (const int n : upper) f(n, 2) += 4;
+  };
+  Material brittle = hardening();
+  brittle.fracture_stress = 600;
+  support::Simulation bar(Body(mesh, {brittle}), std::move(setup));
+  Random random(202);
+  const Vec3 speed(0.3, -0.2, 0.1);  // [m/s]
+  for (int n = 0; n < bar.v.rows(); ++n) bar.v.row(n) = speed.transpose();
+  const double total = std::accumulate(bar.mass.begin(), bar.mass.end(), 0.0);
+
+  int removed = 0;
+  for (int k = 0; k < 150; ++k) {
+    removed += bar.step().removed;
+    Vec3 momentum = Vec3::Zero();
+    for (int n = 0; n < bar.v.rows(); ++n) momentum += bar.mass[n] * bar.v.row(n).transpose();
+    ASSERT_LE((momentum - total * speed).norm(), 1e-11 * total) << "step " << k;
+  }
+  EXPECT_GT(removed, 0);
+  EXPECT_LT(removed, mesh.num_elements());
+}
+
+/// A block whose elements all yield at once and break one after the other.
+std::vector<Material> breaking_in_random_order(int count, Random& random) {
+  std::vector<Material> materials(count, hardening());
+  for (Material& m : materials) m.fracture_stress = random.uniform(301, 420);
+  return materials;
+}
+
+TEST(Fracture, LeavesNothingSingularDownToTheLastElement) {
+  for (const AveragingMethod averaging :
+       {AveragingMethod::kGaussNewton, AveragingMethod::kLocalGlobal, AveragingMethod::kJacobi}) {
+    Random random(203);
+    const HexMesh mesh = support::distorted_block({4, 4, 4}, kEdge, 0.1, 204);
+    Settings settings;
+    settings.averaging = averaging;
+    Body body(mesh, breaking_in_random_order(64, random), settings);
+    const PointArray world = support::stretched_and_twisted(mesh, 1.4, 0.5);
+    std::vector<double> mass = support::lumped_mass(body.model(), 1000);
+    bool had_isolated_nodes = false;
+    for (int k = 0; k < 400 && body.history().removed.size() < 64; ++k) {
+      body.flow(world, kStep);
+      ASSERT_TRUE(body.history().material.allFinite()) << "step " << k;
+
+      // an implicit step with both solvers: elastic operator of what is left, masses of all nodes
+      const std::vector<int> part_of_node = connected_parts(mesh, body.history().alive).part_of_node;
+      support::LoadedBody system(body, mass, {}, {});
+      PointArray x[2] = {world, world}, v[2] = {PointArray::Zero(125, 3), PointArray::Zero(125, 3)};
+      CholeskySolver direct;
+      PreconditionedConjugateGradients iterative(1e-13, 2000);
+      ImplicitEuler({}).step(system, direct, 0, kStep, x[0], v[0]);
+      ImplicitEuler({}).step(system, iterative, 0, kStep, x[1], v[1]);
+      ASSERT_LE(support::max_abs(v[0] - v[1]), 1e-8 * std::max(1e-6, support::max_abs(v[0]))) << "step " << k;
+
+      for (int n = 0; n < 125; ++n) {
+        if (part_of_node[n] >= 0) continue;
+        had_isolated_nodes = true;
+        ASSERT_EQ(v[0].row(n).norm(), 0) << "a node without element feels no force";
+      }
+    }
+    EXPECT_EQ(body.history().removed.size(), 64u);
+    EXPECT_TRUE(had_isolated_nodes);
+    EXPECT_EQ(body.energy(world), 0);
+    EXPECT_EQ(body.flow(world, kStep).removed, 0);
+  }
+}
+
+// Ten thousand removals, one by one: the parts found are those that a plain flood over the live elements finds.
+TEST(ConnectedParts, AreRightAfterEachOfTenThousandRandomRemovals) {
+  const HexMesh mesh = support::block({5, 5, 4}, 1);
+  const int num_elements = mesh.num_elements();
+  Random random(205);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<unsigned char> alive(num_elements, 1);
+    std::vector<int> order(num_elements);
+    std::iota(order.begin(), order.end(), 0);
+    for (int i = num_elements - 1; i > 0; --i) std::swap(order[i], order[static_cast<int>(random.uniform(0, i + 1))]);
+    for (const int gone : order) {
+      alive[gone] = 0;
+      const ConnectedParts parts = connected_parts(mesh, alive);
+
+      std::vector<int> expected(mesh.num_nodes(), -1);
+      int count = 0;
+      for (int start = 0; start < mesh.num_nodes(); ++start) {
+        const auto around = mesh.incident(start);
+        const bool has_element = std::any_of(around.begin(), around.end(), [&](auto at) { return alive[at.element]; });
+        if (!has_element || expected[start] >= 0) continue;
+        std::vector<int> open{start};
+        expected[start] = count;
+        while (!open.empty()) {
+          const int n = open.back();
+          open.pop_back();
+          for (const auto& [element, corner] : mesh.incident(n)) {
+            if (!alive[element]) continue;
+            for (const int other : mesh.hexahedra()[element]) {
+              if (expected[other] >= 0) continue;
+              expected[other] = count;
+              open.push_back(other);
+            }
+          }
+        }
+        ++count;
+      }
+      ASSERT_EQ(parts.part_of_node, expected);
+      ASSERT_EQ(parts.count, count);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast
