@@ -18,6 +18,7 @@
 #include "hexaplast/material/corotated.hpp"
 #include "hexaplast/plastic/element_flow.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "scene/reader.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -49,7 +50,7 @@ constexpr std::array<std::pair<const char*, const char*>, 18> kShortKeys{{
 }};
 
 /// Words of reference files and the ones they stand for.
-constexpr std::array<std::pair<const char*, const char*>, 7> kShortWords{{
+constexpr std::array<std::pair<const char*, const char*>, 8> kShortWords{{
     {"fro", "frobenius"},
     {"vm", "vonMises"},
     {"mises", "vonMises"},
@@ -57,6 +58,7 @@ constexpr std::array<std::pair<const char*, const char*>, 7> kShortWords{{
     {"blendfix", "blended"},
     {"none", "world"},
     {"best", "bestFit"},
+    {"gn", "gaussNewton"},
 }};
 
 const char* long_key(const std::string& key) {
@@ -176,7 +178,14 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
     s.volume_restitution = number(name, value);
   else if (key == "inversionThreshold")
     s.inversion_threshold = number(name, value);
-  else if (key == "dt")
+  else if (key == "fractureStress")
+    m.fracture_stress = number(name, value, true);
+  else if (key == "fractureStretch")
+    m.fracture_stretch = number(name, value, true);
+  else if (key == "averagingSteps") {
+    if (!value.is_number_integer()) reject(name, value, "a whole number");
+    s.averaging_steps = value.get<int>();
+  } else if (key == "dt")
     element.dt = number(name, value);
   else if (key == "yieldNorm")
     s.yield_norm = word<YieldNorm>(
@@ -193,6 +202,11 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
                                            {"vertex", RotationPlasticity::kVertex},
                                            {"centre", RotationPlasticity::kCentre},
                                            {"none", RotationPlasticity::kNone}});
+  else if (key == "averaging")
+    s.averaging = word<AveragingMethod>(name, value,
+                                        {{"gaussNewton", AveragingMethod::kGaussNewton},
+                                         {"localGlobal", AveragingMethod::kLocalGlobal},
+                                         {"jacobi", AveragingMethod::kJacobi}});
   else if (key == "rotationFrame")
     s.rotation_frame =
         word<RotationFrame>(name, value, {{"bestFit", RotationFrame::kBestFit}, {"world", RotationFrame::kWorld}});
@@ -385,7 +399,7 @@ struct PathRow {
 
 std::vector<PathRow> read_path(const std::filesystem::path& file) {
   std::ifstream in(file);
-  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  if (!in) throw scene::FileError(fmt::format("{}: error: cannot be read", file.string()));
   std::vector<PathRow> rows;
   std::string line;
   for (int line_number = 1; std::getline(in, line); ++line_number) {
@@ -457,11 +471,12 @@ void run_element(const ElementOptions& options) {
       json = Json::parse(std::cin);
     } else {
       std::ifstream in(options.file);
-      if (!in) throw InputError("cannot be read");
+      if (!in) throw scene::FileError(fmt::format("{}: error: cannot be read", options.file));
       json = Json::parse(in);
     }
   } catch (const Json::exception& error) {
-    throw InputError(error.what());
+    const std::string text = error.what();  // "[json.exception.parse_error.101] parse error at line ..."
+    throw InputError(text.substr(text.find("] ") + 2));
   }
   const Element element = read_element(json);
   if (options.path)

@@ -14,7 +14,7 @@ struct ElementOptions {
 
 /// `hexaplast element`: one hexahedron, every intermediate of its elasticity and of one plastic step as JSON on
 /// standard output, or with a path its response over time as CSV. The format is docs/element.md. Throws InputError
-/// naming the key and value that is wrong.
+/// naming the key and value that is wrong, scene::FileError for a file that cannot be read.
 void run_element(const ElementOptions& options);
 
 }  // namespace hexaplast::runner
