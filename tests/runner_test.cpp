@@ -1,53 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
+
+#include "support/command.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Outcome {
-  int code;
-  std::string out, err;
-};
-
-std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-/// Runs the command as its users do, in a directory of its own.
-class Command : public testing::Test {
- protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_runner_") + info->name());
-    fs::remove_all(directory_);
-    fs::create_directories(directory_);
-  }
-  void TearDown() override { fs::remove_all(directory_); }
-
-  Outcome hexaplast(const std::string& arguments, const std::string& before = "") {
-    const std::string line = "cd '" + directory_.string() + "' && " + before + " '" + HEXAPLAST_COMMAND + "' " +
-                             arguments + " > out 2> err < /dev/null";
-    const int status = std::system(line.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(directory_ / "out"),
-            content(directory_ / "err")};
-  }
-
-  void write(const std::string& name, const std::string& text) { std::ofstream(directory_ / name) << text; }
-
-  fs::path directory_;
-};
+using hexaplast::support::Command;
+using hexaplast::support::content;
+using hexaplast::support::Outcome;
 
 // A bar of two hexahedra, pulled at one end.
 const std::string kBar =

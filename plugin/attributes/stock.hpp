@@ -73,6 +73,88 @@ inline constexpr Description kEulerImplicitSolver{.class_name = "EulerImplicitSo
                                                   .help = "Linearised implicit Euler: one linear solve per time step.",
                                                   .attributes = kEulerImplicitAttributes};
 
+inline constexpr Attribute kStaticAttributes[] = {
+    {.name = "newtonSolver",
+     .type = Type::kLink,
+     .help =
+         "How equilibrium is looked for; the NewtonRaphsonSolver of the node (or of the nearest one above) where it "
+         "is not given."},
+    {.name = "linearSolver",
+     .type = Type::kLink,
+     .help = "Solver of the linear systems; the first one of the node (or of the nearest one above) where it is not "
+             "given."},
+};
+inline constexpr Description kStaticSolver{
+    .class_name = "StaticSolver",
+    .category = "OdeSolver",
+    .help =
+        "Static equilibrium under the loads at the beginning of each time step; masses count through gravity alone. "
+        "What flows plastically does so after equilibrium, once per step.",
+    .attributes = kStaticAttributes};
+
+inline constexpr Attribute kNewtonRaphsonAttributes[] = {
+    {.name = "maxNbIterationsNewton",
+     .type = Type::kInteger,
+     .initial = "1",
+     .range = {.least = 1, .most = 1e9},
+     .help = "Largest number of iterations per step."},
+    {.name = "relativeSuccessiveStoppingThreshold",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .range = kNotNegative,
+     .help = "Ends when |r_k| / |r_k-1| is not greater. 0 switches a threshold off."},
+    {.name = "relativeInitialStoppingThreshold",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .range = kNotNegative,
+     .help = "Ends when |r_k| / |r_0| is not greater."},
+    {.name = "absoluteResidualStoppingThreshold",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .unit = "N",
+     .range = kNotNegative,
+     .help = "Ends when |r_k| is not greater: lower it for small loads."},
+    {.name = "relativeEstimateDifferenceThreshold",
+     .type = Type::kReal,
+     .initial = "0",
+     .range = kNotNegative,
+     .help = "Ends when |x_k - x_k-1| / |x_k-1| is not greater."},
+    {.name = "absoluteEstimateDifferenceThreshold",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "m",
+     .range = kNotNegative,
+     .help = "Ends when |x_k - x_k-1| is not greater."},
+    {.name = "maxNbIterationsLineSearch",
+     .type = Type::kInteger,
+     .initial = "1",
+     .range = {.least = 1, .most = 1e9},
+     .help = "Step lengths tried per iteration until |r| decreases."},
+    {.name = "lineSearchCoefficient",
+     .type = Type::kReal,
+     .initial = "0.5",
+     .range = {.least = 0, .most = 1, .without_least = true, .without_most = true},
+     .help = "By which each further try is shorter."},
+    {.name = "updateStateWhenDiverged",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Keeps the last iterate when no threshold was met."},
+    {.name = "warnWhenLineSearchFails",
+     .type = Type::kBool,
+     .initial = "true",
+     .access = Access::kIgnored,
+     .help = "Ignored here: steps without equilibrium are always counted and reported."},
+    {.name = "warnWhenDiverge",
+     .type = Type::kBool,
+     .initial = "true",
+     .access = Access::kIgnored,
+     .help = "Ignored here: steps without equilibrium are always counted and reported."},
+};
+inline constexpr Description kNewtonRaphsonSolver{.class_name = "NewtonRaphsonSolver",
+                                                  .category = "NewtonRaphsonSolver",
+                                                  .help = "Stopping rules and line search of a StaticSolver.",
+                                                  .attributes = kNewtonRaphsonAttributes};
+
 inline constexpr Attribute kCGLinearSolverAttributes[] = {
     {.name = "iterations",
      .type = Type::kInteger,

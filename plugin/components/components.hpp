@@ -9,7 +9,7 @@ namespace hexaplast::components {
 
 void add_settings(scene::Factory& factory);        // RunSettings, VisualStyle
 void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop
-void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, CGLinearSolver, SparseLDLSolver
+void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver and theirs
 void add_topologies(scene::Factory& factory);      // RegularGridTopology
 void add_states(scene::Factory& factory);          // MechanicalObject
 void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass

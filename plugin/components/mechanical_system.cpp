@@ -15,7 +15,6 @@ NodeSystem::NodeSystem(scene::Node& node)
   const std::vector<scene::MechanicalState*> states = node.all<scene::MechanicalState>();
   if (states.size() != 1)
     throw InputError(fmt::format("{} mechanical states in its node and below, must be one", states.size()));
-  if (masses_.empty()) throw InputError("no mass in its node or below, must be at least one");
   state_ = states[0];
 }
 

@@ -12,7 +12,7 @@ namespace hexaplast::components {
 /// of the scene.
 class NodeSystem final : public MechanicalSystem {
  public:
-  /// Throws InputError unless there are exactly one mechanical state and at least one mass.
+  /// Throws InputError unless there is exactly one mechanical state.
   explicit NodeSystem(scene::Node& node);
 
   int num_nodes() const override { return state_->num_nodes(); }
@@ -23,6 +23,7 @@ class NodeSystem final : public MechanicalSystem {
   void pin(BlockMatrix& A) const override;
 
   scene::MechanicalState& state() const { return *state_; }
+  bool has_mass() const { return !masses_.empty(); }
   double kinetic_energy() const;           ///< [J]
   void project_motion(double time) const;  ///< applies prescribed motion to the state
 

@@ -10,6 +10,7 @@
 #include "output/recorder.hpp"
 #include "runner/element.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/mesh_export.hpp"
 #include "runner/run.hpp"
 #include "scene/reader.hpp"
 
@@ -62,6 +63,34 @@ void add_element(CLI::App& app, ElementOptions& options) {
       ->type_name("FILE.csv");
 }
 
+void add_mesh(CLI::App& app, MeshExportOptions& options) {
+  CLI::App* mesh = app.add_subcommand("mesh", "Work on the mesh of a scene");
+  mesh->require_subcommand(1);
+  CLI::App* command = mesh->add_subcommand("export", "Write the scene's body for other programs");
+  command->footer(kExitCodes);
+  command->add_option("scene", options.scene, "Scene file")->type_name("SCENE")->required();
+  command
+      ->add_option(
+          "--format", options.format,
+          "inp: static analysis for Abaqus and CalculiX, with constraints, elasticity and loads; vtu: mesh for "
+          "ParaView")
+      ->type_name("inp|vtu")
+      ->check(CLI::IsMember({"inp", "vtu"}))
+      ->required();
+  command->add_option("-o,--out", options.out, "File to write; replaces an older one")->type_name("FILE")->required();
+  command
+      ->add_option("--time", options.time,
+                   "Loads of this time [s]; otherwise of the first step of the run at which they are greatest")
+      ->type_name("T")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
+      ->type_name("PATH.attribute=VALUE")
+      ->allow_extra_args(false);
+  command->add_option("--plugin-path", options.plugin_path, "Directory to look for plugins in; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+}
+
 int report(ExitCode code, const std::string& message) {
   spdlog::error("{}", message);
   return code;
@@ -109,6 +138,8 @@ int main(int argc, char** argv) {
   add_run(app, run_options);
   ElementOptions element_options;
   add_element(app, element_options);
+  MeshExportOptions export_options;
+  add_mesh(app, export_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -118,6 +149,11 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("element"))
     return report_errors(element_options.file, [&] {
       run_element(element_options);
+      return kOk;
+    });
+  if (app.got_subcommand("mesh"))
+    return report_errors(export_options.scene.string(), [&] {
+      export_mesh(export_options);
       return kOk;
     });
   if (run_options.quiet) spdlog::set_level(spdlog::level::err);

@@ -14,7 +14,7 @@
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/progress.hpp"
-#include "scene/reader.hpp"
+#include "runner/scene_file.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -36,81 +36,14 @@ struct Progression {
   long step = 0;        ///< accepted steps
   double step_ms = 0;   ///< wall time of all of them, without output
   long iterations = 0;  ///< of all linear solves
+  long unsolved = 0;    ///< steps whose solver ended at its limit of iterations
 };
 
-path installed_plugins() {
-  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / HEXAPLAST_PLUGINS_FROM_BIN)
-      .lexically_normal();
-}
-
-template <class T>
-T* only_one(scene::Scene& scene, const char* what) {
-  const std::vector<T*> all = scene.root().all<T>();
-  if (all.size() != 1) {
-    const std::string place =
-        all.empty() ? "" : fmt::format("; the second one is {} '{}'", all[1]->class_name(), all[1]->name());
-    throw scene::SceneError(
-        scene::format_error(all.empty() ? scene.root().place() : all[1]->place(),
-                            fmt::format("{} {} in the scene, a run moves exactly one{}", all.size(), what, place)));
-  }
-  return all[0];
-}
-
-const scene::ForceField* find_body(scene::Scene& scene) {
-  const scene::ForceField* found = nullptr;
-  for (const scene::ForceField* field : scene.root().all<scene::ForceField>()) {
-    if (!field->body()) continue;
-    if (found) {
-      throw scene::SceneError(scene::format_error(
-          field->place(),
-          fmt::format("{} '{}': a second body; a run has at most one", field->class_name(), field->name())));
-    }
-    found = field;
-  }
-  return found;
-}
-
-// RunSettings is found by its class, because the component itself lives in a plugin.
-scene::Component* find_settings(scene::Scene& scene) {
-  for (scene::Component* component : scene.root().all<scene::Component>())
-    if (component->class_name() == "RunSettings") return component;
-  return nullptr;
-}
-
-void log_warnings(scene::Scene& scene) {
-  for (const scene::Message& message : scene.diagnostics().take_warnings()) {
-    const bool is_note = message.severity == scene::Severity::kNote;
-    spdlog::log(is_note ? spdlog::level::info : spdlog::level::warn, "{}", scene::format(message));
-  }
-}
-
-// The stock components live in a plugin too: every scene needs it, whether it says so or not.
-void load_own_components(scene::PluginLoader& plugins) {
-  try {
-    plugins.load("Hexaplast");
-  } catch (const scene::PluginError& error) {
-    throw scene::PluginError(scene::format_error({"hexaplast", 0}, error.what()));
-  }
-}
-
 Stage set_up(const RunOptions& options) {
-  // Both are needed for reading alone: the code of a loaded plugin stays.
-  scene::Factory factory;
-  std::vector<path> directories = options.plugin_path;
-  directories.push_back(installed_plugins());
-  scene::PluginLoader plugins(factory, directories);
-  load_own_components(plugins);
-
   Stage stage;
-  stage.scene = scene::read_scene(options.scene, factory, plugins);
-  // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
-  if (!stage.scene.diagnostics().has_errors())
-    for (const std::string& assignment : options.overrides) scene::override_attribute(stage.scene, assignment);
-  stage.scene.init();
-  log_warnings(stage.scene);
-
-  stage.state = only_one<scene::MechanicalState>(stage.scene, "mechanical states");
-  stage.solver = only_one<scene::OdeSolver>(stage.scene, "solvers of motion");
+  stage.scene = load_scene(options.scene, options.plugin_path, options.overrides);
+  stage.state = &only_state(stage.scene);
+  stage.solver = &only_solver(stage.scene);
   stage.body_field = find_body(stage.scene);
   if (!stage.body_field && (options.out || options.final_state))
     throw scene::SceneError(scene::format_error(stage.scene.root().place(),
@@ -185,6 +118,7 @@ Progression advance(Stage& stage, output::Recorder* recorder, bool shows_progres
     ++done.step;
     done.step_ms += step_ms;
     done.iterations += solve.iterations;
+    if (!solve.converged) ++done.unsolved;
     const output::StepRecord record = record_of(stage, done, solve, step_ms);
     if (recorder) recorder->record(record, stage.state->positions(), stage.state->velocities());
     progress.show(done.step, record.time, record.flow.yielded);
@@ -252,6 +186,9 @@ int run(const RunOptions& options) {
                         stage.state->velocities(), *stage.body_field->body());
   if (!options.quiet) print_summary(stage, done, options.scene);
 
+  if (done.unsolved > 0)
+    spdlog::warn("warning: in {} of {} steps the solver ended at its limit of iterations, short of its tolerance",
+                 done.unsolved, done.step);
   const int signal = requested_signal();
   if (signal != 0) spdlog::warn("warning: ended by signal {} after step {} of {}", signal, done.step, stage.num_steps);
   return signal == 0 ? kOk : kSignalled + signal;

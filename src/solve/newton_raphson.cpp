@@ -28,7 +28,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
 
   NewtonReport report;
   report.initial_residual = report.residual = residual_at(position_, force_);
-  if (below(report.residual, settings_.absolute_residual)) {
+  if (report.residual == 0 || below(report.residual, settings_.absolute_residual)) {
     report.status = NewtonStatus::kEquilibrium;
     return report;
   }

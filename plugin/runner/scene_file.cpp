@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/scene_file.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "scene/reader.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using std::filesystem::path;
+
+path installed_plugins() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / HEXAPLAST_PLUGINS_FROM_BIN)
+      .lexically_normal();
+}
+
+// The stock components live in a plugin too: every scene needs it, whether it says so or not.
+void load_own_components(scene::PluginLoader& plugins) {
+  try {
+    plugins.load("Hexaplast");
+  } catch (const scene::PluginError& error) {
+    throw scene::PluginError(scene::format_error({"hexaplast", 0}, error.what()));
+  }
+}
+
+void log_warnings(scene::Scene& scene) {
+  for (const scene::Message& message : scene.diagnostics().take_warnings()) {
+    const bool is_note = message.severity == scene::Severity::kNote;
+    spdlog::log(is_note ? spdlog::level::info : spdlog::level::warn, "{}", scene::format(message));
+  }
+}
+
+template <class T>
+T& only_one(scene::Scene& scene, const char* what) {
+  const std::vector<T*> all = scene.root().all<T>();
+  if (all.size() != 1) {
+    const std::string place =
+        all.empty() ? "" : fmt::format("; the second one is {} '{}'", all[1]->class_name(), all[1]->name());
+    throw scene::SceneError(
+        scene::format_error(all.empty() ? scene.root().place() : all[1]->place(),
+                            fmt::format("{} {} in the scene, a run moves exactly one{}", all.size(), what, place)));
+  }
+  return *all[0];
+}
+
+}  // namespace
+
+scene::Scene load_scene(const path& file, const std::vector<path>& plugin_path,
+                        const std::vector<std::string>& overrides) {
+  // Both are needed for reading alone: the code of a loaded plugin stays.
+  scene::Factory factory;
+  std::vector<path> directories = plugin_path;
+  directories.push_back(installed_plugins());
+  scene::PluginLoader plugins(factory, directories);
+  load_own_components(plugins);
+
+  scene::Scene scene = scene::read_scene(file, factory, plugins);
+  // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
+  if (!scene.diagnostics().has_errors())
+    for (const std::string& assignment : overrides) scene::override_attribute(scene, assignment);
+  scene.init();
+  log_warnings(scene);
+  return scene;
+}
+
+scene::MechanicalState& only_state(scene::Scene& scene) {
+  return only_one<scene::MechanicalState>(scene, "mechanical states");
+}
+
+scene::OdeSolver& only_solver(scene::Scene& scene) { return only_one<scene::OdeSolver>(scene, "solvers of motion"); }
+
+const scene::ForceField* find_body(scene::Scene& scene) {
+  const scene::ForceField* found = nullptr;
+  for (const scene::ForceField* field : scene.root().all<scene::ForceField>()) {
+    if (!field->body()) continue;
+    if (found) {
+      throw scene::SceneError(scene::format_error(
+          field->place(),
+          fmt::format("{} '{}': a second body; a run has at most one", field->class_name(), field->name())));
+    }
+    found = field;
+  }
+  return found;
+}
+
+// Found by its class, because the component itself lives in a plugin.
+scene::Component* find_settings(scene::Scene& scene) {
+  for (scene::Component* component : scene.root().all<scene::Component>())
+    if (component->class_name() == "RunSettings") return component;
+  return nullptr;
+}
+
+}  // namespace hexaplast::runner
