@@ -18,7 +18,7 @@ using Load = std::function<void(double time, ConstPoints x, Points f)>;
 std::vector<double> lumped_mass(const Model& model, double density);
 
 /// A body with lumped masses, fixed nodes and a load, as a time integrator sees it.
-class LoadedBody final : public MechanicalSystem {
+class LoadedBody : public MechanicalSystem {
  public:
   LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, Load load);
 

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Against CalculiX (tests/data/calculix/README.md): another code, other elements, other constitutive laws.
+#include <fstream>
+#include <map>
+
+#include "hexaplast/mesh/sections.hpp"
+#include "support/calculix_bar.hpp"
+#include "support/compare.hpp"
+#include "support/golden.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::Json;
+
+Json reference(const std::string& name) {
+  const std::string path = std::string(HEXAPLAST_TEST_DATA) + "/calculix/" + name + ".json";
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error("cannot open " + path);
+  return Json::parse(file);
+}
+
+Material elastic(double poisson_ratio) {
+  Material m;
+  m.young_modulus = 5000;
+  m.poisson_ratio = poisson_ratio;
+  return m;
+}
+
+/// The row of a list of beams that was made with this mesh and element.
+Json beam(const std::string& file, double poisson_ratio, int cells_across, const std::string& element,
+          const std::string& load = "") {
+  for (const Json& row : reference(file))
+    if (row["poisson_ratio"] == poisson_ratio && row["cells_across"] == cells_across && row["element"] == element &&
+        (load.empty() || row["load"] == load))
+      return row;
+  throw std::runtime_error("no such beam in " + file);
+}
+
+// Beams
+// ---------------------------------------------------------------------------------------------------------------------
+
+constexpr double kWidth = 0.01;  // [m] of the beams' square section
+
+/// Mean deflection of the tip / length of a clamped beam of 0.05 x 0.01 x 0.01 m.
+double deflection(double poisson_ratio, int cells_across, double force, int load_steps) {
+  const HexMesh mesh = support::block({5 * cells_across, cells_across, cells_across}, kWidth / cells_across);
+  const std::vector<int> tip = support::nodes_at(mesh, 0, 5 * kWidth);
+  const std::vector<double> share = support::face_shares(mesh, tip);
+  PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
+  for (const int n : tip) loads(n, 2) = force * share[n];
+  Body body(mesh, {elastic(poisson_ratio)});
+  const PointArray x = support::elastic_equilibrium(body, support::nodes_at(mesh, 0, 0), loads, load_steps);
+  double sum = 0;
+  for (const int n : tip) sum += x(n, 2) - mesh.positions()(n, 2);
+  return sum / tip.size() / (5 * kWidth);
+}
+
+// Softer than full integration on the same mesh, stiffer than the quadratic element of the finest one.
+TEST(CalculixCantilever, SmallDeflectionLiesBetweenC3D8AndC3D20R) {
+  for (const double poisson_ratio : {0.3, 0.45}) {
+    const double band = poisson_ratio == 0.3 ? 0.05 : 0.10;
+    const Json same = beam("cantilever", poisson_ratio, 4, "C3D8", "small"),
+               best = beam("cantilever", poisson_ratio, 8, "C3D20R", "small");
+    const double ours = deflection(poisson_ratio, 4, same["force"], 1);
+    EXPECT_GT(ours, same["deflection_over_length"]);
+    EXPECT_LT(ours, best["deflection_over_length"]);
+    EXPECT_GT(ours, (1 - band) * best["deflection_over_length"].get<double>());
+  }
+}
+
+TEST(CalculixCantilever, LargeDeflectionLiesBetweenC3D8AndC3D20R) {
+  for (const double poisson_ratio : {0.3, 0.45}) {
+    const double band = poisson_ratio == 0.3 ? 0.05 : 0.10;
+    const Json same = beam("cantilever", poisson_ratio, 4, "C3D8", "large"),
+               best = beam("cantilever", poisson_ratio, 4, "C3D20R", "large");
+    const double ours = deflection(poisson_ratio, 4, same["force"], 10);
+    EXPECT_GT(ours, same["deflection_over_length"]);
+    EXPECT_LT(ours, best["deflection_over_length"]);
+    EXPECT_GT(ours, (1 - band) * best["deflection_over_length"].get<double>());
+  }
+}
+
+/// Twist per length in the middle of a bar of 0.1 x 0.01 x 0.01 m held at one end / Saint-Venant's, which `torque`
+/// makes 1 rad/m.
+double twist_rate(int cells_across, double torque) {
+  const int slices = 10 * cells_across;
+  const double length = 10 * kWidth;
+  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, length);
+  const HexMesh mesh = regular_grid({cells_across, cells_across, slices}, least, most);
+  const std::vector<int> end = support::nodes_at(mesh, 2, length);
+  const std::vector<double> share = support::face_shares(mesh, end);
+  PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
+  double moment = 0;
+  for (const int n : end) moment += share[n] * mesh.positions().row(n).head<2>().squaredNorm();
+  for (const int n : end) {
+    loads(n, 0) = -torque / moment * share[n] * mesh.positions()(n, 1);
+    loads(n, 1) = torque / moment * share[n] * mesh.positions()(n, 0);
+  }
+  Body body(mesh, {elastic(0.3)});
+  const PointArray x = support::elastic_equilibrium(body, support::nodes_at(mesh, 2, 0), loads, 1);
+  const auto angle = [&](double z) { return section_angle(mesh, support::nodes_at(mesh, 2, z), 2, x); };
+  return (angle(0.6 * length) - angle(0.4 * length)) / (0.2 * length);
+}
+
+// One cell across cannot warp its section: C3D8 is 16 % too stiff there, the blended element too soft. Both converge.
+TEST(CalculixTorsion, ConvergesToSaintVenant) {
+  const double torque = beam("torsion", 0.3, 1, "C3D8")["torque"];
+  double before = 1;
+  for (const int cells : {1, 2, 4}) {
+    const double ours = twist_rate(cells, torque);
+    EXPECT_LT(std::abs(ours - 1), before) << cells;
+    before = std::abs(ours - 1);
+  }
+  EXPECT_LT(before, 0.05);
+}
+
+// Bars
+// ----------------------------------------------------------------------------------------------------------------------
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr support::Schedule kStatic{.ramp = 1, .hold = 1, .release = 2, .end = 2};
+
+double mean_elongation(const Json& bars, const std::string& name, const char* when) {
+  return bars.at(name).at(when).at("mean_elongation");
+}
+
+// The corotated law lies between St. Venant-Kirchhoff, which softens, and Mooney-Rivlin fitted to the same constants.
+TEST(CalculixBar, ElasticStretchLiesBetweenTwoLaws) {
+  const Json bars = reference("bar");
+  for (const auto& [force, name, band] : {std::tuple(0.1, "F0.1", 0.02), std::tuple(0.45, "F0.45", 0.03)}) {
+    const double svk = mean_elongation(bars, std::string("stretch_SVK_") + name + "_C3D8", "peak"),
+                 rubber = mean_elongation(bars, std::string("stretch_MRmatched_") + name + "_C3D8", "peak");
+    const support::BarRun run = support::run_bar(
+        {.material = support::calculix_material(kNever, 0), .force = force, .schedule = kStatic, .dt = 0.25});
+    EXPECT_EQ(run.unsolved, 0);
+    EXPECT_GT(run.peak.mean_elongation, svk);
+    EXPECT_LT(run.peak.mean_elongation, rubber);
+    EXPECT_NEAR(run.peak.mean_elongation, (svk + rubber) / 2, band * (svk + rubber) / 2);
+    EXPECT_NEAR(run.residual.mean_elongation, 0, 1e-9);
+  }
+}
+
+support::BarCase visco_bar(double yield_stress, double force) {
+  support::BarCase bar{.material = support::calculix_material(yield_stress, 5), .force = force};
+  bar.settings.rotation = RotationPlasticity::kNone;
+  return bar;
+}
+
+// C3D8 locks: on the same mesh the nearly locking-free C3D8I elongates 55 % more for good, and refining C3D8 once makes
+// it 74 % more. Ours lies in between, 19 % above C3D8: beyond the 15 % that were asked for (docs/validation.md).
+TEST(CalculixBar, ViscoplasticStretchLiesBetweenC3D8AndC3D8I) {
+  for (const auto& [load, name] : {std::pair(support::EndLoad::kCentralStretch, "stretch"),
+                                   std::pair(support::EndLoad::kFaceStretch, "stretchface")}) {
+    std::map<std::string, Json> elements;
+    for (const Json& row : reference("bar_elements"))
+      if (row["load"] == name && row["refine"] == 1) elements[row["element"]] = row;
+    support::BarCase bar = visco_bar(100, elements.at("C3D8")["force"]);
+    bar.load = load;
+    const support::BarRun run = support::run_bar(bar);
+    EXPECT_EQ(run.unsolved, 0);
+    for (const auto& [ours, when] :
+         {std::pair(run.peak.mean_elongation, "peak"), std::pair(run.residual.mean_elongation, "residual")}) {
+      EXPECT_GT(ours, elements["C3D8"][when]["mean_elongation"]) << name << " " << when;
+      EXPECT_LT(ours, elements["C3D8I"][when]["mean_elongation"]) << name << " " << when;
+    }
+  }
+}
+
+TEST(CalculixBar, ViscoplasticStretchUnderLoad) {
+  const Json bars = reference("bar");
+  for (const auto& [yield_stress, force, name] : {std::tuple(50.0, 0.05, "stretch_viscoCalib_tau50_nu5_F0.05_C3D8"),
+                                                  std::tuple(100.0, 0.1, "stretch_viscoCalib_tau100_nu5_F0.1_C3D8")}) {
+    const support::BarRun run = support::run_bar(visco_bar(yield_stress, force));
+    EXPECT_EQ(run.unsolved, 0);
+    const double peak = mean_elongation(bars, name, "peak"), residual = mean_elongation(bars, name, "residual");
+    EXPECT_GT(run.peak.mean_elongation, 0.95 * peak);
+    EXPECT_LT(run.peak.mean_elongation, 1.15 * peak);
+    EXPECT_GT(run.residual.mean_elongation, 0.95 * residual);
+    EXPECT_NEAR(run.residual.volume_ratio, 1, 0.005);
+  }
+}
+
+// Under load every layer keeps the band; after release they are 9 to 16 % short (docs/validation.md).
+TEST(CalculixBar, FaceTwistUnderLoad) {
+  const Json peak = reference("bar").at("twistface_plast_tau100_f0.06_C3D8").at("peak");
+  support::BarCase bar{.material = support::calculix_material(100, 20), .load = support::EndLoad::kFaceTwist};
+  bar.force = 0.06;
+  bar.schedule = {.ramp = 2, .hold = 4, .release = 6, .end = 8};
+  bar.settings.rotation = RotationPlasticity::kNone;
+  const support::BarRun run = support::run_bar(bar);
+  EXPECT_EQ(run.unsolved, 0);
+  for (std::size_t layer = 0; layer < 11; ++layer) {
+    // theirs is told for the central nodes of a layer and for its corners; ours is the best fit of all
+    const double theirs =
+        (peak["twist_central_deg"][layer].get<double>() + peak["twist_corner_deg"][layer].get<double>()) / 2;
+    EXPECT_NEAR(run.peak.twist_deg[layer], theirs, 0.08 * std::abs(theirs) + 1e-9) << "layer " << layer;
+  }
+  EXPECT_NEAR(run.residual.volume_ratio, 1, 0.005);
+}
+
+// On the same mesh ours is closer to the refined, nearly locking-free C3D8I than C3D8 is.
+TEST(CalculixBar, FaceStretchIsCloserToTheRefinedAnswer) {
+  const Json bars = reference("bar");
+  const std::string name = "refineface_plast_tau250_F0.3_";
+  support::BarCase bar{.material = support::calculix_material(250, 20), .load = support::EndLoad::kFaceStretch};
+  bar.force = 0.3;
+  bar.schedule = {.ramp = 2, .hold = 5, .release = 6, .end = 8};
+  bar.settings.rotation = RotationPlasticity::kNone;
+  const support::BarRun run = support::run_bar(bar);
+  EXPECT_EQ(run.unsolved, 0);
+  for (const auto& [ours, when] :
+       {std::pair(run.peak.mean_elongation, "peak"), std::pair(run.residual.mean_elongation, "residual")}) {
+    const double best = mean_elongation(bars, name + "C3D8I_r2", when);
+    EXPECT_LT(std::abs(ours - best), std::abs(mean_elongation(bars, name + "C3D8_r1", when) - best)) << when;
+  }
+  EXPECT_NEAR(run.residual.volume_ratio, 1, 0.005);
+}
+
+// A single cube in uniaxial stress: the equation integrated along its axis alone, at 32 moments.
+TEST(CalculixHexahedron, FollowsTheEquationInUniaxialStress) {
+  for (const Json& row : reference("uniaxial")) {
+    const Eigen::VectorXd times = support::vector(row["times"]), expected = support::vector(row["stretch_equation"]);
+    const std::vector<double> ours =
+        support::uniaxial_stretch(support::calculix_material(row["yield_stress"], row["flow_rate"]),
+                                  row["nominal_stress"], {times.data(), times.data() + times.size()});
+    const double peak = expected.maxCoeff() - 1;
+    for (Eigen::Index i = 0; i < times.size(); ++i)
+      EXPECT_NEAR(ours[i], expected[i], 0.01 * peak) << "yield stress " << row["yield_stress"] << ", t = " << times[i];
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "support/calculix_bar.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast::support {
+namespace {
+
+constexpr double kCell = 0.01, kWidth = 3 * kCell;  // [m]
+constexpr int kSlices = 10, kAxis = 2;
+
+/// The bar of a case, with the origin on its axis at the lower end.
+HexMesh bar_mesh(int refine) {
+  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, kSlices * kCell);
+  return regular_grid({3 * refine, 3 * refine, kSlices * refine}, least, most);
+}
+
+std::vector<int> central(const HexMesh& mesh, std::vector<int> end) {
+  std::erase_if(
+      end, [&](int n) { return mesh.positions().row(n).head<2>().cwiseAbs().maxCoeff() > kCell / 2 * (1 + 1e-9); });
+  return end;
+}
+
+/// Full load [N] on every node.
+PointArray end_loads(const BarCase& bar, const HexMesh& mesh) {
+  PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
+  for (const double sense : {-1.0, 1.0}) {
+    const std::vector<int> end = nodes_at(mesh, kAxis, sense < 0 ? 0 : kSlices * kCell);
+    const std::vector<double> share =
+        face_shares(mesh, bar.load == EndLoad::kCentralStretch ? central(mesh, end) : end);
+    if (bar.load != EndLoad::kFaceTwist) {
+      for (const int n : end) loads(n, kAxis) = sense * bar.force * share[n];
+      continue;
+    }
+    double moment = 0;  // [m^2] of the forces share (-y, x)
+    for (const int n : end) moment += share[n] * mesh.positions().row(n).head<2>().squaredNorm();
+    const double scale = 2 * bar.force * kCell / moment;
+    for (const int n : end) {
+      loads(n, 0) = -sense * scale * share[n] * mesh.positions()(n, 1);
+      loads(n, 1) = sense * scale * share[n] * mesh.positions()(n, 0);
+    }
+  }
+  return loads;
+}
+
+double mean_height(const std::vector<int>& nodes, ConstPoints x) {
+  double sum = 0;
+  for (const int n : nodes) sum += x(n, kAxis);
+  return sum / static_cast<double>(nodes.size());
+}
+
+BarState measure(const Body& body, ConstPoints x) {
+  const HexMesh& mesh = body.mesh();
+  std::vector<std::vector<int>> layers;
+  for (int k = 0; k <= kSlices; ++k) layers.push_back(nodes_at(mesh, kAxis, k * kCell));
+
+  BarState state;
+  const double length = kSlices * kCell;
+  state.mean_elongation = (mean_height(layers.back(), x) - mean_height(layers.front(), x)) / length - 1;
+  state.central_elongation =
+      (mean_height(central(mesh, layers.back()), x) - mean_height(central(mesh, layers.front()), x)) / length - 1;
+  state.volume_ratio = body.volume(x) / body.original_volume();
+  for (const std::vector<int>& layer : layers)
+    state.twist_deg.push_back(section_angle(mesh, layer, kAxis, x) * 180 / std::numbers::pi);
+  for (int k = 0; k < kSlices; ++k)
+    state.slice_stretch.push_back((mean_height(layers[k + 1], x) - mean_height(layers[k], x)) / kCell);
+  return state;
+}
+
+/// A body in the corner of three planes through the origin: the nodes on a plane glide along it.
+class CorneredBody final : public LoadedBody {
+ public:
+  CorneredBody(Body& body, Load load)
+      : LoadedBody(body, std::vector<double>(body.mesh().num_nodes(), 0.0), {}, std::move(load)) {
+    for (int axis = 0; axis < 3; ++axis) held_[axis] = nodes_at(body.mesh(), axis, 0);
+  }
+
+  void project(Points field) const override {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int n : held_[axis]) field(n, axis) = 0;
+  }
+  void pin(BlockMatrix& A) const override {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int n : held_[axis]) A.pin(n, axis);
+  }
+
+ private:
+  std::array<std::vector<int>, 3> held_;
+};
+
+/// Far below the errors that are looked for, well above rounding.
+NewtonSettings settings_for(double force) {
+  return {.iterations = 200,
+          .relative_successive = 0,
+          .relative_initial = 0,
+          .absolute_residual = 1e-7 * force,
+          .line_search_iterations = 3};
+}
+
+}  // namespace
+
+double Schedule::share(double time) const {
+  if (time < ramp) return time / ramp;
+  if (time <= hold) return 1;
+  return std::max(0.0, 1 - (time - hold) / (release - hold));
+}
+
+Material calculix_material(double yield_stress, double flow_rate) {
+  Material m;
+  m.young_modulus = 5000;
+  m.poisson_ratio = 0.45;
+  m.hardening = 0.2;
+  m.yield_stress = yield_stress;
+  m.flow_rate = flow_rate;
+  return m;
+}
+
+std::vector<double> face_shares(const HexMesh& mesh, const std::vector<int>& nodes) {
+  std::vector<double> share(mesh.num_nodes(), 0.0);
+  const auto is_among = [&](int n) { return std::ranges::find(nodes, n) != nodes.end(); };
+  double faces = 0;
+  for (const std::array<int, 4>& face : mesh.boundary_faces()) {
+    if (!std::ranges::all_of(face, is_among)) continue;
+    for (const int n : face) share[n] += 0.25;
+    ++faces;
+  }
+  for (double& value : share) value /= faces;
+  return share;
+}
+
+BarRun run_bar(const BarCase& bar) {
+  Body body(bar_mesh(bar.refine), {bar.material}, bar.settings);
+  const HexMesh& mesh = body.mesh();
+  const PointArray loads = end_loads(bar, mesh);
+  LoadedBody system(body, std::vector<double>(mesh.num_nodes(), 0.0), nodes_at(mesh, kAxis, kSlices / 2 * kCell),
+                    [&](double time, ConstPoints, Points f) { f += bar.schedule.share(time) * loads; });
+  NewtonRaphson newton(settings_for(bar.force));
+  CholeskySolver solver;
+
+  PointArray x = mesh.positions();
+  BarRun run;
+  const auto balance = [&](double time) {
+    const NewtonReport report = newton.solve(system, solver, time, x);
+    if (report.status == NewtonStatus::kNotConverged) ++run.unsolved;
+    run.worst_residual = std::max(run.worst_residual, report.residual);
+  };
+  const int steps = static_cast<int>(std::lround(bar.schedule.end / bar.dt));
+  const int peak = static_cast<int>(std::lround(bar.schedule.hold / bar.dt));
+  for (int step = 1; step <= steps; ++step) {
+    balance(step * bar.dt);
+    if (step == peak) run.peak = measure(body, x);
+    body.flow(x, bar.dt);
+  }
+  balance(bar.schedule.end);
+  run.residual = measure(body, x);
+  return run;
+}
+
+std::vector<double> uniaxial_stretch(const Material& material, double nominal_stress,
+                                     const std::vector<double>& times) {
+  constexpr double kStep = 0.01;  // [s]
+  Settings settings;
+  settings.rotation = RotationPlasticity::kNone;
+  Body body(block({1, 1, 1}, kCell), {material}, settings);
+  const double force = nominal_stress * kCell * kCell;
+  CorneredBody system(body, [&](double time, ConstPoints, Points f) {
+    for (const int n : nodes_at(body.mesh(), kAxis, kCell)) f(n, kAxis) += Schedule().share(time) * force / 4;
+  });
+  NewtonRaphson newton(settings_for(force));
+  CholeskySolver solver;
+  PointArray x = body.mesh().positions();
+  std::vector<double> stretch;
+  for (int step = 1; stretch.size() < times.size(); ++step) {
+    if (newton.solve(system, solver, step * kStep, x).status == NewtonStatus::kNotConverged)
+      throw std::runtime_error("no equilibrium");
+    if (step * kStep > times[stretch.size()] - kStep / 2) stretch.push_back(x.col(kAxis).maxCoeff() / kCell);
+    body.flow(x, kStep);
+  }
+  return stretch;
+}
+
+PointArray elastic_equilibrium(Body& body, const std::vector<int>& fixed, const PointArray& loads, int load_steps) {
+  LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0.0), fixed,
+                    [&](double share, ConstPoints, Points f) { f += share * loads; });
+  NewtonRaphson newton(settings_for(loads.norm()));
+  CholeskySolver solver;
+  PointArray x = body.mesh().positions();
+  for (int step = 1; step <= load_steps; ++step) {
+    const NewtonReport report = newton.solve(system, solver, static_cast<double>(step) / load_steps, x);
+    if (report.status == NewtonStatus::kNotConverged) throw std::runtime_error("no equilibrium");
+  }
+  return x;
+}
+
+}  // namespace hexaplast::support
