@@ -251,6 +251,12 @@ TEST(FinalState, ComesBackWithAllItsBits) {
   expect_points("positions", x);
   expect_points("velocities", v);
   expect_points("material_positions", body.history().material);
+  const ElementHistory second = body.history().element(1);
+  ASSERT_EQ(read["isolated_shapes"].size(), static_cast<std::size_t>(body.mesh().num_elements()));
+  for (int a = 0; a < kCorners; ++a) {
+    const Vec3 corner = second.rotation_map[a] * second.rest_shape.row(a).transpose();
+    for (int d = 0; d < 3; ++d) EXPECT_NEAR(read["isolated_shapes"][1][a][d].get<double>(), corner[d], 1e-15);
+  }
   EXPECT_EQ(read["volume_ratio"].get<std::vector<double>>(), fields.volume_ratio);
   EXPECT_TRUE(read["yield_stress"][0].is_null());  // infinite
   EXPECT_EQ(read["yield_stress"][1].get<double>(), fields.yield_stress[1]);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "hexaplast/plastic/rest_shape.hpp"
 #include "output/files.hpp"
 #include "output/recorder.hpp"
 
@@ -27,6 +28,25 @@ void write_values(WholeFile& out, std::string_view name, const std::vector<doubl
   out.write("],\n");
 }
 
+/// The isolated rest shapes of all elements in the material frame: Pi_i y_i about their mean.
+void write_isolated_shapes(WholeFile& out, const History& history) {
+  out.write("  \"isolated_shapes\": [");
+  for (std::size_t e = 0; e < history.rest_shape.size(); ++e) {
+    const ElementHistory element = history.element(static_cast<int>(e));
+    ElementPoints shape;
+    for (int a = 0; a < kCorners; ++a)
+      shape.row(a) = (element.rotation_map[a] * element.rest_shape.row(a).transpose()).transpose();
+    shape = about_mean(shape);
+
+    out.write(e == 0 ? "\n    [" : ",\n    [");
+    for (int a = 0; a < kCorners; ++a)
+      out.write(fmt::format("{}[{}, {}, {}]", a == 0 ? "" : ", ", number(shape(a, 0)), number(shape(a, 1)),
+                            number(shape(a, 2))));
+    out.write("]");
+  }
+  out.write("\n  ],\n");
+}
+
 }  // namespace
 
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body& body) {
@@ -48,6 +68,7 @@ void write_final(const std::filesystem::path& file, long step, double time, Cons
   write_points(out, "positions", positions);
   write_points(out, "velocities", velocities);
   write_points(out, "material_positions", body.history().material);
+  write_isolated_shapes(out, body.history());
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);
   out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", state_hash(step, positions, velocities, body)));

@@ -73,7 +73,8 @@ Summary summarise(const Body& body, ConstPoints positions);
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body& body);
 
 /// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
-/// volume_ratio and yield_stress (null where infinite), state_hash; 17 significant digits.
+/// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and
+/// yield_stress (null where infinite), state_hash; 17 significant digits.
 void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
                  ConstPoints velocities, const Body& body);
 
