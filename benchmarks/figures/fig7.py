@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Fig. 7: elongation over time of the stretched bar against CalculiX on the same mesh."""
+import json
+
+import numpy as np
+
+from bar import ROOT, Grid, elongation, run
+from picture import SIDE, Page
+from report import RESULTS, Curve, write_plot, write_section, write_table
+
+REFERENCE = ROOT / "tests/data/calculix/bar_histories.json"
+# Results depend on loads and stresses over E h^2 and E only: forces grow with h^2 from the reference's h = 0.01 m.
+CASES = {"stretch_viscoCalib_tau50_nu5_F0.05_C3D8": (50, 5.0), "stretch_viscoCalib_tau100_nu5_F0.1_C3D8": (100, 10.0)}
+PEAK = 5  # [s] end of the hold; the load then falls for a second
+STEPS, EVERY = 800, 10  # of 0.01 s; a state every 0.1 s, as in the reference
+
+
+def _settings(yield_stress, force):
+    """Slow loading of a light body without viscosity: inertia is negligible and the bar passes through equilibria."""
+    settings = ["bar/DiagonalMass1.massDensity=1", "bar/EulerImplicitSolver1.rayleighMass=1",
+                "bar/EulerImplicitSolver1.rayleighStiffness=0", "RunSettings1.steps=" + str(STEPS),
+                "RunSettings1.outputEvery=" + str(EVERY), "bar/material.yieldNorm=vonMises",
+                f"bar/material.yieldStress={yield_stress}", "bar/material.plasticFlowRate=5"]
+    for side, sign in (("Up", 1), ("Down", -1)):
+        load = f"0 0 {sign * force / 4}"
+        # a step reads the load at its beginning: shifted by a step, it is that of the step's end
+        settings += [f"bar/pull{side}.times=-0.01 0.99 4.99 5.99",
+                     f"bar/pull{side}.forces=0 0 0  {load}  {load}  0 0 0"]
+    return settings
+
+
+def make():
+    grid = Grid()
+    with open(REFERENCE) as file:
+        reference = json.load(file)["cases"]
+    curves, rows, timing, shapes = [], [], [], []
+    for name, (yield_stress, force) in CASES.items():
+        theirs = reference[name]
+        ours = run(f"fig7/tau{yield_stress}", "bar_stretch_low", _settings(yield_stress, force))
+        time = np.arange(EVERY, STEPS + 1, EVERY) / 100
+        elongations = np.array([elongation(grid, ours.world_at(step)) for step in range(EVERY, STEPS + 1, EVERY)])
+        ccx_time = np.array([point["time"] for point in theirs["time_history"]])
+        ccx = np.array([point["stretch_total_mean"] - 1 for point in theirs["time_history"]])
+        curves.append(Curve(f"Hexaplast, yield stress / E = {yield_stress / 5000:g}", time, 100 * elongations))
+        curves.append(Curve("CalculiX C3D8", ccx_time, 100 * ccx, dashed=True, colour="#222222"))
+
+        at_theirs = np.interp(ccx_time, time, elongations)
+        peak = np.interp(PEAK, time, elongations), np.interp(PEAK, ccx_time, ccx)
+        rows.append([f"{yield_stress / 5000:g}", *(f"{100 * value:.3f}" for value in peak),
+                     f"{100 * (peak[0] / peak[1] - 1):+.1f}", f"{100 * elongations[-1]:.3f}", f"{100 * ccx[-1]:.3f}",
+                     f"{100 * (elongations[-1] / ccx[-1] - 1):+.1f}", f"{100 * np.abs(at_theirs - ccx).max():.3f}",
+                     f"{100 * np.abs((1 + at_theirs) / (1 + ccx) - 1).max():.3f}"])
+        timing.append([f"{yield_stress / 5000:g}", f"{1000 * ours.step_ms / grid.num_hexahedra:.0f}",
+                       f"{1000 * theirs['cpu_ms_per_hex_per_increment']:.0f}",
+                       f"{1000 * ours.cpu_s / grid.num_hexahedra:.1f}",
+                       f"{theirs['cpu_ms_per_hex_total']:.1f}"])
+        shapes += [(f"yield stress / E = {yield_stress / 5000:g}, at the end of the load", ours.world_at(100 * PEAK)),
+                   (f"yield stress / E = {yield_stress / 5000:g}, for good", ours.material)]
+
+    write_plot("fig7", "Elongation of the bar on the same mesh", "time [s]", "elongation, mean of the end faces, %",
+               curves)
+    _draw(grid, shapes)
+    largest = max(abs(float(row[6])) for row in rows)
+    table = write_table("fig7", ["yield stress / E", "peak %", "CalculiX %", "difference %", "left %",
+                                 "CalculiX left %", "difference left %", "largest difference, points",
+                                 "of length ratios %"], rows)
+    times = write_table("fig7_time", ["yield stress / E", "us per hexahedron and step", "CalculiX: and increment",
+                                      "ms per hexahedron, all steps", "CalculiX: all increments"], timing)
+    write_section("Figure 7: against a reference code", f"""
+![elongation over time](fig7.svg)
+
+![the bar under load and afterwards](fig7.png)
+
+The bar under a slow load on the central end faces (ramp 1 s, held to 5 s, released to 6 s, rest to 8 s), von Mises
+norm, against CalculiX 2.20 with fully integrated C3D8 hexahedra on the same mesh and a viscoplastic law fitted to the
+same uniaxial response (`tests/data/calculix/bar_histories.json`). The paper finds its stretch within 5 % of Abaqus over
+time; that compares length ratios, in which ours and CalculiX differ by the last column. The elongations themselves, the
+stricter measure, differ by up to {largest:.0f} % of what is left for good, and ours are the larger ones: C3D8 locks at
+Poisson's ratio 0.45, which the blended gradients do less. Half the time step or a tenth of the mass change ours by less
+than 0.1 %, so that neither is the reason.
+
+{table}
+
+Processor times of one core, output included; CalculiX made two equilibrium iterations per increment and 400 increments,
+Hexaplast 800 steps of one linear solve and one plastic flow each. The paper reports 7 ms per hexahedron for Abaqus.
+
+{times}
+""")
+
+
+def _draw(grid, shapes):
+    """Coloured like the paper's: by deformation, here the elongation of each column of hexahedra along the axis."""
+    faces, owner = grid.boundary_faces()
+    values = []
+    for _, x in shapes:
+        at = x[grid.hexahedra][..., 2]
+        values.append((at[:, 4:].mean(axis=1) - at[:, :4].mean(axis=1)) / grid.size - 1)
+    greatest = max(value.max() for value in values)
+    page = Page(1400, 520)
+    for k, (title, x) in enumerate(shapes):
+        left, y = 40 + 680 * (k % 2), 130 + 190 * (k // 2)
+        page.text((left, y - 90), title, 16)
+        page.draw(x, faces, np.clip(values[k][owner] / greatest, 0, 1), SIDE, (left + 320, y), 460)
+    page.colour_bar((520, 460), 360, 100 * greatest, "elongation of the hexahedron, %")
+    page.save(RESULTS / "fig7.png")
