@@ -13,10 +13,6 @@ namespace hexaplast {
 
 namespace {
 
-// The averaging is solved far beyond what a picture needs: the plastic result must not depend on the solver.
-constexpr double kAveragingTolerance = 1e-11;
-constexpr int kAveragingIterations = 10000;
-
 template <class T>
 void add_array(StateHash& hash, const std::vector<T>& array) {
   hash.add(array.data(), array.size() * sizeof(T));
@@ -85,9 +81,8 @@ ElementFields Body::fields(ConstPoints x) const {
     out.volume_ratio[e] = rest.volume / model_.volume[e];
     for (const Mat3& F : deformation_gradients(rest, gather(x, corners))) {
       const SignedSvd svd = signed_svd(F);
-      const Mat3 S = svd.V * svd.d.asDiagonal() * svd.V.transpose();
       out.stress_norm[e] =
-          std::max(out.stress_norm[e], stress_norm(stress(S, model_.lame[e]), model_.settings.yield_norm));
+          std::max(out.stress_norm[e], stress_norm(stress(polar(svd).S, model_.lame[e]), model_.settings.yield_norm));
       out.strain[e] = std::max(out.strain[e], (svd.d.array() - 1).abs().maxCoeff());
     }
   });

@@ -109,6 +109,24 @@ std::vector<std::string> names_in(const fs::path& directory) {
   return names;
 }
 
+TEST(WholeFile, ReplacesFilesAloneAndFollowsLinks) {
+  const Scratch scratch;
+  const std::filesystem::path pipe = scratch / "pipe", file = scratch / "file", link = scratch / "link";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(WholeFile{pipe}, OutputError);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_THROW(WholeFile{scratch / "."}, OutputError);
+
+  std::ofstream(file) << "before";
+  std::filesystem::create_symlink(file, link);
+  WholeFile out(link);
+  out.write("after");
+  EXPECT_EQ(content(file), "before");
+  out.commit();
+  EXPECT_EQ(content(file), "after");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+}
+
 TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
   const Scratch scratch;
   Body body = support::yielding_block();
@@ -169,16 +187,6 @@ TEST(MeshFile, ComesBackBitForBitInAnIndependentReader) {
   EXPECT_TRUE(std::isinf(fields.yield_stress.front()));  // infinite values pass
   EXPECT_EQ(read.at("volume_ratio"), bytes_of(fields.volume_ratio));
   EXPECT_EQ(read.at("strain"), bytes_of(fields.strain));
-}
-
-TEST(MeshFile, OfABodyThatNeverYieldsHasNoYieldStress) {
-  const Scratch scratch;
-  Body body(support::block({1, 2, 3}, 0.1), {Material{}});
-  Recorder recorder(scratch / "run", body, plan(1, 1));
-  support::record_stretch(recorder, body, 1);
-  const std::string file = content(scratch / "run/mesh_000001.vtu");
-  EXPECT_EQ(file.find("yield_stress"), std::string::npos);
-  EXPECT_NE(file.find("plastic_strain"), std::string::npos);
 }
 
 TEST(MeshFile, LeavesRemovedHexahedraOut) {

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <sys/wait.h>
+
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <regex>
 
 #include "support/command.hpp"
 
@@ -157,6 +162,40 @@ TEST_F(Command, ASignalEndsTheRunAfterTheStep) {
   EXPECT_NE(interrupted.out.find("state hash"), std::string::npos);
   EXPECT_NE(interrupted.err.find("warning: ended by signal 2 after step "), std::string::npos);
   EXPECT_EQ(hexaplast(forever, "timeout --foreground --preserve-status -s TERM 0.5").code, 143);
+}
+
+TEST_F(Command, ClosedStreamsStayOutOfFiles) {
+  write("bar.scn", kBar);
+  const std::string line = "cd '" + directory_.string() +
+                           "' && '" HEXAPLAST_COMMAND
+                           "' run bar.scn --out out --frames 0 --set bar/CGLinearSolver1.iterations=1 <&- >&- 2>&-";
+  write("bar.scn", std::regex_replace(kBar, std::regex("SparseLDLSolver"), "CGLinearSolver"));
+  EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 0);
+  const std::string history = content(directory_ / "out" / "history.csv");
+  EXPECT_EQ(std::count(history.begin(), history.end(), '\n'), 6);  // header, initial state, four steps
+  EXPECT_EQ(history.find("warning"), std::string::npos);
+}
+
+TEST_F(Command, ASolverThatStopsEarlyIsReported) {
+  write("bar.scn", std::regex_replace(kBar, std::regex("SparseLDLSolver"),
+                                      "CGLinearSolver iterations='1' tolerance='1e-12' threshold='0'"));
+  const Outcome outcome = hexaplast("run bar.scn");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.err.find("warning: the linear solver stopped before its tolerance in 4 of 4 steps"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST_F(Command, TheFinalFileMayLieInTheOutputDirectory) {
+  write("bar.scn", kBar);
+  EXPECT_EQ(hexaplast("run bar.scn --out out --frames 0 --final out/final.json").code, 0);
+  EXPECT_TRUE(fs::exists(directory_ / "out" / "final.json"));
+}
+
+TEST_F(Command, OverridesMayNameTheRootOrNot) {
+  write("bar.scn", kBar);
+  for (const char* path : {"bar/material", "root/bar/material"})
+    EXPECT_EQ(hexaplast(std::string("run bar.scn --set ") + path + ".youngModulus=100").code, 0) << path;
 }
 
 TEST_F(Command, AClosedOutputDoesNotCrashIt) {

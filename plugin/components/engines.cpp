@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "hexaplast/mesh/selection.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
@@ -46,23 +47,12 @@ class BoxROI final : public scene::Engine {
   }
 
   std::vector<std::int64_t> hexahedra_inside(const PointArray& points) {
-    std::vector<std::int64_t> inside;
     scene::Topology* topology = node().nearest<scene::Topology>();
-    if (!topology || topology->positions().rows() != points.rows()) return inside;  // the points are not its nodes
-
-    const bool strict = boolean("strict");
-    const std::vector<Hexahedron>& hexahedra = topology->hexahedra();
-    for (std::size_t e = 0; e < hexahedra.size(); ++e) {
-      Vec3 centre = Vec3::Zero();
-      bool all_inside = true;
-      for (const int corner : hexahedra[e]) {
-        const Vec3 point = points.row(corner).transpose();
-        centre += point / kCorners;
-        all_inside = all_inside && is_inside(point);
-      }
-      if (strict ? all_inside : is_inside(centre)) inside.push_back(static_cast<std::int64_t>(e));
-    }
-    return inside;
+    if (!topology || topology->positions().rows() != points.rows()) return {};  // the points are not its nodes
+    const std::vector<int> found = hexaplast::hexahedra_inside(
+        points, topology->hexahedra(), boolean("strict") ? Inside::kAllCorners : Inside::kCentre,
+        [&](const Vec3& point) { return is_inside(point); });
+    return {found.begin(), found.end()};
   }
 };
 

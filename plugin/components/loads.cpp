@@ -98,11 +98,10 @@ class LinearForceField final : public Load {
   }
 
   void add_force(double time, ConstPoints, ConstPoints, Points f) override {
-    const auto [key, fraction] = phase_at(times_, time);
-    if (key < 0) return;
-    const bool is_over = key + 1 == forces_.rows();  // then SOFA leaves the factor out
-    const auto from = forces_.row(key), to = forces_.row(is_over ? key : key + 1);
-    const Eigen::RowVector3d force = (is_over ? 1 : factor_) * (from + fraction * (to - from));
+    const KeyPhase phase = phase_at(times_, time);
+    if (phase.key < 0) return;
+    const bool is_over = phase.key + 1 == forces_.rows();  // then SOFA leaves the factor out
+    const Eigen::RowVector3d force = (is_over ? 1 : factor_) * interpolate(phase, forces_);
     for (const int node : nodes_) f.row(node) += force;
   }
 
@@ -131,10 +130,9 @@ class TangentialForceField final : public Load {
   }
 
   void add_force(double time, ConstPoints x, ConstPoints, Points f) override {
-    const auto [key, fraction] = phase_at(times_, time);
-    if (key < 0) return;
-    const double from = forces_[key], to = forces_[std::min<std::size_t>(key + 1, forces_.size() - 1)];
-    add_tangential_forces(nodes_, group_size_, axis_, centre_, from + fraction * (to - from), x, f);
+    const KeyPhase phase = phase_at(times_, time);
+    if (phase.key < 0) return;
+    add_tangential_forces(nodes_, group_size_, axis_, centre_, interpolate(phase, forces_), x, f);
   }
 
  private:

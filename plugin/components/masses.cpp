@@ -20,12 +20,12 @@ class LumpedMass : public scene::Mass {
     rayleigh_mass_ = real("rayleighMass");
   }
 
-  void add_gravity(const Vec3& gravity, Points f) const override { f += mass_ * gravity.transpose(); }
+  void add_gravity(const Vec3& gravity, Points f) const override { hexaplast::add_gravity(mass_, gravity, f); }
   void add_product(double factor, ConstPoints dx, Points df) const override { df += factor * mass_.asDiagonal() * dx; }
   void add_blocks(double factor, BlockMatrix& A) const override {
     for (int n = 0; n < static_cast<int>(mass_.size()); ++n) A.add(n, n, factor * mass_[n] * Mat3::Identity());
   }
-  double kinetic_energy(ConstPoints v) const override { return mass_.dot(v.rowwise().squaredNorm()) / 2; }
+  double kinetic_energy(ConstPoints v) const override { return hexaplast::kinetic_energy(mass_, v); }
   double rayleigh_mass() const override { return rayleigh_mass_; }
 
  protected:

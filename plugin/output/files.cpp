@@ -59,7 +59,14 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
 
 }  // namespace
 
-WholeFile::WholeFile(fs::path path) : path_(std::move(path)), part_(path_.string() + std::string(kPart)) {
+WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
+  // a link keeps pointing where it points; a device, a pipe or a directory must not be replaced by a file
+  std::error_code error;
+  if (fs::is_symlink(path_, error)) path_ = fs::weakly_canonical(path_);
+  const fs::file_status status = fs::status(path_, error);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw OutputError(path_.string() + ": is not a regular file and will not be replaced");
+  part_ = path_.string() + std::string(kPart);
   file_ = std::fopen(part_.c_str(), "wbe");
   if (!file_) fail(part_, "cannot be created", errno);
 }

@@ -16,7 +16,8 @@ class OutputError : public std::runtime_error {
 };
 
 /// A file that is either there whole or not there at all: written as `<name>.part` beside its place, then flushed to
-/// disk and renamed. Whatever stood at its place before stays until then. Every failure is an OutputError.
+/// disk and renamed. A file that stood at its place before stays until then; what is not a regular file is refused.
+/// Every failure is an OutputError.
 class WholeFile {
  public:
   explicit WholeFile(std::filesystem::path path);

@@ -11,8 +11,11 @@
 namespace hexaplast::output {
 namespace {
 
-/// 17 significant digits give every double back; JSON has no infinity.
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.17g}", value) : "null"; }
+/// 17 significant digits give every double back; JSON has no infinity, and a NaN must not pass for one.
+std::string number(double value) {
+  if (std::isnan(value)) throw OutputError("the last state holds a number that is not one (NaN)");
+  return std::isfinite(value) ? fmt::format("{:.17g}", value) : "null";
+}
 
 void write_points(WholeFile& out, std::string_view name, ConstPoints points) {
   out.write(fmt::format("  \"{}\": [", name));
@@ -62,8 +65,13 @@ std::string state_hash(long step, ConstPoints positions, ConstPoints velocities,
 
 void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
                  ConstPoints velocities, const Body& body) {
-  const ElementFields fields = body.fields(positions);
   WholeFile out(file);
+  write_final(out, step, time, positions, velocities, body);
+}
+
+void write_final(WholeFile& out, long step, double time, ConstPoints positions, ConstPoints velocities,
+                 const Body& body) {
+  const ElementFields fields = body.fields(positions);
   out.write(fmt::format("{{\n  \"time\": {},\n", number(time)));
   write_points(out, "positions", positions);
   write_points(out, "velocities", velocities);

@@ -75,6 +75,8 @@ std::string state_hash(long step, ConstPoints positions, ConstPoints velocities,
 /// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
 /// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and
 /// yield_stress (null where infinite), state_hash; 17 significant digits.
+void write_final(WholeFile& file, long step, double time, ConstPoints positions, ConstPoints velocities,
+                 const Body& body);
 void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
                  ConstPoints velocities, const Body& body);
 

@@ -89,8 +89,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
                                       vectors("velocity", velocity)};
   std::vector<Array> cell_data{scalars("Float64", "stress_norm", fields.stress_norm),
                                scalars("Float64", "plastic_strain", fields.plastic_strain)};
-  if (std::ranges::any_of(fields.yield_stress, [](double stress) { return std::isfinite(stress); }))
-    cell_data.push_back(scalars("Float64", "yield_stress", fields.yield_stress));
+  cell_data.push_back(scalars("Float64", "yield_stress", fields.yield_stress));
   cell_data.push_back(scalars("Float64", "volume_ratio", fields.volume_ratio));
   cell_data.push_back(scalars("Float64", "strain", fields.strain));
 

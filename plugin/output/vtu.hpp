@@ -15,7 +15,7 @@ namespace hexaplast::output {
 ///   point data: displacement [m], material_position [m], velocity [m/s]
 ///   cell data:  stress_norm [Pa], plastic_strain [-], yield_stress [Pa], volume_ratio [-], strain [-] (ElementFields)
 ///
-/// yield_stress is left out for a body that yields nowhere; where only some hexahedra never yield, theirs is infinite.
+/// yield_stress is infinite where a hexahedron never yields.
 /// Throws OutputError.
 void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities);
 

@@ -17,7 +17,7 @@
 #include "hexaplast/elastic/operators.hpp"
 #include "hexaplast/material/corotated.hpp"
 #include "hexaplast/plastic/element_flow.hpp"
-#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -318,14 +318,14 @@ Json step_block(const Element& element, RotationPlasticity mode, RotationFrame f
   Linearization at;
   update_rest_operators(model, history, at);
   FlowWorkspace work(model);
-  CholeskySolver solver;
+  PreconditionedConjugateGradients solver(kAveragingTolerance, kAveragingIterations);  // as the body has
   History after = history;
   flow(model, at, element.world, element.dt, solver, after, work);
 
   // and once more for its intermediates
   const Mat3 B = mode == RotationPlasticity::kObjective || frame == RotationFrame::kWorld || work.frames.empty()
                      ? Mat3(Mat3::Identity())
-                     : work.frames[0];
+                     : work.frames[0].rotation;
   const ElementStep step = flow_element({.material = model.material(0),
                                          .lame = model.lame[0],
                                          .settings = settings,

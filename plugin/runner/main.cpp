@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <exception>
 #include <new>
 
 #include "hexaplast/base/error.hpp"
@@ -96,6 +100,12 @@ int report(ExitCode code, const std::string& message) {
   return code;
 }
 
+/// A closed standard stream would give its number to the next file, which messages then corrupt.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(kInputOutput);
+}
+
 /// Carries out a subcommand and turns what it throws into a message about `subject` and an exit code.
 template <class Action>
 int report_errors(const std::string& subject, const Action& action) {
@@ -121,12 +131,16 @@ int report_errors(const std::string& subject, const Action& action) {
     return report(kInputOutput, fmt::format("hexaplast: error: {}", error.what()));
   } catch (const scene::PluginError& error) {
     return report(kPlugin, error.what());
+  } catch (const std::exception& error) {  // what the system refuses: threads, locales, files
+    return report(kInputOutput, fmt::format("hexaplast: error: {}", error.what()));
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
+
   // Messages are sentences with their own place and severity; the log adds nothing to them.
   spdlog::set_default_logger(spdlog::stderr_logger_mt("hexaplast"));
   spdlog::set_pattern("%v");

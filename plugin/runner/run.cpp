@@ -31,12 +31,13 @@ struct Stage {
   int output_every = 25;
 };
 
-/// The two kinds of time of a run.
+/// What the accepted steps of a run add up to.
 struct Progression {
-  long step = 0;        ///< accepted steps
-  double step_ms = 0;   ///< wall time of all of them, without output
-  long iterations = 0;  ///< of all linear solves
-  long unsolved = 0;    ///< steps whose solver ended at its limit of iterations
+  long step = 0;               ///< how many
+  double step_ms = 0;          ///< wall time of all of them, without output
+  long iterations = 0;         ///< of all linear solves
+  long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
+  long stalled_averaging = 0;  ///< steps whose rest-to-material averaging did
 };
 
 Stage set_up(const RunOptions& options) {
@@ -77,14 +78,6 @@ output::RunPlan plan_of(Stage& stage, const RunOptions& options) {
   return plan;
 }
 
-// Before the first step, so that a long run does not end in a file that cannot be written.
-void require_writable_parent(const path& file) {
-  const path parent = file.has_parent_path() ? file.parent_path() : path(".");
-  std::error_code unknown;
-  if (!std::filesystem::is_directory(parent, unknown))
-    throw output::OutputError(fmt::format("{}: there is no directory {}", file.string(), parent.string()));
-}
-
 output::StepRecord record_of(Stage& stage, const Progression& done, const SolveReport& solve, double step_ms) {
   output::StepRecord record;
   record.step = done.step;
@@ -118,8 +111,9 @@ Progression advance(Stage& stage, output::Recorder* recorder, bool shows_progres
     ++done.step;
     done.step_ms += step_ms;
     done.iterations += solve.iterations;
-    if (!solve.converged) ++done.unsolved;
+    done.stalled_solves += !solve.converged;
     const output::StepRecord record = record_of(stage, done, solve, step_ms);
+    done.stalled_averaging += !record.flow.averaging.converged;
     if (recorder) recorder->record(record, stage.state->positions(), stage.state->velocities());
     progress.show(done.step, record.time, record.flow.yielded);
   }
@@ -166,6 +160,14 @@ void print_summary(Stage& stage, const Progression& done, const path& scene_file
                    : hash_without_body(stage, done.step));
 }
 
+void warn_of_stalls(const Progression& done) {
+  const auto warn = [&](long steps, const char* what) {
+    if (steps > 0) spdlog::warn("warning: {} stopped before its tolerance in {} of {} steps", what, steps, done.step);
+  };
+  warn(done.stalled_solves, "the linear solver");
+  warn(done.stalled_averaging, "the rest-to-material averaging");
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -173,22 +175,23 @@ int run(const RunOptions& options) {
   watch_signals();
 
   Stage stage = set_up(options);
-  if (options.final_state) require_writable_parent(*options.final_state);
+  // opened before the first step, so that a long run does not end in a file that cannot be written
   std::optional<output::Recorder> recorder;
   if (options.out) recorder.emplace(*options.out, *stage.body_field->body(), plan_of(stage, options));
+  std::optional<output::WholeFile> final_state;
+  if (options.final_state) final_state.emplace(*options.final_state);
 
   const Progression done = advance(stage, recorder ? &*recorder : nullptr, !options.quiet);
 
   if (recorder)
     for (const std::string& warning : recorder->finish()) spdlog::warn("warning: {}", warning);
-  if (options.final_state)
-    output::write_final(*options.final_state, done.step, stage.scene.time(), stage.state->positions(),
+  if (final_state)
+    output::write_final(*final_state, done.step, stage.scene.time(), stage.state->positions(),
                         stage.state->velocities(), *stage.body_field->body());
   if (!options.quiet) print_summary(stage, done, options.scene);
+  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  warn_of_stalls(done);
 
-  if (done.unsolved > 0)
-    spdlog::warn("warning: in {} of {} steps the solver ended at its limit of iterations, short of its tolerance",
-                 done.unsolved, done.step);
   const int signal = requested_signal();
   if (signal != 0) spdlog::warn("warning: ended by signal {} after step {} of {}", signal, done.step, stage.num_steps);
   return signal == 0 ? kOk : kSignalled + signal;

@@ -346,13 +346,17 @@ void override_attribute(Scene& scene, std::string_view assignment) {
 
   const std::size_t equals = assignment.find('=');
   const std::size_t dot = assignment.substr(0, equals).rfind('.');
-  if (equals == assignment.npos || dot == assignment.npos) refuse("must be PATH.attribute=VALUE");
+  if (equals == assignment.npos || dot == assignment.npos)
+    refuse("must be PATH.attribute=VALUE; the root's own attributes are .attribute=VALUE");
   std::string_view path = assignment.substr(0, dot);
   const std::string_view attribute = assignment.substr(dot + 1, equals - dot - 1);
   const std::string_view value = assignment.substr(equals + 1);
 
   Object* target = &scene.root();
-  if (!path.empty() && path != scene.root().name()) {
+  // the root may be named or left out
+  if (path == scene.root().name()) path = {};
+  if (const std::string prefix = scene.root().name() + "/"; path.starts_with(prefix)) path.remove_prefix(prefix.size());
+  if (!path.empty()) {
     const PathResult found = resolve_path(scene.root(), nullptr, path);
     if (!found.target) refuse(found.problem, found.hint);
     target = found.target;

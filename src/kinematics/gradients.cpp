@@ -44,7 +44,7 @@ RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme)
   for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
 
   switch (scheme) {
-    case GradientScheme::kBlended:  // h_a = Gm_a - mean_j g_ja / 2
+    case GradientScheme::kBlended:  // h_a = Gm_a - mean_j g_ja / 2                                  eq. 8
       rest.shared_gradient = mean_gradient(material);
       for (int j = 0; j < kCorners; ++j)
         add_corner_gradient(rest.inverse_jacobian[j], j, -0.5 / kCorners, rest.shared_gradient);

@@ -26,10 +26,9 @@ SignedSvd signed_svd(const Mat3& F) {
   return out;
 }
 
-Polar polar(const Mat3& F) {
-  const SignedSvd svd = signed_svd(F);
-  return {svd.U * svd.V.transpose(), svd.V * svd.d.asDiagonal() * svd.V.transpose()};
-}
+Polar polar(const SignedSvd& F) { return {F.U * F.V.transpose(), F.V * F.d.asDiagonal() * F.V.transpose()}; }
+
+Polar polar(const Mat3& F) { return polar(signed_svd(F)); }
 
 Vec3 rotation_log(const Mat3& R) {
   // through the quaternion: accurate for the smallest angles and at pi alike

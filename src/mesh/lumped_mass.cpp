@@ -28,4 +28,12 @@ Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahed
   return share;
 }
 
+void add_gravity(const Eigen::VectorXd& masses, const Vec3& gravity, Points f) {
+  for (int n = 0; n < f.rows(); ++n) f.row(n) += masses[n] * gravity.transpose();
+}
+
+double kinetic_energy(const Eigen::VectorXd& masses, ConstPoints v) {
+  return masses.dot(v.rowwise().squaredNorm()) / 2;
+}
+
 }  // namespace hexaplast

@@ -20,7 +20,7 @@ double mean_coordinate(const std::vector<int>& nodes, int axis, ConstPoints at) 
 }
 
 /// The nodes grouped by equal original coordinate along the axis, in ascending order.
-std::vector<std::vector<int>> layers(const HexMesh& mesh, const EndSections& ends) {
+std::vector<std::vector<int>> layers_along(const HexMesh& mesh, const EndSections& ends) {
   const PointArray& X = mesh.positions();
   std::vector<int> order(mesh.num_nodes());
   std::iota(order.begin(), order.end(), 0);
@@ -52,6 +52,7 @@ EndSections end_sections(const HexMesh& mesh) {
     if (X(n, ends.axis) - least[ends.axis] <= kSameCoordinate * ends.length) ends.least.push_back(n);
     if (most[ends.axis] - X(n, ends.axis) <= kSameCoordinate * ends.length) ends.most.push_back(n);
   }
+  ends.layers = layers_along(mesh, ends);
   return ends;
 }
 
@@ -79,7 +80,7 @@ double twist(const HexMesh& mesh, const EndSections& ends, ConstPoints at) {
   double total = 0;
   double previous = 0;
   bool first = true;
-  for (const auto& layer : layers(mesh, ends)) {
+  for (const auto& layer : ends.layers) {
     if (layer.size() < 2) continue;  // one node has no angle
     const double angle = section_angle(mesh, layer, ends.axis, at);
     if (!first) total += std::remainder(angle - previous, 2 * M_PI);

@@ -211,6 +211,7 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
     const SolveReport solved = solver.solve(system, gradient_, increment_);
     report.iterations += solved.iterations;
     report.residual = solved.residual;
+    report.converged = report.converged && solved.converged;
     return move();
   };
 

@@ -11,8 +11,6 @@ namespace hexaplast {
 
 namespace {
 
-constexpr double kVolumeAtRest = 1e-14;  // a volume error below is rounding
-
 bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
 
 bool can_rotate(const Material& material, const Settings& settings) {
@@ -34,7 +32,7 @@ void flow_stretch(const ElementMoment& at, double dt, ElementStep& step) {
   }
 }
 
-/// Rotation at every corner, relative to the centre (objective) or to the frame (the paper's modes).
+/// Rotation at every corner, relative to the centre (objective) or to the frame (the paper's modes, eq. 33 and 34).
 void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
   step.R_centre = polar(centre_jacobian(at.world) * centre_jacobian(at.x).inverse()).R;
   const Mat3 pose = at.frame.transpose() * step.R_centre;
@@ -66,7 +64,7 @@ void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
   }
 }
 
-/// Takes the increments into the rest shape; in the paper's modes rotation goes into the maps instead.
+/// Takes the increments into the rest shape; in the paper's modes rotation goes into the maps instead (eq. 35).
 void apply_increments(const ElementMoment& at, bool tracks_stretch, ElementStep& step) {
   const bool objective = at.settings.rotation == RotationPlasticity::kObjective;
   CornerTensors increments;

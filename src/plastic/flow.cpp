@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/plastic/flow.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
-#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/plastic/element_flow.hpp"
 #include "hexaplast/plastic/rest_shape.hpp"
@@ -16,28 +14,26 @@ namespace hexaplast {
 
 namespace {
 
-constexpr double kVolumeAtRest = 1e-14;      // a volume error below is rounding
 constexpr double kCollapsedJacobian = 0.02;  // of the original: averaging may not press a corner below
 
 /// Rotation that best fits the material positions of each connected part to the world ones.
-void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints world, std::vector<Mat3>& frames) {
-  frames.assign(parts.count, Mat3::Zero());
-  std::vector<Vec3> from(parts.count, Vec3::Zero()), to(parts.count, Vec3::Zero());
-  std::vector<int> count(parts.count, 0);
+void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints world, std::vector<PartFrame>& frames) {
+  frames.assign(parts.count, PartFrame{});
   for (int n = 0; n < material.rows(); ++n) {
-    const int part = parts.part_of_node[n];
-    if (part < 0) continue;
-    from[part] += material.row(n).transpose();
-    to[part] += world.row(n).transpose();
-    ++count[part];
+    if (parts.part_of_node[n] < 0) continue;
+    PartFrame& frame = frames[parts.part_of_node[n]];
+    frame.material_sum += material.row(n).transpose();
+    frame.world_sum += world.row(n).transpose();
+    ++frame.num_nodes;
   }
   for (int n = 0; n < material.rows(); ++n) {
-    const int part = parts.part_of_node[n];
-    if (part < 0) continue;
-    frames[part] += (world.row(n).transpose() - to[part] / count[part]) *
-                    (material.row(n) - (from[part] / count[part]).transpose());
+    if (parts.part_of_node[n] < 0) continue;
+    PartFrame& frame = frames[parts.part_of_node[n]];
+    const Vec3 from = material.row(n).transpose() - frame.material_sum / frame.num_nodes;
+    const Vec3 to = world.row(n).transpose() - frame.world_sum / frame.num_nodes;
+    frame.rotation += to * from.transpose();
   }
-  for (Mat3& frame : frames) frame = polar(frame).R;
+  for (PartFrame& frame : frames) frame.rotation = polar(frame.rotation).R;
 }
 
 /// Flow of every live element: history -> work.trial, work.flows.
@@ -65,7 +61,7 @@ void flow_elements(const Model& model, const Linearization& at, ConstPoints x, d
                                .x = material,
                                .rest = at.rest[e],
                                .world = world,
-                               .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]] : axes};
+                               .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
     const ElementStep step = flow_element(moment, history.element(e), dt);
     work.trial.set_element(e, step.next);
     work.flows[e] = {.yielded = step.yielded,
@@ -140,14 +136,6 @@ int remove_broken(const Model& model, FlowWorkspace& work) {
     ++count;
   }
   return count;
-}
-
-void require_finite(ConstPoints x, const char* what) {
-  if (x.allFinite()) return;
-  for (int n = 0; n < x.rows(); ++n)
-    if (!x.row(n).allFinite())
-      throw NumericalError(
-          fmt::format("the {} of node {} is not finite: ({}, {}, {})", what, n, x(n, 0), x(n, 1), x(n, 2)));
 }
 
 }  // namespace

@@ -29,7 +29,4 @@ class ConstrainedOperator final : public LinearSystem {
   OperatorFactors factors_;
 };
 
-/// Throws NumericalError naming the first node whose row is not finite; `what` is the field's name.
-void require_finite(ConstPoints field, const char* what);
-
 }  // namespace hexaplast

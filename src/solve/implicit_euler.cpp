@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/solve/implicit_euler.hpp"
 
-#include <fmt/format.h>
-
-#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/finite.hpp"
 #include "solve/constrained_operator.hpp"
 
 namespace hexaplast {
-
-void require_finite(ConstPoints field, const char* what) {
-  if (field.allFinite()) return;
-  for (int n = 0; n < field.rows(); ++n)
-    if (!field.row(n).allFinite())
-      throw NumericalError(fmt::format("the {} of node {} left the finite numbers in this step", what, n));
-}
 
 SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x,
                                 Points v) {

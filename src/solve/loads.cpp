@@ -16,6 +16,17 @@ KeyPhase phase_at(std::span<const double> times, double time) {
   return {.key = key, .fraction = (time - times[key]) / (times[key + 1] - times[key])};
 }
 
+double interpolate(const KeyPhase& at, std::span<const double> values) {
+  const double from = values[at.key];
+  return at.fraction == 0 ? from : from + at.fraction * (values[at.key + 1] - from);
+}
+
+Eigen::RowVector3d interpolate(const KeyPhase& at, ConstPoints rows) {
+  const Eigen::RowVector3d from = rows.row(at.key);
+  if (at.fraction == 0) return from;
+  return from + at.fraction * (rows.row(at.key + 1) - from);
+}
+
 void add_tangential_forces(std::span<const int> nodes, int group_size, const Vec3& axis, const Vec3& centre,
                            double force, ConstPoints x, Points f) {
   for (std::size_t first = 0; first + group_size <= nodes.size(); first += group_size) {

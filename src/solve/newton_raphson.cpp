@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "solve/constrained_operator.hpp"
 

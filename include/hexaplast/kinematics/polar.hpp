@@ -21,6 +21,7 @@ struct Polar {
   Mat3 S;
 };
 Polar polar(const Mat3& F);
+Polar polar(const SignedSvd& F);
 
 /// Rotation vector (axis times angle, angle in [0, pi]) of a rotation matrix, and back.
 Vec3 rotation_log(const Mat3& R);

@@ -16,4 +16,10 @@ double six_tetrahedra_volume(const ElementPoints& corners);
 /// the density these are the lumped masses. x: num_nodes x 3 [m]; the corners must be rows of x.
 Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra);
 
+/// f += m g per node. masses: num_nodes [kg], gravity [m/s^2].
+void add_gravity(const Eigen::VectorXd& masses, const Vec3& gravity, Points f);
+
+/// sum m |v|^2 / 2 [J].
+double kinetic_energy(const Eigen::VectorXd& masses, ConstPoints v);
+
 }  // namespace hexaplast

@@ -9,10 +9,11 @@ namespace hexaplast {
 
 /// The two end sections of a body along the longest axis of its original bounding box: how bars are measured.
 struct EndSections {
-  int axis = 0;            ///< 0, 1, 2: the longest direction (the first one of equals)
-  double length = 0;       ///< [m] original distance of the two sections
-  std::vector<int> least;  ///< nodes with the least coordinate along the axis
-  std::vector<int> most;   ///< nodes with the greatest one
+  int axis = 0;                          ///< 0, 1, 2: the longest direction (the first one of equals)
+  double length = 0;                     ///< [m] original distance of the two sections
+  std::vector<int> least;                ///< nodes with the least coordinate along the axis
+  std::vector<int> most;                 ///< nodes with the greatest one
+  std::vector<std::vector<int>> layers;  ///< all nodes, grouped by equal original coordinate along the axis, ascending
 };
 
 EndSections end_sections(const HexMesh& mesh);

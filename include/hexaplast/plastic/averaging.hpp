@@ -8,11 +8,16 @@
 
 namespace hexaplast {
 
+// The averaging is solved far beyond what a picture needs: the plastic result must not depend on the solver.
+inline constexpr double kAveragingTolerance = 1e-11;  ///< relative residual asked of the linear solver
+inline constexpr int kAveragingIterations = 10000;    ///< after which it gives up
+
 struct AveragingReport {
   bool skipped = true;     ///< the rest shapes fitted already
   bool fell_back = false;  ///< Gauss-Newton would have raised E; the local/global step was taken
   int iterations = 0;      ///< of the linear solver
   double residual = 0;     ///< relative residual it left
+  bool converged = true;   ///< false: the linear solver gave up before its tolerance
 };
 
 /// Rest-to-material averaging: the joined positions x that fit the isolated rest shapes y best (theory.md section 5.5).

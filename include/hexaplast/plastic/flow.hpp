@@ -28,6 +28,13 @@ struct ElementFlow {
   double dissipated = 0;    ///< [J]
 };
 
+/// How a connected part lies in the world: B of theory.md eq. 33.
+struct PartFrame {
+  Vec3 material_sum = Vec3::Zero(), world_sum = Vec3::Zero();
+  int num_nodes = 0;
+  Mat3 rotation = Mat3::Zero();  ///< best fit from the material to the world positions
+};
+
 /// Scratch arrays of flow, kept so that a step allocates nothing.
 struct FlowWorkspace {
   explicit FlowWorkspace(const Model& model);
@@ -35,12 +42,12 @@ struct FlowWorkspace {
   History trial;  ///< the history being made; taken over when the step is complete
   Averaging averaging;
   std::vector<ElementFlow> flows;  ///< per element
-  std::vector<Mat3> frames;        ///< B of each connected part
+  std::vector<PartFrame> frames;   ///< per connected part; empty unless the mode needs them
 };
 
 /// One plastic step at accepted world positions x (theory.md section 5): stretch and rotation flow at every corner,
 /// rest shapes, volume restitution, hardening, rest-to-material averaging. `at.rest` must belong to the present
-/// material shape. Throws NumericalError naming the element where a number is not finite; the history is then as
+/// material shape. Throws NumericalError naming the node where a number is not finite; the history is then as
 /// before.
 FlowReport flow(const Model& model, const Linearization& at, ConstPoints x, double dt, LinearSolver& solver,
                 History& history, FlowWorkspace& work);

@@ -11,6 +11,8 @@ namespace hexaplast {
 /// What happens to the isolated rest shape y of one element: eight rows about their own mean [m].  theory.md
 /// section 5.3
 
+inline constexpr double kVolumeAtRest = 1e-14;  ///< a relative volume error below is rounding
+
 /// y_i <- Pi_i^T A_i Pi_i y_i, with one increment A_i = R^p_i S^p_i and one rotation map per corner; then the mean is
 /// removed.                                                                                                   eq. 27
 void deform_rest_shape(const std::array<Mat3, kCorners>& increments, const std::array<Mat3, kCorners>& rotation_maps,

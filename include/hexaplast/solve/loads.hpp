@@ -15,6 +15,10 @@ struct KeyPhase {
 
 KeyPhase phase_at(std::span<const double> times, double time);
 
+/// The value, or the row, at a phase (key >= 0): linear between two keys, the last one from the last key time on.
+double interpolate(const KeyPhase& at, std::span<const double> values);
+Eigen::RowVector3d interpolate(const KeyPhase& at, ConstPoints rows);
+
 /// f += forces around an axis that turn with the body. The nodes form consecutive groups of `group_size`; for each
 /// group
 ///
