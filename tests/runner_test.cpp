@@ -188,8 +188,8 @@ TEST_F(Command, ASolverThatStopsEarlyIsReported) {
 
 TEST_F(Command, TheFinalFileMayLieInTheOutputDirectory) {
   write("bar.scn", kBar);
-  EXPECT_EQ(hexaplast("run bar.scn --out out --frames 0 --final out/final.json").code, 0);
-  EXPECT_TRUE(fs::exists(directory_ / "out" / "final.json"));
+  EXPECT_EQ(hexaplast("run bar.scn --out files --frames 0 --final files/final.json").code, 0);
+  EXPECT_TRUE(fs::exists(directory_ / "files" / "final.json"));
 }
 
 TEST_F(Command, OverridesMayNameTheRootOrNot) {
