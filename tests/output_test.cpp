@@ -2,6 +2,7 @@
 // The files of a run: what is written can be read back by others, and survives what goes wrong.
 #include <spawn.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <tinyxml2.h>
 
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 using output::OutputError;
 using output::Recorder;
 using output::RunPlan;
+using output::WholeFile;
 using support::content;
 using support::Scratch;
 
