@@ -273,7 +273,8 @@ TEST(SceneOverride, SaysWhatIsWrong) {
       return error.what();
     }
   };
-  EXPECT_EQ(refusal("euler"), "--set euler: error: must be PATH.attribute=VALUE; the root's own attributes are .attribute=VALUE");
+  EXPECT_EQ(refusal("euler"),
+            "--set euler: error: must be PATH.attribute=VALUE; the root's own attributes are .attribute=VALUE");
   EXPECT_EQ(
       refusal("eulr.rayleighMass=1"),
       "--set eulr.rayleighMass=1: error: stops at node '/', which holds no 'eulr'\n  hint: did you mean 'euler'?");

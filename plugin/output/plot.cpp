@@ -51,14 +51,15 @@ std::string escaped(std::string_view words) {
 }
 
 Ticks vertical_axis(const Panel& panel) {
-  double least = 0, most = 0;  // zero, the original shape, is always in sight
+  constexpr double kNoise = 1e-6;  // of the span: rounding does not turn a scale upside down
+  double least = 0, most = 0;      // zero, the original shape, is always in sight
   for (const Curve& curve : panel.curves)
     for (const double value : curve.values) {
       least = std::min(least, value);
       most = std::max(most, value);
     }
   if (most - least < panel.least_span) {
-    const bool falls = -least > most;
+    const bool falls = -least > most + kNoise * panel.least_span;
     most = falls ? std::max(most, 0.0) : least + panel.least_span;
     least = falls ? most - panel.least_span : least;
   }

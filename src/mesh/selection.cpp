@@ -12,10 +12,10 @@ std::vector<int> hexahedra_inside(ConstPoints x, std::span<const Hexahedron> hex
     const Hexahedron& corners = hexahedra[e];
     Vec3 centre = Vec3::Zero();
     for (const int node : corners) centre += x.row(node).transpose() / kCorners;
-    const bool counts = rule == Inside::kCentre ? region(centre)
-                                                : std::all_of(corners.begin(), corners.end(), [&](int node) {
-                                                    return region(x.row(node).transpose());
-                                                  });
+    const bool counts =
+        rule == Inside::kCentre
+            ? region(centre)
+            : std::all_of(corners.begin(), corners.end(), [&](int node) { return region(x.row(node).transpose()); });
     if (counts) inside.push_back(static_cast<int>(e));
   }
   return inside;
