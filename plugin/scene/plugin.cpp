@@ -95,7 +95,7 @@ void check_tag(const std::filesystem::path& file) {
   };
   require("component interface", tag->interface_number, ours.interface_number);
   require("compiler ABI", tag->compiler_abi, ours.compiler_abi);
-  require("standard library ABI", tag->library_abi, ours.library_abi);
+  require("standard library ABI", tag->stdlib_abi, ours.stdlib_abi);
   require("scalar size", tag->scalar_size, ours.scalar_size);
   require("alignment of Eigen types", tag->eigen_alignment, ours.eigen_alignment);
   for (std::size_t i = 0; i < ours.sizes.size(); ++i) require("layout of shared types", tag->sizes[i], ours.sizes[i]);

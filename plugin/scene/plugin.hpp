@@ -30,7 +30,7 @@ struct AbiTag {
   std::uint32_t tag_size = 0;            ///< [byte]
   std::uint32_t interface_number = 0;    ///< kInterfaceNumber
   std::uint32_t compiler_abi = 0;        ///< __GXX_ABI_VERSION
-  std::uint32_t library_abi = 0;         ///< _GLIBCXX_USE_CXX11_ABI
+  std::uint32_t stdlib_abi = 0;          ///< _GLIBCXX_USE_CXX11_ABI
   std::uint32_t scalar_size = 0;         ///< [byte] of a nodal coordinate
   std::uint32_t eigen_alignment = 0;     ///< [byte] largest alignment of Eigen's fixed-size types
   std::array<std::uint32_t, 8> sizes{};  ///< [byte] of the types that cross the boundary
@@ -46,7 +46,7 @@ constexpr AbiTag abi_tag() {
   tag.tag_size = sizeof(AbiTag);
   tag.interface_number = kInterfaceNumber;
   tag.compiler_abi = __GXX_ABI_VERSION;
-  tag.library_abi = _GLIBCXX_USE_CXX11_ABI;
+  tag.stdlib_abi = _GLIBCXX_USE_CXX11_ABI;
   tag.scalar_size = sizeof(PointArray::Scalar);
   tag.eigen_alignment = EIGEN_MAX_ALIGN_BYTES;
   tag.sizes = {sizeof(Object),
