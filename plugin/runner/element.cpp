@@ -13,11 +13,7 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/elastic/operators.hpp"
-#include "hexaplast/material/corotated.hpp"
-#include "hexaplast/plastic/element_flow.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "hexaplast/inspect.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -132,11 +128,9 @@ CornerTensors rotation_maps(const Json& value) {
   return maps;
 }
 
-/// One hexahedron with its state, before a model exists for it.
+/// What the input describes.
 struct Element {
-  ElementPoints original, material, rest, world;
-  CornerTensors rotation_map;
-  CornerValues yield_stress, rotation_yield;
+  HexahedronState state;
   Material constants;
   Settings settings;
   double dt = 0.01;
@@ -230,21 +224,20 @@ Element read_element(const Json& given) {
   const auto optional_points = [&](const char* key, const ElementPoints& otherwise) {
     return json.contains(key) ? points(key, json[key]) : otherwise;
   };
-  element.original = points("original", json["original"]);
-  element.material = optional_points("material", element.original);
-  element.rest = optional_points("rest", element.material.rowwise() - element.material.colwise().mean());
-  element.world = optional_points("world", element.material);
   if (json.contains("parameters")) {
     if (!json["parameters"].is_object()) reject("parameters", json["parameters"], "an object");
     const Json parameters = with_long_keys(json["parameters"]);
     for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
   }
-  element.rotation_map.fill(Mat3::Identity());
-  if (json.contains("rotationMap")) element.rotation_map = rotation_maps(json["rotationMap"]);
-  element.yield_stress.fill(element.constants.yield_stress);
-  if (json.contains("yieldStress")) element.yield_stress = corner_values("yieldStress", json["yieldStress"]);
-  element.rotation_yield.fill(element.constants.rotation_yield);
-  if (json.contains("rotationYield")) element.rotation_yield = corner_values("rotationYield", json["rotationYield"]);
+  HexahedronState& state = element.state;
+  state = virgin_hexahedron(points("original", json["original"]), element.constants);
+  state.material = optional_points("material", state.original);
+  state.world = optional_points("world", state.material);
+  state.history.rest_shape = optional_points("rest", state.material.rowwise() - state.material.colwise().mean());
+  if (json.contains("rotationMap")) state.history.rotation_map = rotation_maps(json["rotationMap"]);
+  if (json.contains("yieldStress")) state.history.yield_stress = corner_values("yieldStress", json["yieldStress"]);
+  if (json.contains("rotationYield"))
+    state.history.rotation_yield = corner_values("rotationYield", json["rotationYield"]);
   return element;
 }
 
@@ -263,125 +256,63 @@ Json to_json(const Eigen::MatrixBase<Derived>& m) {
   return rows;
 }
 
-/// One entry per corner of what `of(i)` gives.
-template <class Of>
-Json per_corner(const Of& of) {
+/// One entry per corner.
+template <class Value>
+Json to_json(const std::array<Value, kCorners>& values) {
   Json list = Json::array();
-  for (int i = 0; i < kCorners; ++i) list.push_back(to_json(of(i)));
+  for (const Value& value : values) list.push_back(to_json(value));
   return list;
 }
 
-HexMesh mesh_of(const Element& element) { return HexMesh(element.original, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}); }
-
 Json elastic_block(const Element& element) {
-  const Model model(mesh_of(element), {element.constants}, element.settings);
-  History history(model);
-  history.material = element.material;
-  Linearization at;
-  linearize(model, history, element.world, at);
-  PointArray force = PointArray::Zero(kCorners, 3);
-  add_force(model, at, force);
-  BlockMatrix blocks(kCorners);
-  add_stiffness_blocks(model, at, -1, blocks);
-  Eigen::Matrix<double, 24, 24> stiffness = Eigen::Matrix<double, 24, 24>::Zero();
-  for (int a = 0; a < kCorners; ++a)
-    for (const auto& entry : blocks.row(a)) stiffness.block<3, 3>(3 * a, 3 * entry.column) = entry.block;
-
-  const RestOperator& rest = at.rest[0];
-  return {{"volume_x", rest.volume},
-          {"J_i", per_corner([&](int i) { return corner_jacobian(element.material, i); })},
-          {"J_o", to_json(centre_jacobian(element.material))},
-          {"G_mean", to_json(mean_gradient(element.material))},
-          {"G_quadrature", per_corner([&](int i) { return sample_gradient(rest, i); })},
-          {"w", per_corner([&](int) { return rest.volume / kCorners; })},
-          {"energy", energy(model, history, element.world)},
-          {"force", to_json(force)},
-          {"stiffness", to_json(stiffness)}};
+  const HexahedronElasticity found = inspect_elasticity(element.state, element.constants, element.settings);
+  CornerValues sample_volumes;
+  sample_volumes.fill(found.sample_volume);
+  return {{"volume_x", found.volume},
+          {"J_i", to_json(found.corner_jacobian)},
+          {"J_o", to_json(found.centre_jacobian)},
+          {"G_mean", to_json(found.mean_gradient)},
+          {"G_quadrature", to_json(found.sample_gradient)},
+          {"w", to_json(sample_volumes)},
+          {"energy", found.energy},
+          {"force", to_json(found.force)},
+          {"stiffness", to_json(found.stiffness)}};
 }
 
-Json step_block(const Element& element, RotationPlasticity mode, RotationFrame frame) {
+Json step_block(const Element& element, RotationPlasticity mode) {
   Settings settings = element.settings;
   settings.rotation = mode;
-  settings.rotation_frame = frame;
-  const Model model(mesh_of(element), {element.constants}, settings);
-  check_time_step(model.materials, settings, element.dt);
-  ElementHistory before = History(model).element(0);
-  before.rest_shape = element.rest;
-  before.rotation_map = element.rotation_map;
-  before.yield_stress = element.yield_stress;
-  before.rotation_yield = element.rotation_yield;
-  History history(model);
-  history.material = element.material;
-  history.set_element(0, before);
-
-  // the step as the body takes it, averaging included
-  Linearization at;
-  update_rest_operators(model, history, at);
-  FlowWorkspace work(model);
-  PreconditionedConjugateGradients solver(kAveragingTolerance, kAveragingIterations);  // as the body has
-  History after = history;
-  flow(model, at, element.world, element.dt, solver, after, work);
-
-  // and once more for its intermediates
-  const Mat3 B = mode == RotationPlasticity::kObjective || frame == RotationFrame::kWorld || work.frames.empty()
-                     ? Mat3(Mat3::Identity())
-                     : work.frames[0].rotation;
-  const ElementStep step = flow_element({.material = model.material(0),
-                                         .lame = model.lame[0],
-                                         .settings = settings,
-                                         .original_shape = model.original_shape[0],
-                                         .corner_jacobian = model.corner_jacobian[0],
-                                         .original_volume = model.volume[0],
-                                         .x = element.material,
-                                         .rest = at.rest[0],
-                                         .world = element.world,
-                                         .frame = B},
-                                        before, element.dt);
-
-  const auto F_corner = [&](int i) -> Mat3 {
-    return corner_jacobian(element.world, i) * corner_jacobian(element.material, i).inverse();
-  };
-  const Mat3 F_centre = centre_jacobian(element.world) * centre_jacobian(element.material).inverse();
-  const Mat3 R_centre = polar(F_centre).R;
-  std::array<Polar, kCorners> at_corner;
-  for (int i = 0; i < kCorners; ++i) at_corner[i] = polar(step.F[i]);
-  const auto sigma = [&](int i) { return stress(at_corner[i].S, model.lame[0]); };
-  const auto Q = [&](int i) -> Mat3 { return R_centre.transpose() * at_corner[i].R; };
-  const ElementHistory end = after.element(0);
-
-  return {{"F_i", per_corner(F_corner)},
-          {"F_o", to_json(F_centre)},
-          {"Fbar_plain", per_corner([&](int i) -> Mat3 { return (F_corner(i) + F_centre) / 2; })},
-          {"Fbar", per_corner([&](int i) { return step.F[i]; })},
-          {"R", per_corner([&](int i) { return at_corner[i].R; })},
-          {"S", per_corner([&](int i) { return at_corner[i].S; })},
-          {"R_o", to_json(R_centre)},
-          {"Q", per_corner(Q)},
-          {"phi", per_corner([&](int i) {
-             return mode == RotationPlasticity::kCentre ? step.rotation[i].angle : rotation_log(Q(i)).norm();
-           })},
-          {"eps", per_corner([&](int i) -> Mat3 { return at_corner[i].S - Mat3::Identity(); })},
-          {"sigma", per_corner(sigma)},
-          {"sigma_norm", per_corner([&](int i) { return stress_norm(sigma(i), settings.yield_norm); })},
-          {"gamma", per_corner([&](int i) { return step.stretch[i].share; })},
-          {"Sp", per_corner([&](int i) { return step.stretch[i].increment; })},
-          {"eta", per_corner([&](int i) { return step.rotation[i].share; })},
-          {"Rp", per_corner([&](int i) { return step.rotation[i].increment; })},
-          {"beta", step.volume_ratio},
-          {"plasticity_off", step.guarded},
-          {"y_new", to_json(end.rest_shape)},
-          {"volume_y_new", volume(end.rest_shape)},
-          {"tau_new", per_corner([&](int i) { return end.yield_stress[i]; })},
-          {"tauR_new", per_corner([&](int i) { return end.rotation_yield[i]; })},
-          {"Pi_new", per_corner([&](int i) { return end.rotation_map[i]; })},
-          {"x_new", to_json(after.material)},
-          {"volume_x_new", volume(gather(after.material, model.mesh.hexahedra()[0]))}};
+  const HexahedronStep found = inspect_step(element.state, element.constants, settings, element.dt);
+  return {{"F_i", to_json(found.F_corner)},
+          {"F_o", to_json(found.F_centre)},
+          {"Fbar_plain", to_json(found.F_blended)},
+          {"Fbar", to_json(found.F)},
+          {"R", to_json(found.R)},
+          {"S", to_json(found.S)},
+          {"R_o", to_json(found.R_centre)},
+          {"Q", to_json(found.Q)},
+          {"phi", to_json(found.phi)},
+          {"eps", to_json(found.strain)},
+          {"sigma", to_json(found.stress)},
+          {"sigma_norm", to_json(found.stress_norm)},
+          {"gamma", to_json(found.stretch_share)},
+          {"Sp", to_json(found.stretch_increment)},
+          {"eta", to_json(found.rotation_share)},
+          {"Rp", to_json(found.rotation_increment)},
+          {"beta", found.volume_ratio},
+          {"plasticity_off", found.guarded},
+          {"y_new", to_json(found.history.rest_shape)},
+          {"volume_y_new", found.rest_volume},
+          {"tau_new", to_json(found.history.yield_stress)},
+          {"tauR_new", to_json(found.history.rotation_yield)},
+          {"Pi_new", to_json(found.history.rotation_map)},
+          {"x_new", to_json(found.material)},
+          {"volume_x_new", found.material_volume}};
 }
 
 Json all_blocks(const Element& element) {
   Json out{{"elastic", elastic_block(element)}};
-  const RotationFrame frame = element.settings.rotation_frame;
-  const auto add = [&](const char* name, RotationPlasticity mode) { out[name] = step_block(element, mode, frame); };
+  const auto add = [&](const char* name, RotationPlasticity mode) { out[name] = step_block(element, mode); };
   const RotationPlasticity mode = element.settings.rotation;
   if (element.names_modes || mode == RotationPlasticity::kObjective) add("objective", RotationPlasticity::kObjective);
   if (element.names_modes || mode == RotationPlasticity::kVertex) add("paper_vertex", RotationPlasticity::kVertex);
@@ -392,15 +323,10 @@ Json all_blocks(const Element& element) {
 
 // ---- path -----------------------------------------------------------------------------------------------------------
 
-struct PathRow {
-  double time;
-  Mat3 F;
-};
-
-std::vector<PathRow> read_path(const std::filesystem::path& file) {
+std::vector<PathPoint> read_path(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw scene::FileError(fmt::format("{}: error: cannot be read", file.string()));
-  std::vector<PathRow> rows;
+  std::vector<PathPoint> rows;
   std::string line;
   for (int line_number = 1; std::getline(in, line); ++line_number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
@@ -429,37 +355,18 @@ std::vector<PathRow> read_path(const std::filesystem::path& file) {
   return rows;
 }
 
-/// Drives the element through F(t), linear between the rows, with steps of at most dt; one CSV line per step.
-void drive(const Element& element, const std::vector<PathRow>& path, std::ostream& out) {
-  Body body(mesh_of(element), {element.constants}, element.settings);
+/// One CSV line per moment of the path.
+void write_path(const Element& element, const std::vector<PathPoint>& path, std::ostream& out) {
   out << "time,F11,F22,F33,P11,P12,P13,P21,P22,P23,P31,P32,P33,stress_norm,plastic_strain,yield_stress,volume_ratio,"
          "energy,dissipated_energy\n";
-  const auto report = [&](double time, const Mat3& F) {
-    const PointArray x = element.original * F.transpose();
-    body.linearize(x);
-    PointArray f = PointArray::Zero(kCorners, 3);
-    body.add_force(f);
-    // mean first Piola stress with respect to the original shape: what the corners' forces do on its gradients
-    const Mat3 P = -(f.transpose() * element.original) / body.original_volume();
-    const ElementFields fields = body.fields(x);
-    out << fmt::format("{},{},{},{}", time, F(0, 0), F(1, 1), F(2, 2));
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) out << fmt::format(",{}", P(i, j));
-    out << fmt::format(",{},{},{},{},{},{}\n", fields.stress_norm[0], fields.plastic_strain[0], fields.yield_stress[0],
-                       fields.volume_ratio[0], body.energy(x), body.history().dissipated_energy);
-  };
-
-  report(path.front().time, path.front().F);
-  for (std::size_t k = 1; k < path.size(); ++k) {
-    const double span = path[k].time - path[k - 1].time;
-    const int steps = std::max(1, static_cast<int>(std::ceil(span / element.dt * (1 - 1e-9))));
-    for (int n = 1; n <= steps; ++n) {
-      const double share = static_cast<double>(n) / steps;
-      const Mat3 F = (1 - share) * path[k - 1].F + share * path[k].F;
-      body.flow(element.original * F.transpose(), span / steps);
-      report(path[k - 1].time + share * span, F);
-    }
-  }
+  follow_path(element.state.original, element.constants, element.settings, element.dt, path,
+              [&](const PathResponse& at) {
+                out << fmt::format("{},{},{},{}", at.time, at.F(0, 0), at.F(1, 1), at.F(2, 2));
+                for (int i = 0; i < 3; ++i)
+                  for (int j = 0; j < 3; ++j) out << fmt::format(",{}", at.P(i, j));
+                out << fmt::format(",{},{},{},{},{},{}\n", at.stress_norm, at.plastic_strain, at.yield_stress,
+                                   at.volume_ratio, at.energy, at.dissipated_energy);
+              });
 }
 
 }  // namespace
@@ -480,7 +387,7 @@ void run_element(const ElementOptions& options) {
   }
   const Element element = read_element(json);
   if (options.path)
-    drive(element, read_path(*options.path), std::cout);
+    write_path(element, read_path(*options.path), std::cout);
   else
     std::cout << all_blocks(element).dump(1) << '\n';
 }

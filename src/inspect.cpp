@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/inspect.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/elastic/operators.hpp"
+#include "hexaplast/material/corotated.hpp"
+#include "hexaplast/plastic/element_flow.hpp"
+#include "hexaplast/plastic/rest_shape.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+HexMesh mesh_of(const ElementPoints& original) { return HexMesh(original, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}); }
+
+History history_of(const Model& model, const HexahedronState& state) {
+  History history(model);
+  history.material = state.material;
+  history.set_element(0, state.history);
+  return history;
+}
+
+/// B: what the paper's rotation modes are measured against.                                          theory.md eq. 33
+Mat3 frame_of(const HexahedronState& state, RotationFrame frame) {
+  return frame == RotationFrame::kBestFit ? fit_rotation(about_mean(state.material), about_mean(state.world))
+                                          : Mat3(Mat3::Identity());
+}
+
+}  // namespace
+
+HexahedronState virgin_hexahedron(const ElementPoints& original, const Material& material) {
+  const Model model(mesh_of(original), {material}, {});
+  return {original, original, original, History(model).element(0)};
+}
+
+HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Material& material,
+                                        const Settings& settings) {
+  const Model model(mesh_of(state.original), {material}, settings);
+  const History history = history_of(model, state);
+  Linearization at;
+  linearize(model, history, state.world, at);
+  const RestOperator& rest = at.rest[0];
+
+  HexahedronElasticity found;
+  for (int i = 0; i < kCorners; ++i) {
+    found.corner_jacobian[i] = corner_jacobian(state.material, i);
+    found.sample_gradient[i] = sample_gradient(rest, i);
+  }
+  found.centre_jacobian = centre_jacobian(state.material);
+  found.volume = rest.volume;
+  found.sample_volume = rest.volume / kCorners;
+  found.mean_gradient = mean_gradient(state.material);
+
+  found.energy = energy(model, history, state.world);
+  PointArray force = PointArray::Zero(kCorners, 3);
+  add_force(model, at, force);
+  found.force = force;
+  BlockMatrix blocks(kCorners);
+  add_stiffness_blocks(model, at, -1, blocks);
+  found.stiffness.setZero();
+  for (int a = 0; a < kCorners; ++a)
+    for (const auto& [b, block] : blocks.row(a)) found.stiffness.block<3, 3>(3 * a, 3 * b) = block;
+  return found;
+}
+
+HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings,
+                            double dt) {
+  const Model model(mesh_of(state.original), {material}, settings);
+  check_time_step(model.materials, settings, dt);
+  const History before = history_of(model, state);
+  Linearization at;
+  update_rest_operators(model, before, at);
+
+  HexahedronStep found;
+  found.F_centre = centre_jacobian(state.world) * centre_jacobian(state.material).inverse();
+  found.R_centre = polar(found.F_centre).R;
+  found.F = deformation_gradients(at.rest[0], state.world);
+  for (int i = 0; i < kCorners; ++i) {
+    found.F_corner[i] = corner_jacobian(state.world, i) * corner_jacobian(state.material, i).inverse();
+    found.F_blended[i] = (found.F_corner[i] + found.F_centre) / 2;
+    const Polar decomposed = polar(found.F[i]);
+    found.R[i] = decomposed.R;
+    found.S[i] = decomposed.S;
+    found.Q[i] = found.R_centre.transpose() * decomposed.R;
+    found.phi[i] = rotation_log(found.Q[i]).norm();
+    found.strain[i] = decomposed.S - Mat3::Identity();
+    found.stress[i] = stress(decomposed.S, model.lame[0]);
+    found.stress_norm[i] = stress_norm(found.stress[i], settings.yield_norm);
+  }
+  if (settings.rotation == RotationPlasticity::kCentre)
+    found.phi.fill(*std::max_element(found.phi.begin(), found.phi.end()));
+
+  // what flows, corner by corner
+  const ElementStep step = flow_element({.material = model.material(0),
+                                         .lame = model.lame[0],
+                                         .settings = settings,
+                                         .original_shape = model.original_shape[0],
+                                         .corner_jacobian = model.corner_jacobian[0],
+                                         .original_volume = model.volume[0],
+                                         .x = state.material,
+                                         .rest = at.rest[0],
+                                         .world = state.world,
+                                         .frame = frame_of(state, settings.rotation_frame)},
+                                        before.element(0), dt);
+  for (int i = 0; i < kCorners; ++i) {
+    found.stretch_share[i] = step.stretch[i].share;
+    found.stretch_increment[i] = step.stretch[i].increment;
+    found.rotation_share[i] = step.rotation[i].share;
+    found.rotation_increment[i] = step.rotation[i].increment;
+  }
+  found.volume_ratio = step.volume_ratio;
+  found.guarded = step.guarded;
+
+  // and the step as a body takes it
+  History after = before;
+  FlowWorkspace work(model);
+  PreconditionedConjugateGradients solver(kAveragingTolerance, kAveragingIterations);
+  flow(model, at, state.world, dt, solver, after, work);
+  found.history = after.element(0);
+  found.rest_volume = volume(found.history.rest_shape);
+  found.material = after.material;
+  found.material_volume = volume(found.material);
+  return found;
+}
+
+void follow_path(const ElementPoints& original, const Material& material, const Settings& settings, double dt,
+                 const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report) {
+  if (path.empty()) throw InputError("a path needs at least one point");
+  for (std::size_t k = 1; k < path.size(); ++k)
+    if (!(path[k].time > path[k - 1].time))
+      throw InputError(fmt::format("path: time {} does not come after {}", path[k].time, path[k - 1].time));
+  Body body(mesh_of(original), {material}, settings);
+  const auto respond = [&](double time, const Mat3& F) {
+    const PointArray x = original * F.transpose();
+    body.linearize(x);
+    PointArray f = PointArray::Zero(kCorners, 3);
+    body.add_force(f);
+    const ElementFields fields = body.fields(x);
+    report({.time = time,
+            .F = F,
+            .P = -(f.transpose() * original) / body.original_volume(),  // what the forces do on the corners
+            .stress_norm = fields.stress_norm[0],
+            .plastic_strain = fields.plastic_strain[0],
+            .yield_stress = fields.yield_stress[0],
+            .volume_ratio = fields.volume_ratio[0],
+            .energy = body.energy(x),
+            .dissipated_energy = body.history().dissipated_energy});
+  };
+
+  respond(path.front().time, path.front().F);
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const double span = path[k].time - path[k - 1].time;
+    const int steps = std::max(1, static_cast<int>(std::ceil(span / dt * (1 - 1e-9))));
+    for (int n = 1; n <= steps; ++n) {
+      const double share = static_cast<double>(n) / steps;
+      const Mat3 F = (1 - share) * path[k - 1].F + share * path[k].F;
+      body.flow(original * F.transpose(), span / steps);
+      respond(path[k - 1].time + share * span, F);
+    }
+  }
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// One hexahedron by itself. Its intermediates are compared with golden data through the command
+// (element_command_test.cpp), which prints them; here with difference quotients, the body and hand values.
+#include "hexaplast/inspect.hpp"
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::agrees;
+
+constexpr double kEdge = 0.1;
+
+Material flowing() {
+  Material m;
+  m.yield_stress = 100;
+  m.flow_rate = 3;
+  m.rotation_yield = 0.001;
+  m.rotation_flow_rate = 2;
+  m.hardening = 0.2;
+  return m;
+}
+
+/// A distorted hexahedron whose corners have been moved by up to a tenth of its edge.
+HexahedronState deformed(const Material& material) {
+  HexahedronState state = virgin_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 411), material);
+  state.world += support::Random(412).field(kCorners, 0.1 * kEdge);
+  return state;
+}
+
+TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceWhereNothingTurns) {
+  HexahedronState state = virgin_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 413), flowing());
+  const auto at = [&](int corner, int axis, double h) {
+    HexahedronState moved = state;
+    moved.world(corner, axis) += h;
+    return inspect_elasticity(moved, flowing(), {});
+  };
+  // at rest S = I: the part of the derivative that turns the rotations does no work
+  const HexahedronElasticity rest = inspect_elasticity(state, flowing(), {});
+  const double step = 1e-6 * kEdge;
+  for (int b = 0; b < kCorners; ++b)
+    for (int axis = 0; axis < 3; ++axis) {
+      const ElementPoints slope = -(at(b, axis, step).force - at(b, axis, -step).force) / (2 * step);
+      for (int a = 0; a < kCorners; ++a) {
+        const Vec3 column = rest.stiffness.block<3, 1>(3 * a, 3 * b + axis);
+        EXPECT_LE(support::max_abs(column - slope.row(a).transpose()), 1e-6 * support::max_abs(rest.stiffness));
+      }
+    }
+
+  state = deformed(flowing());
+  const HexahedronElasticity found = inspect_elasticity(state, flowing(), {});
+  for (int a = 0; a < kCorners; ++a)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double slope = support::central_difference([&](double h) { return at(a, axis, h).energy; }, step);
+      EXPECT_NEAR(found.force(a, axis), -slope, 1e-6 * support::max_abs(found.force));
+    }
+}
+
+TEST(HexahedronStep, IsTheStepThatABodyTakes) {
+  for (const RotationPlasticity rotation : {RotationPlasticity::kObjective, RotationPlasticity::kVertex,
+                                            RotationPlasticity::kCentre, RotationPlasticity::kNone}) {
+    Settings settings;
+    settings.rotation = rotation;
+    const HexahedronState state = deformed(flowing());
+    const HexahedronStep step = inspect_step(state, flowing(), settings, 0.01);
+
+    Body body(support::single_element(state.original), {flowing()}, settings);
+    body.flow(state.world, 0.01);
+    const ElementHistory expected = body.history().element(0);
+    EXPECT_EQ(step.material, ElementPoints(body.history().material));
+    EXPECT_EQ(step.history.rest_shape, expected.rest_shape);
+    EXPECT_EQ(step.history.rotation_map, expected.rotation_map);
+    EXPECT_EQ(step.history.yield_stress, expected.yield_stress);
+    EXPECT_EQ(step.history.rotation_yield, expected.rotation_yield);
+    EXPECT_NE(step.material, state.material);
+  }
+}
+
+TEST(HexahedronStep, WhatFlowsFollowsFromTheIntermediatesThatAreShown) {
+  const HexahedronState state = deformed(flowing());
+  const HexahedronStep step = inspect_step(state, flowing(), {}, 0.01);
+  ASSERT_FALSE(step.guarded);
+  for (int i = 0; i < kCorners; ++i) {
+    EXPECT_TRUE(agrees(step.R[i] * step.S[i], step.F[i], 1e-12));
+    EXPECT_TRUE(agrees(step.R_centre * step.Q[i], step.R[i], 1e-12));
+    EXPECT_NEAR(step.stretch_share[i], 3 * 0.01 * (1 - 100 / step.stress_norm[i]), 1e-12);
+    EXPECT_NEAR(step.rotation_share[i], 2 * 0.01 * (1 - 0.001 / step.phi[i]), 1e-12);
+    EXPECT_NEAR(step.history.yield_stress[i], 100 + 0.2 * step.stretch_share[i] * step.stress_norm[i], 1e-9);
+    EXPECT_NEAR(step.stretch_increment[i].determinant(), 1, 1e-12);
+  }
+  EXPECT_NEAR(step.volume_ratio, 1, 1e-12);
+}
+
+TEST(HexahedronStep, ShowsTheDeformationOfAGuardedHexahedronThatDoesNotFlow) {
+  HexahedronState state = deformed(flowing());
+  state.world.col(0) *= -1;
+  const HexahedronStep step = inspect_step(state, flowing(), {}, 0.01);
+  EXPECT_TRUE(step.guarded);
+  for (int i = 0; i < kCorners; ++i) {
+    EXPECT_LT(step.F[i].determinant(), 0);
+    EXPECT_GT(step.stress_norm[i], 100);
+    EXPECT_EQ(step.stretch_share[i], 0);
+  }
+  EXPECT_EQ(step.material, state.material);
+}
+
+TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
+  Material material;
+  material.young_modulus = 1000;
+  material.poisson_ratio = 0.25;  // lambda = mu = 400 Pa
+  Mat3 stretched = Mat3::Identity();
+  stretched(0, 0) = 1.1;
+  std::vector<PathResponse> answers;
+  follow_path(support::distorted_hexahedron(kEdge, 0.15, 414), material, {}, 0.25,
+              {{1, Mat3::Identity()}, {2, stretched}, {2.1, stretched}},
+              [&](const PathResponse& answer) { answers.push_back(answer); });
+  ASSERT_EQ(answers.size(), 6u) << "four steps of .25 s and one that is shorter, after the beginning";
+  EXPECT_DOUBLE_EQ(answers[1].time, 1.25);
+  EXPECT_DOUBLE_EQ(answers[5].time, 2.1);
+  for (const PathResponse& answer : answers) {
+    const double strain = answer.F(0, 0) - 1;
+    const Mat3 P = Vec3(1200 * strain, 400 * strain, 400 * strain).asDiagonal();
+    EXPECT_LE(support::max_abs(answer.P - P), 1e-9);
+    EXPECT_NEAR(answer.stress_norm, 800 * strain, 1e-9);
+  }
+  EXPECT_NEAR(answers[2].F(0, 0), 1.05, 1e-12);
+}
+
+TEST(FollowPath, RefusesNoPathAndTimesThatDoNotAscend) {
+  const auto follow = [](const std::vector<PathPoint>& path) {
+    follow_path(support::cube(kEdge), flowing(), {}, 0.01, path, [](const PathResponse&) {});
+  };
+  EXPECT_TRUE(support::refuses<InputError>([&] { follow({}); }, {"at least one point"}));
+  EXPECT_TRUE(support::refuses<InputError>(
+      [&] {
+        follow({{1, Mat3::Identity()}, {1, Mat3::Identity()}});
+      },
+      {"time 1 does not come after 1"}));
+}
+
+}  // namespace
+}  // namespace hexaplast
