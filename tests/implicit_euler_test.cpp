@@ -78,6 +78,47 @@ TEST(ImplicitEuler, SwingsAnOscillatorAsTheDiscreteSchemeSays) {
   }
 }
 
+// The same spring with forces at the middle of the step, and with the first order scheme, which has no inertia.
+TEST(ImplicitEuler, SwingsByTheTrapezoidalRuleAndCreepsWithoutInertia) {
+  const double edge = 0.1, E = 5000, k = E * edge, m = 4 * 1000 * edge * edge * edge / 8, rM = 0.3, rK = 0.02,
+               h = kStep, half = kStep / 2;
+  Material material;
+  material.young_modulus = E;
+  material.poisson_ratio = 0;
+  for (const bool first_order : {true, false}) {
+    for (const bool trapezoidal : {true, false}) {
+      const HexMesh mesh = support::block({1, 1, 1}, edge);
+      support::SimulationSetup setup;
+      setup.dt = h;
+      setup.euler = {.rayleigh_mass = rM,
+                     .rayleigh_stiffness = rK,
+                     .velocity_damping = 0.5,
+                     .first_order = first_order,
+                     .trapezoidal = trapezoidal};
+      setup.fixed = support::nodes_at(mesh, 2, 0);
+      support::Simulation cube(Body(mesh, {material}), std::move(setup), std::make_unique<CholeskySolver>());
+      const double ah = trapezoidal ? half : h, decay = std::exp(-0.5 * h);
+      double u = 0.02, v = 0;
+      const std::vector<int> top = support::nodes_at(mesh, 2, edge);
+      for (const int n : top) cube.x(n, 2) += u;
+
+      for (int step = 0; step < 50; ++step) {
+        cube.step();
+        if (first_order)
+          v = -k * u / (m + ah * k);
+        else
+          v += h * (-k * u - rM * m * v - (ah + rK) * k * v) / ((1 + ah * rM) * m + ah * (ah + rK) * k);
+        u += h * v;
+        v *= decay;
+        for (const int n : top) {
+          ASSERT_NEAR(cube.v(n, 2), v, 1e-11);
+          ASSERT_NEAR(cube.x(n, 2) - edge, u, 1e-12);
+        }
+      }
+    }
+  }
+}
+
 TEST(ImplicitEuler, AgreesBetweenTheSolvers) {
   const auto run = [](std::unique_ptr<LinearSolver> solver) {
     const HexMesh mesh = support::distorted_block({2, 2, 3}, 0.1, 0.15, 131);
@@ -91,6 +132,9 @@ TEST(ImplicitEuler, AgreesBetweenTheSolvers) {
   };
   const PointArray direct = run(std::make_unique<CholeskySolver>());
   EXPECT_LE(support::max_abs(run(exact_conjugate_gradients()) - direct), 1e-10);
+  EXPECT_LE(
+      support::max_abs(run(std::make_unique<SolverPreconditionedConjugateGradients>(1e-28, 1000, nullptr)) - direct),
+      1e-10);
 }
 
 TEST(ImplicitEuler, KeepsFixedNodesExactlyInPlace) {

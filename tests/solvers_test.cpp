@@ -85,6 +85,29 @@ TEST_F(Solvers, AgreeWithADenseFactorisation) {
   EXPECT_TRUE(agrees(x, exact, 1e-10));
 }
 
+// r.z / b.b without preconditioner is the square of |r| / |b|: the iterations are those of the plain method.
+TEST_F(Solvers, PreconditionedBySolversTheyStopOnTheirSquaredResidual) {
+  PointArray x(kNodes, 3), plain(kNodes, 3);
+  SolverPreconditionedConjugateGradients squared(1e-10, 1000, nullptr);
+  const SolveReport report = squared.solve(DenseSystem(A), b, x);
+  EXPECT_TRUE(report.converged);
+  EXPECT_LE(residual(x), 1e-5);
+  EXPECT_EQ(report.iterations, ConjugateGradients({.iterations = 1000, .tolerance = 1e-5, .threshold = 0})
+                                   .solve(DenseSystem(A), b, plain)
+                                   .iterations);
+  EXPECT_TRUE(agrees(x, plain, 1e-12));
+  EXPECT_FALSE(SolverPreconditionedConjugateGradients(1e-10, report.iterations - 1, nullptr)
+                   .solve(DenseSystem(A), b, x)
+                   .converged);
+
+  CholeskySolver exactly;
+  SolverPreconditionedConjugateGradients direct(1e-28, 1000, &exactly);
+  EXPECT_LE(direct.solve(DenseSystem(A), b, x).iterations, 2);
+  EXPECT_TRUE(agrees(x, exact, 1e-10));
+  EXPECT_THROW(SolverPreconditionedConjugateGradients(1e-10, 1000, nullptr).solve(DenseSystem(-A), b, x),
+               NumericalError);
+}
+
 TEST_F(Solvers, LeaveConstrainedDegreesOfFreedomAlone) {
   const std::set<int> constrained{0, 4, 20, 21, 22};
   const DenseSystem system(A, constrained);
@@ -203,6 +226,9 @@ TEST_F(Solvers, AnswerNothingWithNothing) {
   EXPECT_TRUE(x.isZero(0));
   x = b;
   PreconditionedConjugateGradients(1e-10, 10).solve(DenseSystem(A), zero, x);
+  EXPECT_TRUE(x.isZero(0));
+  x = b;
+  SolverPreconditionedConjugateGradients(1e-10, 10, nullptr).solve(DenseSystem(A), zero, x);
   EXPECT_TRUE(x.isZero(0));
   x = b;
   CholeskySolver().solve(DenseSystem(A), zero, x);

@@ -68,6 +68,7 @@ struct Description {
   std::string_view help = {};
   std::string_view templates = {};  ///< accepted values of `template`, separated by blanks
   std::span<const Attribute> attributes = {};
+  bool takes_anything = false;  ///< an ignored component: every attribute and template is accepted unread
 };
 
 /// What every node and component takes besides its own attributes.

@@ -12,10 +12,16 @@ class RunSettings final : public scene::Component {
   RunSettings() : Component(attributes::kRunSettings) {}
 };
 
-class VisualStyle final : public scene::Component {
+/// Accepted so that scenes can be read, and without effect.
+class Ignored final : public scene::Component {
  public:
-  VisualStyle() : Component(attributes::kVisualStyle) {}
-  void init() override { remark(scene::Severity::kNote, {}, "visual: ignored here"); }
+  using Component::Component;
+
+  void init() override {
+    const std::string_view category = description().category;
+    if (category == "Visual") remark(scene::Severity::kNote, {}, std::string(description().help));
+    if (category == "Collision") remark(scene::Severity::kWarning, {}, std::string(description().help));
+  }
   void refresh() override {}
 };
 
@@ -23,7 +29,8 @@ class VisualStyle final : public scene::Component {
 
 void add_settings(scene::Factory& factory) {
   factory.add<RunSettings>(attributes::kRunSettings);
-  factory.add<VisualStyle>(attributes::kVisualStyle);
+  for (const attributes::Description& description : attributes::kIgnoredComponents)
+    factory.add(description, [&description] { return std::make_unique<Ignored>(description); });
 }
 
 }  // namespace hexaplast::components

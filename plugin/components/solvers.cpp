@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <optional>
+#include <utility>
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
@@ -49,8 +52,11 @@ class EulerImplicitSolver final : public SystemSolver {
   void bwd_init() override {
     SystemSolver::bwd_init();
     if (!system().has_mass()) throw InputError("no mass in its node or below, must be at least one");
-    euler_.emplace(
-        EulerSettings{.rayleigh_mass = real("rayleighMass"), .rayleigh_stiffness = real("rayleighStiffness")});
+    euler_.emplace(EulerSettings{.rayleigh_mass = real("rayleighMass"),
+                                 .rayleigh_stiffness = real("rayleighStiffness"),
+                                 .velocity_damping = real("vdamping"),
+                                 .first_order = boolean("firstOrder"),
+                                 .trapezoidal = boolean("trapezoidalScheme")});
   }
 
   SolveReport solve(double time, double dt) override {
@@ -105,14 +111,46 @@ class StaticSolver final : public SystemSolver {
 
  private:
   NewtonSettings newton_settings() {
-    if (is_given("newtonSolver") || node().nearest<NewtonRaphsonSolver>())
-      return linked<NewtonRaphsonSolver>("newtonSolver").settings();
-    remark(scene::Severity::kWarning, "newtonSolver",
-           "no NewtonRaphsonSolver in its node or above: takes one with default settings, a single iteration per step");
-    return NewtonRaphsonSolver().settings();
+    const bool has_solver = is_given("newtonSolver") || node().nearest<NewtonRaphsonSolver>();
+    NewtonSettings settings =
+        has_solver ? linked<NewtonRaphsonSolver>("newtonSolver").settings() : NewtonRaphsonSolver().settings();
+    const bool has_old_settings = take_old_settings(settings);
+    if (!has_solver && !has_old_settings)
+      remark(
+          scene::Severity::kWarning, "newtonSolver",
+          "no NewtonRaphsonSolver in its node or above: takes one with default settings, a single iteration per step");
+    return settings;
+  }
+
+  /// What SOFA had here before there was a NewtonRaphsonSolver. Returns whether anything is given.
+  bool take_old_settings(NewtonSettings& settings) {
+    const std::pair<const char*, double*> thresholds[] = {
+        {"absolute_residual_tolerance_threshold", &settings.absolute_residual},
+        {"relative_residual_tolerance_threshold", &settings.relative_initial},
+        {"absolute_correction_tolerance_threshold", &settings.absolute_estimate},
+        {"relative_correction_tolerance_threshold", &settings.relative_estimate}};
+    bool found = is_given("newton_iterations");
+    if (found) settings.iterations = integer("newton_iterations");
+    for (const auto& [name, value] : thresholds) {
+      found = found || is_given(name);
+      *value = real_if_given(name).value_or(*value);
+    }
+    if (found)
+      remark(scene::Severity::kNote, {},
+             "tolerances and iterations are deprecated here: they belong to a NewtonRaphsonSolver");
+    return found;
   }
 
   std::optional<NewtonRaphson> newton_;
+};
+
+class DirectSolver final : public scene::LinearSolver {
+ public:
+  using LinearSolver::LinearSolver;
+  hexaplast::LinearSolver& method() override { return solver_; }
+
+ private:
+  CholeskySolver solver_;
 };
 
 class CGLinearSolver final : public scene::LinearSolver {
@@ -131,13 +169,26 @@ class CGLinearSolver final : public scene::LinearSolver {
   std::optional<ConjugateGradients> solver_;
 };
 
-class SparseLDLSolver final : public scene::LinearSolver {
+class PCGLinearSolver final : public scene::LinearSolver {
  public:
-  SparseLDLSolver() : LinearSolver(attributes::kSparseLDLSolver) {}
-  hexaplast::LinearSolver& method() override { return solver_; }
+  PCGLinearSolver() : LinearSolver(attributes::kPCGLinearSolver) {}
+
+  // Made when it is first asked for, so that the components of a node may stand in any order.
+  hexaplast::LinearSolver& method() override {
+    if (solver_) return *solver_;
+    hexaplast::LinearSolver* preconditioner = nullptr;
+    if (is_given("preconditioner") && boolean("use_precond")) {
+      scene::LinearSolver& linked_solver = linked<scene::LinearSolver>("preconditioner");
+      if (!dynamic_cast<DirectSolver*>(&linked_solver))
+        reject("preconditioner", fmt::format("the link leads to {} '{}', must lead to a direct solver",
+                                             linked_solver.class_name(), linked_solver.name()));
+      preconditioner = &linked_solver.method();
+    }
+    return solver_.emplace(real("tolerance"), integer("iterations"), preconditioner);
+  }
 
  private:
-  CholeskySolver solver_;
+  std::optional<SolverPreconditionedConjugateGradients> solver_;
 };
 
 }  // namespace
@@ -147,7 +198,9 @@ void add_solvers(scene::Factory& factory) {
   factory.add<StaticSolver>(attributes::kStaticSolver);
   factory.add<NewtonRaphsonSolver>(attributes::kNewtonRaphsonSolver);
   factory.add<CGLinearSolver>(attributes::kCGLinearSolver);
-  factory.add<SparseLDLSolver>(attributes::kSparseLDLSolver);
+  factory.add<PCGLinearSolver>(attributes::kPCGLinearSolver);
+  for (const attributes::Description& description : attributes::kDirectSolvers)
+    factory.add(description, [&description] { return std::make_unique<DirectSolver>(description); });
 }
 
 }  // namespace hexaplast::components

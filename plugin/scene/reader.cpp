@@ -207,6 +207,7 @@ class Reader {
     const std::string where = fmt::format("{}.{}", object.class_name(), attribute.Name());
     Data* data = object.find_data(attribute.Name());
     if (!data) {
+      if (object.description().takes_anything) return;
       std::vector<std::string_view> known;
       for (const auto& other : object.all_data()) {
         if (other->attribute().access != Access::kOutput) known.push_back(other->attribute().name);
@@ -228,7 +229,7 @@ class Reader {
   // Everything here is in three dimensions and double precision: other templates would mean something else.
   void read_template(const tinyxml2::XMLElement& element, const Component& component) {
     const tinyxml2::XMLAttribute* given = element.FindAttribute("template");
-    if (!given) return;
+    if (!given || component.description().takes_anything) return;
     const std::vector<std::string_view> accepted = split_words(component.description().templates);
     if (std::ranges::count(accepted, std::string_view(given->Value())) > 0) return;
     const std::string allowed = accepted.empty() ? "there is none for this component"

@@ -75,6 +75,49 @@ void ConjugateGradients::reset() {
   previous_.resize(0, 3);
 }
 
+SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  SolveReport report;
+  product_.resize(b.rows(), 3);
+  preconditioned_.resize(b.rows(), 3);
+  x.setZero();
+  const double b_squared = dot(b, b);
+  if (b_squared == 0) return report;
+
+  const auto precondition = [&] {
+    if (preconditioner_)
+      preconditioner_->solve(A, residual_, preconditioned_);
+    else
+      preconditioned_ = residual_;
+    return dot(residual_, preconditioned_);
+  };
+
+  residual_ = b;
+  double rho = precondition();
+  direction_ = preconditioned_;
+  while (report.iterations < iterations_ && rho > tolerance_ * b_squared) {
+    A.apply(direction_, product_);
+    const double curvature = dot(direction_, product_);
+    if (!(curvature > 0))
+      throw NumericalError(
+          fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", curvature));
+
+    const double alpha = rho / curvature;
+    x += alpha * direction_;
+    residual_ -= alpha * product_;
+    ++report.iterations;
+
+    const double rho_before = std::exchange(rho, precondition());
+    direction_ = preconditioned_ + (rho / rho_before) * direction_;
+  }
+  report.residual = std::sqrt(dot(residual_, residual_) / b_squared);
+  report.converged = rho <= tolerance_ * b_squared;
+  return report;
+}
+
+void SolverPreconditionedConjugateGradients::reset() {
+  if (preconditioner_) preconditioner_->reset();
+}
+
 SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
   SolveReport report;
   product_.resize(b.rows(), 3);

@@ -25,6 +25,24 @@ class ConjugateGradients final : public LinearSolver {
   PointArray residual_, direction_, product_, previous_;
 };
 
+/// Conjugate gradients with the stopping rule of SOFA's PCGLinearSolver: r.z <= tolerance b.b, where z is what another
+/// solver makes of r, taken as preconditioner (z = r without one). Without preconditioner the tolerance is thus the
+/// square of a relative residual.
+class SolverPreconditionedConjugateGradients final : public LinearSolver {
+ public:
+  /// `preconditioner` may be null; it must be symmetric and positive definite, and outlive this.
+  SolverPreconditionedConjugateGradients(double tolerance, int iterations, LinearSolver* preconditioner)
+      : tolerance_(tolerance), iterations_(iterations), preconditioner_(preconditioner) {}
+  SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
+  void reset() override;
+
+ private:
+  double tolerance_;
+  int iterations_;
+  LinearSolver* preconditioner_;
+  PointArray residual_, direction_, product_, preconditioned_;
+};
+
 /// Preconditioned conjugate gradients that end on |r| <= max(tolerance |b|, A.rounding()) alone: for systems of our
 /// own, where an answer is wanted rather than a number of iterations.
 class PreconditionedConjugateGradients final : public LinearSolver {

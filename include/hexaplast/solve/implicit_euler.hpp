@@ -38,13 +38,18 @@ class MechanicalSystem {
 struct EulerSettings {
   double rayleigh_mass = 0;       ///< [1/s]
   double rayleigh_stiffness = 0;  ///< [s]
+  double velocity_damping = 0;    ///< [1/s]
+  bool first_order = false;       ///< M v = f instead of M dv/dt = f
+  bool trapezoidal = false;       ///< forces at the middle of the step
 };
 
 /// One step of linearised implicit Euler, as SOFA's EulerImplicitSolver defines it:             theory.md eq. 40-42
 ///
-///   A  = (1 + h rM) M - h B - h (h + rK) K
-///   b  = h [ f - rM M v + (h + rK) K v ]
-///   A dv = b  (both projected),  v += dv,  x += h v
+///   A  = (1 + a h rM) M - a h B - a h (a h + rK) K        a = 1, or 1/2 when trapezoidal
+///   b  = h [ f - rM M v + (a h + rK) K v ]
+///   A dv = b  (both projected),  v += dv,  x += h v,  and then v *= exp(-h velocity_damping)
+///
+/// first_order:  (M - a h K) v = f  (both projected),  x += h v
 ///
 /// One linear solve per step, no iteration on the nonlinearity.
 class ImplicitEuler {
@@ -57,7 +62,7 @@ class ImplicitEuler {
 
  private:
   EulerSettings settings_;
-  PointArray right_hand_side_, increment_;
+  PointArray right_hand_side_, velocity_;  // [kg m/s] or [N], and [m/s]: dv, then the new velocity
 };
 
 }  // namespace hexaplast

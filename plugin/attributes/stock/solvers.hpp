@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "attributes/attribute.hpp"
+#include "attributes/stock/ignored.hpp"
+
+/// Time integration, equilibrium, and the linear systems in them. See stock.hpp.
+namespace hexaplast::attributes {
+
+inline constexpr Attribute kEulerImplicitAttributes[] = {
+    {.name = "rayleighStiffness",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "s",
+     .range = kNotNegative,
+     .help = "Stiffness-proportional damping."},
+    {.name = "rayleighMass",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "1/s",
+     .range = kNotNegative,
+     .help = "Mass-proportional damping."},
+    {.name = "vdamping",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "1/s",
+     .range = kNotNegative,
+     .help = "Velocities decay as exp(-vdamping dt) at the end of each step, when positions have moved already."},
+    {.name = "firstOrder",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Solves M dx/dt = f: no inertia, the mass acts as a viscosity. Without damping."},
+    {.name = "trapezoidalScheme",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Forces at the middle of the step instead of its end: second order in time, and no numerical damping."},
+    {.name = "linearSolver",
+     .type = Type::kLink,
+     .help =
+         "Solver of the linear system; the first one of the node (or of the nearest one above) where it is not given."},
+    ignored_attribute("solveConstraint", "Ignored here: there are no Lagrangian constraints."),
+    ignored_attribute("threadSafeVisitor", "Ignored here."),
+    ignored_attribute("computeResidual", "Ignored here."),
+};
+inline constexpr Description kEulerImplicitSolver{.class_name = "EulerImplicitSolver",
+                                                  .category = "OdeSolver",
+                                                  .help = "Linearised implicit Euler: one linear solve per time step.",
+                                                  .attributes = kEulerImplicitAttributes};
+
+inline constexpr Attribute kStaticAttributes[] = {
+    {.name = "newtonSolver",
+     .type = Type::kLink,
+     .help =
+         "How equilibrium is looked for; the NewtonRaphsonSolver of the node (or of the nearest one above) where it "
+         "is not given."},
+    {.name = "linearSolver",
+     .type = Type::kLink,
+     .help = "Solver of the linear systems; the first one of the node (or of the nearest one above) where it is not "
+             "given."},
+    {.name = "newton_iterations",
+     .type = Type::kInteger,
+     .range = {.least = 1, .most = 1e9},
+     .help = "Deprecated: NewtonRaphsonSolver.maxNbIterationsNewton."},
+    {.name = "absolute_residual_tolerance_threshold",
+     .type = Type::kReal,
+     .unit = "N",
+     .range = kNotNegative,
+     .help = "Deprecated: NewtonRaphsonSolver.absoluteResidualStoppingThreshold."},
+    {.name = "relative_residual_tolerance_threshold",
+     .type = Type::kReal,
+     .range = kNotNegative,
+     .help = "Deprecated: NewtonRaphsonSolver.relativeInitialStoppingThreshold."},
+    {.name = "absolute_correction_tolerance_threshold",
+     .type = Type::kReal,
+     .unit = "m",
+     .range = kNotNegative,
+     .help = "Deprecated: NewtonRaphsonSolver.absoluteEstimateDifferenceThreshold."},
+    {.name = "relative_correction_tolerance_threshold",
+     .type = Type::kReal,
+     .range = kNotNegative,
+     .help = "Deprecated: NewtonRaphsonSolver.relativeEstimateDifferenceThreshold."},
+    ignored_attribute("should_diverge_when_residual_is_growing", "Ignored here."),
+};
+inline constexpr Description kStaticSolver{
+    .class_name = "StaticSolver",
+    .category = "OdeSolver",
+    .help =
+        "Static equilibrium under the loads at the beginning of each time step; masses count through gravity alone. "
+        "What flows plastically does so after equilibrium, once per step.",
+    .attributes = kStaticAttributes};
+
+inline constexpr Attribute kNewtonRaphsonAttributes[] = {
+    {.name = "maxNbIterationsNewton",
+     .type = Type::kInteger,
+     .initial = "1",
+     .range = {.least = 1, .most = 1e9},
+     .help = "Largest number of iterations per step."},
+    {.name = "relativeSuccessiveStoppingThreshold",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .range = kNotNegative,
+     .help = "Ends when |r_k| / |r_k-1| is not greater. 0 switches a threshold off."},
+    {.name = "relativeInitialStoppingThreshold",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .range = kNotNegative,
+     .help = "Ends when |r_k| / |r_0| is not greater."},
+    {.name = "absoluteResidualStoppingThreshold",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .unit = "N",
+     .range = kNotNegative,
+     .help = "Ends when |r_k| is not greater: lower it for small loads."},
+    {.name = "relativeEstimateDifferenceThreshold",
+     .type = Type::kReal,
+     .initial = "0",
+     .range = kNotNegative,
+     .help = "Ends when |x_k - x_k-1| / |x_k-1| is not greater."},
+    {.name = "absoluteEstimateDifferenceThreshold",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "m",
+     .range = kNotNegative,
+     .help = "Ends when |x_k - x_k-1| is not greater."},
+    {.name = "maxNbIterationsLineSearch",
+     .type = Type::kInteger,
+     .initial = "1",
+     .range = {.least = 1, .most = 1e9},
+     .help = "Step lengths tried per iteration until |r| decreases."},
+    {.name = "lineSearchCoefficient",
+     .type = Type::kReal,
+     .initial = "0.5",
+     .range = {.least = 0, .most = 1, .without_least = true, .without_most = true},
+     .help = "By which each further try is shorter."},
+    {.name = "updateStateWhenDiverged",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Keeps the last iterate when no threshold was met."},
+    {.name = "warnWhenLineSearchFails",
+     .type = Type::kBool,
+     .initial = "true",
+     .access = Access::kIgnored,
+     .help = "Ignored here: steps without equilibrium are always counted and reported."},
+    {.name = "warnWhenDiverge",
+     .type = Type::kBool,
+     .initial = "true",
+     .access = Access::kIgnored,
+     .help = "Ignored here: steps without equilibrium are always counted and reported."},
+    ignored_attribute("residualGraph", "Ignored here."),
+};
+inline constexpr Description kNewtonRaphsonSolver{.class_name = "NewtonRaphsonSolver",
+                                                  .category = "NewtonRaphsonSolver",
+                                                  .help = "Stopping rules and line search of a StaticSolver.",
+                                                  .attributes = kNewtonRaphsonAttributes};
+
+inline constexpr Attribute kCGLinearSolverAttributes[] = {
+    {.name = "iterations",
+     .type = Type::kInteger,
+     .initial = "25",
+     .range = {.least = 1, .most = 1e9},
+     .help = "Largest number of iterations."},
+    {.name = "tolerance",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .range = kNotNegative,
+     .help = "Ends when |r| / |b| is not greater."},
+    {.name = "threshold",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .range = kNotNegative,
+     .help = "Ends when p.Ap is not greater: an absolute bound, so lower it for small loads and small masses."},
+    {.name = "warmStart",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Begins with the solution of the step before."},
+    ignored_attribute("graph", "Ignored here."),
+};
+inline constexpr std::string_view kIterativeTemplates =
+    "GraphScattered CompressedRowSparseMatrix CompressedRowSparseMatrixd CompressedRowSparseMatrixMat3x3 "
+    "CompressedRowSparseMatrixMat3x3d";
+inline constexpr Description kCGLinearSolver{.class_name = "CGLinearSolver",
+                                             .category = "LinearSolver",
+                                             .help = "Conjugate gradients without assembled matrix.",
+                                             .templates = kIterativeTemplates,
+                                             .attributes = kCGLinearSolverAttributes};
+
+inline constexpr Attribute kPCGLinearSolverAttributes[] = {
+    {.name = "iterations",
+     .type = Type::kInteger,
+     .initial = "25",
+     .range = {.least = 1, .most = 1e9},
+     .help = "Largest number of iterations."},
+    {.name = "tolerance",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .range = kNotNegative,
+     .help = "Ends when r.z / b.b is not greater, z being the preconditioned residual: without preconditioner this is "
+             "the square of CGLinearSolver's measure."},
+    {.name = "use_precond", .type = Type::kBool, .initial = "true", .help = "Whether the preconditioner is used."},
+    {.name = "preconditioner",
+     .type = Type::kLink,
+     .help = "A direct solver that prepares each residual, with the matrix of the present step; none where not given. "
+             "It is exact here, so that one iteration is enough."},
+    ignored_attribute("update_step", "Ignored here: the preconditioner is always up to date."),
+    ignored_attribute("graph", "Ignored here."),
+};
+inline constexpr Description kPCGLinearSolver{.class_name = "PCGLinearSolver",
+                                              .category = "LinearSolver",
+                                              .help = "Preconditioned conjugate gradients.",
+                                              .templates = kIterativeTemplates,
+                                              .attributes = kPCGLinearSolverAttributes};
+
+inline constexpr Attribute kDirectSolverAttributes[] = {
+    ignored_attribute("precomputeSymbolicDecomposition", "Ignored here: it is kept as long as the pattern stays."),
+    ignored_attribute("orderingMethod", "Ignored here: CHOLMOD chooses the order."),
+    ignored_attribute("parallelInverseProduct", "Ignored here."),
+};
+
+/// SOFA's exact solvers are one and the same here.
+constexpr Description direct_solver(std::string_view class_name) {
+  return {.class_name = class_name,
+          .category = "LinearSolver",
+          .help = "Direct sparse factorisation, served by CHOLMOD whatever the name.",
+          .templates = kMatrixTemplates,
+          .attributes = kDirectSolverAttributes};
+}
+inline constexpr Description kDirectSolvers[] = {
+    direct_solver("SparseLDLSolver"), direct_solver("EigenSimplicialLDLT"), direct_solver("EigenSimplicialLLT"),
+    direct_solver("EigenSparseLU"),   direct_solver("EigenSparseQR"),       direct_solver("CholeskySolver"),
+    direct_solver("SVDLinearSolver"),
+};
+
+}  // namespace hexaplast::attributes

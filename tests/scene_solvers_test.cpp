@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/compare.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::read_and_init;
+
+// A bar of 2 x 2 x 5 hexahedra, held at one end, pulled aside at the other.
+std::string bar(const std::string& ode_solver, const std::string& linear_solver) {
+  return "<Node dt='0.02' gravity='0 -3 0'><DefaultAnimationLoop/>" + ode_solver + linear_solver +
+         "<RegularGridTopology n='3 3 6' min='0 0 0' max='0.2 0.2 0.5'/><MechanicalObject name='nodes'/>"
+         "<DiagonalMass massDensity='1000'/><BoxROI name='end' box='-1 -1 -.01  1 1 .01'/>"
+         "<BoxROI name='far' box='-1 -1 .49  1 1 .51'/><FixedProjectiveConstraint indices='@end.indices'/>"
+         "<ConstantForceField indices='@far.indices' totalForce='6 2 -3'/>"
+         "<HexahedronElastoplasticFEMForceField youngModulus='2e4' poissonRatio='0.4' yieldStress='300' "
+         "plasticFlowRate='4' rayleighStiffness='0.01'/></Node>";
+}
+
+PointArray end_of_run(const std::string& ode_solver, const std::string& linear_solver, int steps = 25) {
+  scene::Scene scene = read_and_init(bar(ode_solver, linear_solver));
+  for (int k = 0; k < steps; ++k) scene.step();
+  return at<scene::MechanicalState>(scene, "nodes").positions();
+}
+
+const std::vector<std::string> kExactSolvers = {
+    "<EigenSimplicialLDLT/>",
+    "<EigenSimplicialLLT template='CompressedRowSparseMatrixMat3x3d'/>",
+    "<EigenSparseLU/>",
+    "<EigenSparseQR/>",
+    "<CholeskySolver/>",
+    "<SVDLinearSolver/>",
+    "<CGLinearSolver iterations='2000' tolerance='1e-13' threshold='1e-30'/>",
+    "<CGLinearSolver iterations='2000' tolerance='1e-13' threshold='1e-30' warmStart='true'/>",
+    "<PCGLinearSolver iterations='2000' tolerance='1e-26'/>",
+    "<PCGLinearSolver name='pcg' tolerance='1e-26' preconditioner='@direct'/><SparseLDLSolver name='direct'/>"};
+
+// Time integration, equilibrium, and every linear solver: the same trajectory, up to what the solvers leave.
+TEST(SolverPairs, GiveTheSameTrajectory) {
+  const std::vector<std::string> ode_solvers = {
+      "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.1'/>",
+      "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.05' trapezoidalScheme='true' vdamping='0.3'/>",
+      "<EulerImplicitSolver firstOrder='true'/>",
+      "<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='40' maxNbIterationsLineSearch='3' "
+      "absoluteResidualStoppingThreshold='1e-9' relativeSuccessiveStoppingThreshold='0' "
+      "relativeInitialStoppingThreshold='0'/>"};
+  for (const std::string& ode_solver : ode_solvers) {
+    const int steps = ode_solver.starts_with("<Static") ? 3 : 25;
+    const PointArray reference = end_of_run(ode_solver, "<SparseLDLSolver/>", steps);
+    EXPECT_GT(support::max_abs(reference - end_of_run(ode_solver, "<SparseLDLSolver/>", steps - 1)), 1e-5)
+        << ode_solver << " does not move";
+    for (const std::string& linear_solver : kExactSolvers)
+      EXPECT_LE(support::max_abs(end_of_run(ode_solver, linear_solver, steps) - reference), 1e-9)
+          << ode_solver << linear_solver;
+  }
+}
+
+// |r| / |b| of one iteration of conjugate gradients lies well above that of a hundred.
+TEST(CGLinearSolver, StopsAtItsIterationsAndSaysSo) {
+  scene::Scene scene = read_and_init(
+      bar("<EulerImplicitSolver/>", "<CGLinearSolver iterations='7' tolerance='1e-12' threshold='1e-30'/>"));
+  const SolveReport report = scene.step();
+  EXPECT_EQ(report.iterations, 7);
+  EXPECT_FALSE(report.converged);
+  EXPECT_GT(report.residual, 1e-12);
+}
+
+TEST(PCGLinearSolver, WithAnExactPreconditionerNeedsOneIteration) {
+  const std::string direct = "<SparseLDLSolver name='direct'/>";
+  scene::Scene with =
+      read_and_init(bar("<EulerImplicitSolver linearSolver='@pcg'/>",
+                        direct + "<PCGLinearSolver name='pcg' tolerance='1e-16' preconditioner='@direct'/>"));
+  EXPECT_EQ(with.step().iterations, 1);
+  scene::Scene without = read_and_init(
+      bar("<EulerImplicitSolver linearSolver='@pcg'/>",
+          direct + "<PCGLinearSolver name='pcg' tolerance='1e-16' preconditioner='@direct' use_precond='0'/>"));
+  EXPECT_GT(without.step().iterations, 10);
+  EXPECT_EQ(
+      errors_of(bar("<EulerImplicitSolver/>", "<PCGLinearSolver preconditioner='@cg'/><CGLinearSolver name='cg'/>")),
+      "test.scn:1: error: PCGLinearSolver.preconditioner: the link leads to CGLinearSolver 'cg', must lead to a "
+      "direct solver");
+}
+
+// The settings of SOFA before there was a NewtonRaphsonSolver.
+TEST(StaticSolver, TakesItsOldSettings) {
+  const PointArray old = end_of_run(
+      "<StaticSolver newton_iterations='12' absolute_residual_tolerance_threshold='1e-7' "
+      "relative_residual_tolerance_threshold='1e-6' absolute_correction_tolerance_threshold='1e-12' "
+      "relative_correction_tolerance_threshold='1e-11'/>",
+      "<SparseLDLSolver/>", 2);
+  const PointArray present = end_of_run(
+      "<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='12' absoluteResidualStoppingThreshold='1e-7' "
+      "relativeInitialStoppingThreshold='1e-6' absoluteEstimateDifferenceThreshold='1e-12' "
+      "relativeEstimateDifferenceThreshold='1e-11'/>",
+      "<SparseLDLSolver/>", 2);
+  EXPECT_EQ(old, present);
+  EXPECT_GT(support::max_abs(old - end_of_run("<StaticSolver/>", "<SparseLDLSolver/>", 2)), 1e-6);
+}
+
+double fall(const std::string& attributes, double velocity) {
+  scene::Scene scene =
+      read_and_init("<Node dt='0.5' gravity='0 0 -10'><DefaultAnimationLoop/><EulerImplicitSolver " + attributes +
+                    "/><SparseLDLSolver/><MechanicalObject name='nodes' position='0 0 7' velocity='0 0 " +
+                    std::to_string(velocity) + "'/><UniformMass vertexMass='3'/></Node>");
+  for (int k = 0; k < 2; ++k) scene.step();
+  return at<scene::MechanicalState>(scene, "nodes").positions()(0, 2);
+}
+
+// Two steps of h = .5 with v0 = 2, g = -10: v1 = -3, then v decays or not, v2 = v1 - 5.
+TEST(EulerImplicitSolver, AFreeMassFollowsTheDiscreteLawOfEachScheme) {
+  EXPECT_DOUBLE_EQ(fall("", 2), 7 + 0.5 * (-3 - 8));
+  EXPECT_NEAR(fall("vdamping='0.8'", 2), 7 + 0.5 * (-3 + (-3 * std::exp(-0.4) - 5)), 1e-14);
+  double v = 2, z = 7;
+  for (int k = 0; k < 2; ++k) {
+    v += 0.5 * (-10 - 0.4 * v) / (1 + 0.25 * 0.4);
+    z += 0.5 * v;
+  }
+  EXPECT_DOUBLE_EQ(fall("rayleighMass='0.4' trapezoidalScheme='true'", 2), z);
+  EXPECT_DOUBLE_EQ(fall("firstOrder='true' rayleighMass='0.4'", 2), 7 - 2 * 0.5 * 10);
+}
+
+}  // namespace
