@@ -6,6 +6,7 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/newton_raphson.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
 #include "support/motion.hpp"
@@ -160,6 +161,51 @@ TEST(Fracture, LeavesNothingSingularDownToTheLastElement) {
     EXPECT_TRUE(had_isolated_nodes);
     EXPECT_EQ(body.energy(world), 0);
     EXPECT_EQ(body.flow(world, kStep).removed, 0);
+  }
+}
+
+// A beam under its own weight whose end is gone rests as a beam that never had it; the nodes of the end stay.
+TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
+  const HexMesh shorter = support::block({4, 2, 2}, kEdge), longer = support::block({6, 2, 2}, kEdge);
+  std::vector<Material> materials(longer.num_elements());
+  for (int e = 0; e < longer.num_elements(); ++e) {
+    if (longer.positions()(longer.hexahedra()[e][0], 0) < 0.39) continue;
+    // breaks at once, and flows too little to be seen
+    materials[e].yield_stress = materials[e].fracture_stress = 1;
+    materials[e].flow_rate = 1e-8;
+    materials[e].hardening = 1;
+  }
+  Body broken(longer, materials);
+  ASSERT_EQ(broken.flow(support::stretched_and_twisted(longer, 1.2, 0), kStep).removed, 8);
+
+  const auto weight = [](double, ConstPoints, Points f) { f.col(2).array() -= 0.04; };
+  const auto rest = [&](Body& body, LinearSolver& solver) {
+    support::LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0),
+                               support::nodes_at(body.mesh(), 0, 0), weight);
+    PointArray x = body.mesh().positions();
+    NewtonRaphson newton({.iterations = 50,
+                          .relative_successive = 0,
+                          .relative_initial = 0,
+                          .absolute_residual = 1e-9,
+                          .line_search_iterations = 3});
+    EXPECT_EQ(newton.solve(system, solver, 0, x).status, NewtonStatus::kConverged);
+    return x;
+  };
+  Body whole(shorter, {Material{}});
+  CholeskySolver direct;
+  const PointArray expected = rest(whole, direct);
+  ASSERT_LT(expected.col(2).minCoeff(), -0.01);
+
+  PreconditionedConjugateGradients iterative(1e-12, 2000);
+  for (LinearSolver* solver : {static_cast<LinearSolver*>(&direct), static_cast<LinearSolver*>(&iterative)}) {
+    const PointArray x = rest(broken, *solver);
+    for (int n = 0; n < longer.num_nodes(); ++n) {
+      const Vec3 X = longer.positions().row(n);
+      int same = 0;
+      while (same < shorter.num_nodes() && (shorter.positions().row(same).transpose() - X).norm() > 1e-9) ++same;
+      const Vec3 where = same < shorter.num_nodes() ? Vec3(expected.row(same)) : X;
+      EXPECT_LE((x.row(n).transpose() - where).norm(), 1e-7) << "node " << n;
+    }
   }
 }
 

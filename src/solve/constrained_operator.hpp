@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <span>
+
 #include "hexaplast/solve/implicit_euler.hpp"
 
 namespace hexaplast {
 
-/// m M + b B + k K of a mechanical system with its constraints, as a linear system.
+/// m M + b B + k K of a mechanical system with its constraints, as a linear system. `loose`: nodes on which it does not
+/// act; the assembled matrix holds them, so that it is not singular.
 class ConstrainedOperator final : public LinearSystem {
  public:
-  ConstrainedOperator(const MechanicalSystem& system, const OperatorFactors& factors)
-      : system_(system), factors_(factors) {}
+  ConstrainedOperator(const MechanicalSystem& system, const OperatorFactors& factors, std::span<const int> loose = {})
+      : system_(system), factors_(factors), loose_(loose) {}
 
   int num_nodes() const override { return system_.num_nodes(); }
 
@@ -22,11 +25,14 @@ class ConstrainedOperator final : public LinearSystem {
   void assemble(BlockMatrix& A) const override {
     system_.add_blocks(factors_, A);
     system_.pin(A);
+    for (const int n : loose_)
+      for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }
 
  private:
   const MechanicalSystem& system_;
   OperatorFactors factors_;
+  std::span<const int> loose_;
 };
 
 }  // namespace hexaplast

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <vector>
+
 #include "hexaplast/solve/implicit_euler.hpp"
 
 namespace hexaplast {
@@ -37,6 +39,9 @@ struct NewtonReport {
 /// Static equilibrium, as SOFA's StaticSolver finds it: f(x) = 0 under constraints.               theory.md eq. 43
 ///
 ///   -K(x_k) dx = f(x_k),  x_k+1 = x_k + a dx,  a = 1, c, c^2, ... until |f| decreases
+///
+/// A node on which no stiffness acts, since all elements around it are gone, has no equilibrium: it stays where it is,
+/// and the force on it does not count.
 class NewtonRaphson {
  public:
   explicit NewtonRaphson(NewtonSettings settings) : settings_(settings) {}
@@ -48,6 +53,7 @@ class NewtonRaphson {
  private:
   NewtonSettings settings_;
   PointArray position_, trial_, velocity_, force_, trial_force_, increment_;
+  std::vector<int> loose_;  // nodes on which no stiffness acts
 };
 
 }  // namespace hexaplast
