@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Against CalculiX (tests/data/calculix/README.md): another code, other elements, other constitutive laws.
-#include <fstream>
 #include <map>
 
 #include "hexaplast/mesh/sections.hpp"
@@ -12,14 +11,8 @@
 namespace hexaplast {
 namespace {
 
+using support::calculix;
 using support::Json;
-
-Json reference(const std::string& name) {
-  const std::string path = std::string(HEXAPLAST_TEST_DATA) + "/calculix/" + name + ".json";
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error("cannot open " + path);
-  return Json::parse(file);
-}
 
 Material elastic(double poisson_ratio) {
   Material m;
@@ -31,7 +24,7 @@ Material elastic(double poisson_ratio) {
 /// The row of a list of beams that was made with this mesh and element.
 Json beam(const std::string& file, double poisson_ratio, int cells_across, const std::string& element,
           const std::string& load = "") {
-  for (const Json& row : reference(file))
+  for (const Json& row : calculix(file))
     if (row["poisson_ratio"] == poisson_ratio && row["cells_across"] == cells_across && row["element"] == element &&
         (load.empty() || row["load"] == load))
       return row;
@@ -128,7 +121,7 @@ double mean_elongation(const Json& bars, const std::string& name, const char* wh
 
 // The corotated law lies between St. Venant-Kirchhoff, which softens, and Mooney-Rivlin fitted to the same constants.
 TEST(CalculixBar, ElasticStretchLiesBetweenTwoLaws) {
-  const Json bars = reference("bar");
+  const Json bars = calculix("bar");
   for (const auto& [force, name, band] : {std::tuple(0.1, "F0.1", 0.02), std::tuple(0.45, "F0.45", 0.03)}) {
     const double svk = mean_elongation(bars, std::string("stretch_SVK_") + name + "_C3D8", "peak"),
                  rubber = mean_elongation(bars, std::string("stretch_MRmatched_") + name + "_C3D8", "peak");
@@ -154,7 +147,7 @@ TEST(CalculixBar, ViscoplasticStretchLiesBetweenC3D8AndC3D8I) {
   for (const auto& [load, name] : {std::pair(support::EndLoad::kCentralStretch, "stretch"),
                                    std::pair(support::EndLoad::kFaceStretch, "stretchface")}) {
     std::map<std::string, Json> elements;
-    for (const Json& row : reference("bar_elements"))
+    for (const Json& row : calculix("bar_elements"))
       if (row["load"] == name && row["refine"] == 1) elements[row["element"]] = row;
     support::BarCase bar = visco_bar(100, elements.at("C3D8")["force"]);
     bar.load = load;
@@ -169,7 +162,7 @@ TEST(CalculixBar, ViscoplasticStretchLiesBetweenC3D8AndC3D8I) {
 }
 
 TEST(CalculixBar, ViscoplasticStretchUnderLoad) {
-  const Json bars = reference("bar");
+  const Json bars = calculix("bar");
   for (const auto& [yield_stress, force, name] : {std::tuple(50.0, 0.05, "stretch_viscoCalib_tau50_nu5_F0.05_C3D8"),
                                                   std::tuple(100.0, 0.1, "stretch_viscoCalib_tau100_nu5_F0.1_C3D8")}) {
     const support::BarRun run = support::run_bar(visco_bar(yield_stress, force));
@@ -184,7 +177,7 @@ TEST(CalculixBar, ViscoplasticStretchUnderLoad) {
 
 // Under load every layer keeps the band; after release they are 9 to 16 % short (docs/validation.md).
 TEST(CalculixBar, FaceTwistUnderLoad) {
-  const Json peak = reference("bar").at("twistface_plast_tau100_f0.06_C3D8").at("peak");
+  const Json peak = calculix("bar").at("twistface_plast_tau100_f0.06_C3D8").at("peak");
   support::BarCase bar{.material = support::calculix_material(100, 20), .load = support::EndLoad::kFaceTwist};
   bar.force = 0.06;
   bar.schedule = {.ramp = 2, .hold = 4, .release = 6, .end = 8};
@@ -202,7 +195,7 @@ TEST(CalculixBar, FaceTwistUnderLoad) {
 
 // On the same mesh ours is closer to the refined, nearly locking-free C3D8I than C3D8 is.
 TEST(CalculixBar, FaceStretchIsCloserToTheRefinedAnswer) {
-  const Json bars = reference("bar");
+  const Json bars = calculix("bar");
   const std::string name = "refineface_plast_tau250_F0.3_";
   support::BarCase bar{.material = support::calculix_material(250, 20), .load = support::EndLoad::kFaceStretch};
   bar.force = 0.3;
@@ -220,7 +213,7 @@ TEST(CalculixBar, FaceStretchIsCloserToTheRefinedAnswer) {
 
 // A single cube in uniaxial stress: the equation integrated along its axis alone, at 32 moments.
 TEST(CalculixHexahedron, FollowsTheEquationInUniaxialStress) {
-  for (const Json& row : reference("uniaxial")) {
+  for (const Json& row : calculix("uniaxial")) {
     const Eigen::VectorXd times = support::vector(row["times"]), expected = support::vector(row["stretch_equation"]);
     const std::vector<double> ours =
         support::uniaxial_stretch(support::calculix_material(row["yield_stress"], row["flow_rate"]),

@@ -4,14 +4,15 @@
 //   case,refine,gradient,yield_norm,peak_mean,peak_central,residual_mean,residual_central,residual_volume_ratio,
 //   unsolved_steps
 //
-// and for the twisted bar the angle of every layer. Takes some minutes; docs/validation.md sets the figures against
-// CalculiX's.
+// for the twisted bar the angle of every layer, and the tip of the beam of locking.json. Takes some minutes;
+// docs/validation.md sets the figures against CalculiX's.
 #include <fmt/format.h>
 
 #include <cstdio>
 #include <limits>
 
 #include "support/calculix_bar.hpp"
+#include "support/cantilever.hpp"
 
 namespace {
 
@@ -78,4 +79,9 @@ int main() {
   fmt::print("\nlayer,peak_twist_deg,residual_twist_deg\n");
   for (std::size_t layer = 0; layer < twisted.peak.twist_deg.size(); ++layer)
     fmt::print("{},{:.4f},{:.4f}\n", layer, twisted.peak.twist_deg[layer], twisted.residual.twist_deg[layer]);
+
+  fmt::print("\npoisson_ratio,deflection,deflection_refined\n");
+  for (const double poisson_ratio : {0.0, 0.3, 0.45, 0.49, 0.499})
+    fmt::print("{},{:.4f},{:.4f}\n", poisson_ratio, support::relative_deflection(2, poisson_ratio),
+               support::relative_deflection(4, poisson_ratio));
 }

@@ -14,18 +14,15 @@ namespace {
 
 constexpr double kCell = 0.1;  // [m]
 constexpr int kSlices = 10;
-constexpr double kStep = 0.01;  // [s]
 
 int node_at(int i, int j, int k) { return i + 4 * (j + 4 * k); }
 
-/// Share of the full load in the step that begins at `time`.
-double load_share(double time) {
-  const int step = static_cast<int>(std::lround(time / kStep)) + 1;
-  return step <= 200 ? std::min(1.0, step / 50.0) : 0.0;
-}
+/// Share of the full load in the step of length dt that begins at `time`: its share at the end of the step, so that the
+/// first step is loaded and the one that ends at two seconds is the last.
+double load_share(double time, double dt) { return time + dt / 2 < 2 ? std::min(1.0, (time + dt) / 0.5) : 0.0; }
 
-void add_stretch(double time, ConstPoints, Points f) {
-  const double force = 90.0 / 4 * load_share(time);  // [N] per node of the central face
+void add_stretch(double share, Points f) {
+  const double force = 90.0 / 4 * share;  // [N] per node of the central face
   for (const int i : {1, 2}) {
     for (const int j : {1, 2}) {
       f(node_at(i, j, 0), 2) -= force;
@@ -34,8 +31,8 @@ void add_stretch(double time, ConstPoints, Points f) {
   }
 }
 
-void add_twist(double time, ConstPoints x, Points f) {
-  const double force = 20 * load_share(time);  // [N] per edge
+void add_twist(double share, ConstPoints x, Points f) {
+  const double force = 20 * share;  // [N] per edge
   const Vec3 axis(0, 0, 1), centre(1.5 * kCell, 1.5 * kCell, 0);
   for (const int k : {0, kSlices}) {
     const int a = node_at(1, 1, k), b = node_at(2, 1, k), c = node_at(2, 2, k), d = node_at(1, 2, k);
@@ -65,7 +62,7 @@ Material bar_material(BarLoad load, const std::string& strength) {
   return m;
 }
 
-Simulation bar(BarLoad load, const std::string& strength, double fracture_stress) {
+Simulation bar(BarLoad load, const std::string& strength, double fracture_stress, double dt) {
   Material material = bar_material(load, strength);
   material.fracture_stress = fracture_stress;
   Settings settings;
@@ -73,10 +70,15 @@ Simulation bar(BarLoad load, const std::string& strength, double fracture_stress
   HexMesh mesh = block({3, 3, kSlices}, kCell);
 
   SimulationSetup setup;
-  setup.dt = kStep;
+  setup.dt = dt;
   setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
   setup.fixed = nodes_at(mesh, 2, kSlices / 2 * kCell);
-  setup.load = load == BarLoad::kStretch ? Load(add_stretch) : Load(add_twist);
+  setup.load = [load, dt](double time, ConstPoints x, Points f) {
+    if (load == BarLoad::kStretch)
+      add_stretch(load_share(time, dt), f);
+    else
+      add_twist(load_share(time, dt), x, f);
+  };
   return Simulation(Body(std::move(mesh), {material}, settings), std::move(setup));
 }
 

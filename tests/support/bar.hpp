@@ -12,6 +12,7 @@ namespace hexaplast::support {
 /// 0.01 s, fixed in the middle, loaded at both ends. The load rises over 50 steps, is held to step 200 and then gone;
 /// 500 steps in all.
 inline constexpr int kBarSteps = 500;
+inline constexpr double kBarStep = 0.01;  ///< [s]
 
 enum class BarLoad {
   kStretch,  ///< 90 N along the axis on the central face of each end
@@ -21,8 +22,9 @@ enum class BarLoad {
 /// Material of a preset; `strength` is "high", "medium" or "low": how much of the deformation stays.
 Material bar_material(BarLoad load, const std::string& strength);
 
-/// `fracture_stress` [Pa]: elements go when their yield stress has hardened past it.
+/// `fracture_stress` [Pa]: elements go when their yield stress has hardened past it. `dt` [s]: the same load over time
+/// in other steps; must divide 0.01 s.
 Simulation bar(BarLoad load, const std::string& strength,
-               double fracture_stress = std::numeric_limits<double>::infinity());
+               double fracture_stress = std::numeric_limits<double>::infinity(), double dt = kBarStep);
 
 }  // namespace hexaplast::support

@@ -10,17 +10,21 @@
 
 #include "hexaplast/body.hpp"
 
-/// Reads the golden data of tests/data/golden; its README states conventions and tolerances.
+/// Reads the data of tests/data; the READMEs there state conventions and tolerances.
 namespace hexaplast::support {
 
 using Json = nlohmann::json;
 
-inline Json golden(const std::string& name) {
-  const std::string path = std::string(HEXAPLAST_TEST_DATA) + "/golden/" + name + ".json";
+/// tests/data/FOLDER/NAME.json
+inline Json test_data(const std::string& folder, const std::string& name) {
+  const std::string path = std::string(HEXAPLAST_TEST_DATA) + "/" + folder + "/" + name + ".json";
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot open " + path);
   return Json::parse(file);
 }
+
+inline Json golden(const std::string& name) { return test_data("golden", name); }
+inline Json calculix(const std::string& name) { return test_data("calculix", name); }
 
 /// A number; null stands for infinity (no limit).
 inline double number(const Json& value) {
