@@ -96,6 +96,57 @@ TEST(SceneReading, OnlyTheRootsClockCounts) {
   EXPECT_EQ(scene::format(warnings[0]), "test.scn:2: warning: Node.dt: is ignored: only the root's counts");
 }
 
+TEST(SceneReading, NodesThatAreNotActiveAreLeftOut) {
+  scene::Scene scene =
+      read_and_init("<Node>\n<Node activated='0'><Nonsense/></Node><Node name='on' activated='true'/></Node>");
+  ASSERT_EQ(scene.root().children().size(), 1u);
+  EXPECT_EQ(scene.root().children()[0]->name(), "on");
+  EXPECT_EQ(scene::format(scene.diagnostics().take_warnings()[0]),
+            "test.scn:2: note: Node.activated: the node is left out, with everything in it");
+  EXPECT_EQ(errors_of("<Node activated='false'/>"),
+            "test.scn:1: error: Node.activated: the root is left out, nothing remains to run");
+  EXPECT_EQ(errors_of("<Node><Node activated='perhaps'/></Node>"),
+            "test.scn:1: error: Node.activated: 'perhaps' must be true, false, 1 or 0");
+  EXPECT_EQ(errors_of("<Node time='0'/>"), "");
+  EXPECT_EQ(errors_of("<Node time='1'/>"), "test.scn:1: error: Node.time: 1 must lie in [0, 0]");
+}
+
+TEST(SceneReading, RenamedComponentsAreAcceptedWithANote) {
+  scene::Scene scene = read_and_init(bar("<FixedConstraint indices='1'/>"));
+  EXPECT_EQ(at<scene::ProjectiveConstraint>(scene, "FixedProjectiveConstraint1").integers("indices"),
+            (std::vector<std::int64_t>{1}));
+  EXPECT_EQ(
+      scene::format(scene.diagnostics().take_warnings()[0]),
+      "test.scn:3: note: FixedConstraint: this name is deprecated, the component is called FixedProjectiveConstraint "
+      "now");
+  EXPECT_EQ(errors_of(bar("<EulerImplicit/>")),
+            "test.scn:3: error: EulerImplicit: unknown component\n  hint: SOFA calls it 'EulerImplicitSolver' now");
+}
+
+TEST(SceneReading, AsSofaReadsUnknownThingsArePassedOver) {
+  const std::string lines =
+      "<Nonsense name='n' colour='red'><Deeper/></Nonsense>\n<BoxROI name='roi' boxx='1' template='Vec7'/>";
+  scene::PluginLoader& loader = support::plugins();
+  const auto read_as_sofa = [&](const std::string& text) {
+    scene::Scene scene =
+        scene::read_scene_text(text, "test.scn", support::factory(), loader, scene::Grammar::kSofaCompatible);
+    scene.init();
+    return scene;
+  };
+  scene::Scene scene = read_as_sofa(bar(lines));
+  std::vector<std::string> said;
+  for (const scene::Message& message : scene.diagnostics().take_warnings()) said.push_back(scene::format(message));
+  EXPECT_EQ(said, (std::vector<std::string>{
+                      "test.scn:3: warning: Nonsense: unknown component, ignored",
+                      "test.scn:4: warning: BoxROI.template: 'Vec7', must be one of: Vec3 Vec3d, ignored",
+                      "test.scn:4: warning: BoxROI.boxx: unknown attribute, ignored\n  hint: did you mean 'box'?"}));
+
+  // values, links and what is needed are not made up for
+  for (const char* wrong : {"<BoxROI box='x'/>", "<FixedProjectiveConstraint indices='@Nonsense1.indices'/><Nonsense/>",
+                            "<DiagonalMass massDensity='-1'/>"})
+    EXPECT_THROW(read_as_sofa(bar(wrong)), scene::SceneError) << wrong;
+}
+
 TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
   EXPECT_EQ(errors_of(bar("words")), "test.scn:3: error: Node 'root': holds text, must hold nodes and components");
   EXPECT_EQ(errors_of(bar("<BoxROI><BoxROI/></BoxROI>")),
@@ -108,6 +159,10 @@ TEST(SceneReading, FilesThatAreNoPlainXmlAreRefusedWithTheirLine) {
             "test.scn:1: error: document types and entities are not allowed in a scene");
   EXPECT_EQ(errors_of("<Node>\n\n<RunSettings tags='&x;'/></Node>"),
             "test.scn:3: error: unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
+  for (const char* reference : {"&#0;", "&#x0;", "&#xD800;", "&#x110000;", "&#;", "&#xg;"})
+    EXPECT_EQ(
+        errors_of(std::string("<Node tags='") + reference + "'/>"),
+        "test.scn:1: error: unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
   EXPECT_EQ(errors_of("<Node/>\n<Node/>"),
             "test.scn:2: error: something stands beside the root element, must be one <Node> alone");
   EXPECT_EQ(errors_of("<Node>\n<Node name='a' name='b'/></Node>"),
@@ -200,11 +255,62 @@ TEST(SceneLinks, SayWhereTheyStop) {
       "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid' names no attribute: must be @path.attribute");
   EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid.position'/>")),
             "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid.position' leads to RegularGridTopology "
-            "'grid'.position, which is of another type");
+            "'grid'.position (test.scn:2), which holds groups of three numbers, must hold whole numbers");
   EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid.positon'/>")),
             "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid.positon' stops at RegularGridTopology "
             "'grid', which "
             "has no attribute 'positon'\n  hint: did you mean 'position'?");
+}
+
+TEST(SceneLinks, ReachAttributesOfNodesAndTheComponentItself) {
+  EXPECT_EQ(
+      errors_of("<Node gravity='1 2 3'><Node name='inner'>"
+                "<BoxROI name='a' position='@../.gravity'/> <BoxROI name='b' position='@/.gravity'/>"
+                "<BoxROI name='c' position='@.gravity'/> <BoxROI name='d' position='@[-1].position'/></Node></Node>"),
+      "");
+  scene::Scene scene = read_and_init(
+      "<Node gravity='1 2 3'><Node name='in' gravity='4 5 6'><BoxROI name='up' position='@../.gravity'/>"
+      "<BoxROI name='here' position='@.gravity'/></Node></Node>");
+  EXPECT_EQ(at<scene::Engine>(scene, "in/up").reals("position"), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(at<scene::Engine>(scene, "in/here").reals("position"), (std::vector<double>{4, 5, 6}));
+}
+
+TEST(SceneLinks, AClassStandsForItsOnlyComponent) {
+  const std::string roi = "<BoxROI name='roi' box='0 0 0 1 1 0'/>",
+                    link = "<FixedProjectiveConstraint name='fixed' indices='@BoxROI.indices'/>";
+  scene::Scene scene = read_and_init(bar(link + roi));
+  EXPECT_EQ(fixed_nodes(scene).size(), 9u);
+  EXPECT_EQ(
+      errors_of(bar(link + roi + "<BoxROI name='other'/>")),
+      "test.scn:3: error: FixedProjectiveConstraint.indices: link '@BoxROI.indices' stops at node '/', which holds 2 "
+      "components of class BoxROI: give them names");
+  // a name counts before a class
+  scene::Scene named = read_and_init(bar(link + roi + "<BoxROI name='BoxROI' box='0 0 0 0 0 0'/>"));
+  EXPECT_EQ(fixed_nodes(named).size(), 1u);
+}
+
+TEST(SceneLinks, SrcConnectsAllThatIsNotGiven) {
+  const std::string grid = "<RegularGridTopology name='other' n='2 2 2' max='2 3 4'/>";
+  scene::Scene scene =
+      read_and_init(bar(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
+                               "<BoxROI name='own' src='@other' position='5 5 5' box='1 1 1 9 9 9'/>"));
+  EXPECT_EQ(at<scene::Engine>(scene, "all").reals("pointsInROI"), (std::vector<double>{2, 3, 4}));
+  EXPECT_EQ(at<scene::Engine>(scene, "own").reals("pointsInROI"), (std::vector<double>{5, 5, 5}));
+
+  EXPECT_EQ(errors_of(bar("<BoxROI src='@absent'/>")),
+            "test.scn:3: error: BoxROI.src: link '@absent' stops at node '/', which holds no 'absent'");
+  EXPECT_EQ(
+      errors_of(bar("<RunSettings src='@grid'/>")),
+      "test.scn:3: error: RunSettings.src: link '@grid' leads to RegularGridTopology 'grid', which has no attribute "
+      "that belongs here");
+}
+
+TEST(SceneLinks, WhatTheyBringMustLieInTheRange) {
+  EXPECT_EQ(
+      errors_of(bar("<BoxROI name='roi' position='.1 .2 .7'/>"
+                    "<HexahedronElastoplasticFEMForceField poissonRatio='@roi.position'/>")),
+      "test.scn:3: error: HexahedronElastoplasticFEMForceField.poissonRatio: link '@roi.position': 0.7 must lie in "
+      "[0, 0.5)");
 }
 
 TEST(SceneLinks, CirclesAreFound) {

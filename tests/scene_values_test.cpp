@@ -67,9 +67,11 @@ TEST(SceneValues, WhatIsNoFiniteNumberIsRefused) {
 
 TEST(SceneValues, ARangeOfWholeNumbersStandsForItsNumbers) {
   EXPECT_EQ(list("7 2-5 10-20-4 -3"), (std::vector<std::int64_t>{7, 2, 3, 4, 5, 10, 14, 18, -3}));
+  EXPECT_EQ(list("5-2 9-1--4 -1--3 4-4"), (std::vector<std::int64_t>{5, 4, 3, 2, 9, 5, 1, -1, -2, -3, 4}));
   EXPECT_EQ(list(" "), (std::vector<std::int64_t>{}));
-  EXPECT_EQ(refusal(kList, "5-1"), "'5-1' is a range that runs backwards");
-  EXPECT_EQ(refusal(kList, "1-5-0"), "0 must be >= 1");
+  EXPECT_EQ(refusal(kList, "1-5-0"), "'1-5-0': a step of 0 does not lead from 1 to 5");
+  EXPECT_EQ(refusal(kList, "5-1-2"), "'5-1-2': a step of 2 does not lead from 5 to 1");
+  EXPECT_EQ(refusal(kList, "1-"), "'' is not a whole number");
   EXPECT_EQ(refusal(kList, "0-9000000000000000000"), "'0-9000000000000000000' stands for more than 16777216 numbers");
 }
 

@@ -15,7 +15,7 @@ enum class Type {
   kInteger,    ///< one whole number
   kReal,       ///< one number
   kVector3,    ///< three numbers
-  kIntegers,   ///< whole numbers; `a-b` and `a-b-step` stand for a range
+  kIntegers,   ///< whole numbers; `a-b` and `a-b-step` stand for a range, downwards where b < a
   kReals,      ///< numbers
   kVectors3,   ///< groups of three numbers
   kBoxes,      ///< groups of six numbers: two opposite corners
@@ -68,12 +68,16 @@ struct Description {
   std::string_view help = {};
   std::string_view templates = {};  ///< accepted values of `template`, separated by blanks
   std::span<const Attribute> attributes = {};
-  bool takes_anything = false;  ///< an ignored component: every attribute and template is accepted unread
+  bool takes_anything = false;    ///< an ignored component: every attribute and template is accepted unread
+  std::string_view example = {};  ///< lines of XML to paste into a node that holds a body (docs/components.md)
 };
 
 /// What every node and component takes besides its own attributes.
 inline constexpr Attribute kCommon[] = {
     {.name = "name", .type = Type::kText, .help = "Name in links; ClassName1, ClassName2, ... where it is not given."},
+    {.name = "src",
+     .type = Type::kLink,
+     .help = "A component, mostly a loader: every attribute that it has too, and that is not given here, follows its."},
     {.name = "printLog", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
     {.name = "listening", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
     {.name = "tags", .type = Type::kText, .access = Access::kIgnored, .help = "Ignored here."},

@@ -27,10 +27,31 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 ok, 2 usage, 3 scene or mesh rejected, 4 numerical failure, 5 input/output, 6 plugin, 130/143 "
     "interrupted.";
 
+void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
+                        std::vector<std::filesystem::path>& plugin_path) {
+  command.add_option("--plugin", plugins, "Plugin to load, by name; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command.add_option("--plugin-path", plugin_path, "Directory to look for plugins in; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+}
+
+/// What every command that reads a scene takes.
+void add_scene(CLI::App& command, SceneOptions& options) {
+  command.footer(kExitCodes);
+  command.add_option("scene", options.file, "Scene file")->type_name("SCENE")->required();
+  command.add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
+      ->type_name("PATH.attribute=VALUE")
+      ->allow_extra_args(false);
+  command.add_flag("--sofa-compat", options.sofa_compat,
+                   "Pass over unknown components and attributes with a warning, as SOFA does");
+  add_plugin_options(command, options.plugins, options.plugin_path);
+}
+
 void add_run(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a scene headless");
-  run->footer(kExitCodes);
-  run->add_option("scene", options.scene, "Scene file")->type_name("SCENE")->required();
+  add_scene(*run, options.scene);
   run->add_option("--steps", options.steps, "Number of time steps; otherwise the scene's RunSettings say it")
       ->type_name("N")
       ->check(CLI::Range(0L, 1'000'000'000L));
@@ -41,18 +62,12 @@ void add_run(CLI::App& app, RunOptions& options) {
   run->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  run->add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
-      ->type_name("PATH.attribute=VALUE")
-      ->allow_extra_args(false);
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")
       ->check(CLI::Range(0, 100'000))
       ->needs(out);
   run->add_flag("--force", options.force, "Write into a directory that holds an earlier run")->needs(out);
   run->add_flag("--quiet", options.quiet, "Print nothing but errors");
-  run->add_option("--plugin-path", options.plugin_path, "Directory to look for plugins in; may be repeated")
-      ->type_name("DIR")
-      ->allow_extra_args(false);
 }
 
 void add_element(CLI::App& app, ElementOptions& options) {
@@ -71,8 +86,7 @@ void add_mesh(CLI::App& app, MeshExportOptions& options) {
   CLI::App* mesh = app.add_subcommand("mesh", "Work on the mesh of a scene");
   mesh->require_subcommand(1);
   CLI::App* command = mesh->add_subcommand("export", "Write the scene's body for other programs");
-  command->footer(kExitCodes);
-  command->add_option("scene", options.scene, "Scene file")->type_name("SCENE")->required();
+  add_scene(*command, options.scene);
   command
       ->add_option(
           "--format", options.format,
@@ -87,12 +101,6 @@ void add_mesh(CLI::App& app, MeshExportOptions& options) {
                    "Loads of this time [s]; otherwise of the first step of the run at which they are greatest")
       ->type_name("T")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
-      ->type_name("PATH.attribute=VALUE")
-      ->allow_extra_args(false);
-  command->add_option("--plugin-path", options.plugin_path, "Directory to look for plugins in; may be repeated")
-      ->type_name("DIR")
-      ->allow_extra_args(false);
 }
 
 int report(ExitCode code, const std::string& message) {
@@ -166,10 +174,10 @@ int main(int argc, char** argv) {
       return kOk;
     });
   if (app.got_subcommand("mesh"))
-    return report_errors(export_options.scene.string(), [&] {
+    return report_errors(export_options.scene.file.string(), [&] {
       export_mesh(export_options);
       return kOk;
     });
   if (run_options.quiet) spdlog::set_level(spdlog::level::err);
-  return report_errors(run_options.scene.string(), [&] { return run(run_options); });
+  return report_errors(run_options.scene.file.string(), [&] { return run(run_options); });
 }

@@ -40,7 +40,7 @@ double time_of_greatest_loads(scene::Scene& scene, scene::MechanicalState& state
 output::AbaqusDeck deck_of(scene::Scene& scene, const Body& body, const MeshExportOptions& options) {
   scene::MechanicalState& state = only_state(scene);
   output::AbaqusDeck deck;
-  deck.title = options.scene.stem().string();
+  deck.title = options.scene.file.stem().string();
   deck.time = options.time ? *options.time : time_of_greatest_loads(scene, state);
   deck.loads = loads_at(deck.time, scene, state);
   deck.is_free = PointArray::Ones(body.mesh().num_nodes(), 3);
@@ -52,7 +52,7 @@ output::AbaqusDeck deck_of(scene::Scene& scene, const Body& body, const MeshExpo
 }  // namespace
 
 void export_mesh(const MeshExportOptions& options) {
-  scene::Scene scene = load_scene(options.scene, options.plugin_path, options.overrides);
+  scene::Scene scene = load_scene(options.scene);
   scene::MechanicalState& state = only_state(scene);
   const scene::ForceField* field = find_body(scene);
   if (!field)

@@ -4,18 +4,17 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
+
+#include "runner/scene_file.hpp"
 
 namespace hexaplast::runner {
 
 /// `hexaplast mesh export`, as the command line gives it.
 struct MeshExportOptions {
-  std::filesystem::path scene;
+  SceneOptions scene;
   std::string format;  ///< inp or vtu
   std::filesystem::path out;
   std::optional<double> time;  ///< [s] whose loads are written
-  std::vector<std::string> overrides;
-  std::vector<std::filesystem::path> plugin_path;
 };
 
 /// Writes the body of a scene, as it is before the first step, for other programs. Throws what the rooms below throw.

@@ -42,7 +42,7 @@ struct Progression {
 
 Stage set_up(const RunOptions& options) {
   Stage stage;
-  stage.scene = load_scene(options.scene, options.plugin_path, options.overrides);
+  stage.scene = load_scene(options.scene);
   stage.state = &only_state(stage.scene);
   stage.solver = &only_solver(stage.scene);
   stage.body_field = find_body(stage.scene);
@@ -64,7 +64,7 @@ Stage set_up(const RunOptions& options) {
 
 output::RunPlan plan_of(Stage& stage, const RunOptions& options) {
   output::RunPlan plan;
-  plan.title = options.scene.stem().string();
+  plan.title = options.scene.file.stem().string();
   plan.num_steps = stage.num_steps;
   plan.dt = stage.scene.dt();
   plan.output_every = stage.output_every;
@@ -188,7 +188,7 @@ int run(const RunOptions& options) {
   if (final_state)
     output::write_final(*final_state, done.step, stage.scene.time(), stage.state->positions(),
                         stage.state->velocities(), *stage.body_field->body());
-  if (!options.quiet) print_summary(stage, done, options.scene);
+  if (!options.quiet) print_summary(stage, done, options.scene.file);
   if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
   warn_of_stalls(done);
 

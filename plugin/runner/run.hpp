@@ -3,23 +3,21 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
-#include <vector>
+
+#include "runner/scene_file.hpp"
 
 namespace hexaplast::runner {
 
 /// `hexaplast run`, as the command line gives it.
 struct RunOptions {
-  std::filesystem::path scene;
+  SceneOptions scene;
   std::optional<long> steps;                         ///< otherwise from the scene's RunSettings
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
   std::optional<int> threads;
-  std::vector<std::string> overrides;  ///< PATH.attribute=VALUE
-  std::optional<int> frames;           ///< pictures; needs `out`
-  bool force = false;                  ///< write over an earlier run; needs `out`
-  bool quiet = false;                  ///< errors only
-  std::vector<std::filesystem::path> plugin_path;
+  std::optional<int> frames;  ///< pictures; needs `out`
+  bool force = false;         ///< write over an earlier run; needs `out`
+  bool quiet = false;         ///< errors only
 };
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and

@@ -16,15 +16,6 @@ path installed_plugins() {
       .lexically_normal();
 }
 
-// The stock components live in a plugin too: every scene needs it, whether it says so or not.
-void load_own_components(scene::PluginLoader& plugins) {
-  try {
-    plugins.load("Hexaplast");
-  } catch (const scene::PluginError& error) {
-    throw scene::PluginError(scene::format_error({"hexaplast", 0}, error.what()));
-  }
-}
-
 void log_warnings(scene::Scene& scene) {
   for (const scene::Message& message : scene.diagnostics().take_warnings()) {
     const bool is_note = message.severity == scene::Severity::kNote;
@@ -47,19 +38,35 @@ T& only_one(scene::Scene& scene, const char* what) {
 
 }  // namespace
 
-scene::Scene load_scene(const path& file, const std::vector<path>& plugin_path,
-                        const std::vector<std::string>& overrides) {
-  // Both are needed for reading alone: the code of a loaded plugin stays.
-  scene::Factory factory;
+scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
+                                    const std::vector<path>& plugin_path) {
   std::vector<path> directories = plugin_path;
   directories.push_back(installed_plugins());
-  scene::PluginLoader plugins(factory, directories);
-  load_own_components(plugins);
+  scene::PluginLoader loader(factory, directories);
 
-  scene::Scene scene = scene::read_scene(file, factory, plugins);
+  // The stock components live in a plugin too: every scene needs it, whether it says so or not.
+  std::vector<std::string> names = {"Hexaplast"};
+  names.insert(names.end(), plugins.begin(), plugins.end());
+  for (const std::string& name : names) {
+    try {
+      loader.load(name);
+    } catch (const scene::PluginError& error) {
+      throw scene::PluginError(scene::format_error({"hexaplast", 0}, error.what()));
+    }
+  }
+  return loader;
+}
+
+scene::Scene load_scene(const SceneOptions& options) {
+  // Both are needed for reading alone: the code of a loaded plugin stays.
+  scene::Factory factory;
+  scene::PluginLoader plugins = load_components(factory, options.plugins, options.plugin_path);
+
+  const scene::Grammar grammar = options.sofa_compat ? scene::Grammar::kSofaCompatible : scene::Grammar::kStrict;
+  scene::Scene scene = scene::read_scene(options.file, factory, plugins, grammar);
   // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
   if (!scene.diagnostics().has_errors())
-    for (const std::string& assignment : overrides) scene::override_attribute(scene, assignment);
+    for (const std::string& assignment : options.overrides) scene::override_attribute(scene, assignment);
   scene.init();
   log_warnings(scene);
   return scene;

@@ -6,14 +6,26 @@
 #include <vector>
 
 #include "scene/interfaces.hpp"
+#include "scene/plugin.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::runner {
 
-/// Reads and initialises a scene; plugins are looked for in `plugin_path`, then in the installation. An override is
-/// PATH.attribute=VALUE. Logs the scene's warnings. Throws what reading a scene throws (scene/reader.hpp).
-scene::Scene load_scene(const std::filesystem::path& file, const std::vector<std::filesystem::path>& plugin_path,
-                        const std::vector<std::string>& overrides);
+/// The scene of a command, as the command line gives it.
+struct SceneOptions {
+  std::filesystem::path file;
+  std::vector<std::string> overrides;              ///< PATH.attribute=VALUE
+  std::vector<std::string> plugins;                ///< names of plugins to load before the scene is read
+  std::vector<std::filesystem::path> plugin_path;  ///< where plugins are looked for before the installation
+  bool sofa_compat = false;                        ///< pass over what is unknown, as SOFA does
+};
+
+/// Loads our own components and the named plugins into a factory. Throws PluginError.
+scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
+                                    const std::vector<std::filesystem::path>& plugin_path);
+
+/// Reads and initialises a scene, and logs its warnings. Throws what reading a scene throws (scene/reader.hpp).
+scene::Scene load_scene(const SceneOptions& options);
 
 /// The parts of a scene that the command works on. Throw SceneError unless there is exactly one.
 scene::MechanicalState& only_state(scene::Scene& scene);

@@ -41,6 +41,8 @@ std::string format(const Message& message) {
   if (message.place.line > 0) line += fmt::format(":{}", message.place.line);
 
   line += fmt::format(": {}: {}", kWords[static_cast<int>(message.severity)], message.text);
+  for (const Place* at = message.place.included_at.get(); at; at = at->included_at.get())
+    line += fmt::format("\n  included at {}:{}", at->file, at->line);
   if (!message.hint.empty()) line += "\n  hint: " + message.hint;
   return line;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -10,8 +11,9 @@ namespace hexaplast::scene {
 
 /// Where something was written.
 struct Place {
-  std::string file;  ///< as the user named it; "--set" for a command-line override
-  int line = 0;      ///< from 1; 0: no line
+  std::string file;                               ///< as the user named it; "--set" for a command-line override
+  int line = 0;                                   ///< from 1; 0: no line
+  std::shared_ptr<const Place> included_at = {};  ///< where the file is included; null: it is the scene itself
 };
 
 enum class Severity { kNote, kWarning, kError };
@@ -23,7 +25,7 @@ struct Message {
   std::string hint = {};  ///< may be empty
 };
 
-/// "file:line: error: text", and the hint on a line of its own.
+/// "file:line: error: text"; the places where the file is included and the hint on lines of their own.
 std::string format(const Message& message);
 std::string format_error(const Place& place, const std::string& text, const std::string& hint = {});
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 namespace hexaplast::scene {
@@ -27,8 +28,23 @@ std::vector<std::string_view> member_names(const Node& node) {
   return names;
 }
 
-// `[-1]`: the component one place before `self` in its node; `[2]` two places after.
-PathResult relative_component(const Component* self, std::string_view step) {
+// The only component of a class in a node.
+PathResult member_of_class(const Node& node, std::string_view class_name) {
+  PathResult result;
+  int count = 0;
+  for (const auto& component : node.components()) {
+    if (component->class_name() != class_name) continue;
+    result.target = component.get();
+    ++count;
+  }
+  if (count <= 1) return result;
+  return {.problem = fmt::format("stops at node '{}', which holds {} components of class {}: give them names",
+                                 node.path(), count, class_name)};
+}
+
+// `[-1]`: the component one place before `self` in its node; `[2]` two places after; `[]` itself.
+PathResult relative_component(Component* self, std::string_view step) {
+  if (step == "[]" && self) return {.target = self};
   int offset = 0;
   const char* const last = step.data() + step.size() - 1;
   const auto [end, error] = std::from_chars(step.data() + 1, last, offset);
@@ -45,20 +61,59 @@ PathResult relative_component(const Component* self, std::string_view step) {
   return {.problem = fmt::format("no component at '{}'", step)};
 }
 
-// Components have one name, nodes none of their own kind above: the first name is searched upwards.
-Object* first_member_upwards(const Node& from, std::string_view name) {
-  for (const Node* node = &from; node; node = node->parent()) {
-    if (Object* found = member(*node, name)) return found;
-  }
-  return nullptr;
-}
-
 PathResult not_found(const Node& in, std::string_view name) {
   return {.problem = fmt::format("stops at node '{}', which holds no '{}'", in.path(), name),
           .hint = did_you_mean(name, member_names(in))};
 }
 
+// By name or, where nothing has the name, the only component of that class; in the node or, if `upwards`, in the
+// nearest one above that has it.
+PathResult find_member(const Node& from, std::string_view name, bool upwards) {
+  const auto above = [&](const Node* node) { return upwards ? node->parent() : nullptr; };
+  for (const Node* node = &from; node; node = above(node))
+    if (Object* found = member(*node, name)) return {.target = found};
+  for (const Node* node = &from; node; node = above(node)) {
+    const PathResult found = member_of_class(*node, name);
+    if (found.target || !found.problem.empty()) return found;
+  }
+  return not_found(from, name);
+}
+
 std::string describe(const Object& object) { return fmt::format("{} '{}'", object.class_name(), object.name()); }
+
+std::string describe(const Data& data) {
+  return fmt::format("{} '{}'.{}", data.owner().class_name(), data.owner().name(), data.attribute().name);
+}
+
+// What an attribute holds, in words.
+std::string_view content(Type type) {
+  switch (type) {
+    case Type::kBool:
+      return "true or false";
+    case Type::kInteger:
+      return "one whole number";
+    case Type::kReal:
+      return "one number";
+    case Type::kVector3:
+      return "three numbers";
+    case Type::kIntegers:
+      return "whole numbers";
+    case Type::kReals:
+      return "numbers";
+    case Type::kVectors3:
+      return "groups of three numbers";
+    case Type::kBoxes:
+      return "groups of six numbers";
+    case Type::kHexahedra:
+      return "groups of eight whole numbers";
+    case Type::kText:
+    case Type::kWord:
+      return "text";
+    case Type::kLink:
+      return "a link to a component";
+  }
+  return "";
+}
 
 // Data of different type can follow one another where they hold the same kind of numbers.
 bool are_compatible(const attributes::Attribute& from, const attributes::Attribute& to) {
@@ -71,44 +126,96 @@ bool are_compatible(const attributes::Attribute& from, const attributes::Attribu
   return kind(from.type) == kind(to.type) && same_groups;
 }
 
-void resolve(Data& data, Node& node, const Component* self, Diagnostics& diagnostics) {
-  const std::string where = fmt::format("{}.{}", data.owner().class_name(), data.attribute().name);
-  const std::string_view path = std::string_view(data.link()).substr(1);
-  const auto refuse = [&](const std::string& problem, std::string hint = {}) {
-    diagnostics.error(data.place(), fmt::format("{}: link '{}' {}", where, data.link(), problem), std::move(hint));
-  };
+/// Connects the links of one scene.
+class Resolver {
+ public:
+  explicit Resolver(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  if (data.attribute().type == Type::kLink) {
-    const PathResult found = resolve_path(node, self, path);
-    if (found.target) {
+  void resolve(Data& data, Node& node, Component* self) {
+    const std::string_view path = std::string_view(data.link()).substr(1);
+    if (data.attribute().type == Type::kLink) {
+      const PathResult found = resolve_path(node, self, path);
+      if (!found.target) return refuse(data, found.problem, found.hint);
       data.point_to(*found.target);
-    } else {
-      refuse(found.problem, found.hint);
+      if (data.attribute().name == kSource) follow_all(data, *found.target);
+      return;
     }
-    return;
-  }
 
-  // @path.data: what follows the last dot, unless that dot belongs to the path (`..`, `./`).
-  const std::size_t dot = path.rfind('.');
-  const bool names_data = dot != path.npos && dot > 0 && dot + 1 < path.size() && path.find('/', dot) == path.npos;
-  if (!names_data) return refuse("names no attribute: must be @path.attribute");
+    // @path.data: what follows the last dot, unless that dot belongs to the path (`..`, `./`).
+    const std::size_t dot = path.rfind('.');
+    const bool names_data = dot != path.npos && dot + 1 < path.size() && path.find('/', dot) == path.npos;
+    if (!names_data) return refuse(data, "names no attribute: must be @path.attribute");
 
-  const PathResult found = resolve_path(node, self, path.substr(0, dot));
-  if (!found.target) return refuse(found.problem, found.hint);
+    const std::string_view holder = dot == 0 ? "." : path.substr(0, dot);
+    const PathResult found = resolve_path(node, self, holder);
+    if (!found.target) return refuse(data, found.problem, found.hint);
 
-  const std::string_view name = path.substr(dot + 1);
-  Data* source = found.target->find_data(name);
-  if (!source) {
+    const std::string_view name = path.substr(dot + 1);
+    if (Data* source = found.target->find_data(name)) return connect(data, *source, data.link());
     std::vector<std::string_view> names;
     for (const auto& other : found.target->all_data()) names.push_back(other->attribute().name);
-    return refuse(fmt::format("stops at {}, which has no attribute '{}'", describe(*found.target), name),
-                  did_you_mean(name, names));
+    refuse(data, fmt::format("stops at {}, which has no attribute '{}'", describe(*found.target), name),
+           did_you_mean(name, names));
   }
-  if (!are_compatible(source->attribute(), data.attribute())) {
-    return refuse(fmt::format("leads to {}.{}, which is of another type", describe(*found.target), name));
+
+ private:
+  void refuse(const Data& data, const std::string& problem, std::string hint = {}) {
+    diagnostics_.error(
+        data.place(),
+        fmt::format("{}.{}: link '{}' {}", data.owner().class_name(), data.attribute().name, data.link(), problem),
+        std::move(hint));
   }
-  data.follow(*source);
-}
+
+  void connect(Data& data, Data& source, const std::string& link) {
+    if (are_compatible(source.attribute(), data.attribute())) {
+      data.follow(source, link);
+      return;
+    }
+    const Place& other_end = source.owner().place();
+    diagnostics_.error(data.place(), fmt::format("{}: link '{}' leads to {} ({}:{}), which holds {}, must hold {}",
+                                                 fmt::format("{}.{}", data.owner().class_name(), data.attribute().name),
+                                                 link, describe(source), other_end.file, other_end.line,
+                                                 content(source.attribute().type), content(data.attribute().type)));
+  }
+
+  // src="@loader": every attribute that the loader has too and that is not given follows the loader's, but for those
+  // that say how the loader itself goes to work.
+  void follow_all(Data& src, Object& loader) {
+    static constexpr std::string_view kOwnOfLoaders[] = {
+        "filename", "flipNormals", "triangulate", "createSubelements", "onlyAttachedPoints", "translation",
+        "rotation", "scale3d",     "scale",       "transformation"};
+    bool has_common = false;
+    for (const auto& source : loader.all_data()) {
+      const attributes::Attribute& offered = source->attribute();
+      const bool is_common = std::ranges::count(attributes::kCommon, offered.name, &attributes::Attribute::name) > 0;
+      if (is_common || offered.access == attributes::Access::kIgnored ||
+          std::ranges::count(kOwnOfLoaders, offered.name) > 0)
+        continue;
+      Data* data = namesake(src.owner(), offered);
+      if (!data) continue;
+      has_common = true;
+      if (!data->is_given()) connect(*data, *source, fmt::format("{}.{}", src.link(), offered.name));
+    }
+    if (!has_common)
+      refuse(src, fmt::format("leads to {}, which has no attribute that belongs here", describe(loader)));
+  }
+
+  // The attribute that the scene may set and that shares a name or an alias with `offered`; null: none.
+  static Data* namesake(Object& object, const attributes::Attribute& offered) {
+    std::vector<std::string_view> names = split_words(offered.aliases);
+    names.insert(names.begin(), offered.name);
+    for (const std::string_view name : names) {
+      Data* data = object.find_data(name);
+      const bool may_be_set = data && (data->attribute().access == attributes::Access::kInput ||
+                                       data->attribute().access == attributes::Access::kState);
+      if (may_be_set) return data;
+    }
+    return nullptr;
+  }
+
+  static constexpr std::string_view kSource = "src";
+  Diagnostics& diagnostics_;
+};
 
 bool runs_in_a_circle(const Data& data) {
   // Two pointers, one twice as fast: they meet only in a circle.
@@ -124,7 +231,7 @@ bool runs_in_a_circle(const Data& data) {
 
 template <class Visit>
 void for_each_data(Node& node, const Visit& visit) {
-  for (const auto& data : node.all_data()) visit(*data, node, nullptr);
+  for (const auto& data : node.all_data()) visit(*data, node, static_cast<Component*>(nullptr));
   for (const auto& component : node.components()) {
     for (const auto& data : component->all_data()) visit(*data, node, component.get());
   }
@@ -133,7 +240,7 @@ void for_each_data(Node& node, const Visit& visit) {
 
 }  // namespace
 
-PathResult resolve_path(Node& from, const Component* self, std::string_view path) {
+PathResult resolve_path(Node& from, Component* self, std::string_view path) {
   Node* node = &from;
   bool may_search_upwards = true;
   if (path.starts_with('/')) {
@@ -155,13 +262,14 @@ PathResult resolve_path(Node& from, const Component* self, std::string_view path
     if (step == "..") {
       if (!node->parent()) return {.problem = fmt::format("stops at node '{}', which has no parent", node->path())};
       at = node->parent();
-    } else if (step.size() > 2 && step.front() == '[' && step.back() == ']') {
+    } else if (step.size() > 1 && step.front() == '[' && step.back() == ']') {
       const PathResult sibling = relative_component(self, step);
       if (!sibling.target) return sibling;
       at = sibling.target;
     } else if (step != "." && !step.empty()) {
-      at = may_search_upwards ? first_member_upwards(*node, step) : member(*node, step);
-      if (!at) return not_found(*node, step);
+      const PathResult found = find_member(*node, step, may_search_upwards);
+      if (!found.target) return found;
+      at = found.target;
     }
     may_search_upwards = false;
   }
@@ -169,10 +277,11 @@ PathResult resolve_path(Node& from, const Component* self, std::string_view path
 }
 
 void resolve_links(Node& root, Diagnostics& diagnostics) {
-  for_each_data(root, [&](Data& data, Node& node, const Component* self) {
-    if (!data.link().empty()) resolve(data, node, self, diagnostics);
+  Resolver resolver(diagnostics);
+  for_each_data(root, [&](Data& data, Node& node, Component* self) {
+    if (!data.link().empty() && !data.source()) resolver.resolve(data, node, self);
   });
-  for_each_data(root, [&](Data& data, Node&, const Component*) {
+  for_each_data(root, [&](Data& data, Node&, Component*) {
     if (!runs_in_a_circle(data)) return;
     diagnostics.error(data.place(), fmt::format("{}.{}: link '{}' leads back to itself", data.owner().class_name(),
                                                 data.attribute().name, data.link()));

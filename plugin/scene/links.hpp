@@ -10,7 +10,8 @@
 namespace hexaplast::scene {
 
 /// Where a path leads. Paths are SOFA's: `/from/the/root`, `./here`, `../above`, `name/inner`, `[-1]` (the component
-/// before this one). A bare first name is looked for in the node, nodes before components, then in the nodes above.
+/// before this one), `[]` (itself). A bare first name is looked for in the node, nodes before components, then in the
+/// nodes above. What nothing is named after may be a class, if a node holds a single component of it.
 struct PathResult {
   Object* target = nullptr;  ///< a Node or a Component; null: not found
   std::string problem = {};  ///< where it stopped and why, if not found
@@ -18,10 +19,11 @@ struct PathResult {
 };
 
 /// `from`: the node that the path starts in. `self`: the component whose attribute it is, or null.
-PathResult resolve_path(Node& from, const Component* self, std::string_view path);
+PathResult resolve_path(Node& from, Component* self, std::string_view path);
 
-/// Connects every link of the scene with its target, wherever in the scene it stands. Adds dangling links, links
-/// between different types and circles of links to `diagnostics`.
+/// Connects every link of the scene with its target, wherever in the scene it stands; `src` connects all attributes
+/// that two components have in common. Adds dangling links, links between different types and circles of links to
+/// `diagnostics`.
 void resolve_links(Node& root, Diagnostics& diagnostics);
 
 }  // namespace hexaplast::scene

@@ -65,6 +65,14 @@ long Data::version() {
   return version_;
 }
 
+void Data::check_source() {
+  if (!source_) return;
+  const long version_of_source = version();
+  if (version_of_source == checked_version_) return;
+  check_value(attribute_, value());
+  checked_version_ = version_of_source;
+}
+
 Object::Object(const attributes::Description& description) : description_(description) {
   for (const Attribute& attribute : attributes::kCommon) data_.push_back(std::make_unique<Data>(*this, attribute));
   for (const Attribute& attribute : description.attributes) data_.push_back(std::make_unique<Data>(*this, attribute));
@@ -93,7 +101,13 @@ Data& Object::data(std::string_view name) {
 
 template <class T>
 const T& Object::get(std::string_view name) {
-  const Value& value = data(name).value();
+  Data& source = data(name);
+  try {
+    source.check_source();
+  } catch (const InputError& error) {
+    reject(name, fmt::format("link '{}': {}", source.link(), error.what()));
+  }
+  const Value& value = source.value();
   if (const T* content = std::get_if<T>(&value)) return *content;
   if (std::holds_alternative<std::monostate>(value)) reject(name, "is not given");
   throw std::logic_error(fmt::format("{}.{} is of another type", class_name(), name));

@@ -35,8 +35,12 @@ class Data {
   /// "@path" as written; empty when there is none.
   const std::string& link() const { return link_; }
 
-  /// Follows another attribute of the same type from now on.
-  void follow(Data& source) { source_ = &source; }
+  /// Follows another attribute of the same kind from now on, and counts as given. `link`: as the scene writes it.
+  void follow(Data& source, const std::string& link) {
+    source_ = &source;
+    link_ = link;
+    is_given_ = true;
+  }
   Data* source() const { return source_; }
 
   /// The object that an attribute of type kLink leads to; null: not given.
@@ -52,12 +56,16 @@ class Data {
   /// Changes whenever the value changes.
   long version();
 
+  /// Throws InputError where the source's value is not admissible here.
+  void check_source();
+
  private:
   Object& owner_;
   const attributes::Attribute& attribute_;
   Place place_;
   Value value_;
   long version_ = 0;
+  long checked_version_ = -1;  // of the source
   bool is_given_ = false;
   std::string link_;
   Data* source_ = nullptr;

@@ -2,16 +2,17 @@
 #include "scene/reader.hpp"
 
 #include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 
+#include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
 #include "hexaplast/base/error.hpp"
+#include "scene/document.hpp"
 #include "scene/links.hpp"
 
 namespace hexaplast::scene {
@@ -33,209 +34,184 @@ class RequiredPlugin final : public Component {
   }
 };
 
-[[noreturn]] void refuse_file(const std::string& file, int line, const std::string& what) {
-  throw SceneError(format_error({file, line}, what));
-}
-
-// Bytes of the UTF-8 sequence that begins at `at`; 0 when it is not well-formed (overlong, surrogate, beyond U+10FFFF,
-// cut off).
-std::size_t utf8_length(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0u; };
-  const auto continues = [&](std::size_t i) { return (byte(i) & 0xC0) == 0x80; };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  if (first >= 0xC2 && first <= 0xDF) return continues(1) ? 2 : 0;
-  if (first >= 0xE0 && first <= 0xEF) {
-    const unsigned least = first == 0xE0 ? 0xA0 : 0x80, most = first == 0xED ? 0x9F : 0xBF;
-    return byte(1) >= least && byte(1) <= most && continues(2) ? 3 : 0;
+/// Stands for a component that does not exist here, so that links to it say so.
+struct ForeignClass {
+  std::string class_name;
+  Description description;
+};
+class Placeholder final : private ForeignClass, public Component {
+ public:
+  explicit Placeholder(std::string_view name)
+      : ForeignClass{std::string(name), {}}, Component(ForeignClass::description) {
+    ForeignClass::description.class_name = ForeignClass::class_name;
+    ForeignClass::description.takes_anything = true;
   }
-  if (first >= 0xF0 && first <= 0xF4) {
-    const unsigned least = first == 0xF0 ? 0x90 : 0x80, most = first == 0xF4 ? 0x8F : 0xBF;
-    return byte(1) >= least && byte(1) <= most && continues(2) && continues(3) ? 4 : 0;
-  }
-  return 0;
+};
+
+// What a class is called now; empty: the table does not know the name.
+std::string_view present_name(std::span<const attributes::RenamedClass> table, std::string_view class_name) {
+  const auto found = std::ranges::find(table, class_name, &attributes::RenamedClass::old_name);
+  return found == table.end() ? std::string_view() : found->name;
 }
 
-// A reference must be one of XML's five entities or a character number: the parser would leave others in the text as
-// they are.
-bool is_known_reference(std::string_view from_ampersand) {
-  const std::size_t end = from_ampersand.substr(0, 16).find(';');
-  if (end == from_ampersand.npos) return false;
-  const std::string_view name = from_ampersand.substr(1, end - 1);
-  static constexpr std::array<std::string_view, 5> kEntities = {"amp", "lt", "gt", "quot", "apos"};
-  if (std::ranges::count(kEntities, name) > 0) return true;
-  if (name.size() < 2 || name[0] != '#') return false;
-  const bool is_hexadecimal = name[1] == 'x';
-  const std::string_view digits = name.substr(is_hexadecimal ? 2 : 1);
-  const std::string_view allowed = is_hexadecimal ? "0123456789abcdefABCDEF" : "0123456789";
-  return !digits.empty() && digits.find_first_not_of(allowed) == digits.npos;
-}
-
-// Refuses what the XML parser would let pass.
-void screen(std::string_view text, const std::string& file) {
-  int line = 1;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::string_view rest = text.substr(at);
-    if (rest.starts_with("<!--") || rest.starts_with("<![CDATA[")) {
-      const std::string_view closing = rest[2] == '-' ? "-->" : "]]>";
-      const std::size_t end = std::min(text.find(closing, at + 4), text.size());
-      for (; at < end; ++at) {
-        const std::size_t length = utf8_length(text, at);
-        if (text[at] == '\0' || length == 0) break;  // reported below
-        if (text[at] == '\n') ++line;
-        at += length - 1;
-      }
-      if (at >= end) continue;
-    }
-
-    const std::size_t length = utf8_length(text, at);
-    if (text[at] == '\0') refuse_file(file, line, "the file contains a NUL byte: must be text");
-    if (length == 0) refuse_file(file, line, "the file is not valid UTF-8");
-    if (rest.starts_with("<!DOCTYPE") || rest.starts_with("<!ENTITY")) {
-      refuse_file(file, line, "document types and entities are not allowed in a scene");
-    }
-    if (text[at] == '&' && !is_known_reference(rest)) {
-      refuse_file(file, line, "unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
-    }
-    if (text[at] == '\n') ++line;
-    at += length;
+// What cannot be read is reported where the attributes of the node are.
+bool is_active(const Element& node) {
+  const ElementAttribute* given = node.find("activated");
+  const auto described = std::ranges::find(attributes::kNodeAttributes, "activated", &attributes::Attribute::name);
+  try {
+    return !given || std::get<bool>(read_value(*described, given->value));
+  } catch (const InputError&) {
+    return true;
   }
 }
 
-bool is_switched_off(std::string_view attribute) { return attribute.starts_with("_") || attribute.starts_with("NO"); }
-
+/// Makes the graph of a scene from its elements.
 class Reader {
  public:
-  Reader(Scene& scene, std::string file, const Factory& factory, PluginLoader& plugins)
-      : scene_(scene),
-        diagnostics_(scene.diagnostics()),
-        file_(std::move(file)),
-        factory_(factory),
-        plugins_(plugins) {}
+  Reader(Scene& scene, const Factory& factory, PluginLoader& plugins, Grammar grammar)
+      : scene_(scene), diagnostics_(scene.diagnostics()), factory_(factory), plugins_(plugins), grammar_(grammar) {}
 
-  void read(const tinyxml2::XMLElement& root) {
-    if (std::string_view(root.Name()) != "Node") {
-      diagnostics_.error(place(root), fmt::format("the root element is <{}>, must be <Node>", root.Name()));
+  void read(const Element& root) {
+    if (root.tag != "Node") {
+      diagnostics_.error(root.place, fmt::format("the root element is <{}>, must be <Node>", root.tag));
       return;
     }
+    if (!is_active(root))
+      diagnostics_.error(root.place, "Node.activated: the root is left out, nothing remains to run");
     read_node(root, scene_.root());
     add_animation_loop(scene_.root());
   }
 
  private:
-  Place place(const tinyxml2::XMLNode& node) const { return {file_, node.GetLineNum()}; }
-  Place place(const tinyxml2::XMLAttribute& attribute) const { return {file_, attribute.GetLineNum()}; }
+  // What SOFA passes over with a message is an error here, unless the scene is read as SOFA does.
+  void complain(const Place& place, std::string text, std::string hint = {}) {
+    const Severity severity = grammar_ == Grammar::kStrict ? Severity::kError : Severity::kWarning;
+    if (severity == Severity::kWarning) text += ", ignored";
+    diagnostics_.add(severity, place, std::move(text), std::move(hint));
+  }
 
-  void read_node(const tinyxml2::XMLElement& element, Node& node) {
-    const char* given_name = element.Attribute("name");
-    node.introduce(given_name ? given_name : default_name(node.parent(), "Node"), place(element), diagnostics_);
+  void read_node(const Element& element, Node& node) {
+    const ElementAttribute* given_name = element.find("name");
+    node.introduce(given_name ? given_name->value : default_name(node.parent(), "Node"), element.place, diagnostics_);
     read_attributes(element, node, {"name"});
     warn_of_clock(node);
     warn_of_twin(node.parent(), node);
+    if (element.text)
+      diagnostics_.error(*element.text,
+                         fmt::format("Node '{}': holds text, must hold nodes and components", node.name()));
+    for (const Element& child : element.children) read_member(child, node);
+  }
 
-    for (const tinyxml2::XMLNode* child = element.FirstChild(); child; child = child->NextSibling()) {
-      if (const tinyxml2::XMLElement* inner = child->ToElement()) {
-        read_member(*inner, node);
-      } else if (child->ToText() || child->ToUnknown()) {
-        diagnostics_.error(place(*child),
-                           fmt::format("Node '{}': holds text, must hold nodes and components", node.name()));
-      }
+  void read_member(const Element& element, Node& node) {
+    if (element.tag == "Node") {
+      read_child(element, node);
+    } else if (element.tag != "Object") {
+      read_component(element, element.tag, node);
+    } else if (const ElementAttribute* type = element.find("type")) {
+      read_component(element, type->value, node);
+    } else {
+      diagnostics_.error(element.place, "Object.type: is not given, must be the class of a component");
     }
   }
 
-  void read_member(const tinyxml2::XMLElement& element, Node& node) {
-    const std::string_view tag = element.Name();
-    if (tag == "Node") {
-      read_node(element, node.add_child());
-      return;
+  // A node that is not active takes no part in anything.
+  void read_child(const Element& element, Node& parent) {
+    if (is_active(element)) {
+      read_node(element, parent.add_child());
+    } else {
+      diagnostics_.add(Severity::kNote, element.place, "Node.activated: the node is left out, with everything in it");
     }
-
-    const bool is_generic = tag == "Object";
-    const char* type = is_generic ? element.Attribute("type") : element.Name();
-    if (!type) {
-      diagnostics_.error(place(element), "Object.type: is not given, must be the class of a component");
-      return;
-    }
-    read_component(element, type, is_generic, node);
   }
 
-  void read_component(const tinyxml2::XMLElement& element, std::string_view class_name, bool is_generic, Node& node) {
+  void read_component(const Element& element, std::string_view written_class, Node& node) {
+    const std::string_view new_name = present_name(attributes::kRenamedClasses, written_class);
+    const std::string_view class_name = new_name.empty() ? written_class : new_name;
+    if (!new_name.empty())
+      diagnostics_.add(
+          Severity::kNote, element.place,
+          fmt::format("{}: this name is deprecated, the component is called {} now", written_class, new_name));
+
     std::unique_ptr<Component> made = class_name == attributes::kRequiredPlugin.class_name
                                           ? std::make_unique<RequiredPlugin>()
                                           : factory_.make(class_name);
     if (!made) {
-      std::vector<std::string_view> known = {"Node", attributes::kRequiredPlugin.class_name};
-      for (const Description* description : factory_.descriptions()) known.push_back(description->class_name);
-      diagnostics_.error(place(element), fmt::format("{}: unknown component", class_name),
-                         did_you_mean(class_name, known));
-      return;
+      refuse_class(element.place, class_name);
+      made = std::make_unique<Placeholder>(class_name);
     }
 
     Component& component = node.add(std::move(made));
-    const char* given_name = element.Attribute("name");
-    component.introduce(given_name ? given_name : default_name(&node, class_name), place(element), diagnostics_);
-    read_template(element, component);
-    read_attributes(element, component, {"name", "template", is_generic ? "type" : "name"});
+    const ElementAttribute* given_name = element.find("name");
+    component.introduce(given_name ? given_name->value : default_name(&node, class_name), element.place, diagnostics_);
     warn_of_twin(&node, component);
+    if (component.description().takes_anything) return;
 
-    for (const tinyxml2::XMLNode* child = element.FirstChild(); child; child = child->NextSibling()) {
-      if (child->ToComment()) continue;
-      diagnostics_.error(place(*child), fmt::format("{}: components hold neither elements nor text", class_name));
-    }
-    if (auto* required = dynamic_cast<RequiredPlugin*>(&component)) {
-      for (const std::string& plugin : required->plugins()) load_plugin(plugin, component.place());
-    }
+    read_template(element, component);
+    read_attributes(element, component, {"name", "template", element.tag == "Object" ? "type" : "name"});
+    const auto refuse_content = [&](const Place& place) {
+      diagnostics_.error(place, fmt::format("{}: components hold neither elements nor text", class_name));
+    };
+    for (const Element& child : element.children) refuse_content(child.place);
+    if (element.text) refuse_content(*element.text);
+    if (auto* required = dynamic_cast<RequiredPlugin*>(&component)) load_plugins(*required);
   }
 
-  void load_plugin(const std::string& name, const Place& required_at) {
-    try {
-      plugins_.load(name);
-    } catch (const PluginError& error) {
-      throw PluginError(format_error(required_at, fmt::format("RequiredPlugin: {}", error.what())));
+  void refuse_class(const Place& place, std::string_view class_name) {
+    const std::string_view now = present_name(attributes::kRetiredClasses, class_name);
+    if (!now.empty()) {
+      complain(place, fmt::format("{}: unknown component", class_name), fmt::format("SOFA calls it '{}' now", now));
+      return;
     }
+    std::vector<std::string_view> known = {"Node", attributes::kRequiredPlugin.class_name};
+    for (const Description* description : factory_.descriptions()) known.push_back(description->class_name);
+    complain(place, fmt::format("{}: unknown component", class_name), did_you_mean(class_name, known));
   }
 
-  void read_attributes(const tinyxml2::XMLElement& element, Object& object, std::array<std::string_view, 3> taken) {
-    for (const tinyxml2::XMLAttribute* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next()) {
-      const std::string_view name = attribute->Name();
-      if (std::ranges::count(taken, name) > 0 || is_switched_off(name)) continue;
-      read_attribute(*attribute, object);
-    }
-  }
-
-  void read_attribute(const tinyxml2::XMLAttribute& attribute, Object& object) {
-    const std::string where = fmt::format("{}.{}", object.class_name(), attribute.Name());
-    Data* data = object.find_data(attribute.Name());
-    if (!data) {
-      if (object.description().takes_anything) return;
-      std::vector<std::string_view> known;
-      for (const auto& other : object.all_data()) {
-        if (other->attribute().access != Access::kOutput) known.push_back(other->attribute().name);
+  void load_plugins(RequiredPlugin& required) {
+    for (const std::string& plugin : required.plugins()) {
+      try {
+        plugins_.load(plugin);
+      } catch (const PluginError& error) {
+        throw PluginError(format_error(required.place(), fmt::format("RequiredPlugin: {}", error.what())));
       }
-      diagnostics_.error(place(attribute), where + ": unknown attribute", did_you_mean(attribute.Name(), known));
+    }
+  }
+
+  void read_attributes(const Element& element, Object& object, std::array<std::string_view, 3> taken) {
+    for (const ElementAttribute& attribute : element.attributes)
+      if (std::ranges::count(taken, attribute.name) == 0 && !is_switched_off(attribute.name))
+        read_attribute(attribute, object);
+  }
+
+  void read_attribute(const ElementAttribute& attribute, Object& object) {
+    const std::string where = fmt::format("{}.{}", object.class_name(), attribute.name);
+    Data* data = object.find_data(attribute.name);
+    if (!data) {
+      std::vector<std::string_view> known;
+      for (const auto& other : object.all_data())
+        if (other->attribute().access != Access::kOutput) known.push_back(other->attribute().name);
+      complain(attribute.place, where + ": unknown attribute", did_you_mean(attribute.name, known));
       return;
     }
     if (data->is_given()) {
-      diagnostics_.error(place(attribute), where + ": is given twice, the other time under another name");
+      diagnostics_.error(attribute.place, where + ": is given twice, the other time under another name");
       return;
     }
     try {
-      data->read(attribute.Value(), place(attribute));
+      data->read(attribute.value, attribute.place);
     } catch (const InputError& error) {
-      diagnostics_.error(place(attribute), fmt::format("{}: {}", where, error.what()));
+      diagnostics_.error(attribute.place, fmt::format("{}: {}", where, error.what()));
     }
   }
 
   // Everything here is in three dimensions and double precision: other templates would mean something else.
-  void read_template(const tinyxml2::XMLElement& element, const Component& component) {
-    const tinyxml2::XMLAttribute* given = element.FindAttribute("template");
-    if (!given || component.description().takes_anything) return;
+  void read_template(const Element& element, const Component& component) {
+    const ElementAttribute* given = element.find("template");
+    if (!given) return;
     const std::vector<std::string_view> accepted = split_words(component.description().templates);
-    if (std::ranges::count(accepted, std::string_view(given->Value())) > 0) return;
+    if (std::ranges::count(accepted, std::string_view(given->value)) > 0) return;
     const std::string allowed = accepted.empty() ? "there is none for this component"
                                                  : fmt::format("must be one of: {}", component.description().templates);
-    diagnostics_.error(place(*given),
-                       fmt::format("{}.template: '{}', {}", component.class_name(), given->Value(), allowed));
+    complain(given->place, fmt::format("{}.template: '{}', {}", component.class_name(), given->value, allowed));
   }
 
   std::string default_name(const Node* node, std::string_view class_name) {
@@ -279,65 +255,29 @@ class Reader {
   Scene& scene_;
   Diagnostics& diagnostics_;
   std::unordered_map<const Node*, Names> names_;
-  std::string file_;
   const Factory& factory_;
   PluginLoader& plugins_;
+  Grammar grammar_;
 };
-
-std::string read_whole(const std::filesystem::path& file) {
-  const auto refuse = [&](const std::string& what) { throw FileError(format_error({file.string(), 0}, what)); };
-  std::error_code failure;
-  if (!std::filesystem::exists(file, failure)) refuse("no such file");
-  if (!std::filesystem::is_regular_file(file, failure)) refuse("is not a file");
-  const std::uintmax_t size = std::filesystem::file_size(file, failure);
-  if (size > kLargestSceneFile) refuse(fmt::format("{} bytes, a scene has at most {}", size, kLargestSceneFile));
-
-  std::string text(size, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (!stream) refuse("cannot be read");
-  return text;
-}
-
-std::string explain(const tinyxml2::XMLDocument& document) {
-  switch (document.ErrorID()) {
-    case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
-      return "the file holds no element, must hold one <Node>";
-    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
-      return fmt::format("more than {} levels of elements", TINYXML2_MAX_ELEMENT_DEPTH);
-    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
-      return "an element is closed by another one's end, or not at all";
-    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
-      return "an attribute is given twice, or is not of the form name=\"value\"";
-    default:
-      return fmt::format("not well-formed XML ({})", document.ErrorName());
-  }
-}
 
 }  // namespace
 
-Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins) {
-  screen(text, name);
-
-  tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    refuse_file(name, document.ErrorLineNum(), explain(document));
-  }
-  const tinyxml2::XMLElement* root = document.RootElement();
-  if (!root) refuse_file(name, 1, "the file holds no element, must hold one <Node>");
-  for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling()) {
-    const bool is_harmless = node == root || node->ToComment() || node->ToDeclaration();
-    if (!is_harmless)
-      refuse_file(name, node->GetLineNum(), "something stands beside the root element, must be one <Node> alone");
-  }
-
+Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
+                      Grammar grammar) {
   Scene scene;
-  Reader(scene, name, factory, plugins).read(*root);
+  const Element root = read_document(text, name, scene.diagnostics());
+  Reader(scene, factory, plugins, grammar).read(root);
   return scene;
 }
 
-Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins) {
-  return read_scene_text(read_whole(file), file.string(), factory, plugins);
+Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins, Grammar grammar) {
+  std::string text;
+  try {
+    text = read_scene_file(file);
+  } catch (const InputError& error) {
+    throw FileError(format_error({file.string(), 0}, error.what()));
+  }
+  return read_scene_text(text, file.string(), factory, plugins, grammar);
 }
 
 void override_attribute(Scene& scene, std::string_view assignment) {

@@ -19,18 +19,24 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-inline constexpr std::uintmax_t kLargestSceneFile = 64 * 1024 * 1024;  // [byte]; larger meshes belong into mesh files
+/// How a scene is read.
+enum class Grammar {
+  kStrict,         ///< what is not understood is an error
+  kSofaCompatible  ///< unknown components, attributes and templates are passed over with a warning, as SOFA does
+};
 
-/// Reads a scene file in SOFA's XML grammar, strictly. Plugins that it requires are loaded at once.
+/// Reads a scene file in SOFA's XML grammar (document.hpp). Plugins that it requires are loaded at once.
 ///
-/// One root element, a Node; nodes hold nodes and components (`<Class/>` or `<Object type="Class"/>`). Attributes whose
-/// name begins with `_` or `NO` are switched off. UTF-8; no document type, no entities but XML's five, at most 100
-/// levels. Mistakes are collected in the scene's diagnostics: call init() to have them thrown together. Throws
-/// FileError, PluginError, and SceneError for a file that is not well-formed.
-Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins);
+/// The root is a Node; nodes hold nodes and components (`<Class/>` or `<Object type="Class"/>`). Attributes whose name
+/// begins with `_` or `NO` are switched off; nodes with activated="false" are left out. Mistakes are collected in the
+/// scene's diagnostics: call init() to have them thrown together. Throws FileError, PluginError, and SceneError for a
+/// file that is not well-formed.
+Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins,
+                 Grammar grammar = Grammar::kStrict);
 
-/// The same from text; `name` stands for the file in messages.
-Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins);
+/// The same from text; `name` stands for the file in messages, and for the place from which includes are looked for.
+Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
+                      Grammar grammar = Grammar::kStrict);
 
 /// The command line's `--set PATH.attribute=VALUE` does not fit the scene.
 class OverrideError : public std::runtime_error {

@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <type_traits>
 
 #include "hexaplast/base/error.hpp"
 #include "scene/diagnostics.hpp"
@@ -61,7 +62,7 @@ std::int64_t read_integer(std::string_view word, const Range& range) {
   return number;
 }
 
-// `7`, `3-9` or `3-9-2`. A minus sign at the beginning belongs to the number.
+// `7`, `3-9`, `9-3`, `3-9-2` or `9-3--2`. A minus sign at the beginning of a number belongs to it.
 void read_integers(std::string_view word, const Range& range, std::vector<std::int64_t>& numbers) {
   const std::size_t dash = word.find('-', 1);
   if (dash == std::string_view::npos) {
@@ -69,25 +70,32 @@ void read_integers(std::string_view word, const Range& range, std::vector<std::i
     return;
   }
 
-  const std::size_t second = word.find('-', dash + 1);
+  const std::size_t second = word.find('-', dash + 2);
   const bool stepped = second != std::string_view::npos;
   const std::int64_t first = read_integer(word.substr(0, dash), range);
   const std::int64_t last = read_integer(word.substr(dash + 1, stepped ? second - dash - 1 : word.npos), range);
-  const std::int64_t step = stepped ? read_integer(word.substr(second + 1), Range{.least = 1}) : 1;
-  if (last < first) throw InputError(fmt::format("{} is a range that runs backwards", quoted(word)));
+  const std::int64_t direction = first <= last ? 1 : -1;
+  const std::int64_t step = stepped ? read_integer(word.substr(second + 1), {}) : direction;
+  if (step == 0 || (step > 0) != (direction > 0))
+    throw InputError(fmt::format("{}: a step of {} does not lead from {} to {}", quoted(word), step, first, last));
 
-  const std::uint64_t span = static_cast<std::uint64_t>(last) - static_cast<std::uint64_t>(first);
-  if (numbers.size() + span / static_cast<std::uint64_t>(step) >= kLongestRange) {
+  // unsigned, because the ends may lie further apart than the largest signed number
+  const auto distance = [](std::int64_t from, std::int64_t to) {
+    return static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
+  };
+  const std::uint64_t span = first <= last ? distance(first, last) : distance(last, first);
+  const std::uint64_t stride = step > 0 ? static_cast<std::uint64_t>(step) : distance(step, 0);
+  const std::uint64_t count = span / stride + 1;
+  if (count > kLongestRange || numbers.size() + count > kLongestRange)
     throw InputError(fmt::format("{} stands for more than {} numbers", quoted(word), kLongestRange));
-  }
-  for (std::uint64_t i = 0; i <= span; i += static_cast<std::uint64_t>(step)) {
-    numbers.push_back(first + static_cast<std::int64_t>(i));
-  }
+  for (std::uint64_t i = 0; i < count; ++i) numbers.push_back(first + static_cast<std::int64_t>(i) * step);
 }
 
 bool read_bool(std::string_view word) {
-  if (word == "1" || word == "true" || word == "True") return true;
-  if (word == "0" || word == "false" || word == "False") return false;
+  for (const std::string_view yes : {"1", "true", "True", "TRUE", "t", "T"})
+    if (word == yes) return true;
+  for (const std::string_view no : {"0", "false", "False", "FALSE", "f", "F"})
+    if (word == no) return false;
   throw InputError(fmt::format("{} must be true, false, 1 or 0", quoted(word)));
 }
 
@@ -96,10 +104,27 @@ std::string_view only_word(const std::vector<std::string_view>& words) {
   return words[0];
 }
 
-std::vector<double> read_reals(const std::vector<std::string_view>& words, const Range& range, std::size_t group) {
-  if (words.size() % group != 0) {
-    throw InputError(fmt::format("{} numbers given, must be groups of {}", words.size(), group));
+/// Numbers of a list that belong together.
+std::size_t group_size(Type type) {
+  switch (type) {
+    case Type::kVectors3:
+      return 3;
+    case Type::kBoxes:
+      return 6;
+    case Type::kHexahedra:
+      return 8;
+    default:
+      return 1;
   }
+}
+
+void check_count(Type type, std::size_t count) {
+  if (type == Type::kVector3 && count != 3) throw InputError(fmt::format("{} numbers given, must be three", count));
+  if (const std::size_t group = group_size(type); count % group != 0)
+    throw InputError(fmt::format("{} numbers given, must be groups of {}", count, group));
+}
+
+std::vector<double> read_reals(const std::vector<std::string_view>& words, const Range& range) {
   std::vector<double> numbers;
   numbers.reserve(words.size());
   for (const std::string_view word : words) numbers.push_back(read_real(word, range));
@@ -165,22 +190,16 @@ Value read_value(const Attribute& attribute, std::string_view text) {
     case Type::kWord:
       return read_choice(attribute, only_word(words));
     case Type::kVector3:
-      if (words.size() != 3) throw InputError(fmt::format("{} numbers given, must be three", words.size()));
-      return read_reals(words, attribute.range, 3);
-    case Type::kIntegers:
-      return read_integer_list(words, attribute.range);
     case Type::kReals:
-      return read_reals(words, attribute.range, 1);
     case Type::kVectors3:
-      return read_reals(words, attribute.range, 3);
     case Type::kBoxes:
-      return read_reals(words, attribute.range, 6);
+      check_count(attribute.type, words.size());
+      return read_reals(words, attribute.range);
+    case Type::kIntegers:
     case Type::kHexahedra: {
-      std::vector<std::int64_t> corners = read_integer_list(words, attribute.range);
-      if (corners.size() % 8 != 0) {
-        throw InputError(fmt::format("{} numbers given, must be groups of 8", corners.size()));
-      }
-      return corners;
+      std::vector<std::int64_t> numbers = read_integer_list(words, attribute.range);
+      check_count(attribute.type, numbers.size());
+      return numbers;
     }
     case Type::kLink:
       throw InputError(fmt::format("{} must be a link: @path", quoted(text)));
@@ -188,6 +207,21 @@ Value read_value(const Attribute& attribute, std::string_view text) {
       break;
   }
   return std::string(text);
+}
+
+void check_value(const Attribute& attribute, const Value& value) {
+  const auto check = [&](const auto& content) {
+    using Content = std::decay_t<decltype(content)>;
+    if constexpr (std::is_same_v<Content, std::string>) {
+      if (attribute.type == Type::kWord) read_choice(attribute, content);
+    } else if constexpr (std::is_arithmetic_v<Content>) {
+      if constexpr (!std::is_same_v<Content, bool>) check_range(attribute.range, content);
+    } else if constexpr (!std::is_same_v<Content, std::monostate>) {
+      check_count(attribute.type, content.size());
+      for (const auto number : content) check_range(attribute.range, number);
+    }
+  };
+  std::visit(check, value);
 }
 
 }  // namespace hexaplast::scene

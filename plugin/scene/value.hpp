@@ -22,6 +22,10 @@ using Value = std::variant<std::monostate, bool, std::int64_t, double, std::stri
 /// Throws InputError saying what is wrong, the value, and what is allowed.
 Value read_value(const attributes::Attribute& attribute, std::string_view text);
 
+/// Checks a value that does not come from text against an attribute's range, words and group size.
+/// Throws InputError like read_value.
+void check_value(const attributes::Attribute& attribute, const Value& value);
+
 /// "must be > 0", "must lie in [0, 0.5)"; empty when every number is admissible.
 std::string describe(const attributes::Range& range);
 

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/diagnostics.hpp"
+
+namespace hexaplast::scene {
+
+/// `name="value"` of an element.
+struct ElementAttribute {
+  std::string name, value;
+  Place place;
+};
+
+/// An element of a scene file.
+struct Element {
+  std::string tag;
+  Place place;
+  std::vector<ElementAttribute> attributes;
+  std::vector<Element> children;
+  std::optional<Place> text = {};  ///< where it holds text, which no element of a scene may
+
+  const ElementAttribute* find(std::string_view name) const;  ///< null: not given
+};
+
+/// Attributes whose name begins with `_` or `NO` are switched off.
+bool is_switched_off(std::string_view attribute);
+
+inline constexpr std::uintmax_t kLargestSceneFile = 64 * 1024 * 1024;  // [byte]; larger meshes belong into mesh files
+inline constexpr int kMostIncludeLevels = 16;
+inline constexpr int kMostIncludes = 1000;  // in all: files that include one another twice would double at each level
+
+/// The text of a scene file. Throws InputError saying why it cannot be read.
+std::string read_scene_file(const std::filesystem::path& file);
+
+/// The root element of a scene, from the text of `file`, all includes carried out. UTF-8 without NUL, one root, no
+/// document type, no entities but XML's five, at most 100 levels.
+///
+/// `<include href="FILE" name="N" attribute="V" X__attribute="V"/>` stands for the root element of FILE, a path
+/// relative to the including file. `name` renames that root; the other attributes replace those of the same name that
+/// are given in FILE, in every element or in those named X. A root named Group or _Group_ is replaced by its children.
+/// A root named _Merge_ is merged into the including element: what has the class and name of something that stands
+/// before it there lends it its attributes and children, the rest is added.
+///
+/// Includes that cannot be carried out are left out and added to `diagnostics`; a file that is not well-formed is a
+/// SceneError.
+Element read_document(std::string_view text, const std::filesystem::path& file, Diagnostics& diagnostics);
+
+}  // namespace hexaplast::scene

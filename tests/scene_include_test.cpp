@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+namespace fs = std::filesystem;
+using support::at;
+
+/// A directory of its own for each test. Messages name files in it without the directory.
+class SceneInclude : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_include_") + info->name());
+    fs::remove_all(directory_);
+    fs::create_directories(directory_ / "parts");
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  void write(const std::string& name, const std::string& text) { std::ofstream(directory_ / name) << text; }
+
+  scene::Scene read(const std::string& name) {
+    scene::PluginLoader& loader = support::plugins();
+    return scene::read_scene(directory_ / name, support::factory(), loader);
+  }
+
+  std::string errors_of(const std::string& name) {
+    try {
+      read(name).init();
+      return "";
+    } catch (const scene::SceneError& error) {
+      std::string text = error.what();
+      const std::string folder = directory_.string() + "/";
+      for (std::size_t found = text.find(folder); found != text.npos; found = text.find(folder, found))
+        text.erase(found, folder.size());
+      return text;
+    }
+  }
+
+  fs::path directory_;
+};
+
+TEST_F(SceneInclude, AFileStandsForItsRootAndIsFoundFromTheIncludingFile) {
+  write("main.scn", "<Node name='main'><include href='parts/a.xml'/></Node>");
+  write("parts/a.xml", "<Node name='a'><include href='b.xml' name='renamed'/></Node>");
+  write("parts/b.xml", "<BoxROI name='b' box='1 2 3 4 5 6'/>");
+  scene::Scene scene = read("main.scn");
+  EXPECT_EQ(at<scene::Engine>(scene, "a/renamed").reals("box"), (std::vector<double>{1, 2, 3, 4, 5, 6}));
+}
+
+TEST_F(SceneInclude, AGroupIsReplacedByItsMembers) {
+  for (const char* name : {"Group", "_Group_"}) {
+    write("main.scn", "<Node><include href='a.xml'/></Node>");
+    write("a.xml", std::string("<Node name='") + name + "'><BoxROI name='first'/><BoxROI name='second'/></Node>");
+    scene::Scene scene = read("main.scn");
+    EXPECT_NO_THROW(at<scene::Engine>(scene, "first"));
+    EXPECT_NO_THROW(at<scene::Engine>(scene, "second"));
+    EXPECT_TRUE(scene.root().children().empty());
+  }
+}
+
+TEST_F(SceneInclude, AMergedFileLendsToWhatHasItsClassAndName) {
+  write("main.scn",
+        "<Node gravity='9 9 9'><Node name='body'><BoxROI name='roi' box='0 0 0 1 1 1' strict='0'/></Node>"
+        "<BoxROI name='body'/><include href='a.xml'/></Node>");
+  write("a.xml",
+        "<Node name='_Merge_' gravity='1 2 3'><Node name='body'><BoxROI name='roi' box='2 2 2 3 3 3'/><BoxROI "
+        "name='new'/></Node></Node>");
+  scene::Scene scene = read("main.scn");
+  EXPECT_EQ(scene.root().vector3("gravity"), Vec3(1, 2, 3));
+  ASSERT_EQ(scene.root().children().size(), 1u);
+  EXPECT_EQ(scene.root().children()[0]->components().size(), 2u);
+  EXPECT_EQ(at<scene::Engine>(scene, "body/roi").reals("box"), (std::vector<double>{2, 2, 2, 3, 3, 3}));
+  EXPECT_FALSE(at<scene::Engine>(scene, "body/roi").boolean("strict"));
+}
+
+TEST_F(SceneInclude, AttributesReplaceThoseOfTheSameNameWhereTheyAreGiven) {
+  write("main.scn", "<Node><include href='a.xml' box='1 1 1 2 2 2' two__strict='0'/></Node>");
+  write("a.xml",
+        "<Node name='a'><BoxROI name='one' box='0 0 0 1 1 1' strict='1'/>"
+        "<BoxROI name='two' strict='1'/></Node>");
+  scene::Scene scene = read("main.scn");
+  EXPECT_EQ(at<scene::Engine>(scene, "a/one").reals("box")[0], 1);
+  EXPECT_EQ(at<scene::Engine>(scene, "a/two").reals("box")[0], 0);  // it gives none
+  EXPECT_TRUE(at<scene::Engine>(scene, "a/one").boolean("strict"));
+  EXPECT_FALSE(at<scene::Engine>(scene, "a/two").boolean("strict"));
+}
+
+TEST_F(SceneInclude, AReplacementIsBlamedWhereItStandsAndMustReplaceSomething) {
+  write("main.scn", "<Node>\n<include href='a.xml'\n box='x'\n three__strict='0' stric='1'/></Node>");
+  write("a.xml", "<BoxROI name='one' box='0 0 0 1 1 1' strict='1'/>");
+  EXPECT_EQ(
+      errors_of("main.scn"),
+      "main.scn:4: error: include.three__strict: replaces nothing: 'strict' is given in no element named 'three' of "
+      "'a.xml'\n"
+      "main.scn:4: error: include.stric: replaces nothing: 'stric' is given in no element of 'a.xml'\n"
+      "main.scn:3: error: BoxROI.box: 1 numbers given, must be groups of 6");
+}
+
+TEST_F(SceneInclude, ErrorsShowTheChainOfFiles) {
+  write("main.scn", "<Node>\n<include href='parts/a.xml'/></Node>");
+  write("parts/a.xml", "<Node>\n\n<include href='b.xml'/></Node>");
+  write("parts/b.xml", "\n\n\n<Nonsense/>");
+  EXPECT_EQ(errors_of("main.scn"),
+            "parts/b.xml:4: error: Nonsense: unknown component\n  included at parts/a.xml:3\n  included at main.scn:2");
+  write("parts/b.xml", "<Node>\n<BoxROI></Node>");
+  EXPECT_EQ(errors_of("main.scn"),
+            "parts/b.xml:2: error: an element is closed by another one's end, or not at all\n"
+            "  included at parts/a.xml:3\n  included at main.scn:2");
+}
+
+TEST_F(SceneInclude, WhatCannotBeIncludedIsAnError) {
+  write("main.scn",
+        "<Node>\n<include/>\n<include href=''/>\n<include href='absent.xml'/>\n<include href='parts'/>"
+        "\n<include href='a.xml'><BoxROI/></include></Node>");
+  write("a.xml", "<Node/>");
+  EXPECT_EQ(errors_of("main.scn"),
+            "main.scn:2: error: include.href: is not given, must be a file\n"
+            "main.scn:3: error: include.href: is not given, must be a file\n"
+            "main.scn:4: error: include.href: 'absent.xml': no such file\n"
+            "main.scn:5: error: include.href: 'parts': is not a file\n"
+            "main.scn:6: error: include: holds elements or text, must be empty");
+}
+
+TEST_F(SceneInclude, CirclesAreFoundWhateverTheFilesAreCalled) {
+  write("main.scn", "<Node>\n<include href='parts/../main.scn'/></Node>");
+  EXPECT_EQ(errors_of("main.scn"), "main.scn:2: error: include.href: 'parts/../main.scn' includes itself");
+
+  write("main.scn", "<Node><include href='a.xml'/></Node>");
+  write("a.xml", "<Node><include href='parts/link.xml'/></Node>");
+  fs::create_symlink(directory_ / "a.xml", directory_ / "parts/link.xml");
+  EXPECT_EQ(errors_of("main.scn"),
+            "a.xml:1: error: include.href: 'parts/link.xml' includes itself\n  included at main.scn:1");
+}
+
+TEST_F(SceneInclude, LevelsAndNumberAreLimited) {
+  const auto file = [](int i) { return "level" + std::to_string(i) + ".xml"; };
+  for (int i = 0; i <= 17; ++i) write(file(i), "<Node><include href='" + file(i + 1) + "'/></Node>");
+  write(file(16), "<Node/>");
+  EXPECT_EQ(errors_of(file(0)), "");
+  write(file(16), "<Node><include href='" + file(17) + "'/></Node>");
+  write(file(17), "<Node/>");
+  EXPECT_EQ(errors_of(file(0)).rfind("level16.xml:1: error: include.href: more than 16 levels of includes\n", 0), 0u)
+      << errors_of(file(0));
+
+  // each file includes the next one twice: 65,535 files in all
+  for (int i = 0; i < 16; ++i)
+    write(file(i), "<Node><include href='" + file(i + 1) + "'/><include href='" + file(i + 1) + "'/></Node>");
+  write(file(16), "<Node/>");
+  EXPECT_NE(errors_of(file(0)).find("error: include.href: more than 1000 includes\n"), std::string::npos);
+}
+
+}  // namespace
