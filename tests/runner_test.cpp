@@ -86,10 +86,40 @@ TEST_F(Command, UsageErrorsEndWith2) {
        {"", "walk", "run", "run bar.scn --nonsense", "run bar.scn --steps -1", "run bar.scn --steps x",
         "run bar.scn --threads 0", "run bar.scn --frames 2", "run bar.scn --force", "run bar.scn --set nonsense",
         "run bar.scn --set bar/material.yieldStres=1", "run bar.scn --set bar/material.yieldStress=-1",
-        "run endless.scn"}) {
+        "run bar.scn --set bar/material.yieldStress=x", "run bar.scn --set bar/pull.indices=@nowhere.indices",
+        "run bar.scn --set baar/material.yieldStress=1", "run endless.scn"}) {
     const Outcome outcome = hexaplast(arguments);
     EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.err;
     EXPECT_NE(outcome.err, "") << arguments;
+  }
+}
+
+TEST_F(Command, AnOverrideThatOnlyTheSceneRefusesEndsWith3) {
+  write("bar.scn", kBar);
+  for (const auto& [assignment, part] :
+       {std::pair{"bar/pull.indices=99", "ConstantForceField.indices: "},
+        {"bar/material.plasticFlowRate=1e6", "plasticFlowRate = 1000000 1/s times dt = 0.01 s is 10000"}}) {
+    const Outcome outcome = hexaplast(std::string("run bar.scn --set ") + assignment);
+    EXPECT_EQ(outcome.code, 3) << assignment;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+}
+
+TEST_F(Command, MisspeltSubcommandsAndOptionsAreToldTheNearest) {
+  for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
+           {"rnu bar.scn", "hexaplast: error: unknown subcommand 'rnu'\n  hint: did you mean 'run'?"},
+           {"walk", "hexaplast: error: unknown subcommand 'walk'"},
+           {"mesh exprt bar.scn", "hexaplast mesh: error: unknown subcommand 'exprt'\n  hint: did you mean 'export'?"},
+           {"--vesion", "hexaplast: error: unknown option '--vesion'\n  hint: did you mean '--version'?"},
+           {"run bar.scn --stpes 3", "hexaplast run: error: unknown option '--stpes'\n  hint: did you mean '--steps'?"},
+           {"run --Threads=4 bar.scn",
+            "hexaplast run: error: unknown option '--Threads'\n  hint: did you mean '--threads'?"},
+           {"run bar.scn --nonsense", "hexaplast run: error: unknown option '--nonsense'"},
+           {"run bar.scn other.scn", "hexaplast run: error: unexpected argument 'other.scn'"}}) {
+    const Outcome outcome = hexaplast(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_EQ(outcome.err, message + "\nRun with --help for more information.\n") << arguments;
+    EXPECT_EQ(outcome.out, "");
   }
 }
 

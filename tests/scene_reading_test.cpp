@@ -369,6 +369,16 @@ TEST(SceneOverride, ReplacesAnAttributeBeforeInit) {
   EXPECT_EQ(at<scene::Engine>(scene, "in/roi").integers("indices").size(), 8u);
 }
 
+TEST(SceneOverride, TheLastOneCounts) {
+  scene::Scene scene = read(bar(""));
+  scene::override_attribute(scene, "euler.rayleighStiffness=0.5");
+  scene::override_attribute(scene, "euler.rayleighMass=@euler.rayleighStiffness");
+  scene::Object& euler = at<scene::Object>(scene, "euler");
+  EXPECT_EQ(euler.real("rayleighMass"), 0.5);
+  scene::override_attribute(scene, "euler.rayleighMass=0.25");
+  EXPECT_EQ(euler.real("rayleighMass"), 0.25);
+}
+
 TEST(SceneOverride, SaysWhatIsWrong) {
   scene::Scene scene = read(bar(""));
   const auto refusal = [&](const char* assignment) -> std::string {
@@ -390,6 +400,13 @@ TEST(SceneOverride, SaysWhatIsWrong) {
   EXPECT_EQ(refusal("euler.rayleighMass=-1"),
             "--set euler.rayleighMass=-1: error: EulerImplicitSolver.rayleighMass: -1 must be >= 0");
   EXPECT_EQ(refusal("euler.rayleighMass=1"), "accepted");
+  EXPECT_EQ(refusal("euler.rayleighMass=@eulr.rayleighStiffness"),
+            "--set euler.rayleighMass=@eulr.rayleighStiffness: error: EulerImplicitSolver.rayleighMass: link "
+            "'@eulr.rayleighStiffness' stops at node '/', which holds no 'eulr'\n  hint: did you mean 'euler'?");
+  EXPECT_EQ(refusal(".dt=@euler.name"),
+            "--set .dt=@euler.name: error: Node.dt: link '@euler.name' leads to EulerImplicitSolver 'euler'.name "
+            "(test.scn:2), which holds text, must hold one number");
+  EXPECT_EQ(refusal("euler.rayleighMass=@euler.rayleighStiffness"), "accepted");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <new>
@@ -108,6 +109,36 @@ int report(ExitCode code, const std::string& message) {
   return code;
 }
 
+/// The innermost subcommand that was recognised, or the command itself.
+const CLI::App& innermost(const CLI::App& app) {
+  const std::vector<CLI::App*> inner = app.get_subcommands();
+  return inner.empty() ? app : innermost(*inner.front());
+}
+
+/// What is wrong with the command line, with the option or subcommand that was probably meant.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App& command = innermost(app);
+  std::vector<std::string> unknown = app.remaining(true);
+  // an option that is not known leaves its value behind, and that is no mistake of its own
+  std::stable_partition(unknown.begin(), unknown.end(), [](const std::string& word) { return word.starts_with('-'); });
+
+  std::vector<std::string> known;
+  std::string text = error.what(), hint;
+  if (!unknown.empty() && unknown.front().starts_with('-')) {
+    const std::string option = unknown.front().substr(0, unknown.front().find('='));
+    for (const CLI::Option* other : command.get_options())
+      for (const std::string& name : other->get_lnames()) known.push_back("--" + name);
+    text = fmt::format("unknown option '{}'", option);
+    hint = scene::did_you_mean(option, {known.begin(), known.end()});
+  } else if (!unknown.empty()) {
+    for (const CLI::App* other : command.get_subcommands({})) known.push_back(other->get_name());
+    text = fmt::format("{} '{}'", known.empty() ? "unexpected argument" : "unknown subcommand", unknown.front());
+    hint = scene::did_you_mean(unknown.front(), {known.begin(), known.end()});
+  }
+  return scene::format_error({command.get_parent() ? "hexaplast " + command.get_name() : "hexaplast", 0}, text, hint) +
+         "\nRun with --help for more information.";
+}
+
 /// A closed standard stream would give its number to the next file, which messages then corrupt.
 void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
@@ -165,7 +196,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kOk : kUsage;
+    return error.get_exit_code() == 0 ? app.exit(error) : report(kUsage, usage_message(app, error));
   }
 
   if (app.got_subcommand("element"))

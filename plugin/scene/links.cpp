@@ -126,7 +126,7 @@ bool are_compatible(const attributes::Attribute& from, const attributes::Attribu
   return kind(from.type) == kind(to.type) && same_groups;
 }
 
-/// Connects the links of one scene.
+/// Connects links with what they lead to.
 class Resolver {
  public:
   explicit Resolver(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
@@ -231,9 +231,9 @@ bool runs_in_a_circle(const Data& data) {
 
 template <class Visit>
 void for_each_data(Node& node, const Visit& visit) {
-  for (const auto& data : node.all_data()) visit(*data, node, static_cast<Component*>(nullptr));
+  for (const auto& data : node.all_data()) visit(*data);
   for (const auto& component : node.components()) {
-    for (const auto& data : component->all_data()) visit(*data, node, component.get());
+    for (const auto& data : component->all_data()) visit(*data);
   }
   for (const auto& child : node.children()) for_each_data(*child, visit);
 }
@@ -276,12 +276,19 @@ PathResult resolve_path(Node& from, Component* self, std::string_view path) {
   return {.target = at};
 }
 
-void resolve_links(Node& root, Diagnostics& diagnostics) {
+void resolve_link(Data& data, Diagnostics& diagnostics) {
   Resolver resolver(diagnostics);
-  for_each_data(root, [&](Data& data, Node& node, Component* self) {
-    if (!data.link().empty() && !data.source()) resolver.resolve(data, node, self);
+  if (auto* const component = dynamic_cast<Component*>(&data.owner()))
+    resolver.resolve(data, component->node(), component);
+  else
+    resolver.resolve(data, dynamic_cast<Node&>(data.owner()), nullptr);
+}
+
+void resolve_links(Node& root, Diagnostics& diagnostics) {
+  for_each_data(root, [&](Data& data) {
+    if (!data.link().empty() && !data.source()) resolve_link(data, diagnostics);
   });
-  for_each_data(root, [&](Data& data, Node&, Component*) {
+  for_each_data(root, [&](Data& data) {
     if (!runs_in_a_circle(data)) return;
     diagnostics.error(data.place(), fmt::format("{}.{}: link '{}' leads back to itself", data.owner().class_name(),
                                                 data.attribute().name, data.link()));

@@ -21,6 +21,9 @@ struct PathResult {
 /// `from`: the node that the path starts in. `self`: the component whose attribute it is, or null.
 PathResult resolve_path(Node& from, Component* self, std::string_view path);
 
+/// Connects one link with its target. Adds to `diagnostics` where it leads nowhere or to another type.
+void resolve_link(Data& data, Diagnostics& diagnostics);
+
 /// Connects every link of the scene with its target, wherever in the scene it stands; `src` connects all attributes
 /// that two components have in common. Adds dangling links, links between different types and circles of links to
 /// `diagnostics`.

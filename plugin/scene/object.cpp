@@ -37,6 +37,7 @@ void Data::read(std::string_view text, Place place) {
   is_given_ = true;
   if (attribute_.access == Access::kOutput) throw InputError("is computed, and cannot be set");
 
+  source_ = nullptr;  // what is given anew follows nothing that was given before
   const bool is_link = attribute_.type != Type::kText && !text.empty() && text[0] == '@';
   if (is_link) {
     link_ = text;

@@ -315,6 +315,14 @@ void override_attribute(Scene& scene, std::string_view assignment) {
   } catch (const InputError& error) {
     refuse(fmt::format("{}.{}: {}", target->class_name(), attribute, error.what()));
   }
+  if (data->link().empty()) return;
+  Diagnostics found;
+  resolve_link(*data, found);
+  try {
+    found.throw_errors();
+  } catch (const SceneError& error) {
+    throw OverrideError(error.what());
+  }
 }
 
 }  // namespace hexaplast::scene
