@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 /// Height of each module in the order of the data flow: an include may only point down, or stay in its own module.
 /// Modules of equal height are siblings and do not include one another.
 const std::map<std::string, int> kHeight{
-    {"base", 0},       {"mesh", 1},  {"material", 1},   {"kinematics", 2}, {"state", 3},
-    {"elastic", 4},    {"solve", 4}, {"plastic", 4},    {"body", 5},       {"inspect", 6},
-    {"attributes", 7}, {"scene", 8}, {"components", 9}, {"output", 9},     {"runner", 10},
+    {"base", 0},  {"mesh", 1},       {"material", 1}, {"kinematics", 2}, {"state", 3},  {"elastic", 4},
+    {"solve", 4}, {"plastic", 4},    {"body", 5},     {"inspect", 6},    {"survey", 6}, {"attributes", 7},
+    {"scene", 8}, {"components", 9}, {"output", 9},   {"runner", 10},
 };
 
 /// Module that a path below include/hexaplast, src or plugin belongs to: its first folder, or body for the file of that

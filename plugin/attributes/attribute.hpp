@@ -25,6 +25,37 @@ enum class Type {
   kLink        ///< `@path` of a node or component
 };
 
+/// "groups of three numbers": what an attribute of a type holds, in words.
+constexpr std::string_view describe(Type type) {
+  switch (type) {
+    case Type::kBool:
+      return "true or false";
+    case Type::kInteger:
+      return "one whole number";
+    case Type::kReal:
+      return "one number";
+    case Type::kVector3:
+      return "three numbers";
+    case Type::kIntegers:
+      return "whole numbers";
+    case Type::kReals:
+      return "numbers";
+    case Type::kVectors3:
+      return "groups of three numbers";
+    case Type::kBoxes:
+      return "groups of six numbers";
+    case Type::kHexahedra:
+      return "groups of eight whole numbers";
+    case Type::kText:
+      return "text";
+    case Type::kWord:
+      return "one word";
+    case Type::kLink:
+      return "a link to a component";
+  }
+  return {};
+}
+
 /// Who writes an attribute.
 enum class Access {
   kInput,   ///< the scene
@@ -68,8 +99,7 @@ struct Description {
   std::string_view help = {};
   std::string_view templates = {};  ///< accepted values of `template`, separated by blanks
   std::span<const Attribute> attributes = {};
-  bool takes_anything = false;    ///< an ignored component: every attribute and template is accepted unread
-  std::string_view example = {};  ///< lines of XML to paste into a node that holds a body (docs/components.md)
+  bool takes_anything = false;  ///< an ignored component: every attribute and template is accepted unread
 };
 
 /// What every node and component takes besides its own attributes.

@@ -13,8 +13,10 @@
 
 #include "hexaplast/base/error.hpp"
 #include "output/recorder.hpp"
+#include "runner/check.hpp"
 #include "runner/element.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/list.hpp"
 #include "runner/mesh_export.hpp"
 #include "runner/run.hpp"
 #include "scene/reader.hpp"
@@ -102,6 +104,22 @@ void add_mesh(CLI::App& app, MeshExportOptions& options) {
                    "Loads of this time [s]; otherwise of the first step of the run at which they are greatest")
       ->type_name("T")
       ->check(CLI::NonNegativeNumber);
+}
+
+void add_check(CLI::App& app, CheckOptions& options) {
+  CLI::App* check = app.add_subcommand("check", "Read a scene as run does and print what it means, without a step");
+  add_scene(*check, options.scene);
+  check->add_flag("--json", options.json, "As JSON");
+}
+
+void add_list(CLI::App& app, ListOptions& options) {
+  CLI::App* list = app.add_subcommand("list", "Print the components that scenes may name, and what they take");
+  list->footer(kExitCodes);
+  CLI::Option* component =
+      list->add_option("component", options.component, "One component with its attributes")->type_name("COMPONENT");
+  CLI::Option* json = list->add_flag("--json", options.json, "As JSON");
+  list->add_flag("--markdown", options.markdown, "As the page docs/components.md")->excludes(component)->excludes(json);
+  add_plugin_options(*list, options.plugins, options.plugin_path);
 }
 
 int report(ExitCode code, const std::string& message) {
@@ -193,6 +211,10 @@ int main(int argc, char** argv) {
   add_element(app, element_options);
   MeshExportOptions export_options;
   add_mesh(app, export_options);
+  CheckOptions check_options;
+  add_check(app, check_options);
+  ListOptions list_options;
+  add_list(app, list_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -207,6 +229,16 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("mesh"))
     return report_errors(export_options.scene.file.string(), [&] {
       export_mesh(export_options);
+      return kOk;
+    });
+  if (app.got_subcommand("check"))
+    return report_errors(check_options.scene.file.string(), [&] {
+      check(check_options);
+      return kOk;
+    });
+  if (app.got_subcommand("list"))
+    return report_errors("hexaplast", [&] {
+      list(list_options);
       return kOk;
     });
   if (run_options.quiet) spdlog::set_level(spdlog::level::err);

@@ -85,36 +85,6 @@ std::string describe(const Data& data) {
   return fmt::format("{} '{}'.{}", data.owner().class_name(), data.owner().name(), data.attribute().name);
 }
 
-// What an attribute holds, in words.
-std::string_view content(Type type) {
-  switch (type) {
-    case Type::kBool:
-      return "true or false";
-    case Type::kInteger:
-      return "one whole number";
-    case Type::kReal:
-      return "one number";
-    case Type::kVector3:
-      return "three numbers";
-    case Type::kIntegers:
-      return "whole numbers";
-    case Type::kReals:
-      return "numbers";
-    case Type::kVectors3:
-      return "groups of three numbers";
-    case Type::kBoxes:
-      return "groups of six numbers";
-    case Type::kHexahedra:
-      return "groups of eight whole numbers";
-    case Type::kText:
-    case Type::kWord:
-      return "text";
-    case Type::kLink:
-      return "a link to a component";
-  }
-  return "";
-}
-
 // Data of different type can follow one another where they hold the same kind of numbers.
 bool are_compatible(const attributes::Attribute& from, const attributes::Attribute& to) {
   const auto kind = [](Type type) {
@@ -175,7 +145,8 @@ class Resolver {
     diagnostics_.error(data.place(), fmt::format("{}: link '{}' leads to {} ({}:{}), which holds {}, must hold {}",
                                                  fmt::format("{}.{}", data.owner().class_name(), data.attribute().name),
                                                  link, describe(source), other_end.file, other_end.line,
-                                                 content(source.attribute().type), content(data.attribute().type)));
+                                                 attributes::describe(source.attribute().type),
+                                                 attributes::describe(data.attribute().type)));
   }
 
   // src="@loader": every attribute that the loader has too and that is not given follows the loader's, but for those

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+namespace hexaplast {
+
+/// Least over the corners of det J / (product of the lengths of its columns): the volume that three edges span,
+/// relative to a box of these edges. 1 for a box, 0 where a corner is flat, negative where it is inside out.
+double scaled_jacobian(const ElementPoints& x);
+
+/// How well the elements of a mesh are shaped.
+struct MeshQuality {
+  double least_scaled_jacobian = 1;
+  int worst_element = -1;    ///< the first one with that value; -1: no elements
+  double shortest_edge = 0;  ///< [m]
+  double longest_edge = 0;   ///< [m]
+  int num_unused_nodes = 0;  ///< nodes without element
+};
+
+MeshQuality quality(const HexMesh& mesh);
+
+}  // namespace hexaplast

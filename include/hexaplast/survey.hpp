@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/quality.hpp"
+
+namespace hexaplast {
+
+/// What can be said of a body before it moves.
+struct Survey {
+  int num_parts = 0;           ///< that do not connect
+  Vec3 extent = Vec3::Zero();  ///< [m] of the box around it
+  double volume = 0;           ///< [m^3]
+  MeshQuality quality;
+  double mass = 0;                                             ///< [kg]
+  double density = 0;                                          ///< [kg/m^3] mean
+  double least_young_modulus = 0, greatest_young_modulus = 0;  ///< [Pa] of the elements
+  double least_poisson_ratio = 0, greatest_poisson_ratio = 0;
+  double yield_stress = 0;            ///< [Pa] least of the elements; infinite: it never yields
+  double yield_strain = 0;            ///< least tau / E of the elements; infinite: it never yields
+  double flow_per_step = 0;           ///< greatest nu dt
+  double rotation_flow_per_step = 0;  ///< greatest nu^R dt
+  double restitution_per_step = 0;    ///< c dt
+  double wave_speed = 0;      ///< [m/s] of pressure waves, sqrt((lambda + 2 mu) / density), in the stiffest element; 0
+                              ///< without mass
+  double edges_per_step = 0;  ///< shortest edges that such a wave passes in a time step
+  double steps_across = 0;    ///< time steps that it takes along the longest extent; 0 without mass
+};
+
+/// mass [kg] of the whole body, dt [s].
+Survey survey(const Body& body, double mass, double dt);
+
+/// One sentence for each choice that is legal but unwise. What concerns rates and the time step check_time_step says.
+std::vector<std::string> advice(const Survey& survey);
+
+}  // namespace hexaplast

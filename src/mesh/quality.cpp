@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/quality.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "hexaplast/mesh/trilinear.hpp"
+
+namespace hexaplast {
+
+double scaled_jacobian(const ElementPoints& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < kCorners; ++a) {
+    const Mat3 J = corner_jacobian(x, a);
+    least = std::min(least, J.determinant() / J.colwise().norm().prod());
+  }
+  return least;
+}
+
+MeshQuality quality(const HexMesh& mesh) {
+  MeshQuality found;
+  for (int n = 0; n < mesh.num_nodes(); ++n) found.num_unused_nodes += mesh.incident(n).empty();
+  if (mesh.num_elements() == 0) return found;
+
+  found.least_scaled_jacobian = found.shortest_edge = std::numeric_limits<double>::infinity();
+  for (int e = 0; e < mesh.num_elements(); ++e) {
+    const ElementPoints x = gather(mesh.positions(), mesh.hexahedra()[e]);
+    for (int a = 0; a < kCorners; ++a) {
+      const Eigen::RowVector3d edges = 2 * corner_jacobian(x, a).colwise().norm();  // its columns are half edges
+      found.shortest_edge = std::min(found.shortest_edge, edges.minCoeff());
+      found.longest_edge = std::max(found.longest_edge, edges.maxCoeff());
+    }
+    if (const double shape = scaled_jacobian(x); shape < found.least_scaled_jacobian) {
+      found.least_scaled_jacobian = shape;
+      found.worst_element = e;
+    }
+  }
+  return found;
+}
+
+}  // namespace hexaplast

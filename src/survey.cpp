@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/survey.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hexaplast {
+namespace {
+
+constexpr double kPoorShape = 0.2;  // scaled Jacobian below which the stiffness of a corner dominates its element
+constexpr double kNearlyIncompressible = 0.49;  // above, trilinear hexahedra lock in bending
+constexpr double kLargeYieldStrain = 0.5;
+
+}  // namespace
+
+Survey survey(const Body& body, double mass, double dt) {
+  const Model& model = body.model();
+  const HexMesh& mesh = body.mesh();
+  Survey found;
+  found.num_parts = connected_parts(mesh, body.history().alive).count;
+  if (mesh.num_nodes() > 0)
+    found.extent = (mesh.positions().colwise().maxCoeff() - mesh.positions().colwise().minCoeff()).transpose();
+  found.volume = body.original_volume();
+  found.quality = quality(mesh);
+  found.mass = mass;
+  found.density = mass / found.volume;
+
+  const auto least_and_greatest = [&](double Material::*property) {
+    const auto [least, greatest] = std::ranges::minmax(model.materials, {}, property);
+    return std::pair(least.*property, greatest.*property);
+  };
+  std::tie(found.least_young_modulus, found.greatest_young_modulus) = least_and_greatest(&Material::young_modulus);
+  std::tie(found.least_poisson_ratio, found.greatest_poisson_ratio) = least_and_greatest(&Material::poisson_ratio);
+  found.flow_per_step = least_and_greatest(&Material::flow_rate).second * dt;
+  found.rotation_flow_per_step = least_and_greatest(&Material::rotation_flow_rate).second * dt;
+  found.restitution_per_step = model.settings.volume_restitution * dt;
+  found.yield_stress = least_and_greatest(&Material::yield_stress).first;
+  found.yield_strain = std::numeric_limits<double>::infinity();
+  for (const Material& material : model.materials)
+    found.yield_strain = std::min(found.yield_strain, material.yield_stress / material.young_modulus);
+
+  if (mass > 0) {
+    double stiffest = 0;  // [Pa] lambda + 2 mu
+    for (const Lame& k : model.lame) stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
+    found.wave_speed = std::sqrt(stiffest / found.density);
+    found.edges_per_step = found.wave_speed * dt / found.quality.shortest_edge;
+    found.steps_across = found.extent.maxCoeff() / (found.wave_speed * dt);
+  }
+  return found;
+}
+
+std::vector<std::string> advice(const Survey& survey) {
+  std::vector<std::string> sentences;
+  const auto say = [&](bool is_unwise, const std::string& sentence) {
+    if (is_unwise) sentences.push_back(sentence);
+  };
+  say(survey.quality.least_scaled_jacobian < kPoorShape,
+      fmt::format("hexahedron {} is badly shaped: its scaled Jacobian is {:.3g}, results are poor below {}",
+                  survey.quality.worst_element, survey.quality.least_scaled_jacobian, kPoorShape));
+  say(survey.quality.num_unused_nodes > 0,
+      fmt::format("{} nodes belong to no hexahedron", survey.quality.num_unused_nodes));
+  say(survey.num_parts > 1, fmt::format("the body has {} parts that do not connect", survey.num_parts));
+  say(survey.greatest_poisson_ratio > kNearlyIncompressible,
+      fmt::format("poissonRatio = {}: above {} bending comes out too stiff", survey.greatest_poisson_ratio,
+                  kNearlyIncompressible));
+  say(std::isfinite(survey.yield_strain) && survey.yield_strain > kLargeYieldStrain,
+      fmt::format("yieldStress is reached at a strain of {:.3g} only", survey.yield_strain));
+  say(survey.wave_speed > 0 && survey.steps_across < 1,
+      fmt::format("waves cross the body in {:.3g} time steps: vibrations are damped away, only slow loads are followed",
+                  survey.steps_across));
+  return sentences;
+}
+
+}  // namespace hexaplast

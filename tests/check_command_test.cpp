@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <nlohmann/json.hpp>
+
+#include "support/command.hpp"
+
+namespace {
+
+using hexaplast::support::Command;
+using hexaplast::support::Outcome;
+using Json = nlohmann::json;
+
+// Two cubes of 0.5 m, held at x = 0 and pulled at x = 1; total mass 2 kg.
+std::string bar(const std::string& constraint, const std::string& material = "") {
+  return "<Node gravity='0 0 0'>\n<DefaultAnimationLoop/><RunSettings steps='100'/><EulerImplicitSolver/>"
+         "<SparseLDLSolver/>\n<RegularGridTopology n='3 2 2' max='1 .5 .5'/><MechanicalObject/><DiagonalMass "
+         "totalMass='2'/>\n<HexahedronElastoplasticFEMForceField name='body' youngModulus='2000' poissonRatio='0' " +
+         material + "/>\n" + constraint +
+         "<LinearForceField points='2 5' times='0 0.5 0.9' forces='0 0 0  3 0 0  1 0 0'/></Node>";
+}
+
+const std::string kHeld = "<FixedProjectiveConstraint indices='0 3 6'/>";
+
+TEST_F(Command, CheckSaysWhatASceneMeans) {
+  write("bar.scn", bar(kHeld, "yieldStress='100' plasticFlowRate='2' volumeRestitution='3'"));
+  const Outcome json = hexaplast("check bar.scn --json");
+  EXPECT_EQ(json.code, 0) << json.err;
+  EXPECT_EQ(json.err, "");
+  const Json found = Json::parse(json.out);
+  EXPECT_EQ(found["nodes"], 12);
+  EXPECT_EQ(found["hexahedra"], 2);
+  EXPECT_EQ(found["held_nodes"], 3);
+  EXPECT_EQ(found["partly_held_nodes"], 0);
+  EXPECT_EQ(found["loaded_nodes"], 2);
+  EXPECT_NEAR(found["load"][0], 6, 1e-9);  // two nodes at the greatest force, t = 0.5 s
+  EXPECT_NEAR(found["load_time"], 0.5, 1e-9);
+  EXPECT_EQ(found["steps"], 100);
+  EXPECT_EQ(found["advice"], Json::array());
+  EXPECT_GT(found["memory_bytes"], 1e6);
+  const Json& body = found["body"];
+  EXPECT_NEAR(body["mass"], 2, 1e-12);
+  EXPECT_NEAR(body["density"], 8, 1e-12);
+  EXPECT_NEAR(body["least_scaled_jacobian"], 1, 1e-12);
+  EXPECT_NEAR(body["wave_speed"], std::sqrt(2000 / 8.0), 1e-9);  // nu = 0: E = lambda + 2 mu
+  EXPECT_NEAR(body["yield_strain"], 0.05, 1e-12);
+  EXPECT_NEAR(body["flow_per_step"], 0.02, 1e-12);
+  EXPECT_NEAR(body["restitution_per_step"], 0.03, 1e-12);
+
+  const Outcome text = hexaplast("check bar.scn");
+  EXPECT_EQ(text.code, 0);
+  for (const char* part : {"bar: can run", "12, of which 3 are held", "stress 100 Pa, strain 0.05", "flow 0.02",
+                           "2 kg, 8 kg/m^3", "on 2 nodes, together (6, 0, 0) N at t = 0.5 s", "100 of 0.01 s"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in\n" << text.out;
+}
+
+TEST_F(Command, CheckTakesNoStep) {
+  write("bar.scn", bar(kHeld));
+  EXPECT_EQ(hexaplast("check bar.scn --set LinearForceField1.forces='1e308 0 0 1e308 0 0 1e308 0 0'").code, 0);
+}
+
+TEST_F(Command, CheckWarnsOfUnwiseChoices) {
+  write("bar.scn", bar(""));
+  const Outcome loose = hexaplast("check bar.scn");
+  EXPECT_EQ(loose.code, 0);
+  EXPECT_EQ(loose.err, "bar.scn: warning: nothing is held, and the loads do not balance: everything moves away\n");
+  write("held.scn", bar(kHeld));
+  EXPECT_EQ(hexaplast("check held.scn --set body.poissonRatio=0.495").err,
+            "held.scn: warning: poissonRatio = 0.495: above 0.49 bending comes out too stiff\n");
+}
+
+TEST_F(Command, CheckEndsAsRunDoes) {
+  write("bad.scn", "<Node>\n<Nonsense/></Node>");
+  EXPECT_EQ(hexaplast("check bad.scn").code, 3);
+  EXPECT_EQ(hexaplast("check bad.scn --sofa-compat").code, 3);  // nothing moves
+  EXPECT_EQ(hexaplast("check absent.scn").code, 5);
+  EXPECT_EQ(hexaplast("check").code, 2);
+  write("bar.scn", bar(kHeld + "<Nonsense/>"));
+  EXPECT_EQ(hexaplast("check bar.scn").code, 3);
+  const Outcome lenient = hexaplast("check bar.scn --sofa-compat");
+  EXPECT_EQ(lenient.code, 0);
+  EXPECT_EQ(lenient.err, "bar.scn:5: warning: Nonsense: unknown component, ignored\n");
+  EXPECT_EQ(hexaplast("run bar.scn --sofa-compat").code, 0);
+  EXPECT_EQ(hexaplast("run bar.scn").code, 3);
+}
+
+}  // namespace

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// docs/components.md is what the program prints, and every example on it runs.
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <vector>
+
+#include "support/command.hpp"
+
+namespace {
+
+using hexaplast::support::Command;
+using hexaplast::support::content;
+using hexaplast::support::Outcome;
+using Json = nlohmann::json;
+
+const std::string kPage = std::string(HEXAPLAST_SOURCE_DIR) + "/docs/components.md";
+
+std::vector<std::string> xml_blocks(const std::string& page) {
+  std::vector<std::string> blocks;
+  const std::string opening = "```xml\n", closing = "\n```\n";
+  for (std::size_t at = page.find(opening); at != page.npos; at = page.find(opening, at)) {
+    at += opening.size();
+    blocks.push_back(page.substr(at, page.find(closing, at) - at));
+  }
+  return blocks;
+}
+
+std::vector<std::string> classes_in(const std::string& xml) {
+  std::vector<std::string> classes;
+  static const std::regex opening("<([A-Z][A-Za-z0-9]*)");
+  for (std::sregex_iterator match(xml.begin(), xml.end(), opening), end; match != end; ++match)
+    classes.push_back((*match)[1]);
+  return classes;
+}
+
+/// What a component is the only one of, as the page says it; empty: there may be several.
+std::string place_of(const std::string& class_name, const std::map<std::string, std::string>& category_of) {
+  static const std::set<std::string> kSingle = {"AnimationLoop", "OdeSolver", "LinearSolver",
+                                                "Topology",      "Mass",      "MechanicalState"};
+  if (class_name.starts_with("Hexahedron") && class_name.ends_with("FEMForceField")) return "body";
+  if (class_name == "RunSettings") return class_name;
+  const auto category = category_of.find(class_name);
+  return category != category_of.end() && kSingle.count(category->second) ? category->second : "";
+}
+
+/// The scene of the page with an example pasted in, as the page says.
+std::string pasted(const std::string& scene, const std::string& example,
+                   const std::map<std::string, std::string>& category_of) {
+  std::set<std::string> taken;
+  for (const std::string& class_name : classes_in(example)) taken.insert(place_of(class_name, category_of));
+  taken.erase("");
+  std::string result;
+  bool is_pasted = false;
+  const auto paste = [&] {
+    if (!is_pasted) result += example + "\n";
+    is_pasted = true;
+  };
+  std::istringstream lines(scene);
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<std::string> classes = classes_in(line);
+    const bool is_replaced = !classes.empty() && taken.count(place_of(classes[0], category_of));
+    if (is_replaced || line == "  </Node>") paste();
+    if (!is_replaced) result += line + "\n";
+  }
+  return result;
+}
+
+TEST_F(Command, TheComponentPageIsWhatTheProgramPrints) {
+  const Outcome printed = hexaplast("list --markdown");
+  ASSERT_EQ(printed.code, 0);
+  EXPECT_TRUE(printed.out == content(kPage)) << "run: hexaplast list --markdown > docs/components.md";
+}
+
+TEST_F(Command, EveryExampleOfTheComponentPageRunsWithoutComplaint) {
+  const Json list = Json::parse(hexaplast("list --json").out);
+  std::map<std::string, std::string> category_of;
+  std::set<std::string> wanted;
+  for (const Json& component : list["components"]) {
+    category_of[component["name"]] = component["category"];
+    if (component["has_effect"]) wanted.insert(component["name"]);
+  }
+  ASSERT_GE(wanted.size(), 20u);
+
+  const std::vector<std::string> blocks = xml_blocks(hexaplast("list --markdown").out);
+  ASSERT_EQ(blocks.size(), wanted.size() + 1);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const std::string scene = i == 0 ? blocks[0] : pasted(blocks[0], blocks[i], category_of);
+    write("example.scn", scene);
+    const Outcome outcome = hexaplast("run example.scn --steps 2");
+    EXPECT_EQ(outcome.code, 0) << scene << outcome.err;
+    EXPECT_EQ(outcome.err, "") << scene;
+    for (const std::string& class_name : classes_in(blocks[i])) wanted.erase(class_name);
+  }
+  EXPECT_TRUE(wanted.empty()) << *wanted.begin() << " is in no example";
+}
+
+TEST_F(Command, ListPrintsOneComponent) {
+  const Outcome text = hexaplast("list BoxROI");
+  EXPECT_EQ(text.code, 0);
+  for (const char* part :
+       {"BoxROI: ", "box: groups of six numbers [m]; default 0 0 0 1 1 1", "indices: whole numbers; computed"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part;
+
+  const Json json = Json::parse(hexaplast("list HexahedronElastoplasticFEMForceField --json").out);
+  EXPECT_EQ(json["category"], "ForceField");
+  const auto attribute = [&](const std::string& name) {
+    return *std::find_if(json["attributes"].begin(), json["attributes"].end(),
+                         [&](const Json& each) { return each["name"] == name; });
+  };
+  EXPECT_EQ(attribute("poissonRatio")["range"], Json::parse(R"({"least": 0, "below": 0.5})"));
+  EXPECT_EQ(attribute("youngModulus")["unit"], "Pa");
+  EXPECT_EQ(attribute("yieldNorm")["words"], Json::parse(R"(["vonMises", "frobenius", "spectral"])"));
+}
+
+TEST_F(Command, ListRefusesWhatIsNoComponent) {
+  const Outcome outcome = hexaplast("list BoxRO");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "hexaplast: error: no component 'BoxRO'\n  hint: did you mean 'BoxROI'?\n");
+  EXPECT_EQ(hexaplast("list BoxROI --markdown").code, 2);
+  EXPECT_EQ(hexaplast("list --plugin Absent").code, 6);
+}
+
+}  // namespace

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/survey.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+TEST(MeshQuality, ABoxOfAnyProportionsIsPerfect) {
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  const Mat3 stretch = Vec3(1, 20, 0.1).asDiagonal();
+  EXPECT_NEAR(scaled_jacobian(support::mapped(support::cube(0.3), turn * stretch)), 1, 1e-12);
+}
+
+TEST(MeshQuality, AShearedBoxHasTheSineOfItsAngle) {
+  Mat3 shear = Mat3::Identity();
+  shear(0, 1) = 1 / std::tan(0.6);  // the y edges lean: the angle to the x edges is 0.6 rad
+  EXPECT_NEAR(scaled_jacobian(support::mapped(support::cube(2), shear)), std::sin(0.6), 1e-12);
+}
+
+TEST(MeshQuality, TheWorstCornerCounts) {
+  ElementPoints x = support::cube(2);
+  x.row(6) << -0.25, -0.25, -0.25;  // pushed behind the plane of its three neighbours, which passes (1/3, 1/3, 1/3)
+  EXPECT_LT(scaled_jacobian(x), 0);
+  EXPECT_EQ(scaled_jacobian(support::mapped(support::cube(2), Vec3(1, 1, 1).asDiagonal())), 1);
+}
+
+TEST(MeshQuality, FindsTheWorstElementAndTheEdges) {
+  PointArray x = support::block({3, 1, 1}, 0.5).positions();
+  x(3, 0) += 0.25;  // node (3, 0, 0), of the third cube: its x edge grows to 0.75, the edges beside it lean
+  x.conservativeResize(x.rows() + 2, 3);
+  x.bottomRows(2).setConstant(7);
+  const MeshQuality found = quality(HexMesh(x, support::block({3, 1, 1}, 0.5).hexahedra()));
+  EXPECT_EQ(found.worst_element, 2);
+  EXPECT_LT(found.least_scaled_jacobian, 0.95);
+  EXPECT_DOUBLE_EQ(found.shortest_edge, 0.5);
+  EXPECT_DOUBLE_EQ(found.longest_edge, 0.75);
+  EXPECT_EQ(found.num_unused_nodes, 2);
+}
+
+TEST(Survey, KnowsWhatHandCalculationGives) {
+  Material soft{.young_modulus = 1000, .poisson_ratio = 0, .yield_stress = 50, .flow_rate = 2};
+  Material hard{.young_modulus = 9000, .poisson_ratio = 0.25, .yield_stress = 90, .rotation_flow_rate = 3};
+  const Body body(support::block({2, 1, 1}, 0.5), {soft, hard}, {.volume_restitution = 4});
+  const Survey found = survey(body, 0.5, 0.01);
+  EXPECT_EQ(found.num_parts, 1);
+  EXPECT_EQ(found.extent, Vec3(1, 0.5, 0.5));
+  EXPECT_DOUBLE_EQ(found.volume, 0.25);
+  EXPECT_DOUBLE_EQ(found.density, 2);
+  EXPECT_EQ(found.least_young_modulus, 1000);
+  EXPECT_EQ(found.greatest_young_modulus, 9000);
+  EXPECT_EQ(found.least_poisson_ratio, 0);
+  EXPECT_EQ(found.greatest_poisson_ratio, 0.25);
+  EXPECT_EQ(found.yield_stress, 50);
+  EXPECT_DOUBLE_EQ(found.yield_strain, 0.01);  // 90 / 9000, not 50 / 1000
+  EXPECT_DOUBLE_EQ(found.flow_per_step, 0.02);
+  EXPECT_DOUBLE_EQ(found.rotation_flow_per_step, 0.03);
+  EXPECT_DOUBLE_EQ(found.restitution_per_step, 0.04);
+  // lambda = mu = 3600 Pa: sqrt(3 * 3600 / 2) m/s
+  const double wave_speed = std::sqrt(5400.0);
+  EXPECT_DOUBLE_EQ(found.wave_speed, wave_speed);
+  EXPECT_DOUBLE_EQ(found.edges_per_step, wave_speed * 0.01 / 0.5);
+  EXPECT_DOUBLE_EQ(found.steps_across, 1 / (wave_speed * 0.01));
+  EXPECT_TRUE(advice(found).empty());
+}
+
+TEST(Survey, WithoutMassThereAreNoWaves) {
+  const Survey found = survey(Body(support::block({1, 1, 1}, 1), {{}}), 0, 0.01);
+  EXPECT_EQ(found.wave_speed, 0);
+  EXPECT_EQ(found.yield_strain, std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(advice(found).empty());
+}
+
+TEST(Survey, EachUnwiseChoiceIsNamed) {
+  const Survey good = survey(Body(support::block({1, 1, 1}, 1), {{}}), 1, 0.001);
+  ASSERT_TRUE(advice(good).empty());
+  const auto only_advice = [&](auto change) {
+    Survey changed = good;
+    change(changed);
+    const std::vector<std::string> sentences = advice(changed);
+    return sentences.size() == 1 ? sentences[0] : "";
+  };
+  EXPECT_NE(only_advice([](Survey& s) { s.quality.least_scaled_jacobian = 0.1; }).find("badly shaped"),
+            std::string::npos);
+  EXPECT_NE(only_advice([](Survey& s) { s.quality.num_unused_nodes = 3; }).find("3 nodes"), std::string::npos);
+  EXPECT_NE(only_advice([](Survey& s) { s.num_parts = 2; }).find("2 parts"), std::string::npos);
+  EXPECT_NE(only_advice([](Survey& s) { s.greatest_poisson_ratio = 0.495; }).find("0.495"), std::string::npos);
+  EXPECT_NE(only_advice([](Survey& s) { s.yield_strain = 0.75; }).find("0.75"), std::string::npos);
+  EXPECT_NE(only_advice([](Survey& s) { s.steps_across = 0.5; }).find("0.5 time steps"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hexaplast
