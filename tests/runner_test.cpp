@@ -172,15 +172,57 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
   write("absent.scn", "<Node>\n<RequiredPlugin name='Absent'/></Node>");
   const Outcome absent = hexaplast("run absent.scn --plugin-path elsewhere");
   EXPECT_EQ(absent.code, 6);
-  EXPECT_EQ(
-      absent.err.rfind(
-          "absent.scn:2: error: RequiredPlugin: plugin 'Absent': no libAbsent.so in the search path:\n  elsewhere\n",
-          0),
-      0u)
+  EXPECT_EQ(absent.err.rfind("absent.scn:2: error: RequiredPlugin: plugin 'Absent': there is no libAbsent.so\n"
+                             "  search path:\n    elsewhere\n",
+                             0),
+            0u)
       << absent.err;
-  write("text.scn", "<Node>\n<RequiredPlugin pluginName='Sofa.Component.Mass Text'/></Node>");
-  write("libText.so", "text");
-  EXPECT_EQ(hexaplast("run text.scn --plugin-path .").code, 6);
+
+  const fs::path real = fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "libHexaplast.so";
+  const std::string bytes = content(real);
+  ASSERT_FALSE(bytes.empty()) << real;
+  const auto renamed = [&](const std::string& symbol) {
+    std::string other = bytes;
+    for (std::size_t at = other.find(symbol); at != other.npos; at = other.find(symbol, at)) other[at] = 'H';
+    return other;
+  };
+  std::string other_number = bytes;
+  const std::size_t tag = bytes.find("hexaplast plugin");
+  ASSERT_NE(tag, bytes.npos);
+  other_number[tag + 20] = 99;  // behind the magic and the size of the tag: the number of the interface
+
+  const std::pair<std::string, std::string> cases[] = {
+      {"", "it is damaged, or no shared library"},
+      {"just some text, longer than any header could be: " + std::string(200, '.'), "it is not a shared library"},
+      {renamed("hexaplast_plugin_abi_tag"), "it carries no hexaplast_plugin_abi_tag of this program"},
+      {renamed("hexaplast_register_components"), "it has no function hexaplast_register_components"},
+      {other_number, "it was built for another component interface: 99, must be 1"},
+  };
+  write("other.scn", "<Node>\n<RequiredPlugin pluginName='Sofa.Component.Mass Other'/></Node>");
+  for (const auto& [file, reason] : cases) {
+    write("libOther.so", file);
+    for (const char* arguments :
+         {"run other.scn --plugin-path .", "check other.scn --plugin-path .", "list --plugin Other --plugin-path ."}) {
+      const Outcome outcome = hexaplast(arguments);
+      EXPECT_EQ(outcome.code, 6) << arguments << ": " << reason;
+      EXPECT_NE(outcome.err.find(reason + "\n  search path:\n    .\n"), std::string::npos) << outcome.err;
+    }
+  }
+}
+
+TEST_F(Command, AScenesPluginIsANameNeverAPath) {
+  fs::copy_file(fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "libHexaplast.so",
+                directory_ / "libOther.so");
+  for (const std::string& name :
+       {(directory_ / "libOther.so").string(), std::string("./Other"), std::string("../Other"), std::string(".")}) {
+    write("path.scn", "<Node>\n<RequiredPlugin pluginName='" + name + "'/></Node>");
+    const Outcome outcome = hexaplast("run path.scn --plugin-path .");
+    EXPECT_EQ(outcome.code, 6) << name;
+    EXPECT_NE(outcome.err.find("never by path"), std::string::npos) << outcome.err;
+  }
+  // the directory of the scene is no place for plugins by itself
+  write("here.scn", "<Node>\n<RequiredPlugin pluginName='Other'/></Node>");
+  EXPECT_NE(hexaplast("run here.scn").err.find("there is no libOther.so"), std::string::npos);
 }
 
 TEST_F(Command, ASignalEndsTheRunAfterTheStep) {

@@ -43,6 +43,14 @@ class PluginFiles : public testing::Test {
   }
 
   std::string prefix() const { return "plugin 'Other': " + (directory_ / "libOther.so").string() + ": "; }
+  std::string search_path() const { return "\n  search path:\n    " + directory_.string(); }
+
+  /// The real plugin with one of its symbols called otherwise.
+  std::string without_symbol(const std::string& symbol) const {
+    std::string other = real_;
+    for (std::size_t at = other.find(symbol); at != other.npos; at = other.find(symbol, at)) other[at] = 'H';
+    return other;
+  }
 
   fs::path directory_;
   std::string real_;
@@ -60,24 +68,25 @@ TEST_F(PluginFiles, ComponentsComeFromAPluginFoundByName) {
 
 TEST_F(PluginFiles, APathIsNoName) {
   for (const char* name : {"../Other", "/tmp/libOther.so", "a/b", "..", ".hidden", "a b", ""}) {
-    EXPECT_EQ(refusal_of_name(name),
-              std::string("plugin '") + name + "': plugins are loaded by name (letters, digits, _ - .), never by path");
+    EXPECT_EQ(refusal_of_name(name), std::string("plugin '") + name +
+                                         "': plugins are loaded by name (letters, digits, _ - .), never by path" +
+                                         search_path());
   }
 }
 
 TEST_F(PluginFiles, AMissingPluginNamesTheSearchPath) {
-  EXPECT_EQ(refusal_of_name("Absent"),
-            "plugin 'Absent': no libAbsent.so in the search path:\n  " + directory_.string());
+  EXPECT_EQ(refusal_of_name("Absent"), "plugin 'Absent': there is no libAbsent.so" + search_path());
 }
 
 TEST_F(PluginFiles, OtherFilesAreNotLoaded) {
-  EXPECT_EQ(refusal(""), prefix() + "it is damaged, or no shared library");
-  EXPECT_EQ(refusal(std::string(4096, 'x')), prefix() + "it is not a shared library");
-  EXPECT_EQ(refusal(real_.substr(0, real_.size() / 2)), prefix() + "it is damaged, or no shared library");
+  EXPECT_EQ(refusal(""), prefix() + "it is damaged, or no shared library" + search_path());
+  EXPECT_EQ(refusal(std::string(4096, 'x')), prefix() + "it is not a shared library" + search_path());
+  EXPECT_EQ(refusal(real_.substr(0, real_.size() / 2)),
+            prefix() + "it is damaged, or no shared library" + search_path());
 
   fs::remove(directory_ / "libOther.so");
   fs::create_directory(directory_ / "libOther.so");
-  EXPECT_EQ(refusal_of_name("Other"), "plugin 'Other': no libOther.so in the search path:\n  " + directory_.string());
+  EXPECT_EQ(refusal_of_name("Other"), "plugin 'Other': there is no libOther.so" + search_path());
 }
 
 // The bytes of the tag are changed in the file, and the refusal shows that they were read there.
@@ -95,10 +104,11 @@ TEST_F(PluginFiles, AnotherAbiIsRefusedBeforeAnyCodeRuns) {
   };
   scene::AbiTag changed = tag;
   changed.interface_number = 7;
-  EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another component interface: 7, must be 1");
+  EXPECT_EQ(refusal(with(changed)),
+            prefix() + "it was built for another component interface: 7, must be 1" + search_path());
   changed = tag;
   changed.scalar_size = 4;
-  EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another scalar size: 4, must be 8");
+  EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another scalar size: 4, must be 8" + search_path());
   changed = tag;
   changed.compiler_abi += 1;
   EXPECT_NE(refusal(with(changed)).find("another compiler ABI"), std::string::npos);
@@ -107,7 +117,15 @@ TEST_F(PluginFiles, AnotherAbiIsRefusedBeforeAnyCodeRuns) {
   EXPECT_NE(refusal(with(changed)).find("another layout of shared types"), std::string::npos);
   changed = tag;
   changed.magic[0] = 'H';
-  EXPECT_EQ(refusal(with(changed)), prefix() + "it carries no hexaplast_plugin_abi_tag of this program");
+  EXPECT_EQ(refusal(with(changed)),
+            prefix() + "it carries no hexaplast_plugin_abi_tag of this program" + search_path());
+}
+
+TEST_F(PluginFiles, BothSymbolsAreNeeded) {
+  EXPECT_EQ(refusal(without_symbol("hexaplast_plugin_abi_tag")),
+            prefix() + "it carries no hexaplast_plugin_abi_tag of this program" + search_path());
+  const std::string message = refusal(without_symbol("hexaplast_register_components"));
+  EXPECT_NE(message.find("it has no function hexaplast_register_components"), message.npos) << message;
 }
 
 TEST_F(PluginFiles, EveryTruncationIsRefused) {

@@ -125,12 +125,13 @@ PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> 
 
 void PluginLoader::load(const std::string& name) {
   if (name.starts_with("Sofa.") || std::ranges::count(loaded_, name) > 0) return;
-  if (!is_plain_name(name)) {
-    throw PluginError(
-        fmt::format("plugin '{}': plugins are loaded by name (letters, digits, _ - .), never by path", name));
-  }
+  const auto refuse = [&](const std::string& reason) {
+    std::string message = fmt::format("plugin '{}': {}\n  search path:", name, reason);
+    for (const std::filesystem::path& directory : directories_) message += fmt::format("\n    {}", directory.string());
+    throw PluginError(message);
+  };
+  if (!is_plain_name(name)) refuse("plugins are loaded by name (letters, digits, _ - .), never by path");
 
-  std::string searched;
   for (const std::filesystem::path& directory : directories_) {
     for (const std::string& file_name : {"lib" + name + ".so", name + ".so"}) {
       const std::filesystem::path file = directory / file_name;
@@ -140,14 +141,13 @@ void PluginLoader::load(const std::string& name) {
         check_tag(file);
         register_components(file, factory_);
       } catch (const PluginError& error) {
-        throw PluginError(fmt::format("plugin '{}': {}: {}", name, file.string(), error.what()));
+        refuse(fmt::format("{}: {}", file.string(), error.what()));
       }
       loaded_.push_back(name);
       return;
     }
-    searched += "\n  " + directory.string();
   }
-  throw PluginError(fmt::format("plugin '{}': no lib{}.so in the search path:{}", name, name, searched));
+  refuse(fmt::format("there is no lib{}.so", name));
 }
 
 }  // namespace hexaplast::scene
