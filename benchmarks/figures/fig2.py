@@ -10,6 +10,8 @@ from picture import END, SIDE, Page
 from report import RESULTS, write_section, write_table
 
 SPLITTINGS = ("five", "six", "mirrored")
+TITLES = {"hexahedra": "hexahedra", "five": "5 tetrahedra per cube", "six": "6 tetrahedra per cube",
+          "mirrored": "6 tetrahedra, halves mirrored"}
 LOADS = ("stretch", "twist")
 QUARTER_TURN = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])  # about the axis
 HALF_TURN = np.diag([1, -1, -1])  # exchanges the ends
@@ -39,7 +41,7 @@ def _measure(grid, x, load):
 
 def make():
     grid = Grid()
-    page = Page(1400, 800)
+    page = Page(1420, 880)
     rows = []
     for column, load in enumerate(LOADS):
         hexahedra = run(f"fig2/hexahedra_{load}", f"bar_{load}_high")
@@ -54,9 +56,9 @@ def make():
                           np.array(state["material"]), state["softness"], state["volume_ratio"]))
 
         for row, (name, faces, peak, material, softness, volume) in enumerate(cases):
-            left, y = 40 + 700 * column, 120 + 190 * row
+            left, y = 40 + 710 * column, 130 + 210 * row
             unit = "%" if load == "stretch" else "degrees"
-            page.text((left, y - 82), f"{name}, {load}: {_measure(grid, material, load):.1f} {unit}", 16)
+            page.text((left, y - 94), f"{TITLES[name]}, {load}: {_measure(grid, material, load):.1f} {unit}", 16)
             page.draw(material, faces, np.full(len(faces), 0.12), SIDE, (left + 250, y), 270)
             page.draw(material, faces, np.full(len(faces), 0.12), END, (left + 580, y), 270)
             rows.append([load, name, f"{softness:.3f}", f"{_measure(grid, peak, load):.1f}",

@@ -25,7 +25,7 @@ def make():
         page.text((40, y - 110), f"{level}: {100 * elongation(grid, x):+.1f} %", 20, bold=True)
         page.draw(x, faces, values, SIDE, (520, y), scale)
         page.draw(x, faces, values, END, (1130, y), scale)
-    page.colour_bar((460, 770), 360, 100 * greatest, "elongation of the slice, %")
+    page.colour_bar((460, 770), 360, 100 * greatest, "elongation of the slice [%]")
     page.save(RESULTS / "fig5.png")
 
     rows = []

@@ -33,7 +33,7 @@ def make():
             values = np.abs(slices[case])[owner // 9] / greatest
             page.draw(runs[case].material, faces, values, SIDE, (x + 165, y), scale)
             page.draw(runs[case].material, faces, values, END, (x + 400, y), scale)
-    page.colour_bar((570, 594), 360, greatest, "twist of the slice, degrees")
+    page.colour_bar((570, 594), 360, greatest, "twist of the slice [degrees]")
     page.save(RESULTS / "fig6.png")
 
     rows = []

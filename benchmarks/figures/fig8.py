@@ -4,7 +4,7 @@ import numpy as np
 
 from bar import Grid, elongation, run, slice_elongations
 from picture import SIDE, Page
-from report import RESULTS, Curve, write_plot, write_section, write_table
+from report import PALETTE, RESULTS, Curve, write_plot, write_section, write_table
 
 REFINEMENTS = (1, 2, 3)
 PEAK_STEP = 200  # the last one under load
@@ -42,23 +42,24 @@ def make():
         for column, (x, values) in enumerate([(grid.positions, np.zeros(10 * r)), (peaks[r], at_peak[r]),
                                               (ends[r].material, at_end[r])]):
             _draw(page, grid, x, (250 + 500 * column, y), 320, values, greatest)
-    page.colour_bar((570, 510), 360, 100 * greatest, "elongation of the slice, %")
+    page.colour_bar((570, 510), 360, 100 * greatest, "elongation of the slice [%]")
     page.save(RESULTS / "fig8.png")
 
     curves = []
-    for r in REFINEMENTS:
+    for colour, r in zip(PALETTE, REFINEMENTS):
         middle = (np.arange(10 * r) + 0.5) / (10 * r)
-        curves.append(Curve(f"{grids[r].num_hexahedra} hexahedra, under load", middle, 100 * at_peak[r]))
-        curves.append(Curve(f"{grids[r].num_hexahedra} hexahedra, for good", middle, 100 * at_end[r], dashed=True,
-                            colour=curves[-1].colour))
+        curves.append(Curve(f"{grids[r].num_hexahedra} hexahedra, under load", middle, 100 * at_peak[r],
+                            colour=colour))
+        curves.append(Curve(f"{grids[r].num_hexahedra} hexahedra, after release", middle, 100 * at_end[r], dashed=True,
+                            colour=colour))
     write_plot("fig8_profile", "Stretch along the bar at three refinements", "place in the original bar / length",
-               "elongation of the slice, %", curves)
+               "elongation of the slice [%]", curves, x_end=1)
 
     hexahedra = np.array([grids[r].num_hexahedra for r in REFINEMENTS])
     step_ms = np.array([ends[r].step_ms for r in REFINEMENTS])
     iterations = np.array([ends[r].history["solver_iterations"][1:].mean() for r in REFINEMENTS])
-    write_plot("fig8_time", "Time of a step", "hexahedra", "ms", [Curve("one processor", hexahedra, step_ms)],
-               marks=True)
+    write_plot("fig8_time", "Time of a step on one processor", "hexahedra", "time [ms]",
+               [Curve("", hexahedra, step_ms)], marks=True)
     slope = np.polyfit(np.log(hexahedra), np.log(step_ms), 1)[0]
 
     rows = []

@@ -47,6 +47,7 @@ class Curve:
 
 PALETTE = ["#b0413e", "#1f6f8b", "#e09f3e", "#54478c", "#4f772d", "#6b705c"]
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 440, 76, 24, 48, 58
+LEGEND = 270  # beside the plot, so that it covers no curve
 
 
 def _ticks(least, most):
@@ -54,21 +55,23 @@ def _ticks(least, most):
     raw = (most - least) / 6
     power = 10 ** np.floor(np.log10(raw))
     step = power * next(factor for factor in (1, 2, 2.5, 5, 10) if factor * power >= raw)
-    return np.arange(np.ceil(least / step - 1e-9), np.floor(most / step + 1e-9) + 1) * step
+    return np.arange(np.ceil(least / step - 1e-9), np.floor(most / step + 1e-9) + 1) * step + 0.0  # no -0
 
 
-def write_plot(name, title, x_label, y_label, curves, marks=False):
-    """Writes <name>.svg: curves over common axes, with dots at the points if marks."""
+def write_plot(name, title, x_label, y_label, curves, x_end=None, marks=False):
+    """Writes <name>.svg: curves over common axes that begin at 0, with dots at the points if marks; a single curve is
+    named by the title."""
     xs, ys = np.concatenate([c.x for c in curves]), np.concatenate([c.y for c in curves])
-    x_range, y_range = (xs.min(), xs.max()), (min(0, ys.min()), ys.max() + 0.06 * np.ptp(ys))
+    x_range, y_range = (min(0, xs.min()), x_end or xs.max()), (min(0, ys.min()), ys.max() + 0.06 * np.ptp(ys))
+    page = WIDTH + (LEGEND if len(curves) > 1 else 0)
 
     def place(x, y):
         return (LEFT + (x - x_range[0]) / (x_range[1] - x_range[0]) * (WIDTH - LEFT - RIGHT),
                 HEIGHT - BOTTOM - (y - y_range[0]) / (y_range[1] - y_range[0]) * (HEIGHT - TOP - BOTTOM))
 
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" '
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{page}" height="{HEIGHT}" viewBox="0 0 {page} {HEIGHT}" '
            'font-family="DejaVu Sans, sans-serif" font-size="13">',
-           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
+           f'<rect width="{page}" height="{HEIGHT}" fill="white"/>',
            f'<text x="{LEFT}" y="28" font-size="16" font-weight="bold">{title}</text>']
     for tick in _ticks(*x_range):
         x, y = place(tick, y_range[0])
@@ -89,8 +92,8 @@ def write_plot(name, title, x_label, y_label, curves, marks=False):
         out.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"{dash}/>')
         if marks:
             out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="{colour}"/>' for x, y in points]
-        y = TOP + 18 + 20 * number
-        out.append(f'<line x1="{LEFT + 14}" y1="{y - 4}" x2="{LEFT + 44}" y2="{y - 4}" stroke="{colour}" '
-                   f'stroke-width="2"{dash}/><text x="{LEFT + 52}" y="{y}" stroke="white" stroke-width="4" '
-                   f'paint-order="stroke">{curve.label}</text>')
+        if len(curves) > 1:
+            x, y = WIDTH, TOP + 18 + 22 * number
+            out.append(f'<line x1="{x}" y1="{y - 4}" x2="{x + 30}" y2="{y - 4}" stroke="{colour}" '
+                       f'stroke-width="2"{dash}/><text x="{x + 38}" y="{y}">{curve.label}</text>')
     (RESULTS / f"{name}.svg").write_text("\n".join(out) + "\n</svg>\n")
