@@ -9,15 +9,15 @@
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
 
+using support::kEdge;
 using support::mapped;
-
-constexpr double kEdge = 0.1;
 
 Model elastic_model(HexMesh mesh) { return Model(std::move(mesh), {Material{}}, Settings{}); }
 

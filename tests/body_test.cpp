@@ -7,6 +7,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
 
@@ -14,20 +15,11 @@ namespace hexaplast {
 namespace {
 
 using support::BarLoad;
+using support::kEdge;
+using support::kStep;
 using support::Random;
 
-constexpr double kEdge = 0.1;
-constexpr double kStep = 0.01;
-
-Material yielding() {
-  Material m;
-  m.yield_stress = 100;
-  m.flow_rate = 3;
-  m.rotation_yield = 0.01;
-  m.rotation_flow_rate = 2;
-  m.hardening = 0.2;
-  return m;
-}
+const Material kYielding = support::yielding(100, 0.01);
 
 /// A distorted block that has yielded already, and world positions at which it goes on yielding.
 class YieldingBody : public testing::Test {
@@ -51,7 +43,7 @@ class YieldingBody : public testing::Test {
   }
 
   Random random{161};
-  Body body{support::distorted_block({2, 2, 3}, kEdge, 0.15, 162), {yielding()}};
+  Body body{support::distorted_block({2, 2, 3}, kEdge, 0.15, 162), {kYielding}};
   PointArray world = body.mesh().positions() + random.field(36, 0.2 * kEdge);
   PointArray elsewhere = body.mesh().positions() + random.field(36, 0.5 * kEdge);
 };
@@ -103,7 +95,7 @@ TEST_F(YieldingBody, FlowsAtTheGivenPositionsWhateverWasLinearizedBefore) {
 }
 
 TEST_F(YieldingBody, IsVirginAgainAfterReset) {
-  Body virgin(body.mesh(), {yielding()});
+  Body virgin(body.mesh(), {kYielding});
   EXPECT_GT(support::max_abs(body.history().material - virgin.history().material), 1e-6);
   body.reset();
   StateHash a, b;
@@ -189,7 +181,7 @@ TEST(Body, RunsTwiceToTheSameBits) {
 }
 
 TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
-  Body none(HexMesh(PointArray::Zero(3, 3), {}), {yielding()});
+  Body none(HexMesh(PointArray::Zero(3, 3), {}), {kYielding});
   PointArray f = PointArray::Zero(3, 3);
   none.linearize(f);
   none.add_force(f);
@@ -198,7 +190,7 @@ TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
 
   PointArray positions(9, 3);
   positions << PointArray(support::cube(1)), 5, 5, 5;
-  Body loose(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {yielding()});
+  Body loose(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {kYielding});
   PointArray world = support::mapped(positions, Vec3(1.1, 1, 1).asDiagonal());
   EXPECT_EQ(loose.flow(world, kStep).yielded, 1);
   EXPECT_EQ(loose.history().material.row(8), positions.row(8));

@@ -7,6 +7,7 @@
 #include "hexaplast/kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
+#include "support/materials.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
 
@@ -14,12 +15,12 @@ namespace hexaplast {
 namespace {
 
 using support::dense;
+using support::kEdge;
 using support::mapped;
 using support::Random;
 using support::stacked;
 
 constexpr double kYoung = 5000;  // [Pa]
-constexpr double kEdge = 0.1;    // [m]
 
 Body elastic_body(HexMesh mesh) {
   Material m;

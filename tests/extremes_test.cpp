@@ -6,6 +6,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/plastic/point_flow.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
@@ -13,24 +14,15 @@
 namespace hexaplast {
 namespace {
 
+using support::kEdge;
 using support::Random;
 
-constexpr double kEdge = 0.1;
-
-Material soft() {
-  Material m;
-  m.yield_stress = 300;
-  m.flow_rate = 3;
-  m.rotation_yield = 0.02;
-  m.rotation_flow_rate = 2;
-  m.hardening = 0.2;
-  return m;
-}
+const Material kSoft = support::yielding(300, 0.02);
 
 /// A clamped bar under a side load that is the same share of its stiffness for every E.
 support::Simulation bent_bar(double young_modulus, double dt, double yield_share) {
   const HexMesh mesh = support::block({1, 1, 4}, kEdge);
-  Material m = soft();
+  Material m = kSoft;
   m.young_modulus = young_modulus;
   m.yield_stress = yield_share * young_modulus;
   m.flow_rate = std::min(1.0, 0.05 / dt);
@@ -106,7 +98,7 @@ TEST(StretchFlow, KeepsTheVolumeOverAHundredThousandRandomSteps) {
 TEST(Body, KeepsItsVolumeAfterRandomPlasticMotions) {
   for (int seed = 0; seed < 4; ++seed) {
     Random random(222 + seed);
-    Body body(support::distorted_block({2, 2, 3}, kEdge, 0.1, 226), {soft()});
+    Body body(support::distorted_block({2, 2, 3}, kEdge, 0.1, 226), {kSoft});
     for (int k = 0; k < 300; ++k) {
       const PointArray world = body.history().material + random.field(body.mesh().num_nodes(), 0.3 * kEdge);
       body.flow(world, 0.01);

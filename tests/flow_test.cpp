@@ -11,28 +11,21 @@
 #include "hexaplast/plastic/point_flow.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
 
+using support::kEdge;
+using support::kStep;
 using support::mapped;
 using support::Random;
 
-constexpr double kEdge = 0.1;   // [m]
-constexpr double kStep = 0.01;  // [s]
 constexpr YieldNorm kNorms[] = {YieldNorm::kVonMises, YieldNorm::kFrobenius, YieldNorm::kSpectral};
 
-Material soft() {
-  Material m;
-  m.yield_stress = 300;
-  m.flow_rate = 3;
-  m.rotation_yield = 0.02;
-  m.rotation_flow_rate = 2;
-  m.hardening = 0.2;
-  return m;
-}
+const Material kSoft = support::yielding(300, 0.02);
 
 std::string hash_of(const Body& body) {
   StateHash hash;
@@ -42,7 +35,7 @@ std::string hash_of(const Body& body) {
 
 TEST(Flow, ChangesNothingBelowYield) {
   Random random(151);
-  Material m = soft();
+  Material m = kSoft;
   m.yield_stress = 1e5;
   m.rotation_yield = 0.5;
   Body body(support::distorted_block({2, 2, 3}, kEdge, 0.15, 152), {m});
@@ -56,7 +49,7 @@ TEST(Flow, ChangesNothingBelowYield) {
 }
 
 TEST(Flow, ChangesNothingAtRest) {
-  Material m = soft();
+  Material m = kSoft;
   m.yield_stress = 0;
   m.rotation_yield = 0;
   Body body(support::block({2, 2, 3}, kEdge), {m});
@@ -68,7 +61,7 @@ TEST(Flow, ChangesNothingAtRest) {
 
 TEST(Flow, OfRigidMotionsIsNothing) {
   Random random(153);
-  Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 154), {soft()});
+  Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 154), {kSoft});
   const std::string before = hash_of(body);
   for (int k = 0; k < 100; ++k) body.flow(mapped(body.mesh().positions(), random.rotation(), random.vector(1)), kStep);
   EXPECT_EQ(hash_of(body), before);
@@ -82,7 +75,7 @@ TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
       const ElementPoints X = support::distorted_hexahedron(kEdge, 0.2, 156);
       Settings settings;
       settings.yield_norm = norm;
-      Body body(support::single_element(X), {soft()}, settings);
+      Body body(support::single_element(X), {kSoft}, settings);
       const Mat3 Q = random.rotation();
       const auto uniaxial = [&](double log_stretch) {
         return Mat3(Q *
@@ -90,16 +83,16 @@ TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
                     Q.transpose());
       };
       const PointArray world = mapped(PointArray(X), random.rotation() * uniaxial(std::log(stretch)));
-      const Lame k = lame(soft().young_modulus, soft().poisson_ratio);
+      const Lame k = lame(kSoft.young_modulus, kSoft.poisson_ratio);
 
-      double elastic = std::log(stretch), tau = soft().yield_stress;  // along the axis
+      double elastic = std::log(stretch), tau = kSoft.yield_stress;  // along the axis
       // steps so small that what the averaging's regularisation leaves of each, 1e-7, is below the tolerance
       const double dt = 0.05 * kStep;
       for (int step = 0; step < 600; ++step) {
         const double n = stress_norm(stress(uniaxial(elastic), k), norm);
-        const double gamma = std::max(0.0, soft().flow_rate * dt * (n - tau) / n);
+        const double gamma = std::max(0.0, kSoft.flow_rate * dt * (n - tau) / n);
         elastic *= 1 - gamma;
-        tau += soft().hardening * gamma * n;
+        tau += kSoft.hardening * gamma * n;
         body.flow(world, dt);
 
         for (const double actual : body.history().yield_stress[0])
@@ -153,7 +146,7 @@ TEST(Flow, OfAPureVolumeChangeMovesNothing) {
   for (const YieldNorm norm : kNorms) {
     Settings settings;
     settings.yield_norm = norm;
-    Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 157), {soft()}, settings);
+    Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 157), {kSoft}, settings);
     const PointArray X = body.mesh().positions(), world = mapped(X, 1.05 * Mat3::Identity());
     for (int k = 0; k < 50; ++k) body.flow(world, kStep);
     EXPECT_LE(support::max_abs(body.history().material - X), 1e-12);
@@ -170,7 +163,7 @@ TEST(Flow, OfAPureVolumeChangeMovesNothing) {
 }
 
 TEST(Flow, OfAVolumePreservingStretchKeepsTheVolume) {
-  Body body(support::block({2, 2, 4}, kEdge), {soft()});
+  Body body(support::block({2, 2, 4}, kEdge), {kSoft});
   const PointArray world = support::stretched_and_twisted(body.mesh(), 1.3, 0);
   for (int k = 0; k < 200; ++k) body.flow(world, kStep);
   EXPECT_GT(elongation(end_sections(body.mesh()), body.history().material), 0.1);
@@ -181,7 +174,7 @@ TEST(Flow, OfAVolumePreservingStretchKeepsTheVolume) {
 double volume_ratio_after(int steps, double rate) {
   Settings settings;
   settings.volume_restitution = rate;
-  const Model model(support::distorted_block({2, 2, 2}, kEdge, 0.15, 158), {soft()}, settings);
+  const Model model(support::distorted_block({2, 2, 2}, kEdge, 0.15, 158), {kSoft}, settings);
   History history(model);
   const double scale = std::cbrt(1.03);
   history.material *= scale;
@@ -223,14 +216,14 @@ TEST(VolumeRestitution, DecaysExponentially) {
 TEST(VolumeRestitution, RefusesUnstableRates) {
   Settings settings;
   settings.volume_restitution = 100;
-  Body body(support::block({1, 1, 1}, kEdge), {soft()}, settings);
+  Body body(support::block({1, 1, 1}, kEdge), {kSoft}, settings);
   const std::string before = hash_of(body);
   EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(body.mesh().positions(), kStep); }, {"volumeRestitution"}));
   EXPECT_EQ(hash_of(body), before);
 }
 
 TEST(Flow, OfAHeldShapeDoesNotDriftInTenThousandSteps) {
-  Body body(support::block({1, 1, 3}, kEdge), {soft()});
+  Body body(support::block({1, 1, 3}, kEdge), {kSoft});
   const HexMesh& mesh = body.mesh();
   const PointArray world = support::stretched_and_twisted(mesh, 1.3, 0);
   for (int k = 0; k < 10000; ++k) body.flow(world, kStep);
@@ -244,7 +237,7 @@ TEST(Flow, OfAHeldShapeDoesNotDriftInTenThousandSteps) {
 }
 
 TEST(Flow, KeepsPlasticTwistBelowTheTwistThatIsHeld) {
-  Material m = soft();
+  Material m = kSoft;
   m.yield_stress = 50;
   m.rotation_yield = 0;
   m.hardening = 0;
@@ -265,7 +258,7 @@ TEST(Flow, KeepsPlasticTwistBelowTheTwistThatIsHeld) {
 }
 
 TEST(Guard, KeepsInvertedElementsElastic) {
-  Body body(support::block({1, 1, 2}, kEdge), {soft()});
+  Body body(support::block({1, 1, 2}, kEdge), {kSoft});
   PointArray world = body.mesh().positions();
   world.bottomRows(4) = mapped(PointArray(world.bottomRows(4)), Mat3::Identity(),
                                Vec3(0, 0, -1.6 * kEdge));  // the upper cube, inside out
@@ -359,7 +352,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
   for (int seed = 0; seed < 3; ++seed) {
-    support::Simulation bar = free_bar(soft());
+    support::Simulation bar = free_bar(kSoft);
     Random random(1000 + seed);
     bar.x = random.field(bar.x.rows(), 0.3);
     for (int k = 0; k < 200; ++k) {

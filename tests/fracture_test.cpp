@@ -9,6 +9,7 @@
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
@@ -16,11 +17,10 @@
 namespace hexaplast {
 namespace {
 
+using support::kEdge;
+using support::kStep;
 using support::mapped;
 using support::Random;
-
-constexpr double kEdge = 0.1;
-constexpr double kStep = 0.01;
 
 Material hardening() {
   Material m;

@@ -7,13 +7,14 @@
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
 
-constexpr double kStep = 0.01;  // [s]
+using support::kStep;
 
 std::unique_ptr<LinearSolver> exact_conjugate_gradients() {
   return std::make_unique<ConjugateGradients>(

@@ -6,24 +6,16 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
 
 using support::agrees;
+using support::kEdge;
 
-constexpr double kEdge = 0.1;
-
-Material flowing() {
-  Material m;
-  m.yield_stress = 100;
-  m.flow_rate = 3;
-  m.rotation_yield = 0.001;
-  m.rotation_flow_rate = 2;
-  m.hardening = 0.2;
-  return m;
-}
+const Material kFlowing = support::yielding(100, 0.001);
 
 /// A distorted hexahedron whose corners have been moved by up to a tenth of its edge.
 HexahedronState deformed(const Material& material) {
@@ -33,14 +25,14 @@ HexahedronState deformed(const Material& material) {
 }
 
 TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceWhereNothingTurns) {
-  HexahedronState state = virgin_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 413), flowing());
+  HexahedronState state = virgin_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 413), kFlowing);
   const auto at = [&](int corner, int axis, double h) {
     HexahedronState moved = state;
     moved.world(corner, axis) += h;
-    return inspect_elasticity(moved, flowing(), {});
+    return inspect_elasticity(moved, kFlowing, {});
   };
   // at rest S = I: the part of the derivative that turns the rotations does no work
-  const HexahedronElasticity rest = inspect_elasticity(state, flowing(), {});
+  const HexahedronElasticity rest = inspect_elasticity(state, kFlowing, {});
   const double step = 1e-6 * kEdge;
   for (int b = 0; b < kCorners; ++b)
     for (int axis = 0; axis < 3; ++axis) {
@@ -51,8 +43,8 @@ TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceW
       }
     }
 
-  state = deformed(flowing());
-  const HexahedronElasticity found = inspect_elasticity(state, flowing(), {});
+  state = deformed(kFlowing);
+  const HexahedronElasticity found = inspect_elasticity(state, kFlowing, {});
   for (int a = 0; a < kCorners; ++a)
     for (int axis = 0; axis < 3; ++axis) {
       const double slope = support::central_difference([&](double h) { return at(a, axis, h).energy; }, step);
@@ -65,10 +57,10 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
                                             RotationPlasticity::kCentre, RotationPlasticity::kNone}) {
     Settings settings;
     settings.rotation = rotation;
-    const HexahedronState state = deformed(flowing());
-    const HexahedronStep step = inspect_step(state, flowing(), settings, 0.01);
+    const HexahedronState state = deformed(kFlowing);
+    const HexahedronStep step = inspect_step(state, kFlowing, settings, 0.01);
 
-    Body body(support::single_element(state.original), {flowing()}, settings);
+    Body body(support::single_element(state.original), {kFlowing}, settings);
     body.flow(state.world, 0.01);
     const ElementHistory expected = body.history().element(0);
     EXPECT_EQ(step.material, ElementPoints(body.history().material));
@@ -81,8 +73,8 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
 }
 
 TEST(HexahedronStep, WhatFlowsFollowsFromTheIntermediatesThatAreShown) {
-  const HexahedronState state = deformed(flowing());
-  const HexahedronStep step = inspect_step(state, flowing(), {}, 0.01);
+  const HexahedronState state = deformed(kFlowing);
+  const HexahedronStep step = inspect_step(state, kFlowing, {}, 0.01);
   ASSERT_FALSE(step.guarded);
   for (int i = 0; i < kCorners; ++i) {
     EXPECT_TRUE(agrees(step.R[i] * step.S[i], step.F[i], 1e-12));
@@ -96,9 +88,9 @@ TEST(HexahedronStep, WhatFlowsFollowsFromTheIntermediatesThatAreShown) {
 }
 
 TEST(HexahedronStep, ShowsTheDeformationOfAGuardedHexahedronThatDoesNotFlow) {
-  HexahedronState state = deformed(flowing());
+  HexahedronState state = deformed(kFlowing);
   state.world.col(0) *= -1;
-  const HexahedronStep step = inspect_step(state, flowing(), {}, 0.01);
+  const HexahedronStep step = inspect_step(state, kFlowing, {}, 0.01);
   EXPECT_TRUE(step.guarded);
   for (int i = 0; i < kCorners; ++i) {
     EXPECT_LT(step.F[i].determinant(), 0);
@@ -132,7 +124,7 @@ TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
 
 TEST(FollowPath, RefusesNoPathAndTimesThatDoNotAscend) {
   const auto follow = [](const std::vector<PathPoint>& path) {
-    follow_path(support::cube(kEdge), flowing(), {}, 0.01, path, [](const PathResponse&) {});
+    follow_path(support::cube(kEdge), kFlowing, {}, 0.01, path, [](const PathResponse&) {});
   };
   EXPECT_TRUE(support::refuses<InputError>([&] { follow({}); }, {"at least one point"}));
   EXPECT_TRUE(support::refuses<InputError>(

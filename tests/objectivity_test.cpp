@@ -6,6 +6,7 @@
 #include "hexaplast/kinematics/polar.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
+#include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
@@ -13,22 +14,16 @@
 namespace hexaplast {
 namespace {
 
+using support::kEdge;
+using support::kStep;
 using support::mapped;
 using support::Random;
 
-constexpr double kEdge = 0.1;
-constexpr double kStep = 0.01;
 constexpr int kSteps = 120;
 
 /// A soft bar of that mesh at those original positions.
 Body yielding_bar(const PointArray& positions, const HexMesh& mesh) {
-  Material m;
-  m.yield_stress = 100;
-  m.flow_rate = 3;
-  m.rotation_yield = 0.01;
-  m.rotation_flow_rate = 2;
-  m.hardening = 0.2;
-  return Body(HexMesh(positions, mesh.hexahedra()), {m});
+  return Body(HexMesh(positions, mesh.hexahedra()), {support::yielding(100, 0.01)});
 }
 
 /// Distance of two material shapes after the best rigid motion: the averaging fixes the mean, and the turn only

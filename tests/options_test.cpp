@@ -6,6 +6,7 @@
 #include "hexaplast/kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
+#include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
@@ -13,11 +14,10 @@
 namespace hexaplast {
 namespace {
 
+using support::kEdge;
+using support::kStep;
 using support::mapped;
 using support::Random;
-
-constexpr double kEdge = 0.1;
-constexpr double kStep = 0.01;
 
 // ---- gradients
 

@@ -52,14 +52,14 @@ void write_isolated_shapes(WholeFile& out, const History& history) {
 
 }  // namespace
 
-std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body& body) {
+std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body) {
   const std::int64_t steps = step;
   const PointArray x = positions, v = velocities;  // contiguous, whatever the views are
   StateHash hash;
   hash.add(&steps, sizeof steps);
   hash.add(x.data(), sizeof(double) * static_cast<std::size_t>(x.size()));
   hash.add(v.data(), sizeof(double) * static_cast<std::size_t>(v.size()));
-  body.add_to(hash);
+  if (body) body->add_to(hash);
   return hash.text();
 }
 
@@ -79,7 +79,7 @@ void write_final(WholeFile& out, long step, double time, ConstPoints positions, 
   write_isolated_shapes(out, body.history());
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);
-  out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", state_hash(step, positions, velocities, body)));
+  out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", state_hash(step, positions, velocities, &body)));
   out.commit();
 }
 

@@ -69,8 +69,9 @@ struct Summary : Measures {
 };
 Summary summarise(const Body& body, ConstPoints positions);
 
-/// XXH64, as 16 hexadecimal digits, over step count (64 bits), positions, velocities and every History array.
-std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body& body);
+/// XXH64, as 16 hexadecimal digits, over step count (64 bits), positions, velocities and every History array of the
+/// body; null: there is none.
+std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body);
 
 /// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
 /// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and

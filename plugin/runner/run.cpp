@@ -8,7 +8,6 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
@@ -120,15 +119,6 @@ Progression advance(Stage& stage, output::Recorder* recorder, bool shows_progres
   return done;
 }
 
-std::string hash_without_body(Stage& stage, long step) {
-  StateHash hash;
-  const std::int64_t count = step;
-  hash.add(&count, sizeof count);
-  for (const PointArray* field : {&stage.state->positions(), &stage.state->velocities()})
-    hash.add(field->data(), sizeof(double) * static_cast<std::size_t>(field->size()));
-  return hash.text();
-}
-
 void print_summary(Stage& stage, const Progression& done, const path& scene_file) {
   const double per_step = done.step_ms / static_cast<double>(std::max(done.step, 1L));
   const scene::ForceField* field = stage.body_field;
@@ -156,8 +146,8 @@ void print_summary(Stage& stage, const Progression& done, const path& scene_file
     fmt::print("  step                {:.3f} ms, {:.1f} solver iterations\n", per_step,
                static_cast<double>(done.iterations) / static_cast<double>(done.step));
   fmt::print("  state hash          {}\n",
-             field ? output::state_hash(done.step, stage.state->positions(), stage.state->velocities(), *field->body())
-                   : hash_without_body(stage, done.step));
+             output::state_hash(done.step, stage.state->positions(), stage.state->velocities(),
+                                field ? field->body() : nullptr));
 }
 
 void warn_of_stalls(const Progression& done) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "hexaplast/base/error.hpp"
 
@@ -39,7 +40,8 @@ void validate(const std::vector<Material>& materials) {
     require(m.poisson_ratio >= 0 && m.poisson_ratio < 0.5, "poissonRatio", m.poisson_ratio, where, "[0, 0.5)");
     require(m.yield_stress >= 0, "yieldStress", m.yield_stress, where, "[0, inf] Pa");
     require(m.flow_rate >= 0 && std::isfinite(m.flow_rate), "plasticFlowRate", m.flow_rate, where, "[0, inf) 1/s");
-    require(m.rotation_yield >= 0 && m.rotation_yield <= M_PI, "rotationYield", m.rotation_yield, where, "[0, pi] rad");
+    require(m.rotation_yield >= 0 && m.rotation_yield <= std::numbers::pi, "rotationYield", m.rotation_yield, where,
+            "[0, pi] rad");
     require(m.rotation_flow_rate >= 0 && std::isfinite(m.rotation_flow_rate), "rotationFlowRate", m.rotation_flow_rate,
             where, "[0, inf) 1/s");
     require(std::isfinite(m.hardening), "hardening", m.hardening, where, "(-inf, inf)");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "hexaplast/base/error.hpp"
@@ -83,7 +84,7 @@ double twist(const HexMesh& mesh, const EndSections& ends, ConstPoints at) {
   for (const auto& layer : ends.layers) {
     if (layer.size() < 2) continue;  // one node has no angle
     const double angle = section_angle(mesh, layer, ends.axis, at);
-    if (!first) total += std::remainder(angle - previous, 2 * M_PI);
+    if (!first) total += std::remainder(angle - previous, 2 * std::numbers::pi);
     previous = angle;
     first = false;
   }

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/material/material.hpp"
+
+namespace hexaplast::support {
+
+inline constexpr double kEdge = 0.1;   ///< [m] of the cubes that most tests are made of
+inline constexpr double kStep = 0.01;  ///< [s] of their time steps
+
+/// Stretch and rotation flow, and harden. At E = 5000 Pa a strain of a few percent reaches `yield_stress` [Pa].
+inline Material yielding(double yield_stress, double rotation_yield) {
+  Material m;
+  m.yield_stress = yield_stress;
+  m.flow_rate = 3;
+  m.rotation_yield = rotation_yield;
+  m.rotation_flow_rate = 2;
+  m.hardening = 0.2;
+  return m;
+}
+
+}  // namespace hexaplast::support
