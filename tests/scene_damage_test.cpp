@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <random>
+#include <regex>
 #include <string>
 
 #include "support/scene.hpp"
@@ -42,34 +44,86 @@ TEST(DamagedScene, EveryTruncationOfTheShippedScenesIsRefusedOrLoads) {
     for (std::size_t length = 0; length < text.size(); ++length) expect_clean(text.substr(0, length), false);
 }
 
-TEST(DamagedScene, TwoThousandMutationsOfTheShippedScenesAreRefusedOrLoad) {
-  std::mt19937 random(20240607);
-  const auto below = [&](std::size_t bound) {
-    return std::uniform_int_distribution<std::size_t>(0, bound - 1)(random);
-  };
+// How many mutations of each scene: enough for a build by default, as many as HEXAPLAST_MUTATIONS says for a long run.
+int num_mutations() {
+  const char* given = std::getenv("HEXAPLAST_MUTATIONS");
+  return given ? std::atoi(given) : 250;
+}
+
+TEST(DamagedScene, MutationsOfTheShippedScenesAreRefusedOrLoad) {
   // half the changes put something that means something
   const std::string characters = "<>/\"'=&;@.-+0123456789eE \n\tnxX_!";
 
   const auto scenes = shipped_scenes();
   ASSERT_FALSE(scenes.empty());
-  for (int i = 0; i < 2000; ++i) {
-    std::string text = std::next(scenes.begin(), static_cast<long>(below(scenes.size())))->second;
-    for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
-      const char value = below(2) ? characters[below(characters.size())] : static_cast<char>(below(256));
-      const std::size_t at = below(text.size());
-      switch (below(3)) {
-        case 0:
-          text[at] = value;
-          break;
-        case 1:
-          text.insert(at, 1, value);
-          break;
-        default:
-          text.erase(at, 1 + below(20));
+  std::mt19937 random(20240607);
+  const auto below = [&](std::size_t bound) {
+    return std::uniform_int_distribution<std::size_t>(0, bound - 1)(random);
+  };
+  for (const auto& [name, whole] : scenes) {
+    for (int i = 0; i < num_mutations(); ++i) {
+      std::string text = whole;
+      for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
+        const char value = below(2) ? characters[below(characters.size())] : static_cast<char>(below(256));
+        const std::size_t at = below(text.size());
+        switch (below(3)) {
+          case 0:
+            text[at] = value;
+            break;
+          case 1:
+            text.insert(at, 1, value);
+            break;
+          default:
+            text.erase(at, 1 + below(20));
+        }
       }
+      expect_clean(text, true);
     }
-    expect_clean(text, true);
   }
+}
+
+/// Where a pattern's group stands in the scene outside comments: begin and length.
+std::vector<std::pair<std::size_t, std::size_t>> places_of(const std::string& scene, const char* pattern) {
+  std::string visible = scene;
+  for (std::size_t at = visible.find("<!--"); at != visible.npos; at = visible.find("<!--", at))
+    for (const std::size_t end = visible.find("-->", at) + 3; at < end; ++at) visible[at] = ' ';
+  std::vector<std::pair<std::size_t, std::size_t>> places;
+  const std::regex expression(pattern);
+  for (std::sregex_iterator match(visible.begin(), visible.end(), expression), end; match != end; ++match)
+    places.emplace_back(match->position(1), match->length(1));
+  return places;
+}
+
+// A misspelt name must not be passed over: the scene would run as something else.
+TEST(MisspeltScene, NoNameOfAComponentAttributeOrTargetIsPassedOver) {
+  int num_names = 0;
+  const auto expect_refusal = [&](const std::string& scene, std::size_t at, const std::string& misspelt,
+                                  std::size_t length, const std::string& refusal) {
+    std::string text = scene;
+    text.replace(at, length, misspelt);
+    const std::string errors = support::errors_of(text);
+    EXPECT_NE(errors.find(refusal), errors.npos) << misspelt << ": " << errors;
+    ++num_names;
+  };
+  for (const auto& [name, scene] : shipped_scenes()) {
+    SCOPED_TRACE(name);
+    for (const auto& [at, length] : places_of(scene, "<([A-Z]\\w+)(?=[^>]*/>)")) {
+      const std::string word = scene.substr(at, length);
+      const std::string misspelt = word.substr(0, 2) + word.substr(3);
+      expect_refusal(scene, at, misspelt, length,
+                     misspelt + ": unknown component\n  hint: did you mean '" + word + "'?");
+    }
+    for (const auto& [at, length] : places_of(scene, "\\s([a-z]\\w+)=\"")) {
+      if (scene.compare(at, 8, "version=") == 0 || scene.compare(at, 9, "encoding=") == 0) continue;
+      const std::string word = scene.substr(at, length);
+      expect_refusal(scene, at, word + "x", length, word + "x: unknown attribute");
+    }
+    for (const auto& [at, length] : places_of(scene, "\"@(\\w+)")) {
+      const std::string word = scene.substr(at, length);
+      expect_refusal(scene, at, word + "x", length, "holds no '" + word + "x'\n  hint: did you mean '" + word + "'?");
+    }
+  }
+  EXPECT_GT(num_names, 300);
 }
 
 }  // namespace

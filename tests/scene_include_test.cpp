@@ -101,7 +101,7 @@ TEST_F(SceneInclude, AReplacementIsBlamedWhereItStandsAndMustReplaceSomething) {
       "main.scn:4: error: include.three__strict: replaces nothing: 'strict' is given in no element named 'three' of "
       "'a.xml'\n"
       "main.scn:4: error: include.stric: replaces nothing: 'stric' is given in no element of 'a.xml'\n"
-      "main.scn:3: error: BoxROI.box: 1 numbers given, must be groups of 6");
+      "main.scn:3: error: BoxROI.box: 'x' is not a number");
 }
 
 TEST_F(SceneInclude, ErrorsShowTheChainOfFiles) {

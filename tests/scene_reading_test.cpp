@@ -69,6 +69,14 @@ TEST(SceneReading, UnnamedObjectsAreNumberedByClass) {
   EXPECT_EQ(scene.root().children()[0]->name(), "Node1");
 }
 
+TEST(SceneReading, ARequiredPluginIsNamed) {
+  EXPECT_EQ(errors_of("<Node>\n<RequiredPlugin/></Node>"),
+            "test.scn:2: error: RequiredPlugin: names no plugin: needs name or pluginName");
+  EXPECT_EQ(errors_of("<Node><RequiredPlugin name='Sofa.Component.Mass'/>"
+                      "<RequiredPlugin name='several' pluginName='Sofa.Component.Mass Hexaplast'/></Node>"),
+            "");
+}
+
 TEST(SceneReading, AGenericObjectNamesItsClassByType) {
   EXPECT_EQ(errors_of(bar("<Object type='BoxROI' box='0 0 0 1 1 1'/>")), "");
   EXPECT_EQ(errors_of(bar("<Object/>")),

@@ -61,6 +61,8 @@ void Diagnostics::add(Severity severity, Place place, std::string text, std::str
     warnings_.push_back(std::move(message));
   } else if (++num_errors_ <= kMostErrors) {
     errors_.push_back(std::move(message));
+  } else if (num_errors_ >= kMostCounted) {
+    throw_errors();
   }
 }
 
@@ -72,7 +74,9 @@ void Diagnostics::throw_errors() const {
     if (!all.empty()) all += '\n';
     all += format(error);
   }
-  if (num_errors_ > kMostErrors) all += fmt::format("\n{} further errors are not shown", num_errors_ - kMostErrors);
+  if (num_errors_ > kMostErrors)
+    all += fmt::format("\n{}{} further errors are not shown", num_errors_ >= kMostCounted ? "at least " : "",
+                       num_errors_ - kMostErrors);
   throw SceneError(all);
 }
 

@@ -38,8 +38,10 @@ class SceneError : public std::runtime_error {
 /// Collects what is wrong with a scene, so that all of it is reported at once.
 class Diagnostics {
  public:
-  static constexpr int kMostErrors = 20;  ///< errors kept; the others are counted
+  static constexpr int kMostErrors = 20;    ///< errors kept; the others are counted
+  static constexpr int kMostCounted = 100;  ///< then enough is known of the scene
 
+  /// Throws SceneError like throw_errors when this is error number kMostCounted.
   void add(Severity severity, Place place, std::string text, std::string hint = {});
   void error(Place place, std::string text, std::string hint = {}) {
     add(Severity::kError, std::move(place), std::move(text), std::move(hint));

@@ -61,44 +61,93 @@ bool is_known_reference(std::string_view from_ampersand) {
          !is_surrogate;
 }
 
-// Refuses what the XML parser would let pass.
-void screen(std::string_view text, const Place& file) {
-  int line = 1;
-  const auto refuse = [&](const std::string& what) { refuse_file(file, line, what); };
-  for (std::size_t at = 0; at < text.size();) {
-    const std::string_view rest = text.substr(at);
-    if (rest.starts_with("<!--") || rest.starts_with("<![CDATA[")) {
-      const std::string_view closing = rest[2] == '-' ? "-->" : "]]>";
-      const std::size_t end = std::min(text.find(closing, at + 4), text.size());
-      for (; at < end; ++at) {
-        const std::size_t length = utf8_length(text, at);
-        if (text[at] == '\0' || length == 0) break;  // reported below
-        if (text[at] == '\n') ++line;
-        at += length - 1;
-      }
-      if (at >= end) continue;
-    }
+/// Refuses what the XML parser would let pass, and what it would take too long over: it compares each attribute with
+/// all before it.
+class Screen {
+ public:
+  Screen(std::string_view text, const Place& file) : text_(text), file_(file) {}
 
-    const std::size_t length = utf8_length(text, at);
-    if (text[at] == '\0') refuse("the file contains a NUL byte: must be text");
-    if (length == 0) refuse("the file is not valid UTF-8");
-    if (rest.starts_with("<!DOCTYPE") || rest.starts_with("<!ENTITY")) {
-      refuse("document types and entities are not allowed in a scene");
+  /// Number of elements.
+  int pass() {
+    while (at_ < text_.size()) {
+      const std::string_view rest = text_.substr(at_);
+      if (quote_ == 0 && (rest.starts_with("<!--") || rest.starts_with("<![CDATA["))) {
+        skip_to(rest[2] == '-' ? "-->" : "]]>");
+      } else {
+        check_markup(rest);
+        advance();
+      }
     }
-    if (text[at] == '&' && !is_known_reference(rest)) {
-      refuse("unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
-    }
-    if (text[at] == '\n') ++line;
-    at += length;
+    return num_elements_;
   }
-}
+
+ private:
+  [[noreturn]] void refuse(const std::string& what) const { refuse_file(file_, line_, what); }
+
+  // Over one character.
+  void advance() {
+    const std::size_t length = utf8_length(text_, at_);
+    if (text_[at_] == '\0') refuse("the file contains a NUL byte: must be text");
+    if (length == 0) refuse("the file is not valid UTF-8");
+    if (text_[at_] == '\n') ++line_;
+    at_ += length;
+  }
+
+  void skip_to(std::string_view closing) {
+    const std::size_t end = std::min(text_.find(closing, at_ + 4), text_.size());
+    while (at_ < end) advance();
+  }
+
+  void check_markup(std::string_view rest) {
+    const char c = rest[0];
+    if (c == '&' && !is_known_reference(rest))
+      refuse("unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
+    if (quote_ != 0) {
+      if (c == quote_) quote_ = 0;
+    } else if (is_in_tag_) {
+      check_tag(c);
+    } else if (c == '<') {
+      open_tag(rest);
+    }
+  }
+
+  void open_tag(std::string_view rest) {
+    if (rest.starts_with("<!DOCTYPE") || rest.starts_with("<!ENTITY"))
+      refuse("document types and entities are not allowed in a scene");
+    is_in_tag_ = true;
+    num_attributes_ = 0;
+    if (rest.starts_with("</")) {
+      --depth_;
+    } else if (!rest.starts_with("<?") && !rest.starts_with("<!")) {
+      if (++depth_ > kMostLevels) refuse(fmt::format("more than {} levels of elements", kMostLevels));
+      if (++num_elements_ > kMostElements) refuse(fmt::format("more than {} elements", kMostElements));
+    }
+  }
+
+  void check_tag(char c) {
+    if (c == '"' || c == '\'') {
+      quote_ = c;
+      if (++num_attributes_ > kMostAttributes)
+        refuse(fmt::format("an element has more than {} attributes", kMostAttributes));
+    } else if (c == '>') {
+      is_in_tag_ = false;
+      if (text_[at_ - 1] == '/') --depth_;
+    }
+  }
+
+  std::string_view text_;
+  const Place& file_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+  bool is_in_tag_ = false;
+  char quote_ = 0;  // of the value that is being passed; 0: none
+  int depth_ = 0, num_elements_ = 0, num_attributes_ = 0;
+};
 
 std::string explain(const tinyxml2::XMLDocument& document) {
   switch (document.ErrorID()) {
     case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
       return "the file holds no element, must hold one <Node>";
-    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
-      return fmt::format("more than {} levels of elements", TINYXML2_MAX_ELEMENT_DEPTH);
     case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
       return "an element is closed by another one's end, or not at all";
     case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
@@ -115,7 +164,9 @@ class Importer {
 
   /// `origin`: the file as messages name it, and where it is included.
   Element import(std::string_view text, const fs::path& file, const Place& origin) {
-    screen(text, origin);
+    num_elements_ += Screen(text, origin).pass();
+    if (num_elements_ > kMostElements)
+      refuse_file(origin, 1, fmt::format("more than {} elements with those of included files", kMostElements));
     tinyxml2::XMLDocument document;
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
       refuse_file(origin, document.ErrorLineNum(), explain(document));
@@ -288,6 +339,7 @@ class Importer {
   Diagnostics& diagnostics_;
   std::vector<OpenFile> open_files_;  // from the scene to the file being read
   int num_includes_ = 0;
+  int num_elements_ = 0;
   std::uintmax_t num_bytes_ = 0;
 };
 

@@ -33,6 +33,9 @@ struct Element {
 bool is_switched_off(std::string_view attribute);
 
 inline constexpr std::uintmax_t kLargestSceneFile = 64 * 1024 * 1024;  // [byte]; larger meshes belong into mesh files
+inline constexpr int kMostElements = 10'000;                           // of one file
+inline constexpr int kMostAttributes = 1000;                           // of one element
+inline constexpr int kMostLevels = 100;                                // of elements in one file
 inline constexpr int kMostIncludeLevels = 16;
 inline constexpr int kMostIncludes = 1000;  // in all: files that include one another twice would double at each level
 
@@ -40,7 +43,7 @@ inline constexpr int kMostIncludes = 1000;  // in all: files that include one an
 std::string read_scene_file(const std::filesystem::path& file);
 
 /// The root element of a scene, from the text of `file`, all includes carried out. UTF-8 without NUL, one root, no
-/// document type, no entities but XML's five, at most 100 levels.
+/// document type, no entities but XML's five; numbers of elements, attributes and levels as above.
 ///
 /// `<include href="FILE" name="N" attribute="V" X__attribute="V"/>` stands for the root element of FILE, a path
 /// relative to the including file. `name` renames that root; the other attributes replace those of the same name that

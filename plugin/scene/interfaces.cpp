@@ -3,14 +3,30 @@
 
 namespace hexaplast::scene {
 
+namespace {
+
+// Engines that ask one another, each on the stack of the one before.
+constexpr int kMostEngines = 100;
+thread_local int num_asking = 0;
+
+}  // namespace
+
 void Engine::provide(Data& output) {
   if (is_computing_) reject(output.attribute().name, "depends on itself through links");
+  if (num_asking >= kMostEngines)
+    reject(output.attribute().name, "more than " + std::to_string(kMostEngines) + " components follow one another");
   if (stage() == Stage::kFailed) throw Consequence();
 
   // Reset on every way out, a refusal of the scene included.
   struct Computing {
-    explicit Computing(bool& flag) : on(flag) { on = true; }
-    ~Computing() { on = false; }
+    explicit Computing(bool& flag) : on(flag) {
+      on = true;
+      ++num_asking;
+    }
+    ~Computing() {
+      on = false;
+      --num_asking;
+    }
     bool& on;
   } const guard(is_computing_);
 

@@ -152,7 +152,13 @@ class Reader {
     };
     for (const Element& child : element.children) refuse_content(child.place);
     if (element.text) refuse_content(*element.text);
-    if (auto* required = dynamic_cast<RequiredPlugin*>(&component)) load_plugins(*required);
+    if (auto* required = dynamic_cast<RequiredPlugin*>(&component)) {
+      if (given_name || required->is_given("pluginName")) {
+        load_plugins(*required);
+      } else {
+        diagnostics_.error(element.place, "RequiredPlugin: names no plugin: needs name or pluginName");
+      }
+    }
   }
 
   void refuse_class(const Place& place, std::string_view class_name) {

@@ -38,8 +38,8 @@ Scene read_scene(const std::filesystem::path& file, const Factory& factory, Plug
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
                       Grammar grammar = Grammar::kStrict);
 
-/// The command line's `--set PATH.attribute=VALUE` means nothing in the scene: its path, attribute or link leads nowhere,
-/// or its value is none of the attribute's. What the scene as a whole refuses is a SceneError of init.
+/// The command line's `--set PATH.attribute=VALUE` means nothing in the scene: its path, attribute or link leads
+/// nowhere, or its value is none of the attribute's. What the scene as a whole refuses is a SceneError of init.
 class OverrideError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -99,9 +99,25 @@ bool read_bool(std::string_view word) {
   throw InputError(fmt::format("{} must be true, false, 1 or 0", quoted(word)));
 }
 
-std::string_view only_word(const std::vector<std::string_view>& words) {
-  if (words.size() != 1) throw InputError(fmt::format("{} values given, must be one", words.size()));
-  return words[0];
+template <class Visit>
+void for_each_word(std::string_view text, const Visit& visit) {
+  std::size_t at = text.find_first_not_of(kBlanks);
+  while (at != std::string_view::npos) {
+    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
+    visit(text.substr(at, end - at));
+    at = text.find_first_not_of(kBlanks, end);
+  }
+}
+
+std::string_view only_word(std::string_view text) {
+  std::string_view only;
+  std::size_t count = 0;
+  for_each_word(text, [&](std::string_view word) {
+    only = word;
+    ++count;
+  });
+  if (count != 1) throw InputError(fmt::format("{} values given, must be one", count));
+  return only;
 }
 
 /// Numbers of a list that belong together.
@@ -124,16 +140,15 @@ void check_count(Type type, std::size_t count) {
     throw InputError(fmt::format("{} numbers given, must be groups of {}", count, group));
 }
 
-std::vector<double> read_reals(const std::vector<std::string_view>& words, const Range& range) {
+std::vector<double> read_reals(std::string_view text, const Range& range) {
   std::vector<double> numbers;
-  numbers.reserve(words.size());
-  for (const std::string_view word : words) numbers.push_back(read_real(word, range));
+  for_each_word(text, [&](std::string_view word) { numbers.push_back(read_real(word, range)); });
   return numbers;
 }
 
-std::vector<std::int64_t> read_integer_list(const std::vector<std::string_view>& words, const Range& range) {
+std::vector<std::int64_t> read_integer_list(std::string_view text, const Range& range) {
   std::vector<std::int64_t> numbers;
-  for (const std::string_view word : words) read_integers(word, range, numbers);
+  for_each_word(text, [&](std::string_view word) { read_integers(word, range, numbers); });
   return numbers;
 }
 
@@ -156,12 +171,7 @@ std::string read_choice(const Attribute& attribute, std::string_view word) {
 
 std::vector<std::string_view> split_words(std::string_view text) {
   std::vector<std::string_view> words;
-  std::size_t at = text.find_first_not_of(kBlanks);
-  while (at != std::string_view::npos) {
-    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
-    words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kBlanks, end);
-  }
+  for_each_word(text, [&](std::string_view word) { words.push_back(word); });
   return words;
 }
 
@@ -177,27 +187,26 @@ std::string describe(const Range& range) {
 }
 
 Value read_value(const Attribute& attribute, std::string_view text) {
-  if (attribute.type == Type::kText) return std::string(text);
-
-  const std::vector<std::string_view> words = split_words(text);
   switch (attribute.type) {
     case Type::kBool:
-      return read_bool(only_word(words));
+      return read_bool(only_word(text));
     case Type::kInteger:
-      return read_integer(only_word(words), attribute.range);
+      return read_integer(only_word(text), attribute.range);
     case Type::kReal:
-      return read_real(only_word(words), attribute.range);
+      return read_real(only_word(text), attribute.range);
     case Type::kWord:
-      return read_choice(attribute, only_word(words));
+      return read_choice(attribute, only_word(text));
     case Type::kVector3:
     case Type::kReals:
     case Type::kVectors3:
-    case Type::kBoxes:
-      check_count(attribute.type, words.size());
-      return read_reals(words, attribute.range);
+    case Type::kBoxes: {
+      std::vector<double> numbers = read_reals(text, attribute.range);
+      check_count(attribute.type, numbers.size());
+      return numbers;
+    }
     case Type::kIntegers:
     case Type::kHexahedra: {
-      std::vector<std::int64_t> numbers = read_integer_list(words, attribute.range);
+      std::vector<std::int64_t> numbers = read_integer_list(text, attribute.range);
       check_count(attribute.type, numbers.size());
       return numbers;
     }

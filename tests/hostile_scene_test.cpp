@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Scene files made to hurt: refused with a message, at once, in little memory, and never by a crash.
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "support/command.hpp"
+
+extern char** environ;
+
+namespace {
+
+using hexaplast::support::Command;
+using hexaplast::support::content;
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr double kSlower = 20;  // sanitizers cost time, and memory for their shadow
+constexpr double kMegabytesMore = 300;
+#else
+constexpr double kSlower = 1;
+constexpr double kMegabytesMore = 0;
+#endif
+
+/// What a run of the command cost.
+struct Cost {
+  int code;          ///< exit code; -1: it did not exit
+  double seconds;    ///< of processor time
+  double megabytes;  ///< most memory held
+};
+
+class HostileScene : public Command {
+ protected:
+  Cost run(const std::string& scene) {
+    const std::string file = directory_ / scene, messages = directory_ / "err";
+    std::string program = HEXAPLAST_COMMAND, command = "run", steps = "--steps=1";
+    std::string argument = file;
+    char* arguments[] = {program.data(), command.data(), argument.data(), steps.data(), nullptr};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 2, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    pid_t child = 0;
+    const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (failure != 0) return {-1, 0, 0};
+    int status = 0;
+    rusage usage{};
+    wait4(child, &status, 0, &usage);
+    const auto seconds = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * time.tv_usec; };
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds(usage.ru_utime) + seconds(usage.ru_stime),
+            usage.ru_maxrss / 1024.0};
+  }
+
+  /// `text` is refused with `message` within 50 ms, in 20 MB and twice the file's own size.
+  void expect_refused(const std::string& text, const std::string& message) {
+    write("hostile.scn", text);
+    const Cost cost = run("hostile.scn");
+    const std::string shown = content(directory_ / "err");
+    EXPECT_EQ(cost.code, 3) << shown;
+    EXPECT_NE(shown.find(message), std::string::npos) << shown;
+    EXPECT_LT(cost.seconds, 0.05 * kSlower) << message;
+    EXPECT_LT(cost.megabytes, 20 + kMegabytesMore + 2e-6 * static_cast<double>(text.size())) << message;
+  }
+};
+
+std::string repeated(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+TEST_F(HostileScene, DocumentTypesAndEntities) {
+  expect_refused("<!DOCTYPE x SYSTEM 'file:///etc/passwd'>\n<Node/>", "hostile.scn:1: error: document types");
+  expect_refused("\n<!DOCTYPE x [<!ENTITY a 'ha'><!ENTITY b '&a;&a;&a;&a;'>]><Node/>", ":2: error: document types");
+  expect_refused("<Node>\n<BoxROI name='&lol;'/></Node>", ":2: error: unknown entity");
+}
+
+TEST_F(HostileScene, NestingAndSize) {
+  expect_refused(repeated("<Node>", 1'000'000), ":1: error: more than 100 levels of elements");
+  expect_refused("<Node>" + repeated("<BoxROI/>", 100'000) + "</Node>", ":1: error: more than 10000 elements");
+  std::string attributes;
+  for (int i = 0; i < 100'000; ++i) attributes += " a" + std::to_string(i) + "=''";
+  expect_refused("<Node" + attributes + "/>", ":1: error: an element has more than 1000 attributes");
+  expect_refused("<Node>" + repeated("\n<Nonsense/>", 9'000) + "</Node>", "at least 80 further errors are not shown");
+}
+
+TEST_F(HostileScene, WhatIsNoText) {
+  expect_refused(std::string("<Node>\n\n\0</Node>", 16), ":3: error: the file contains a NUL byte");
+  expect_refused("<Node>\n\xFF</Node>", ":2: error: the file is not valid UTF-8");
+  expect_refused("<Node/>\n<Node/>", ":2: error: something stands beside the root element");
+  expect_refused("<Node>\n<Node dt='1' dt='2'/></Node>", ":2: error: an attribute is given twice");
+}
+
+TEST_F(HostileScene, IncludesOfThemselvesAndOfTooMany) {
+  expect_refused("<Node>\n<include href='hostile.scn'/></Node>",
+                 ":2: error: include.href: 'hostile.scn' includes itself");
+  write("other.xml", "<Node><include href='hostile.scn'/></Node>");
+  expect_refused("<Node>\n<include href='other.xml'/></Node>",
+                 "other.xml:1: error: include.href: 'hostile.scn' includes itself");
+  for (int i = 1; i <= 16; ++i)
+    write("level" + std::to_string(i), "<Node><include href='level" + std::to_string(i + 1) + "'/></Node>");
+  write("level17", "<Node/>");
+  expect_refused("<Node><include href='level1'/></Node>", "more than 16 levels of includes");
+}
+
+TEST_F(HostileScene, LinksInCirclesAndChains) {
+  expect_refused("<Node>\n<BoxROI name='a' box='@b.box'/><BoxROI name='b' box='@a.box'/></Node>",
+                 ":2: error: BoxROI.box: link '@b.box' leads back to itself");
+  std::string chain = "<BoxROI name='r0' position='0 0 0'/>";
+  for (int i = 1; i < 5'000; ++i)
+    chain =
+        "<BoxROI name='r" + std::to_string(i) + "' position='@r" + std::to_string(i - 1) + ".pointsInROI'/>" + chain;
+  write("hostile.scn", "<Node>" + chain + "</Node>");
+  const Cost cost = run("hostile.scn");
+  EXPECT_EQ(cost.code, 3);
+  EXPECT_NE(content(directory_ / "err").find("more than 100 components follow one another"), std::string::npos);
+  EXPECT_LT(cost.seconds, 2 * kSlower);
+}
+
+TEST_F(HostileScene, NumbersThatWouldBeAllocated) {
+  expect_refused("<Node>\n<RegularGridTopology n='100000 100000 100000'/></Node>",
+                 ":2: error: RegularGridTopology.n: 1e+15 cells");
+  for (const char* index : {"-1", "2147483648", "9223372036854775808"})
+    expect_refused("<Node>\n<FixedProjectiveConstraint indices='" + std::string(index) + "'/></Node>",
+                   ":2: error: FixedProjectiveConstraint.indices: ");
+  expect_refused("<Node>\n<FixedProjectiveConstraint indices='0-2147483646'/></Node>", "stands for more than");
+}
+
+}  // namespace

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Every numeric attribute of every component, taken from the attribute table, given what it should not get.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include "attributes/examples.hpp"
+#include "attributes/stock.hpp"
+#include "hexaplast/base/error.hpp"
+#include "support/example_scene.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using attributes::Access;
+using attributes::Attribute;
+using attributes::Description;
+using attributes::Type;
+
+/// Numbers that an attribute's text must hold at least; 0: it holds no numbers.
+int numbers_wanted(Type type) {
+  switch (type) {
+    case Type::kInteger:
+    case Type::kReal:
+    case Type::kIntegers:
+    case Type::kReals:
+      return 1;
+    case Type::kVector3:
+    case Type::kVectors3:
+      return 3;
+    case Type::kBoxes:
+      return 6;
+    case Type::kHexahedra:
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+bool is_integer(Type type) { return type == Type::kInteger || type == Type::kIntegers || type == Type::kHexahedra; }
+bool is_single(Type type) { return type == Type::kInteger || type == Type::kReal; }
+
+std::string repeated(const std::string& word, int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += word + " ";
+  return text;
+}
+
+/// What the scene says to one value of one attribute.
+struct Answer {
+  std::string refusal_of_text;   ///< of the text by itself
+  std::string refusal_of_scene;  ///< by init or by a step
+};
+
+/// The example scenes of all components that do something, and of Node.
+class ExampleScenes : public testing::Test {
+ protected:
+  ExampleScenes() {
+    support::plugins();
+    for (const Description* description : support::factory().descriptions())
+      category_of_[std::string(description->class_name)] = description->category;
+  }
+
+  std::string scene_with(const Description& component) {
+    const auto example =
+        std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
+    const std::string lines = example == attributes::kExamples.end() ? "<" + std::string(component.class_name) + "/>"
+                                                                     : std::string(example->lines);
+    return support::pasted(std::string(attributes::kExampleScene), lines, category_of_);
+  }
+
+  template <class Visit>
+  void for_each_numeric_attribute(const Visit& visit) {
+    std::vector<const Description*> all = support::factory().descriptions();
+    all.push_back(&attributes::kNode);
+    for (const Description* component : all) {
+      for (const Attribute& attribute : component->attributes) {
+        if (numbers_wanted(attribute.type) == 0 || attribute.access == Access::kOutput) continue;
+        SCOPED_TRACE(std::string(component->class_name) + "." + std::string(attribute.name));
+        visit(*component, attribute);
+      }
+    }
+  }
+
+  Answer answer_to(const Description& component, const Attribute& attribute, const std::string& value) {
+    scene::Scene scene = support::read(scene_with(component));
+    scene::Object* object = &scene.root();
+    if (component.class_name != attributes::kNode.class_name) {
+      for (scene::Component* each : scene.root().all<scene::Component>())
+        if (each->class_name() == component.class_name) object = each;
+    }
+    EXPECT_EQ(object->class_name(), component.class_name);
+    try {
+      object->find_data(attribute.name)->read(value, {"test.scn", 1});
+    } catch (const InputError& error) {
+      return {error.what(), ""};
+    }
+    try {
+      scene.init();
+      for (int step = 0; step < 2; ++step) scene.step();
+    } catch (const scene::SceneError& error) {
+      EXPECT_NE(std::string(error.what()).find("error: "), std::string::npos) << error.what();
+      return {"", error.what()};
+    } catch (const InputError& error) {
+      return {"", error.what()};
+    } catch (const NumericalError& error) {
+      return {"", error.what()};
+    }
+    for (scene::MechanicalState* state : scene.root().all<scene::MechanicalState>()) {
+      EXPECT_TRUE(state->positions().allFinite()) << value;
+      EXPECT_TRUE(state->velocities().allFinite()) << value;
+    }
+    return {};
+  }
+
+  std::map<std::string, std::string> category_of_;
+};
+
+TEST_F(ExampleScenes, WhatIsNoNumberIsRefusedEverywhere) {
+  for_each_numeric_attribute([&](const Description& component, const Attribute& attribute) {
+    const int count = numbers_wanted(attribute.type);
+    for (const char* word : {"abc", "1,5", "nan", "-nan", "inf", "-inf", "1e309", "0x1", "--1"})
+      EXPECT_NE(answer_to(component, attribute, repeated(word, count)).refusal_of_text, "") << word;
+    if (is_integer(attribute.type)) {
+      for (const char* word : {"1.5", "1e308", "1e-320", "9223372036854775808", "-9223372036854775809"})
+        EXPECT_NE(answer_to(component, attribute, repeated(word, count)).refusal_of_text, "") << word;
+    }
+    if (is_single(attribute.type)) {
+      EXPECT_EQ(answer_to(component, attribute, "").refusal_of_text, "0 values given, must be one");
+      EXPECT_EQ(answer_to(component, attribute, "1 2").refusal_of_text, "2 values given, must be one");
+    } else if (count > 1) {
+      EXPECT_NE(answer_to(component, attribute, repeated("1", count + 1)).refusal_of_text, "");
+    }
+  });
+}
+
+TEST_F(ExampleScenes, NumbersOutOfRangeAreRefusedWithTheRangeAndOthersRunOrAreRefused) {
+  for_each_numeric_attribute([&](const Description& component, const Attribute& attribute) {
+    const int count = numbers_wanted(attribute.type);
+    if (!is_single(attribute.type)) answer_to(component, attribute, "");
+    const std::vector<std::string> words = is_integer(attribute.type)
+                                               ? std::vector<std::string>{"-1", "0", "1", "2147483646", "2147483648"}
+                                               : std::vector<std::string>{"-1", "0", "1", "1e308", "1e-320"};
+    for (const std::string& word : words) {
+      const Answer answer = answer_to(component, attribute, repeated(word, count));
+      if (attribute.range.contains(std::strtod(word.c_str(), nullptr))) continue;
+      EXPECT_NE(answer.refusal_of_text.find(scene::describe(attribute.range)), std::string::npos)
+          << word << ": " << answer.refusal_of_text;
+    }
+  });
+}
+
+TEST_F(ExampleScenes, NodesAndHexahedraThatDoNotExistAreRefused) {
+  int num_lists = 0;
+  for_each_numeric_attribute([&](const Description& component, const Attribute& attribute) {
+    if (attribute.type != Type::kIntegers && attribute.type != Type::kHexahedra) return;
+    if (attribute.access == Access::kIgnored) return;
+    ++num_lists;
+    const Answer answer = answer_to(component, attribute, repeated("2147483646", numbers_wanted(attribute.type)));
+    EXPECT_NE(answer.refusal_of_text + answer.refusal_of_scene, "");
+  });
+  EXPECT_GE(num_lists, 4);
+}
+
+}  // namespace
