@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/elastic/operators.hpp"
+#include "hexaplast/kinematics/gradients.hpp"
+#include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/corotated.hpp"
 #include "hexaplast/plastic/point_flow.hpp"
 
@@ -18,43 +20,51 @@ void add_array(StateHash& hash, const std::vector<T>& array) {
   hash.add(array.data(), array.size() * sizeof(T));
 }
 
-/// A body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it.
-bool can_flow(const std::vector<Material>& materials) {
-  return std::any_of(materials.begin(), materials.end(), [](const Material& m) {
-    return (m.flow_rate > 0 && std::isfinite(m.yield_stress)) || m.rotation_flow_rate > 0;
-  });
-}
-
 }  // namespace
 
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
     : model_(std::move(mesh), std::move(materials), settings),
       history_(model_),
+      at_(model_),
       flow_(model_),
-      averaging_solver_(kAveragingTolerance, kAveragingIterations),
-      corner_product_(model_.mesh.num_elements()) {}
+      averaging_solver_(settings.precision == Precision::kDouble ? kAveragingTolerance : kMixedAveragingTolerance,
+                        kAveragingIterations) {}
 
 void Body::linearize(ConstPoints x) { hexaplast::linearize(model_, history_, x, at_); }
 
 void Body::add_force(Points f) const { hexaplast::add_force(model_, at_, f); }
 
 void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
-  hexaplast::add_stiffness_product(model_, at_, factor, dx, corner_product_, df);
+  hexaplast::add_stiffness_product(model_, at_, factor, dx, product_, df);
 }
 
 void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   hexaplast::add_stiffness_blocks(model_, at_, factor, K);
 }
 
+void Body::to_kernels(double factor, KernelSystem& system) const {
+  system.factor = -factor;  // L = - df/dx
+  system.double_operator = std::get_if<ElementOperator<double, double>>(&at_.op);
+  system.single_operator = nullptr;
+  if (const auto* half = std::get_if<ElementOperator<float, Half>>(&at_.op)) system.single_operator = half;
+  if (const auto* single = std::get_if<ElementOperator<float, float>>(&at_.op)) system.single_operator = single;
+  system.coarse.clear();
+  if (!system.wants_coarse) return;
+  if (!hierarchy_) hierarchy_.emplace(model_);
+  hierarchy_->update(model_, at_, system);
+}
+
 double Body::energy(ConstPoints x) const { return hexaplast::energy(model_, history_, x); }
 
 FlowReport Body::flow(ConstPoints x, double dt) {
   if (dt != checked_dt_) {
-    if (can_flow(model_.materials)) check_time_step(model_.materials, model_.settings, dt);
+    // a body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it
+    if (model_.can_stretch || model_.can_rotate) check_time_step(model_.materials, model_.settings, dt);
     checked_dt_ = dt;
   }
-  update_rest_operators(model_, history_, at_);
-  return hexaplast::flow(model_, at_, x, dt, averaging_solver_, history_, flow_);
+  require_finite(x, "position");
+  hexaplast::linearize(model_, history_, x, at_);
+  return hexaplast::flow(model_, at_, dt, averaging_solver_, history_, flow_);
 }
 
 void Body::reset() {
@@ -114,6 +124,7 @@ void Body::add_to(StateHash& hash) const {
   hash.add(&history_.dissipated_energy, sizeof(double));
   add_array(hash, history_.alive);
   add_array(hash, history_.removed);
+  hash.add(history_.averaging_increment.data(), history_.averaging_increment.size() * sizeof(double));
 }
 
 }  // namespace hexaplast

@@ -43,9 +43,9 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
                                         const Settings& settings) {
   const Model model(mesh_of(state.original), {material}, settings);
   const History history = history_of(model, state);
-  Linearization at;
+  Linearization at(model);
   linearize(model, history, state.world, at);
-  const RestOperator& rest = at.rest[0];
+  const RestOperator rest = rest_operator(state.material, settings.gradient);
 
   HexahedronElasticity found;
   for (int i = 0; i < kCorners; ++i) {
@@ -74,13 +74,14 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   const Model model(mesh_of(state.original), {material}, settings);
   check_time_step(model.materials, settings, dt);
   const History before = history_of(model, state);
-  Linearization at;
-  update_rest_operators(model, before, at);
+  Linearization at(model);
+  linearize(model, before, state.world, at);
+  const RestOperator rest = rest_operator(state.material, settings.gradient);
 
   HexahedronStep found;
   found.F_centre = centre_jacobian(state.world) * centre_jacobian(state.material).inverse();
   found.R_centre = polar(found.F_centre).R;
-  found.F = deformation_gradients(at.rest[0], state.world);
+  found.F = deformation_gradients(rest, state.world);
   for (int i = 0; i < kCorners; ++i) {
     found.F_corner[i] = corner_jacobian(state.world, i) * corner_jacobian(state.material, i).inverse();
     found.F_blended[i] = (found.F_corner[i] + found.F_centre) / 2;
@@ -104,7 +105,7 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
                                          .corner_jacobian = model.corner_jacobian[0],
                                          .original_volume = model.volume[0],
                                          .x = state.material,
-                                         .rest = at.rest[0],
+                                         .rest = rest,
                                          .world = state.world,
                                          .frame = frame_of(state, settings.rotation_frame)},
                                         before.element(0), dt);
@@ -121,7 +122,7 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   History after = before;
   FlowWorkspace work(model);
   PreconditionedConjugateGradients solver(kAveragingTolerance, kAveragingIterations);
-  flow(model, at, state.world, dt, solver, after, work);
+  flow(model, at, dt, solver, after, work);
   found.history = after.element(0);
   found.rest_volume = volume(found.history.rest_shape);
   found.material = after.material;

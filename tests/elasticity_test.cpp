@@ -4,6 +4,7 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/elastic/operators.hpp"
+#include "hexaplast/kinematics/gradients.hpp"
 #include "hexaplast/kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"

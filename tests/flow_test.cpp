@@ -6,6 +6,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/kinematics/gradients.hpp"
 #include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/corotated.hpp"
 #include "hexaplast/plastic/point_flow.hpp"
@@ -181,13 +182,11 @@ double volume_ratio_after(int steps, double rate) {
   for (ElementPoints& y : history.rest_shape) y *= scale;
   ++history.version;
   FlowWorkspace work(model);
-  Linearization at;
+  Linearization at(model);
   PreconditionedConjugateGradients solver(1e-12, 10000);
   for (int k = 0; k < steps; ++k) {
-    at.rest.clear();
-    for (const Hexahedron& corners : model.mesh.hexahedra())
-      at.rest.push_back(rest_operator(gather(history.material, corners)));
-    flow(model, at, history.material, kStep, solver, history, work);  // the world follows: nothing yields
+    linearize(model, history, history.material, at);  // the world follows: nothing yields
+    flow(model, at, kStep, solver, history, work);
   }
   double volume_now = 0, volume_before = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {

@@ -4,6 +4,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/kinematics/gradients.hpp"
 #include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/corotated.hpp"
 #include "hexaplast/solve/cholesky.hpp"

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/hash.hpp"
+#include "hexaplast/elastic/hierarchy.hpp"
+#include "hexaplast/elastic/operators.hpp"
 #include "hexaplast/plastic/flow.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
-#include "hexaplast/state/linearization.hpp"
 
 namespace hexaplast {
 
@@ -44,12 +46,15 @@ class Body {
   /// The same operator as 3x3 blocks: K += factor * df/dx.
   void add_stiffness_blocks(double factor, BlockMatrix& K) const;
 
+  /// A += factor * df/dx for the solvers that work on the kernels' own vectors. `system` refers to the linearization.
+  void to_kernels(double factor, KernelSystem& system) const;
+
   /// Elastic energy [J] at any positions; leaves the linearization alone.
   double energy(ConstPoints x) const;
 
-  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. The linearization is void
-  /// afterwards. Throws InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result
-  /// is not finite; the history is then as before.
+  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. Linearizes there. Throws
+  /// InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is not finite; the
+  /// history is then as before.
   FlowReport flow(ConstPoints x, double dt);
 
   /// Back to the virgin state.
@@ -77,7 +82,8 @@ class Body {
   FlowWorkspace flow_;
   PreconditionedConjugateGradients averaging_solver_;
   double checked_dt_ = 0;                              // time step that passed check_time_step
-  mutable std::vector<ElementPoints> corner_product_;  // scratch of add_stiffness_product
+  mutable ProductWorkspace product_;                   // of add_stiffness_product
+  mutable std::optional<ElementHierarchy> hierarchy_;  // made when a solver first asks for coarse operators
 };
 
 }  // namespace hexaplast

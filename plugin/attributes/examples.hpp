@@ -46,6 +46,7 @@ inline constexpr std::array kExamples = {
     absoluteResidualStoppingThreshold="1e-8"/>)xml"},
     Example{"CGLinearSolver", R"xml(<CGLinearSolver iterations="200" tolerance="1e-9" threshold="1e-20"/>)xml"},
     Example{"PCGLinearSolver", R"xml(<PCGLinearSolver iterations="100" tolerance="1e-18"/>)xml"},
+    Example{"MultigridCGLinearSolver", R"xml(<MultigridCGLinearSolver preconditioner="auto" tolerance="0.001"/>)xml"},
     Example{"SparseLDLSolver", R"xml(<SparseLDLSolver template="CompressedRowSparseMatrixMat3x3d"/>)xml"},
     Example{"RegularGridTopology",
             R"xml(<RegularGridTopology name="grid" n="5 5 17" min="0 0 0" max="0.1 0.1 0.4"/>)xml"},

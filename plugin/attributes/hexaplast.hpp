@@ -105,6 +105,13 @@ inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
      .initial = "1",
      .range = {.least = 1, .most = 1000},
      .help = "Averaging steps per time step."},
+    {.name = "precision",
+     .type = Type::kWord,
+     .initial = "double",
+     .words = "double mixed",
+     .help = "Numbers that the stiffness product and the vectors of CGLinearSolver and MultigridCGLinearSolver are "
+             "computed with. mixed: single precision, twice as fast; positions, forces and everything plastic stay "
+             "double."},
     {.name = "rayleighStiffness",
      .type = Type::kReal,
      .initial = "0",
@@ -123,6 +130,31 @@ inline constexpr Description kHexahedronElastoplasticFEMForceField{
         "elastic body.",
     .templates = kVec3Templates,
     .attributes = kHexahedronElastoplasticAttributes};
+
+inline constexpr Attribute kMultigridCGLinearSolverAttributes[] = {
+    {.name = "preconditioner",
+     .type = Type::kWord,
+     .initial = "auto",
+     .words = "auto multigrid diagonal",
+     .help = "multigrid: a cycle over coarser meshes, a few iterations whatever the size; needs hexahedra that form a "
+             "lattice, as grids, tubes, shells and cages do. diagonal: cheaper where a pressure wave passes fewer than "
+             "about four hexahedra in a time step. auto: the cheaper one."},
+    {.name = "tolerance",
+     .type = Type::kReal,
+     .initial = "0.01",
+     .range = {.least = 0, .most = 1, .without_least = true},
+     .help = "Ends when |r| / |b| is not greater."},
+    {.name = "iterations",
+     .type = Type::kInteger,
+     .initial = "500",
+     .range = {.least = 1, .most = 1000000000},
+     .help = "Largest number of iterations."},
+};
+inline constexpr Description kMultigridCGLinearSolver{
+    .class_name = "MultigridCGLinearSolver",
+    .category = "LinearSolver",
+    .help = "Preconditioned conjugate gradients that end when the answer is as good as asked for.",
+    .attributes = kMultigridCGLinearSolverAttributes};
 
 inline constexpr Attribute kTangentialForceAttributes[] = {
     {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes, group after group."},

@@ -55,6 +55,11 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
     body_->add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override { body_->add_stiffness_blocks(factor, A); }
+  bool to_kernels(double factor, KernelSystem& system) const override {
+    if (system.double_operator || system.single_operator) return false;  // a second body
+    body_->to_kernels(factor, system);
+    return true;
+  }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   void end_step(double dt) override { report_ = body_->flow(state_->positions(), dt); }
@@ -110,6 +115,8 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
                                                                      {"localGlobal", AveragingMethod::kLocalGlobal},
                                                                      {"jacobi", AveragingMethod::kJacobi}});
     settings.averaging_steps = integer("averagingSteps");
+    settings.precision =
+        chosen<Precision>(text("precision"), {{"double", Precision::kDouble}, {"mixed", Precision::kMixed}});
     settings.volume_restitution = real("volumeRestitution");
     settings.inversion_threshold = real("inversionThreshold");
     return settings;

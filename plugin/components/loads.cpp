@@ -20,6 +20,7 @@ class Load : public scene::ForceField {
   using ForceField::ForceField;
 
   std::span<const int> loaded_nodes() const override { return loaded_; }
+  bool to_kernels(double, KernelSystem&) const override { return true; }  // nothing to add
   void refresh() override { init(); }
 
  protected:

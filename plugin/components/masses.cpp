@@ -26,6 +26,10 @@ class LumpedMass : public scene::Mass {
     for (int n = 0; n < static_cast<int>(mass_.size()); ++n) A.add(n, n, factor * mass_[n] * Mat3::Identity());
   }
   double kinetic_energy(ConstPoints v) const override { return hexaplast::kinetic_energy(mass_, v); }
+  bool add_diagonal(double factor, Points diagonal) const override {
+    diagonal.colwise() += factor * mass_;
+    return true;
+  }
   double rayleigh_mass() const override { return rayleigh_mass_; }
 
  protected:

@@ -39,6 +39,16 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
     field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A);
 }
 
+bool NodeSystem::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
+  system.double_operator = nullptr;
+  system.single_operator = nullptr;
+  for (const scene::Mass* mass : masses_)
+    if (!mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal)) return false;
+  for (const scene::ForceField* field : force_fields_)
+    if (!field->to_kernels(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system)) return false;
+  return system.double_operator || system.single_operator;
+}
+
 void NodeSystem::project(Points field) const {
   for (const scene::ProjectiveConstraint* constraint : constraints_) constraint->project(field);
 }

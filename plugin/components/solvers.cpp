@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "attributes/hexaplast.hpp"
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "components/mechanical_system.hpp"
@@ -191,6 +192,24 @@ class PCGLinearSolver final : public scene::LinearSolver {
   std::optional<SolverPreconditionedConjugateGradients> solver_;
 };
 
+/// Ours: ends when the answer is as good as asked for.
+class MultigridCGLinearSolver final : public scene::LinearSolver {
+ public:
+  MultigridCGLinearSolver() : LinearSolver(attributes::kMultigridCGLinearSolver) {}
+
+  void init() override {
+    const std::string& word = text("preconditioner");
+    const Preconditioner preconditioner = word == "multigrid"  ? Preconditioner::kMultigrid
+                                          : word == "diagonal" ? Preconditioner::kDiagonal
+                                                               : Preconditioner::kAuto;
+    solver_.emplace(real("tolerance"), integer("iterations"), preconditioner);
+  }
+  hexaplast::LinearSolver& method() override { return *solver_; }
+
+ private:
+  std::optional<PreconditionedConjugateGradients> solver_;
+};
+
 }  // namespace
 
 void add_solvers(scene::Factory& factory) {
@@ -199,6 +218,7 @@ void add_solvers(scene::Factory& factory) {
   factory.add<NewtonRaphsonSolver>(attributes::kNewtonRaphsonSolver);
   factory.add<CGLinearSolver>(attributes::kCGLinearSolver);
   factory.add<PCGLinearSolver>(attributes::kPCGLinearSolver);
+  factory.add<MultigridCGLinearSolver>(attributes::kMultigridCGLinearSolver);
   for (const attributes::Description& description : attributes::kDirectSolvers)
     factory.add(description, [&description] { return std::make_unique<DirectSolver>(description); });
 }

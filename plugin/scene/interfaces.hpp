@@ -50,6 +50,9 @@ class Mass : public Component {
   virtual void add_blocks(double factor, BlockMatrix& A) const = 0;              ///< A += factor M
   virtual double kinetic_energy(ConstPoints v) const = 0;                        ///< v.M v / 2 [J]
 
+  /// diagonal += diagonal of factor M, for a mass that has no other entries; false for the others.
+  virtual bool add_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
+
   /// [1/s] damping by this mass in the system matrix alone.
   virtual double rayleigh_mass() const { return 0; }
 };
@@ -67,6 +70,10 @@ class ForceField : public Component {
   virtual void add_stiffness_product(double /*factor*/, ConstPoints /*dx*/, Points /*df*/) const {
   }                                                                                  ///< df += factor K dx
   virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}  ///< A += factor K
+
+  /// The same stiffness for solvers that work on the kernels' own vectors: nothing to add for a field that has none.
+  /// False where the kernels cannot express it; the solvers then use the verbs above.
+  virtual bool to_kernels(double /*factor*/, KernelSystem& /*system*/) const { return false; }
 
   /// [s] stiffness-proportional damping of this force field in the system matrix alone.
   virtual double rayleigh_stiffness() const { return 0; }

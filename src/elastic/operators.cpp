@@ -1,66 +1,159 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/elastic/operators.hpp"
 
+#include <algorithm>
+
+#include "elastic/element_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/kinematics/gradients.hpp"
 #include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/corotated.hpp"
 
 namespace hexaplast {
 
-void update_rest_operators(const Model& model, const History& history, Linearization& at) {
-  if (at.material_version == history.version) return;
-  at.rest.resize(model.mesh.num_elements());
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    at.rest[e] = history.alive[e]
-                     ? rest_operator(gather(history.material, model.mesh.hexahedra()[e]), model.settings.gradient)
-                     : removed_operator();
+namespace {
+
+/// Calls visit(node, slot) for every node, in parallel.
+template <class Visit>
+void for_each_node(const Partition& partition, const Visit& visit) {
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot)
+      visit(partition.node_of_slot[slot], slot);
   });
+}
+
+/// Row by row, nodal += factor * slots.
+template <class T>
+void add_slots(const Partition& partition, double factor, const AlignedVector<T>& slots, Points nodal) {
+  for_each_node(partition, [&](int node, int slot) {
+    for (int i = 0; i < 3; ++i) nodal(node, i) += factor * slots[4 * static_cast<std::size_t>(slot) + i];
+  });
+}
+
+double corner_share(GradientScheme scheme) {
+  switch (scheme) {
+    case GradientScheme::kVertex:
+      return 1;
+    case GradientScheme::kCentre:
+      return 0;
+    case GradientScheme::kBlended:
+      break;
+  }
+  return 0.5;
+}
+
+/// Positions of an element's corners.
+ElementPoints corner_points(const Partition& partition, const AlignedVector<double>& slots, const Hexahedron& corners) {
+  ElementPoints at;
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) at(a, i) = slots[4 * static_cast<std::size_t>(partition.slot_of_node[corners[a]]) + i];
+  return at;
+}
+
+template <class T, class Coef>
+void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints dx, AlignedVector<T>& argument,
+                 AlignedVector<T>& product, Points df) {
+  const Partition& partition = op.partition();
+  argument.resize(4 * static_cast<std::size_t>(partition.num_slots), T(0));
+  product.resize(argument.size());
+  std::fill(argument.end() - 4 * kCorners, argument.end(), T(0));  // of elements that are not there
+  to_slots(partition, dx, argument);
+  std::fill(product.begin(), product.end(), T(0));
+  parallel_for(partition.num_chunks, [&](int chunk) { op.add_product(chunk, T(1), argument.data(), product.data()); });
+  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, product.data()); });
+  add_slots(partition, -factor, product, df);
+}
+
+}  // namespace
+
+void update_material(const Model& model, const History& history, Linearization& at) {
+  if (at.material_version == history.version) return;
+  const Partition& partition = *model.partition;
+  to_slots(partition, history.material, at.material);
+  for (int block = 0; block < partition.num_blocks; ++block) {
+    at.present[block] = 0;
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = partition.element(block, place);
+      if (e >= 0 && history.alive[e]) at.present[block] |= static_cast<std::uint16_t>(1u << place);
+    }
+  }
+  // an original shape that is off by rounding is a box; what plastic flow made is taken as it is
+  const double alike = history.material == model.mesh.positions() ? 1e-12 : 1e-15;
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    find_general_blocks(partition, at.material.data(), at.present.data(), alike, chunk, at.is_general.data());
+  });
+  std::visit(
+      [&](auto& op) {
+        op.corner_share = corner_share(model.settings.gradient);
+        op.resize(at.is_general);
+      },
+      at.op);
   at.material_version = history.version;
+  at.is_current = false;
 }
 
 //   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at) {
-  update_rest_operators(model, history, at);
-  at.rotation.resize(model.mesh.num_elements());
-  at.corner_force.resize(model.mesh.num_elements());
-
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    const RestOperator& rest = at.rest[e];
-    std::array<Mat3, kCorners> tensors = deformation_gradients(rest, gather(x, model.mesh.hexahedra()[e]));
-    for (int i = 0; i < kCorners; ++i) {
-      const Polar F = polar(tensors[i]);
-      at.rotation[e][i] = F.R;
-      tensors[i] = F.R * stress(F.S, model.lame[e]);
-    }
-    at.corner_force[e] = -rest.volume / kCorners * gradient_transpose(rest, tensors);
-  });
+  update_material(model, history, at);
+  if (at.is_current && at.x == x) return;
+  at.is_current = false;
+  ++at.revision;
+  at.x = x;
+  const Partition& partition = *model.partition;
+  to_slots(partition, x, at.world);
+  std::fill(at.force.begin(), at.force.end(), 0.0);
+  std::visit(
+      [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {
+        const ElementPass<T, Coef> pass{.partition = partition,
+                                        .material = at.material.data(),
+                                        .world = at.world.data(),
+                                        .lame = model.lame_blocks.data(),
+                                        .present = at.present.data(),
+                                        .is_general = at.is_general.data(),
+                                        .gradient = model.settings.gradient,
+                                        .norm = model.settings.yield_norm,
+                                        .watches_rotation = model.can_rotate,
+                                        .length = model.length,
+                                        .op = op,
+                                        .force = at.force.data(),
+                                        .volume = at.volume.data(),
+                                        .watch = at.watch.data()};
+        parallel_for(partition.num_chunks, [&](int chunk) { linearize_elements(pass, chunk); });
+      },
+      at.op);
+  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, at.force.data()); });
+  at.is_current = true;
 }
 
-void add_force(const Model& model, const Linearization& at, Points f) { scatter(model.mesh, at.corner_force, f); }
+void add_force(const Model& model, const Linearization& at, Points f) { add_slots(*model.partition, 1, at.force, f); }
 
-//   df_a = - sum_i V/8 dP_i g~_ia,   dF~_i = sum_b dx_b (x) g~_ib                                             eq. 16
-void add_stiffness_product(const Model& model, const Linearization& at, double factor, ConstPoints dx,
-                           std::vector<ElementPoints>& corner, Points df) {
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    const RestOperator& rest = at.rest[e];
-    std::array<Mat3, kCorners> tensors = deformation_gradients(rest, gather(dx, model.mesh.hexahedra()[e]));
-    for (int i = 0; i < kCorners; ++i) tensors[i] = stress_increment(at.rotation[e][i], tensors[i], model.lame[e]);
-    corner[e] = -factor * rest.volume / kCorners * gradient_transpose(rest, tensors);
-  });
-  scatter(model.mesh, corner, df);
+void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, ProductWorkspace& work,
+                           Points df) {
+  std::visit(
+      [&]<class T, class Coef>(const ElementOperator<T, Coef>& op) {
+        if constexpr (std::is_same_v<T, double>)
+          add_product(op, factor, dx, work.argument, work.product, df);
+        else
+          add_product(op, factor, dx, work.argument_single, work.product_single, df);
+      },
+      at.op);
 }
 
 //   K_ab = - sum_i V/8 [ mu (g_a . g_b) I + mu r_b r_a^T + lambda r_a r_b^T ],   r_a = R_i g~_ia              eq. 17
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K) {
+  const Partition& partition = *model.partition;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    if (!(at.present[e / kBlock] >> e % kBlock & 1)) continue;
     const Lame& k = model.lame[e];
     const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const double weight = -factor * at.rest[e].volume / kCorners;
+    const RestOperator rest = rest_operator(corner_points(partition, at.material, corners), model.settings.gradient);
+    const std::array<Mat3, kCorners> F = deformation_gradients(rest, gather(at.x, corners));
+    const double weight = -factor * rest.volume / kCorners;
 
     std::array<ElementPoints, kCorners> gradient, turned;
     for (int i = 0; i < kCorners; ++i) {
-      gradient[i] = sample_gradient(at.rest[e], i);
-      turned[i] = gradient[i] * at.rotation[e][i].transpose();
+      gradient[i] = sample_gradient(rest, i);
+      turned[i] = gradient[i] * polar(F[i]).R.transpose();
     }
     for (int a = 0; a < kCorners; ++a) {
       for (int b = 0; b < kCorners; ++b) {

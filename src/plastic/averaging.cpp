@@ -1,76 +1,101 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/plastic/averaging.hpp"
 
-#include <Eigen/Cholesky>
 #include <limits>
 #include <numeric>
+#include <variant>
 
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/plastic/rest_shape.hpp"
+#include "plastic/averaging_pass.hpp"
 
 namespace hexaplast {
 
 namespace {
 
-constexpr double kFitted = 1e-26;         // E below this share of sum |t|^2 is rounding
-constexpr double kRegularisation = 1e-7;  // of P: keeps free rotations of the whole body definite
-
-/// sum_i t_i x d_i over the rows.
-Vec3 moment(const ElementPoints& t, const ElementPoints& d) {
-  Vec3 sum = Vec3::Zero();
-  for (int i = 0; i < kCorners; ++i) sum += t.row(i).transpose().cross(d.row(i).transpose());
-  return sum;
-}
-
-/// Rows w x t_i: the infinitesimal rotation B w.
-ElementPoints rotated(const ElementPoints& t, const Vec3& w) {
-  ElementPoints turned;
-  for (int i = 0; i < kCorners; ++i) turned.row(i) = w.cross(t.row(i).transpose()).transpose();
-  return turned;
-}
-
-/// (B^T B)^-1 = (sum_i |t_i|^2 I - t_i t_i^T)^-1; a shape flattened to a line has no inverse: its free turn is left
-/// out.
-Mat3 inverse_inertia(const ElementPoints& t) {
-  const Mat3 inertia = t.squaredNorm() * Mat3::Identity() - t.transpose() * t;
-  return inertia.ldlt().solve(Mat3::Identity());
-}
+constexpr double kFitted = 1e-26;  // E below this share of sum |t|^2 is rounding
 
 }  // namespace
 
-/// P or H of eq. 31 as a linear system: the per-element projections differ, all else is shared.
-class Averaging::LocalGlobal : public LinearSystem {
+struct Averaging::Kernels {
+  explicit Kernels(const Model& model)
+      : op(model.settings.precision == Precision::kDouble ? Operator(AveragingOperator<double>(model.partition))
+                                                          : Operator(AveragingOperator<float>(model.partition))),
+        material(slot_vector<double>(*model.partition)),
+        gradient(slot_vector<double>(*model.partition)),
+        misfit(model.partition->num_blocks),
+        size(model.partition->num_blocks) {}
+
+  /// Best rotations of history.rest_shape at history.material into history.rotation_map, unless the maps are the
+  /// mode's own; returns E. With `prepares`: operator, gradient and size as well.
+  double fit(const Model& model, History& history, bool prepares) {
+    const Partition& partition = *model.partition;
+    to_slots(partition, history.material, material);
+    if (prepares) std::fill(gradient.begin(), gradient.end(), 0.0);
+    const bool has_own_maps = model.maps_per_element() > 1;
+    std::visit(
+        [&]<class T>(AveragingOperator<T>& of) {
+          const FitPass<T> pass{.partition = partition,
+                                .material = material.data(),
+                                .present = of.present.data(),
+                                .rest_shape = history.rest_shape.data(),
+                                .rotation_map = has_own_maps ? nullptr : history.rotation_map.data(),
+                                .fixed_map = has_own_maps ? history.rotation_map.data() : nullptr,
+                                .coef = prepares ? of.coef.data() : nullptr,
+                                .gradient = prepares ? gradient.data() : nullptr,
+                                .misfit = misfit.data(),
+                                .size = prepares ? size.data() : nullptr};
+          parallel_for(partition.num_chunks, [&](int chunk) { fit_elements(pass, chunk); });
+        },
+        op);
+    if (prepares)
+      parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, gradient.data()); });
+    return std::accumulate(misfit.begin(), misfit.end(), 0.0);
+  }
+
+  using Operator = std::variant<AveragingOperator<double>, AveragingOperator<float>>;
+  Operator op;
+  AlignedVector<double> material, gradient;  // [m] slots
+  std::vector<double> misfit, size;          // [m^2] per block
+};
+
+/// P or H of eq. 31 as a linear system.
+class Averaging::System final : public LinearSystem {
  public:
-  LocalGlobal(const Model& model, const Averaging& averaging, const History& history)
-      : model_(model), averaging_(averaging), alive_(history.alive) {}
+  System(const Model& model, const Averaging& averaging, bool projects) : model_(model), averaging_(averaging) {
+    std::visit([&](auto& op) { op.projects = projects; }, averaging.kernels_->op);
+  }
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
 
   void apply(ConstPoints p, Points Ap) const override {
-    parallel_for(model_.mesh.num_elements(), [&](int e) {
-      averaging_.corner_[e] = alive_[e] ? element_product(e, about_mean(gather(p, model_.mesh.hexahedra()[e])))
-                                        : ElementPoints(ElementPoints::Zero());
-    });
-    Ap.setZero();
-    scatter(model_.mesh, averaging_.corner_, Ap);
+    const Partition& partition = *model_.partition;
+    std::visit(
+        [&]<class T>(const AveragingOperator<T>& op) {
+          AlignedVector<T> from = slot_vector<T>(partition), to = slot_vector<T>(partition);
+          to_slots(partition, p, from);
+          for (int chunk = 0; chunk < partition.num_chunks; ++chunk) op.add_product(chunk, 1, from.data(), to.data());
+          for (int chunk = 0; chunk < partition.num_chunks; ++chunk) add_returns(partition, chunk, to.data());
+          for (int n = 0; n < num_nodes(); ++n)
+            for (int i = 0; i < 3; ++i) Ap(n, i) = to[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
+        },
+        averaging_.kernels_->op);
   }
 
   // column by column through apply's own element product; the translations of each part are pinned at its first node
   void assemble(BlockMatrix& A) const override {
-    for (int e = 0; e < model_.mesh.num_elements(); ++e) {
-      if (!alive_[e]) continue;
-      const Hexahedron& corners = model_.mesh.hexahedra()[e];
-      for (int b = 0; b < kCorners; ++b) {
-        CornerTensors column;
-        for (int axis = 0; axis < 3; ++axis) {
-          ElementPoints unit = ElementPoints::Zero();
-          unit(b, axis) = 1;
-          const ElementPoints product = element_product(e, about_mean(unit));
-          for (int a = 0; a < kCorners; ++a) column[a].col(axis) = product.row(a).transpose();
+    PointArray unit(num_nodes(), 3), column(num_nodes(), 3);
+    for (int b = 0; b < num_nodes(); ++b)
+      for (int axis = 0; axis < 3; ++axis) {
+        unit.setZero();
+        unit(b, axis) = 1;
+        apply(unit, column);
+        for (int a = 0; a < num_nodes(); ++a) {
+          if (column.row(a).isZero(0)) continue;
+          Mat3 block = Mat3::Zero();
+          block.col(axis) = column.row(a).transpose();
+          A.add(a, b, block);
         }
-        for (int a = 0; a < kCorners; ++a) A.add(corners[a], corners[b], column[a]);
       }
-    }
     std::vector<bool> pinned(averaging_.parts_.count, false);
     for (int n = 0; n < num_nodes(); ++n) {
       const int part = averaging_.parts_.part_of_node[n];
@@ -90,40 +115,52 @@ class Averaging::LocalGlobal : public LinearSystem {
     });
   }
 
-  // b adds differences of positions
-  double rounding() const override { return std::numeric_limits<double>::epsilon() * averaging_.before_.norm(); }
+  bool to_kernels(KernelSystem& system) const override {
+    system.factor = 1;
+    system.double_operator = std::get_if<AveragingOperator<double>>(&averaging_.kernels_->op);
+    system.single_operator = std::get_if<AveragingOperator<float>>(&averaging_.kernels_->op);
+    system.diagonal.setZero(num_nodes(), 3);
+    system.free.setOnes(num_nodes(), 3);
+    return true;
+  }
 
- protected:
-  /// centred: the element's rows about their mean.
-  virtual ElementPoints element_product(int, const ElementPoints& centred) const { return centred; }
+  // b adds eight differences of positions at each node
+  double rounding() const override { return 4 * std::numeric_limits<double>::epsilon() * averaging_.before_.norm(); }
 
+ private:
   const Model& model_;
   const Averaging& averaging_;
-  const std::vector<unsigned char>& alive_;
-};
-
-class Averaging::GaussNewton final : public LocalGlobal {
- public:
-  using LocalGlobal::LocalGlobal;
-
- protected:
-  ElementPoints element_product(int e, const ElementPoints& centred) const override {
-    const ElementPoints& t = averaging_.target_[e];
-    const Vec3 spin = averaging_.inverse_inertia_[e] * moment(t, centred);
-    return (1 + kRegularisation) * centred - rotated(t, spin);
-  }
 };
 
 Averaging::Averaging(const Model& model)
     : num_removed_(std::numeric_limits<std::size_t>::max()),
       node_weight_(model.mesh.num_nodes()),
-      target_(model.mesh.num_elements()),
-      inverse_inertia_(model.mesh.num_elements()),
-      corner_(model.mesh.num_elements()),
-      misfit_(model.mesh.num_elements()),
       gradient_(model.mesh.num_nodes(), 3),
       increment_(model.mesh.num_nodes(), 3),
-      before_(model.mesh.num_nodes(), 3) {}
+      before_(model.mesh.num_nodes(), 3),
+      kernels_(std::make_unique<Kernels>(model)) {}
+Averaging::~Averaging() = default;
+Averaging::Averaging(const Averaging& other)
+    : parts_(other.parts_),
+      num_removed_(other.num_removed_),
+      node_weight_(other.node_weight_),
+      shift_(other.shift_),
+      gradient_(other.gradient_),
+      increment_(other.increment_),
+      before_(other.before_),
+      kernels_(std::make_unique<Kernels>(*other.kernels_)) {}
+Averaging::Averaging(Averaging&&) noexcept = default;
+Averaging& Averaging::operator=(Averaging other) noexcept {
+  std::swap(parts_, other.parts_);
+  std::swap(num_removed_, other.num_removed_);
+  std::swap(node_weight_, other.node_weight_);
+  std::swap(shift_, other.shift_);
+  std::swap(gradient_, other.gradient_);
+  std::swap(increment_, other.increment_);
+  std::swap(before_, other.before_);
+  std::swap(kernels_, other.kernels_);
+  return *this;
+}
 
 const ConnectedParts& Averaging::parts(const Model& model, const History& history) {
   if (num_removed_ != history.removed.size()) {
@@ -138,106 +175,85 @@ const ConnectedParts& Averaging::parts(const Model& model, const History& histor
   return parts_;
 }
 
-double Averaging::fit(const Model& model, History& history) {
-  const bool fits_rotations = model.maps_per_element() == 1;
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    if (!history.alive[e]) {
-      target_[e].setZero();
-      corner_[e].setZero();
-      misfit_[e] = 0;
-      return;
-    }
-    const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
-    const ElementPoints& y = history.rest_shape[e];
-    if (fits_rotations) {
-      history.rotation_map[e] = fit_rotation(y, x);
-      target_[e] = y * history.rotation_map[e].transpose();
-    } else {
-      for (int i = 0; i < kCorners; ++i)
-        target_[e].row(i) = y.row(i) * history.rotation_map[e * kCorners + i].transpose();
-      target_[e] = about_mean(target_[e]);
-    }
-    corner_[e] = x - target_[e];
-    misfit_[e] = corner_[e].squaredNorm();
-  });
-  return std::accumulate(misfit_.begin(), misfit_.end(), 0.0);
-}
-
-double Averaging::misfit(const Model& model, const History& history) {
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    if (!history.alive[e]) return;
-    const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
-    const ElementPoints& y = history.rest_shape[e];
-    misfit_[e] = (y * fit_rotation(y, x).transpose() - x).squaredNorm();
-  });
-  return std::accumulate(misfit_.begin(), misfit_.end(), 0.0);
-}
-
-void Averaging::keep_means() {
+void Averaging::take_means_out(PointArray& field) {
   std::fill(shift_.begin(), shift_.end(), Shift{});
-  for (int n = 0; n < increment_.rows(); ++n) {
+  for (int n = 0; n < field.rows(); ++n) {
     const int part = parts_.part_of_node[n];
     if (part < 0) continue;
-    shift_[part].sum += increment_.row(n).transpose();
+    shift_[part].sum += field.row(n).transpose();
     ++shift_[part].count;
   }
-  for (int n = 0; n < increment_.rows(); ++n) {
+  for (int n = 0; n < field.rows(); ++n) {
     const int part = parts_.part_of_node[n];
     if (part < 0)
-      increment_.row(n).setZero();
+      field.row(n).setZero();
     else
-      increment_.row(n) -= (shift_[part].sum / shift_[part].count).transpose();
+      field.row(n) -= (shift_[part].sum / shift_[part].count).transpose();
   }
 }
 
 void Averaging::step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report) {
-  const double E = fit(model, history);
-  double size = 0;
-  for (const ElementPoints& t : target_) size += t.squaredNorm();
+  const double E = kernels_->fit(model, history, true);
+  const double size = std::accumulate(kernels_->size.begin(), kernels_->size.end(), 0.0);
   if (!(E > kFitted * size)) return;
   report.skipped = false;
 
-  gradient_.setZero();
-  scatter(model.mesh, corner_, gradient_);
-  gradient_ *= -1;
+  const Partition& partition = *model.partition;
+  for (int n = 0; n < model.mesh.num_nodes(); ++n)
+    for (int i = 0; i < 3; ++i)
+      gradient_(n, i) = kernels_->gradient[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
+  take_means_out(gradient_);  // they are rounding, and outside the range of H and P
   before_ = history.material;
   const auto move = [&] {
-    keep_means();
+    take_means_out(increment_);
     history.material = before_ + increment_;
     ++history.version;
-    return misfit(model, history);
   };
-  const auto solve = [&](const LinearSystem& system) {
-    const SolveReport solved = solver.solve(system, gradient_, increment_);
+  const auto solve = [&](const System& system) {
+    const bool warm = history.averaging_increment.size() > 0;
+    if (warm) increment_ = history.averaging_increment;
+    const SolveReport solved =
+        warm ? solver.improve(system, gradient_, increment_) : solver.solve(system, gradient_, increment_);
     report.iterations += solved.iterations;
     report.residual = solved.residual;
     report.converged = report.converged && solved.converged;
-    return move();
+    move();
+    if (warm) history.averaging_increment = increment_;
   };
 
-  const LocalGlobal local_global(model, *this, history);
   const AveragingMethod method = model.settings.averaging;
   if (method == AveragingMethod::kJacobi) {
-    local_global.precondition(gradient_, increment_);
+    System(model, *this, false).precondition(gradient_, increment_);
     move();
   } else if (method == AveragingMethod::kLocalGlobal || model.maps_per_element() > 1) {
-    solve(local_global);
+    solve(System(model, *this, false));
   } else {
-    parallel_for(model.mesh.num_elements(), [&](int e) { inverse_inertia_[e] = inverse_inertia(target_[e]); });
-    if (solve(GaussNewton(model, *this, history)) > E) {
+    solve(System(model, *this, true));
+    // a turn of the whole part costs next to nothing in eq. 31 and comes out with little accuracy: the maps follow it,
+    // so that rest shapes and thresholds do not feel it
+    if (kernels_->fit(model, history, false) > E) {
       // far from the fit the projected step may overshoot; the local/global step never raises E
       report.fell_back = true;
-      solve(local_global);
-    } else {
-      // a turn of the whole part costs next to nothing in eq. 31 and comes out with little accuracy: the maps follow
-      // it, so that rest shapes and thresholds do not feel it
-      fit(model, history);
+      history.material = before_;
+      kernels_->fit(model, history, false);  // the maps that it starts from, and keeps
+      solve(System(model, *this, false));
     }
   }
 }
 
 AveragingReport Averaging::advance(const Model& model, LinearSolver& solver, History& history) {
   parts(model, history);
+  std::visit(
+      [&](auto& op) {
+        for (int block = 0; block < model.partition->num_blocks; ++block) {
+          op.present[block] = 0;
+          for (int place = 0; place < kBlock; ++place) {
+            const int e = model.partition->element(block, place);
+            if (e >= 0 && history.alive[e]) op.present[block] |= static_cast<std::uint16_t>(1u << place);
+          }
+        }
+      },
+      kernels_->op);
   AveragingReport report;
   for (int step_number = 0; step_number < model.settings.averaging_steps; ++step_number)
     step(model, solver, history, report);

@@ -9,6 +9,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/plastic/element_flow.hpp"
 #include "hexaplast/plastic/rest_shape.hpp"
+#include "plastic/flow_pass.hpp"
 
 namespace hexaplast {
 
@@ -36,22 +37,48 @@ void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints w
   for (PartFrame& frame : frames) frame.rotation = polar(frame.rotation).R;
 }
 
-/// Flow of every live element: history -> work.trial, work.flows.
-void flow_elements(const Model& model, const Linearization& at, ConstPoints x, double dt, const History& history,
+constexpr double kSinglePrecision = 1e-5;  // the watch may be wrong by this share
+
+/// Whether the plastic step would leave an element as it is, as far as single precision can tell. Errs on the safe
+/// side.
+bool is_idle(const Model& model, const Linearization& at, int e, const History& history) {
+  const float* watch =
+      at.watch.data() + static_cast<std::size_t>(e / kBlock) * Watch::kQuantities * kBlock + e % kBlock;
+  const Material& material = model.material(e);
+  const CornerValues &yield_stress = history.yield_stress[e], &rotation_yield = history.rotation_yield[e];
+  for (int i = 0; i < kCorners; ++i) {
+    if (!(watch[(Watch::kNorm + i) * kBlock] < (1 - kSinglePrecision) * yield_stress[i]) && material.flow_rate > 0)
+      return false;
+    if (model.can_rotate && material.rotation_flow_rate > 0 &&
+        !(watch[(Watch::kCosine + i) * kBlock] > std::cos(rotation_yield[i]) + kSinglePrecision))
+      return false;
+  }
+  const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
+  const double largest = *std::max_element(model.corner_jacobian[e].begin(), model.corner_jacobian[e].end());
+  return watch[Watch::kLeastDet * kBlock] > guard && watch[Watch::kLeastJacobian * kBlock] > guard * largest &&
+         std::abs(at.volume[e] / model.volume[e] - 1) < kVolumeAtRest;
+}
+
+/// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then
+/// not made.
+bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
                    FlowWorkspace& work) {
-  const bool needs_frames = model.maps_per_element() > 1 && model.settings.rotation_frame == RotationFrame::kBestFit;
+  const bool paper_mode = model.maps_per_element() > 1;
+  parallel_for(model.mesh.num_elements(), [&](int e) {
+    work.flows[e] = {};
+    work.flows[e].idle = !history.alive[e] || (!paper_mode && is_idle(model, at, e, history));
+  });
+  if (std::all_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.idle; })) return false;
+
+  const bool needs_frames = paper_mode && model.settings.rotation_frame == RotationFrame::kBestFit;
   const ConnectedParts& parts = work.averaging.parts(model, history);
-  if (needs_frames) fit_frames(parts, history.material, x, work.frames);
+  if (needs_frames) fit_frames(parts, history.material, at.x, work.frames);
   const Mat3 axes = Mat3::Identity();
 
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    if (!history.alive[e]) {
-      work.trial.set_element(e, history.element(e));
-      work.flows[e] = {};
-      return;
-    }
+  const auto flow_alone = [&](int e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const ElementPoints material = gather(history.material, corners), world = gather(x, corners);
+    const ElementPoints material = gather(history.material, corners), world = gather(at.x, corners);
+    const RestOperator rest = rest_operator(material, model.settings.gradient);
     const ElementMoment moment{.material = model.material(e),
                                .lame = model.lame[e],
                                .settings = model.settings,
@@ -59,7 +86,7 @@ void flow_elements(const Model& model, const Linearization& at, ConstPoints x, d
                                .corner_jacobian = model.corner_jacobian[e],
                                .original_volume = model.volume[e],
                                .x = material,
-                               .rest = at.rest[e],
+                               .rest = rest,
                                .world = world,
                                .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
     const ElementStep step = flow_element(moment, history.element(e), dt);
@@ -70,7 +97,21 @@ void flow_elements(const Model& model, const Linearization& at, ConstPoints x, d
                      .repaired = step.repaired,
                      .volume_error = std::abs(step.volume_ratio - 1),
                      .dissipated = step.dissipated};
+  };
+
+  parallel_for(model.partition->num_blocks, [&](int block) {
+    const int first = block * kBlock, last = std::min(first + kBlock, model.mesh.num_elements());
+    bool any = false;
+    for (int e = first; e < last; ++e) {
+      if (work.flows[e].idle) work.trial.set_element(e, history.element(e));
+      any = any || !work.flows[e].idle;
+    }
+    if (!any) return;
+    const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
+    for (int e = first; e < last; ++e)
+      if (left >> (e - first) & 1) flow_alone(e);
   });
+  return true;
 }
 
 /// Takes back the flow of one element: its present material shape becomes its rest shape.
@@ -142,12 +183,11 @@ int remove_broken(const Model& model, FlowWorkspace& work) {
 
 FlowWorkspace::FlowWorkspace(const Model& model) : trial(model), averaging(model), flows(model.mesh.num_elements()) {}
 
-FlowReport flow(const Model& model, const Linearization& at, ConstPoints x, double dt, LinearSolver& solver,
-                History& history, FlowWorkspace& work) {
-  require_finite(x, "position");
-  flow_elements(model, at, x, dt, history, work);
-
+FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
+                FlowWorkspace& work) {
   FlowReport report;
+  if (!flow_elements(model, at, dt, history, work)) return report;
+
   const auto count = [&](bool ElementFlow::*mark) {
     return static_cast<int>(
         std::count_if(work.flows.begin(), work.flows.end(), [&](const ElementFlow& f) { return f.*mark; }));
@@ -165,6 +205,7 @@ FlowReport flow(const Model& model, const Linearization& at, ConstPoints x, doub
   work.trial.dissipated_energy = history.dissipated_energy;
   work.trial.alive = history.alive;
   work.trial.removed = history.removed;
+  work.trial.averaging_increment = history.averaging_increment;
   report.averaging = average_safely(model, solver, history, work);
   require_finite(work.trial.material, "material position");
   report.yielded = count(&ElementFlow::yielded);

@@ -10,7 +10,6 @@ namespace hexaplast {
 namespace {
 
 constexpr double kRepairRate = 5;  // [1/s] a jammed shape is back within a few tenths of a second
-constexpr double kLeastScale = 0.5, kGreatestScale = 2.0;  // volume may not change more in one step, whatever beta
 
 }  // namespace
 

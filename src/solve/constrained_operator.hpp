@@ -29,6 +29,14 @@ class ConstrainedOperator final : public LinearSystem {
       for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }
 
+  bool to_kernels(KernelSystem& system) const override {
+    system.diagonal.setZero(num_nodes(), 3);
+    if (!system_.to_kernels(factors_, system)) return false;
+    system.free.setOnes(num_nodes(), 3);
+    system_.project(system.free);
+    return true;
+  }
+
  private:
   const MechanicalSystem& system_;
   OperatorFactors factors_;

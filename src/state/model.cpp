@@ -22,6 +22,11 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
 
   tracks_plastic_stretch = std::any_of(materials.begin(), materials.end(),
                                        [](const Material& m) { return std::isfinite(m.fracture_stretch); });
+  can_stretch = std::any_of(materials.begin(), materials.end(),
+                            [](const Material& m) { return m.flow_rate > 0 && std::isfinite(m.yield_stress); });
+  can_rotate =
+      settings.rotation != RotationPlasticity::kNone &&
+      std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.rotation_flow_rate > 0; });
   lame.resize(num_elements);
   volume.resize(num_elements);
   corner_jacobian.resize(num_elements);
@@ -33,6 +38,17 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
     for (int a = 0; a < kCorners; ++a) corner_jacobian[e][a] = hexaplast::corner_jacobian(X, a).determinant();
     original_shape[e] = X.rowwise() - X.colwise().mean();
   }
+
+  partition = std::make_shared<const Partition>(mesh);
+  lame_blocks.assign(static_cast<std::size_t>(partition->num_blocks) * 2 * kBlock, 0.0);
+  double total_volume = 0;
+  for (int e = 0; e < num_elements; ++e) {
+    double* at = lame_blocks.data() + static_cast<std::size_t>(e / kBlock) * 2 * kBlock + e % kBlock;
+    at[0] = lame[e].mu;
+    at[kBlock] = lame[e].lambda;
+    total_volume += volume[e];
+  }
+  if (num_elements > 0) length = std::exp2(std::round(std::log2(total_volume / num_elements) / 3));
 }
 
 }  // namespace hexaplast

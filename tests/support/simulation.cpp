@@ -35,6 +35,12 @@ void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
   body_.add_stiffness_blocks(factors.stiffness, A);
 }
 
+bool LoadedBody::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
+  for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).array() += factors.mass * mass_[n];
+  body_.to_kernels(factors.stiffness, system);
+  return true;
+}
+
 void LoadedBody::project(Points field) const {
   for (const int n : fixed_) field.row(n).setZero();
 }
@@ -56,7 +62,7 @@ Simulation::Simulation(Body made, SimulationSetup setup, std::unique_ptr<LinearS
       dt_(setup.dt) {}
 
 FlowReport Simulation::step() {
-  euler_.step(system_, *solver_, time(), dt_, x, v);
+  latest = euler_.step(system_, *solver_, time(), dt_, x, v);
   ++steps_;
   return body.flow(x, dt_);
 }

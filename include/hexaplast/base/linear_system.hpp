@@ -2,9 +2,23 @@
 #pragma once
 
 #include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/chunked_operator.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
+
+/// A linear system in the form that the kernels solve: A = P (diagonal + factor L) P, L applied chunk by chunk on
+/// slots, P zeroing the degrees of freedom that are not free.
+struct KernelSystem {
+  const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
+  const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null
+  double factor = 0;                                         ///< of L
+  PointArray diagonal;                                       ///< num_nodes x 3
+  PointArray free;                                           ///< num_nodes x 3: 1 where free, 0 where fixed
+
+  bool wants_coarse = false;           ///< asks for the operators on coarser meshes as well
+  std::vector<CoarseOperator> coarse;  ///< from fine to coarse; empty where the mesh has no lattice
+};
 
 /// A symmetric positive definite system A x = b over nodal fields, seen by its solvers.
 class LinearSystem {
@@ -22,6 +36,10 @@ class LinearSystem {
   /// z = an approximation of A^-1 r, symmetric and positive definite; the default is none (z = r).
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
 
+  /// Writes the system down for the kernels; false where it does not have that form. Allocates nothing when `system`
+  /// was filled before.
+  virtual bool to_kernels(KernelSystem& /*system*/) const { return false; }
+
   /// Size of the rounding errors in b: a residual as small as this cannot be improved.
   virtual double rounding() const { return 0; }
 };
@@ -37,6 +55,9 @@ class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
   virtual SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) = 0;
+
+  /// The same for an x that arrives near the solution; the tolerance still refers to b.
+  virtual SolveReport improve(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
 
   /// Forgets what it kept of earlier solves (warm start, factors).
   virtual void reset() {}

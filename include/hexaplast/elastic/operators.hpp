@@ -6,21 +6,27 @@
 
 namespace hexaplast {
 
-/// Element loops of elasticity: gather, compute at the eight samples, integrate, sum at the nodes in ascending element
-/// order (so that the bits do not depend on the number of threads).
+/// Elasticity of a body at one set of positions: the element kernels, chunk by chunk.
 
-/// Brings at.rest up to date with history.material.
-void update_rest_operators(const Model& model, const History& history, Linearization& at);
+/// Brings what `at` holds of the material shape up to date with the history.
+void update_material(const Model& model, const History& history, Linearization& at);
 
-/// Rotations and corner forces at world positions x (num_nodes x 3) [m].                      theory.md eq. 15
+/// Rotations, forces and the stiffness operator at world positions x (num_nodes x 3) [m]; nothing where `at` holds them
+/// already.                                                                                     theory.md eq. 15, 16
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at);
 
 /// f += elastic forces [N].
 void add_force(const Model& model, const Linearization& at, Points f);
 
-/// df += factor * (df/dx) dx with the rotations of `at`; `corner` is scratch, one entry per element.        eq. 16
+/// Scratch of add_stiffness_product, in slots.
+struct ProductWorkspace {
+  AlignedVector<double> argument, product;
+  AlignedVector<float> argument_single, product_single;
+};
+
+/// df += factor * (df/dx) dx with the rotations of `at`.                                                      eq. 16
 void add_stiffness_product(const Model& model, const Linearization& at, double factor, ConstPoints dx,
-                           std::vector<ElementPoints>& corner, Points df);
+                           ProductWorkspace& work, Points df);
 
 /// K += factor * df/dx.                                                                                       eq. 17
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K);

@@ -64,6 +64,13 @@ enum class AveragingMethod {
   kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size
 };
 
+/// Numbers that the stiffness product and what follows from it are computed with. Positions, forces, rotations and
+/// everything plastic are always double.
+enum class Precision {
+  kDouble,
+  kMixed  ///< products and the vectors of solvers in single precision, coefficients in half where the machine has it
+};
+
 /// What holds for a whole body.
 struct Settings {
   GradientScheme gradient = GradientScheme::kBlended;
@@ -73,7 +80,8 @@ struct Settings {
   AveragingMethod averaging =
       AveragingMethod::kGaussNewton;  ///< kVertex and kCentre know kLocalGlobal and kJacobi only
   int averaging_steps = 1;            ///< per time step, >= 1
-  double volume_restitution = 1;      ///< c [1/s], >= 0; c dt < 2/3
+  Precision precision = Precision::kDouble;
+  double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
 };
 

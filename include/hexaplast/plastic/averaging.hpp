@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "hexaplast/base/linear_system.hpp"
@@ -10,7 +11,10 @@ namespace hexaplast {
 
 // The averaging is solved far beyond what a picture needs: the plastic result must not depend on the solver.
 inline constexpr double kAveragingTolerance = 1e-11;  ///< relative residual asked of the linear solver
-inline constexpr int kAveragingIterations = 10000;    ///< after which it gives up
+inline constexpr double kMixedAveragingTolerance =
+    1e-2;  ///< in mixed precision: what a step leaves is in the next one's gradient
+inline constexpr int kAveragingIterations = 10000;  ///< after which it gives up
+inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps free rotations of the whole body definite
 
 struct AveragingReport {
   bool skipped = true;     ///< the rest shapes fitted already
@@ -34,6 +38,10 @@ struct AveragingReport {
 class Averaging {
  public:
   explicit Averaging(const Model& model);
+  ~Averaging();
+  Averaging(const Averaging&);
+  Averaging(Averaging&&) noexcept;
+  Averaging& operator=(Averaging) noexcept;
 
   /// Moves history.material by settings.averaging_steps steps. history.rotation_map becomes the best rotations at the
   /// new positions; a local/global step keeps those that it started from.
@@ -44,8 +52,8 @@ class Averaging {
   const ConnectedParts& parts(const Model& model, const History& history);
 
  private:
-  class GaussNewton;
-  class LocalGlobal;
+  class System;
+  struct Kernels;  // operators and vectors in slots
 
   struct Shift {
     Vec3 sum = Vec3::Zero();
@@ -53,19 +61,14 @@ class Averaging {
   };
 
   void step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report);
-  double fit(const Model& model, History& history);  // targets at the present x, best rotations first; returns E
-  double misfit(const Model& model, const History& history);  // E at the present x, for best rotations
-  void keep_means();                                          // takes the mean of each connected part out of increment_
+  void take_means_out(PointArray& field);  // of each connected part
 
   ConnectedParts parts_;
-  std::size_t num_removed_ = 0;                // length of History::removed that parts_ and node_weight_ belong to
-  std::vector<double> node_weight_;            // number of live elements around a node: diagonal of P but for 7/8
-  std::vector<ElementPoints> target_;          // t = Pi y, per element
-  std::vector<Mat3> inverse_inertia_;          // (B^T B)^-1, per element
-  mutable std::vector<ElementPoints> corner_;  // scratch: what an element adds to its nodes
-  std::vector<double> misfit_;                 // [m^2] share of E, per element
-  std::vector<Shift> shift_;                   // per connected part
-  PointArray gradient_, increment_, before_;   // gradient_ holds -g
+  std::size_t num_removed_ = 0;               // length of History::removed that parts_ and node_weight_ belong to
+  std::vector<double> node_weight_;           // number of live elements around a node: diagonal of P but for 7/8
+  std::vector<Shift> shift_;                  // per connected part
+  PointArray gradient_, increment_, before_;  // gradient_ holds -g
+  std::unique_ptr<Kernels> kernels_;
 };
 
 }  // namespace hexaplast

@@ -22,6 +22,7 @@ struct FlowReport {
 
 /// What is left of an element's step once it is in the trial history.
 struct ElementFlow {
+  bool idle = false;  ///< gone, or at rest: the step leaves it as it is
   bool yielded = false, inverted = false, guarded = false, repaired = false;
   bool collapsing = false;  ///< the averaging pressed it towards inversion
   double volume_error = 0;  ///< [-] |material volume / original volume - 1| before the step
@@ -45,11 +46,10 @@ struct FlowWorkspace {
   std::vector<PartFrame> frames;   ///< per connected part; empty unless the mode needs them
 };
 
-/// One plastic step at accepted world positions x (theory.md section 5): stretch and rotation flow at every corner,
-/// rest shapes, volume restitution, hardening, rest-to-material averaging. `at.rest` must belong to the present
-/// material shape. Throws NumericalError naming the node where a number is not finite; the history is then as
-/// before.
-FlowReport flow(const Model& model, const Linearization& at, ConstPoints x, double dt, LinearSolver& solver,
-                History& history, FlowWorkspace& work);
+/// One plastic step at the accepted world positions that `at` holds (theory.md section 5): stretch and rotation flow at
+/// every corner, rest shapes, volume restitution, hardening, rest-to-material averaging. Throws NumericalError naming
+/// the node where a material position is not finite; the history is then as before.
+FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
+                FlowWorkspace& work);
 
 }  // namespace hexaplast

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <memory>
+
 #include "hexaplast/base/linear_system.hpp"
 
 namespace hexaplast {
@@ -15,14 +17,17 @@ struct ConjugateGradientSettings {
 
 class ConjugateGradients final : public LinearSolver {
  public:
-  explicit ConjugateGradients(ConjugateGradientSettings settings) : settings_(settings) {}
+  explicit ConjugateGradients(ConjugateGradientSettings settings);
+  ~ConjugateGradients() override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   void reset() override;
 
  private:
   ConjugateGradientSettings settings_;
   bool first_solve_ = true;  // SOFA's rules are relaxed in the very first solve
-  PointArray residual_, direction_, product_, previous_;
+  PointArray previous_;
+  struct Spaces;  // the vectors, in the form and the precision that the system asks for
+  std::unique_ptr<Spaces> spaces_;
 };
 
 /// Conjugate gradients with the stopping rule of SOFA's PCGLinearSolver: r.z <= tolerance b.b, where z is what another
@@ -43,17 +48,33 @@ class SolverPreconditionedConjugateGradients final : public LinearSolver {
   PointArray residual_, direction_, product_, preconditioned_;
 };
 
+enum class Preconditioner {
+  kDiagonal,   ///< Jacobi
+  kMultigrid,  ///< a V-cycle over coarser meshes; the diagonal where the system has none
+  kAuto        ///< multigrid where it pays: stiff systems, of which one step couples many elements
+};
+
 /// Preconditioned conjugate gradients that end on |r| <= max(tolerance |b|, A.rounding()) alone: for systems of our
 /// own, where an answer is wanted rather than a number of iterations.
 class PreconditionedConjugateGradients final : public LinearSolver {
  public:
-  PreconditionedConjugateGradients(double tolerance, int iterations) : tolerance_(tolerance), iterations_(iterations) {}
+  PreconditionedConjugateGradients(double tolerance, int iterations,
+                                   Preconditioner preconditioner = Preconditioner::kDiagonal);
+  ~PreconditionedConjugateGradients() override;
+  PreconditionedConjugateGradients(const PreconditionedConjugateGradients& other)
+      : PreconditionedConjugateGradients(other.tolerance_, other.iterations_, other.preconditioner_) {}
+  PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
+  SolveReport improve(const LinearSystem& A, ConstPoints b, Points x) override;
 
  private:
+  SolveReport iterate(const LinearSystem& A, ConstPoints b, const PointArray* start, Points x);
+
   double tolerance_;
   int iterations_;
-  PointArray residual_, direction_, product_, preconditioned_;
+  Preconditioner preconditioner_;
+  struct Spaces;
+  std::unique_ptr<Spaces> spaces_;
 };
 
 }  // namespace hexaplast

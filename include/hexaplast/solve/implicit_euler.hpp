@@ -28,6 +28,10 @@ class MechanicalSystem {
   /// A += m M + b B + k K as blocks.
   virtual void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const = 0;
 
+  /// The same operator for the kernels: diagonal, operator and factor of `system`; what is free stays as it is. False
+  /// where the operator is no diagonal plus one elastic body.
+  virtual bool to_kernels(const OperatorFactors& /*factors*/, KernelSystem& /*system*/) const { return false; }
+
   /// Zeroes constrained degrees of freedom of a nodal field.
   virtual void project(Points field) const = 0;
 

@@ -34,6 +34,8 @@ struct History {
   double dissipated_energy = 0;                ///< [J] accumulated plastic work
   std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
   std::vector<int> removed;                    ///< removed elements in the order of their removal
+  PointArray averaging_increment;  ///< [m] latest step of the averaging, from which the next one starts; num_nodes x 3
+                                   ///< in mixed precision, otherwise empty
   long version = 0;  ///< grows whenever `material` or `alive` changes, so that derived data know they are old
 
   /// The virgin state of a model: material = original positions.

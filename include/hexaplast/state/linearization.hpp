@@ -1,20 +1,42 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <array>
-#include <vector>
+#include <variant>
 
-#include "hexaplast/kinematics/gradients.hpp"
+#include "hexaplast/state/element_operator.hpp"
 #include "hexaplast/state/history.hpp"
 
 namespace hexaplast {
 
+/// What the plastic step asks of every sample before it looks closer, in single precision: per block
+/// [quantity][element of the block].
+struct Watch {
+  static constexpr int kNorm = 0;                       ///< [Pa] at least the stress norm, per sample
+  static constexpr int kCosine = kCorners;              ///< of the angle between the rotations of sample and centre
+  static constexpr int kLeastDet = 2 * kCorners;        ///< smallest det F~
+  static constexpr int kLeastJacobian = kLeastDet + 1;  ///< [m^3] smallest det J of the material shape's corners
+  static constexpr int kQuantities = kLeastJacobian + 1;
+};
+
 /// Everything computed at one set of world positions, and at one material shape. May be thrown away at any time.
 struct Linearization {
-  std::vector<RestOperator> rest;                    ///< gradient operator of the material shape, per element
-  long material_version = -1;                        ///< History::version that `rest` belongs to
-  std::vector<std::array<Mat3, kCorners>> rotation;  ///< R of F = R S per element and sample
-  std::vector<ElementPoints> corner_force;           ///< [N] elastic force per element and corner
+  explicit Linearization(const Model& model);
+
+  // of the material shape
+  long material_version = -1;             ///< History::version that all below belongs to
+  AlignedVector<double> material;         ///< [m] slots
+  std::vector<std::uint16_t> present;     ///< per block: a bit per element that is there and alive
+  std::vector<unsigned char> is_general;  ///< per block: some element is no parallelepiped
+  AlignedVector<double> volume;           ///< [m^3] of the material shape, [block][element]; 0 where nothing is
+
+  // of the world positions
+  bool is_current = false;      ///< what follows belongs to x and the material shape
+  long revision = 0;            ///< grows whenever what follows changes
+  PointArray x;                 ///< [m] world positions
+  AlignedVector<double> world;  ///< [m] slots
+  AlignedVector<double> force;  ///< [N] slots
+  AlignedVector<float> watch;   ///< Watch, per block
+  std::variant<ElementOperator<double, double>, ElementOperator<float, Half>, ElementOperator<float, float>> op;
 };
 
 }  // namespace hexaplast

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "hexaplast/material/material.hpp"
-#include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/mesh/partition.hpp"
 
 namespace hexaplast {
 
@@ -19,6 +20,12 @@ struct Model {
   std::vector<std::array<double, kCorners>> corner_jacobian;  ///< [m^3] det J_i(X) per element and corner
   std::vector<ElementPoints> original_shape;                  ///< [m] corners about their mean, per element
 
+  std::shared_ptr<const Partition> partition;  ///< of the mesh, for the kernels
+  AlignedVector<double> lame_blocks;           ///< [Pa] [block][mu, lambda][element]
+  double length = 1;                           ///< [m] unit of the kernels: a power of two near the edges' length
+
+  bool can_stretch = false;             ///< some element has a yield stress and a flow rate
+  bool can_rotate = false;              ///< some element has a rotation flow rate, and the mode uses it
   bool tracks_plastic_stretch = false;  ///< some element breaks by its plastic stretch, so that it must be remembered
 
   /// Throws InputError for materials or settings outside their ranges, or a material count that is neither 1 nor

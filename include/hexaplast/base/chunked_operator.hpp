@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+namespace hexaplast {
+
+struct Partition;
+struct NodalMap;
+
+/// A symmetric positive semi-definite operator on nodal vectors of the kernels (Partition), applied chunk by chunk.
+template <class T>
+class ChunkedOperator {
+ public:
+  virtual ~ChunkedOperator() = default;
+  virtual const Partition& partition() const = 0;
+
+  /// Ap += factor L p for the elements of one chunk. p: copies up to date. Writes the slots of this chunk alone; what
+  /// belongs to nodes of other chunks is left in its copies.
+  virtual void add_product(int chunk, T factor, const T* p, T* Ap) const = 0;
+
+  /// diagonal += factor diag(L) for the elements of one chunk, written likewise.
+  virtual void add_diagonal(int chunk, T factor, T* diagonal) const = 0;
+};
+
+/// The same operator on a mesh of twice the edge length.
+struct CoarseOperator {
+  const ChunkedOperator<float>* op = nullptr;
+  const NodalMap* prolongation = nullptr;  ///< slots of this level to nodes of the finer one
+  const NodalMap* restriction = nullptr;   ///< its transpose
+  const int* finer_slot = nullptr;         ///< per node of this level: the finer one at the same place, or -1
+};
+
+}  // namespace hexaplast

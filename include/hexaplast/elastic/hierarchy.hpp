@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/mesh/coarsening.hpp"
+#include "hexaplast/state/linearization.hpp"
+
+namespace hexaplast {
+
+/// The stiffness operator on coarser and coarser meshes, for multigrid.                         theory.md section 9.5
+///
+/// A cell of a coarse mesh is a hexahedron whose eight samples stand for its eight children: gradients and rotations
+/// are those of the cell, the weights mu V and lambda V those of the child. Missing children, removed elements and
+/// mixed materials need nothing else.
+class ElementHierarchy {
+ public:
+  explicit ElementHierarchy(const Model& model);
+
+  /// The operators at the positions that `at` holds, into system.coarse; computed anew when these have changed.
+  void update(const Model& model, const Linearization& at, KernelSystem& system);
+
+  std::size_t bytes() const;
+
+ private:
+  struct Level {
+    Level(const Coarsening& coarsening, const Partition& finer);
+
+    std::shared_ptr<const Partition> partition;
+    std::vector<std::array<int, kCorners>> children;
+    NodalMap prolongation, restriction, placement;  // between slots
+    std::vector<int> finer_slot;                    // per slot below num_nodes
+    AlignedVector<double> material, world;          // [m] slots
+    ElementOperator<float, float> op;
+  };
+
+  std::vector<Level> levels_;
+  long revision_ = -1;  // Linearization::revision that the operators belong to
+};
+
+}  // namespace hexaplast

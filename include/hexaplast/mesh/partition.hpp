@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "hexaplast/base/blocks.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+namespace hexaplast {
+
+/// How a mesh is cut for the kernels: elements in blocks of kBlock, blocks in chunks that threads work on
+/// independently, nodes in slots.
+///
+/// A nodal vector of the kernels has four numbers per slot (x, y, z, unused). Slots [0, num_nodes) are the nodes, those
+/// of one chunk side by side; a node that several chunks touch belongs to the first of them, and each of the others has
+/// a copy of it in a slot of its own behind, so that no two chunks write the same slot. The cut depends on the mesh
+/// alone: results do not depend on the number of threads, bit for bit.
+/// The last block is filled up with elements that are not there: their corners are the eight last slots.
+struct Partition {
+  Partition(int num_nodes, const std::vector<Hexahedron>& hexahedra);
+  explicit Partition(const HexMesh& mesh) : Partition(mesh.num_nodes(), mesh.hexahedra()) {}
+
+  int num_nodes = 0;
+  int num_blocks = 0;
+  int num_chunks = 0;
+  int num_slots = 0;               ///< nodes, copies, and the eight slots of elements that are not there
+  std::vector<int> first_block;    ///< per chunk, and one more
+  std::vector<int> first_node;     ///< per chunk, and one more: slots of the nodes that it owns
+  std::vector<int> first_copy;     ///< per chunk, and one more: slots of its copies
+  std::vector<int> original;       ///< per copy: slot of the node; index: slot - num_nodes
+  std::vector<int> first_return;   ///< per chunk, and one more: into returned_copy
+  std::vector<int> returned_copy;  ///< slots of the copies of nodes that a chunk owns, by ascending node
+  std::vector<int> node_of_slot;   ///< per slot below num_nodes
+  std::vector<int> slot_of_node;   ///< the inverse
+  AlignedVector<int> corner;       ///< slots, [block][corner][element of the block]
+
+  /// Element of the mesh at a place of a block, or -1.
+  int element(int block, int place) const {
+    const int e = block * kBlock + place;
+    return e < num_elements ? e : -1;
+  }
+  const int* corners(int block) const { return corner.data() + static_cast<std::size_t>(block) * kCorners * kBlock; }
+  int absent_slot() const { return num_slots - kCorners; }  ///< first corner of the elements that are not there
+
+  int num_elements = 0;
+};
+
+/// A nodal vector of the kernels, all zero.
+template <class T>
+AlignedVector<T> slot_vector(const Partition& partition) {
+  return AlignedVector<T>(4 * static_cast<std::size_t>(partition.num_slots), T(0));
+}
+
+/// The nodes of a nodal field into their slots, copies included.
+template <class T>
+void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots);
+
+/// The copies of a chunk from the nodes that they are copies of.
+template <class T>
+void update_copies(const Partition& partition, int chunk, T* slots) {
+  for (int slot = partition.first_copy[chunk]; slot < partition.first_copy[chunk + 1]; ++slot) {
+    const T* from = slots + 4 * static_cast<std::size_t>(partition.original[slot - partition.num_nodes]);
+    T* to = slots + 4 * static_cast<std::size_t>(slot);
+    for (int i = 0; i < 4; ++i) to[i] = from[i];
+  }
+}
+
+/// Adds what other chunks gathered in their copies to the nodes of a chunk, in a fixed order.
+template <class T>
+void add_returns(const Partition& partition, int chunk, T* slots) {
+  for (int k = partition.first_return[chunk]; k < partition.first_return[chunk + 1]; ++k) {
+    const int copy = partition.returned_copy[k];
+    const T* from = slots + 4 * static_cast<std::size_t>(copy);
+    T* to = slots + 4 * static_cast<std::size_t>(partition.original[copy - partition.num_nodes]);
+    for (int i = 0; i < 4; ++i) to[i] += from[i];
+  }
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Small dense algebra on one element per SIMD lane. Compiled once per instruction set: include it inside a file that
+// foreach_target.h includes again for each, never from an ordinary header.
+#if defined(HEXAPLAST_BASE_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HEXAPLAST_BASE_LANES_INL
+#undef HEXAPLAST_BASE_LANES_INL
+#else
+#define HEXAPLAST_BASE_LANES_INL
+#endif
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "hexaplast/base/blocks.hpp"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// As many numbers as one register of the instruction set holds, at most one block.
+template <class T>
+struct Lanes {
+  using Scalar = T;
+  using Tag = hn::CappedTag<T, kBlock>;
+  using Register = hn::Vec<Tag>;
+  static constexpr int kCount = static_cast<int>(HWY_MIN(HWY_LANES(T), kBlock));
+
+  Lanes() = default;
+  HWY_INLINE Lanes(Register v) : v_(v) {}           // NOLINT: a register is what it is
+  HWY_INLINE Lanes(T s) : v_(hn::Set(Tag(), s)) {}  // NOLINT: numbers mix with lanes
+  HWY_INLINE operator Register() const { return v_; }
+  HWY_INLINE Register raw() const { return v_; }
+
+  HWY_INLINE Lanes& operator+=(Lanes b) { return *this = *this + b; }
+  HWY_INLINE Lanes& operator-=(Lanes b) { return *this = *this - b; }
+  HWY_INLINE Lanes& operator*=(Lanes b) { return *this = *this * b; }
+
+  friend HWY_INLINE Lanes operator+(Lanes a, Lanes b) { return hn::Add(a.v_, b.v_); }
+  friend HWY_INLINE Lanes operator-(Lanes a, Lanes b) { return hn::Sub(a.v_, b.v_); }
+  friend HWY_INLINE Lanes operator*(Lanes a, Lanes b) { return hn::Mul(a.v_, b.v_); }
+  friend HWY_INLINE Lanes operator/(Lanes a, Lanes b) { return hn::Div(a.v_, b.v_); }
+  friend HWY_INLINE Lanes operator-(Lanes a) { return hn::Neg(a.v_); }
+
+  friend HWY_INLINE auto operator<(Lanes a, Lanes b) { return hn::Lt(a.v_, b.v_); }
+  friend HWY_INLINE auto operator>(Lanes a, Lanes b) { return hn::Gt(a.v_, b.v_); }
+
+ private:
+  Register v_;
+};
+
+template <class T>
+HWY_INLINE Lanes<T> sqrt(Lanes<T> a) {
+  return hn::Sqrt(typename Lanes<T>::Register(a));
+}
+template <class T>
+HWY_INLINE Lanes<T> abs(Lanes<T> a) {
+  return hn::Abs(typename Lanes<T>::Register(a));
+}
+template <class T>
+HWY_INLINE Lanes<T> min(Lanes<T> a, Lanes<T> b) {
+  return hn::Min(typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
+}
+template <class T>
+HWY_INLINE Lanes<T> max(Lanes<T> a, Lanes<T> b) {
+  return hn::Max(typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
+}
+/// a where the mask holds, b elsewhere.
+template <class T, class Mask>
+HWY_INLINE Lanes<T> select(Mask mask, Lanes<T> a, Lanes<T> b) {
+  return hn::IfThenElse(mask, typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
+}
+/// One bit per lane.
+template <class T, class Mask>
+HWY_INLINE std::uint32_t bits(Mask mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(typename Lanes<T>::Tag(), mask, bytes);
+  std::uint32_t word = 0;
+  for (int i = 0; i < (Lanes<T>::kCount + 7) / 8; ++i) word |= static_cast<std::uint32_t>(bytes[i]) << (8 * i);
+  return word & ((1u << Lanes<T>::kCount) - 1);
+}
+
+/// Numbers of one block, as they are stored, in the precision of the lanes.
+template <class T>
+HWY_INLINE Lanes<T> load(const T* from) {
+  return hn::Load(typename Lanes<T>::Tag(), from);
+}
+template <class T>
+HWY_INLINE void store(Lanes<T> a, T* to) {
+  hn::Store(typename Lanes<T>::Register(a), typename Lanes<T>::Tag(), to);
+}
+template <class T>
+HWY_INLINE Lanes<T> load_as(const T* from) {
+  return load(from);
+}
+HWY_INLINE Lanes<float> load_as(const hwy::float16_t* from) {
+  const hn::Rebind<hwy::float16_t, Lanes<float>::Tag> half;
+  return hn::PromoteTo(Lanes<float>::Tag(), hn::Load(half, from));
+}
+
+template <class T>
+HWY_INLINE void store_as(Lanes<T> a, T* to) {
+  store(a, to);
+}
+HWY_INLINE void store_as(Lanes<double> a, float* to) {
+  const hn::Rebind<float, Lanes<double>::Tag> d;
+  hn::Store(hn::DemoteTo(d, Lanes<double>::Register(a)), d, to);
+}
+HWY_INLINE void store_as(Lanes<double> a, hwy::float16_t* to) {
+  const hn::Rebind<float, Lanes<double>::Tag> single;
+  const hn::Rebind<hwy::float16_t, Lanes<double>::Tag> half;
+  hn::Store(hn::DemoteTo(half, hn::DemoteTo(single, Lanes<double>::Register(a))), half, to);
+}
+/// The lanes of which the bits are set from a, the others from b.
+template <class T>
+HWY_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes<T> b) {
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits_of_a), static_cast<std::uint8_t>(bits_of_a >> 8)};
+  return hn::IfThenElse(hn::LoadMaskBits(typename Lanes<T>::Tag(), bytes), typename Lanes<T>::Register(a),
+                        typename Lanes<T>::Register(b));
+}
+
+/// Calls f with std::integral_constant 0 ... N-1, written out: the compiler is to see constants, not a loop.
+template <int N, class F>
+HWY_INLINE void unrolled(const F& f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+    (f(std::integral_constant<int, static_cast<int>(I)>()), ...);
+  }
+  (std::make_index_sequence<N>());
+}
+
+/// 3 x 3, row by row.
+template <class V>
+struct Mat {
+  V m[3][3];
+  HWY_INLINE V& operator()(int i, int j) { return m[i][j]; }
+  HWY_INLINE const V& operator()(int i, int j) const { return m[i][j]; }
+};
+/// 3 x 3 symmetric.
+template <class V>
+struct Sym {
+  V xx, yy, zz, yz, zx, xy;
+};
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

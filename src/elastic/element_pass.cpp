@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Compiled once per instruction set; the functions at the end choose at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "elastic/element_pass.cpp"
+#include "hwy/foreach_target.h"
+//
+#include "elastic/element_kernels-inl.hpp"
+#include "elastic/element_pass.hpp"
+#include "material/corotated-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+template <bool kGeneral, class T, class Coef>
+HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
+  using V = Lanes<double>;
+  const int* slots = pass.partition.corners(block) + lane;
+  const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
+  CornerLanes<V> x, u;
+  gather(pass.material, slots, x);
+  gather(pass.world, slots, u);
+  replace_absent(present, x);
+  replace_absent(present, u);
+  RestLanes<kGeneral, V> rest;
+  rest_operator(x, pass.gradient, rest);
+  const GradientLanes<kGeneral, V> gradient(rest, u);
+  const V share = rest.share;
+  const V volume = select_bits(present, rest.volume, V(0.0));
+  store(volume, pass.volume + static_cast<std::size_t>(block) * kBlock + lane);
+
+  const double* lame = pass.lame + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  const V mu = load(lame), lambda = load(lame + kBlock);
+  const V eighth = V(-1.0 / kCorners) * volume;
+  float* watch = pass.watch + static_cast<std::size_t>(block) * Watch::kQuantities * kBlock + lane;
+  auto* coef = reinterpret_cast<typename Stored<Coef>::type*>(pass.op.coef.data() + pass.op.offset[block]) + lane;
+  T* weight = pass.op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  const V scale = V(1 / (kCorners * pass.length * pass.length)) * volume;
+  store_as(scale * mu, weight);
+  store_as(scale * lambda, weight + kBlock);
+  const V length(pass.length);
+
+  Mat<V> R_centre = rest.inverse[0];  // overwritten where it is wanted
+  if (pass.watches_rotation) R_centre = safe_polar(centre_gradient(x, u)).R;
+
+  EdgeLanes<V> q;
+  Mat<V> Q;
+  V least_det(1e300);
+  for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] = V(0.0);
+  for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
+  for (int i = 0; i < kCorners; ++i) {
+    const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
+    const Mat<V> F = gradient(i);
+    const PolarLanes<V> FRS = safe_polar(F);
+    const Sym<V> s = stress(FRS.S, mu, lambda);
+    const Mat<V> sigma{{{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}}};
+    const Mat<V> P = FRS.R * sigma;
+    for (int d = 0; d < 3; ++d)
+      for (int r = 0; r < 3; ++r)
+        q.at[d][kEdgeAt[i][d]][r] += P(r, 0) * A(d, 0) + P(r, 1) * A(d, 1) + P(r, 2) * A(d, 2);
+    if constexpr (kGeneral)
+      for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] += P.m[k / 3][k % 3];
+
+    store_mat(product_transposed(A, FRS.R), length, coef + 9 * i * kBlock);
+    if constexpr (kGeneral) store_mat(FRS.R, V(1.0), coef + (9 * kCorners + 9 * i) * kBlock);
+    store_as(stress_norm_bound(s, pass.norm), watch + (Watch::kNorm + i) * kBlock);
+    const Mat<V> cof = cofactor(F);
+    least_det = min(least_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
+    if (pass.watches_rotation)
+      store_as(V(0.5) * (dot(R_centre, FRS.R) - V(1.0)), watch + (Watch::kCosine + i) * kBlock);
+  }
+  store_as(least_det, watch + Watch::kLeastDet * kBlock);
+  store_as(rest.least_jacobian, watch + Watch::kLeastJacobian * kBlock);
+
+  CornerLanes<V> f;
+  if constexpr (kGeneral) {
+    for (int k = 0; k < 3 * kCorners; ++k)
+      store_as(length * rest.h.at[k / 3][k % 3], coef + (18 * kCorners + k) * kBlock);
+    for (int a = 0; a < kCorners; ++a)
+      for (int r = 0; r < 3; ++r)
+        f.at[a][r] = eighth * (Q(r, 0) * rest.h.at[a][0] + Q(r, 1) * rest.h.at[a][1] + Q(r, 2) * rest.h.at[a][2]);
+    for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] *= eighth * share;
+  } else {
+    for (int k = 0; k < 24; ++k) f.at[k / 3][k % 3] = V(0.0);
+    blend(share, q);
+    for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] *= eighth;
+  }
+  add_edges_transpose(q, f);
+  scatter_add(f, pass.force, slots);
+}
+
+template <class T, class Coef>
+void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
+  for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
+      if (pass.is_general[block])
+        linearize_lanes<true>(pass, block, lane);
+      else
+        linearize_lanes<false>(pass, block, lane);
+}
+
+void linearize_coarse(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
+                      double length, int chunk, ElementOperator<float, float>& op) {
+  using V = Lanes<double>;
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock; lane += V::kCount) {
+      const int* slots = partition.corners(block) + lane;
+      std::uint32_t present = 0;
+      for (int k = 0; k < V::kCount; ++k) present |= (partition.element(block, lane + k) >= 0 ? 1u : 0u) << k;
+      CornerLanes<V> x, u;
+      gather(material, slots, x);
+      gather(world, slots, u);
+      RestLanes<true, V> rest;
+      // corners beyond the mesh may lie anywhere: cells that they turn inside out do not help
+      for (int attempt = 0; attempt < 2; ++attempt) {
+        replace_absent(present, x);
+        replace_absent(present, u);
+        rest_operator(x, gradient, rest);
+        present &= bits<double>(rest.least_jacobian > V(0.0));
+      }
+      float* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kCorners * kBlock + lane;
+      for (int k = 0; k < V::kCount; ++k)
+        if (!(present >> k & 1))
+          for (int n = 0; n < 2 * kCorners; ++n) weight[n * kBlock + k] = 0;
+      const GradientLanes<true, V> F(rest, u);
+      float* coef = op.coef.data() + op.offset[block] + lane;
+      for (int i = 0; i < kCorners; ++i) {
+        const Mat<V> R = safe_polar(F(i)).R;
+        store_mat(product_transposed(rest.inverse[i], R), V(length), coef + 9 * i * kBlock);
+        store_mat(R, V(1.0), coef + (9 * kCorners + 9 * i) * kBlock);
+      }
+      for (int k = 0; k < 3 * kCorners; ++k)
+        store_as(V(length) * rest.h.at[k / 3][k % 3], coef + (18 * kCorners + k) * kBlock);
+    }
+}
+
+/// A hexahedron is a parallelepiped when the edges of each direction agree to `alike` of the longest one.
+void find_general(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
+                  int chunk, unsigned char* is_general) {
+  using V = Lanes<double>;
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
+    is_general[block] = 0;
+    for (int lane = 0; lane < kBlock; lane += V::kCount) {
+      CornerLanes<V> x;
+      EdgeLanes<V> e;
+      gather(material, partition.corners(block) + lane, x);
+      replace_absent(static_cast<std::uint32_t>(present[block]) >> lane, x);
+      edges(x, e);
+      V longest(0.0), difference(0.0);
+      for (int k = 0; k < 9; ++k) {
+        const V* edge[4];
+        for (int m = 0; m < 4; ++m) edge[m] = &e.at[k / 3][m][k % 3];
+        longest = max(longest, abs(*edge[0]));
+        for (int m = 1; m < 4; ++m) difference = max(difference, abs(*edge[m] - *edge[0]));
+      }
+      is_general[block] |= bits<double>(difference > V(alike) * longest) != 0;
+    }
+  }
+}
+
+void linearize_double(const ElementPass<double, double>& pass, int chunk) { linearize_chunk(pass, chunk); }
+void linearize_float(const ElementPass<float, float>& pass, int chunk) { linearize_chunk(pass, chunk); }
+void linearize_half(const ElementPass<float, Half>& pass, int chunk) { linearize_chunk(pass, chunk); }
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hexaplast {
+
+HWY_EXPORT(linearize_double);
+HWY_EXPORT(linearize_float);
+HWY_EXPORT(linearize_half);
+HWY_EXPORT(find_general);
+HWY_EXPORT(linearize_coarse);
+
+template <>
+void linearize_elements(const ElementPass<double, double>& pass, int chunk) {
+  HWY_DYNAMIC_DISPATCH(linearize_double)(pass, chunk);
+}
+template <>
+void linearize_elements(const ElementPass<float, float>& pass, int chunk) {
+  HWY_DYNAMIC_DISPATCH(linearize_float)(pass, chunk);
+}
+template <>
+void linearize_elements(const ElementPass<float, Half>& pass, int chunk) {
+  HWY_DYNAMIC_DISPATCH(linearize_half)(pass, chunk);
+}
+void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
+                     double length, int chunk, ElementOperator<float, float>& op) {
+  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, material, world, gradient, length, chunk, op);
+}
+void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
+                         int chunk, unsigned char* is_general) {
+  HWY_DYNAMIC_DISPATCH(find_general)(partition, material, present, alike, chunk, is_general);
+}
+
+}  // namespace hexaplast
+#endif

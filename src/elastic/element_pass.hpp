@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/state/linearization.hpp"
+
+namespace hexaplast {
+
+/// One pass over the elements of a chunk at world positions: forces, and what is wanted beside them.
+template <class T, class Coef>
+struct ElementPass {
+  const Partition& partition;
+  const double* material;           ///< [m] slots
+  const double* world;              ///< [m] slots
+  const double* lame;               ///< [Pa] [block][mu, lambda][element]
+  const std::uint16_t* present;     ///< per block: a bit per element that is there and alive
+  const unsigned char* is_general;  ///< per block
+  GradientScheme gradient;
+  YieldNorm norm;
+  bool watches_rotation;  ///< fills Watch::kCosine
+  double length;          ///< [m] unit of the coefficients
+  ElementOperator<T, Coef>& op;
+  double* force;   ///< [N] slots, added to
+  double* volume;  ///< [m^3] [block][element]
+  float* watch;    ///< Watch, per block
+};
+
+template <class T, class Coef>
+void linearize_elements(const ElementPass<T, Coef>& pass, int chunk);
+
+/// Coefficients of cells of a coarse mesh; the weights of `op` are there already.
+void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
+                     double length, int chunk, ElementOperator<float, float>& op);
+
+/// Marks the blocks of a chunk in which some element that is present is no parallelepiped: edges of one direction
+/// differ by more than `alike` of the longest.
+void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
+                         int chunk, unsigned char* is_general);
+
+}  // namespace hexaplast

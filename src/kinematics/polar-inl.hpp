@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Polar decomposition, one matrix per SIMD lane.                                              theory.md section 9.2
+#if defined(HEXAPLAST_KINEMATICS_POLAR_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HEXAPLAST_KINEMATICS_POLAR_INL
+#undef HEXAPLAST_KINEMATICS_POLAR_INL
+#else
+#define HEXAPLAST_KINEMATICS_POLAR_INL
+#endif
+
+#include "base/lanes-inl.hpp"
+#include "hexaplast/kinematics/polar.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+/// C = A B.
+template <class V>
+HWY_INLINE Mat<V> operator*(const Mat<V>& A, const Mat<V>& B) {
+  Mat<V> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) C(i, j) = A(i, 0) * B(0, j) + A(i, 1) * B(1, j) + A(i, 2) * B(2, j);
+  return C;
+}
+/// C = A^T B.
+template <class V>
+HWY_INLINE Mat<V> transposed_product(const Mat<V>& A, const Mat<V>& B) {
+  Mat<V> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) C(i, j) = A(0, i) * B(0, j) + A(1, i) * B(1, j) + A(2, i) * B(2, j);
+  return C;
+}
+/// C = A B^T.
+template <class V>
+HWY_INLINE Mat<V> product_transposed(const Mat<V>& A, const Mat<V>& B) {
+  Mat<V> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) C(i, j) = A(i, 0) * B(j, 0) + A(i, 1) * B(j, 1) + A(i, 2) * B(j, 2);
+  return C;
+}
+/// det(F) F^-T.
+template <class V>
+HWY_INLINE Mat<V> cofactor(const Mat<V>& F) {
+  Mat<V> C;
+  for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3, l = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int m = (j + 1) % 3, n = (j + 2) % 3;
+      C(i, j) = F(k, m) * F(l, n) - F(k, n) * F(l, m);
+    }
+  }
+  return C;
+}
+template <class V>
+HWY_INLINE V dot(const Mat<V>& A, const Mat<V>& B) {
+  V sum = A(0, 0) * B(0, 0);
+  for (int k = 1; k < 9; ++k) sum += A(k / 3, k % 3) * B(k / 3, k % 3);
+  return sum;
+}
+
+/// The reciprocal basis of three edges (rows): row d is cross(e_{d+1}, e_{d+2}) / det, so that e_c . row d = [c == d].
+template <class V>
+HWY_INLINE Mat<V> reciprocal(const Mat<V>& rows, V& det) {
+  Mat<V> C = cofactor(rows);
+  det = rows(0, 0) * C(0, 0) + rows(0, 1) * C(0, 1) + rows(0, 2) * C(0, 2);
+  const V inverse = V(1) / det;
+  for (int k = 0; k < 9; ++k) C.m[k / 3][k % 3] *= inverse;
+  return C;
+}
+
+template <class V>
+struct PolarLanes {
+  Mat<V> R;
+  Sym<V> S;                ///< of F = R S
+  std::uint32_t doubtful;  ///< bit per lane: too close to where the rotation is not unique; ask the SVD
+};
+
+/// The invariant I = s1 + s2 + s3 of the signed stretches is the largest root of
+///
+///   I^4 - 2 |F|^2 I^2 - 8 det(F) I + |F|^4 - 4 |cof F|^2 = 0
+///
+/// and with II = (I^2 - |F|^2) / 2, III = det F the rotation is
+///
+///   R = [ I cof F + (I^2 - II) F - F F^T F ] / (I II - III).                                                eq. 51
+///
+/// The denominator (s1 + s2)(s2 + s3)(s3 + s1) vanishes only where the rotation itself is not unique.
+template <class V>
+HWY_INLINE PolarLanes<V> polar(const Mat<V>& given) {
+  using T = typename V::Scalar;
+  constexpr int kNewtonSteps = sizeof(T) == 8 ? 6 : 5;
+  constexpr T kLeastDenominator = T(2e-3);                      // of I^3
+  constexpr T kConverged = sizeof(T) == 8 ? T(1e-7) : T(1e-3);  // of I, in the last step: the one after squares it
+
+  V size = abs(given(0, 0));
+  for (int k = 1; k < 9; ++k) size = max(size, abs(given(k / 3, k % 3)));
+  const V scale = V(T(1)) / max(size, V(T(1e-30)));
+  Mat<V> F;
+  for (int k = 0; k < 9; ++k) F.m[k / 3][k % 3] = scale * given.m[k / 3][k % 3];
+
+  const Mat<V> cof = cofactor(F);
+  const V n2 = dot(F, F), c2 = dot(cof, cof);
+  const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
+  const V constant = n2 * n2 - V(T(4)) * c2;
+  V I = sqrt(V(T(3)) * n2);
+  V step = I;
+  for (int k = 0; k < kNewtonSteps; ++k) {
+    const V I2 = I * I;
+    const V value = (I2 - (n2 + n2)) * I2 - V(T(8)) * det * I + constant;
+    const V slope = V(T(4)) * ((I2 - n2) * I - (det + det));
+    step = value / slope;
+    I -= step;
+  }
+  const V II = V(T(0.5)) * (I * I - n2);
+  const V denominator = I * II - det;
+  const V cube = I * I * I;
+  // written so that NaN is doubtful
+  const auto fine = hn::And(denominator > V(kLeastDenominator) * cube, abs(step) < V(kConverged) * I);
+  PolarLanes<V> out;
+  out.doubtful = bits<T>(hn::Not(fine));
+
+  const Mat<V> FtF = transposed_product(F, F), FFtF = F * FtF;
+  const V share = V(T(1)) / denominator, linear = I * I - II;
+  Mat<V> R;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) R(i, j) = share * (I * cof(i, j) + linear * F(i, j) - FFtF(i, j));
+
+  // one Newton-Schulz step makes R orthogonal to rounding: R <- R + R (I - R^T R) / 2
+  const Mat<V> RtR = transposed_product(R, R);
+  Mat<V> half;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) half(i, j) = V(T(i == j ? 1.5 : 0)) - V(T(0.5)) * RtR(i, j);
+  out.R = R * half;
+
+  const Mat<V> S = transposed_product(out.R, given);
+  out.S = {S(0, 0),
+           S(1, 1),
+           S(2, 2),
+           V(T(0.5)) * (S(1, 2) + S(2, 1)),
+           V(T(0.5)) * (S(2, 0) + S(0, 2)),
+           V(T(0.5)) * (S(0, 1) + S(1, 0))};
+  return out;
+}
+
+/// The lanes that the closed form leaves open, by the singular value decomposition.
+template <class V>
+HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
+  constexpr int kCount = V::kCount;
+  alignas(64) double f[9][kCount], r[9][kCount], s[6][kCount];
+  Sym<V>& S = polar.S;
+  V* const sym[6] = {&S.xx, &S.yy, &S.zz, &S.yz, &S.zx, &S.xy};
+  for (int k = 0; k < 9; ++k) {
+    store(F.m[k / 3][k % 3], f[k]);
+    store(polar.R.m[k / 3][k % 3], r[k]);
+  }
+  for (int k = 0; k < 6; ++k) store(*sym[k], s[k]);
+  for (int lane = 0; lane < kCount; ++lane) {
+    if (!(polar.doubtful >> lane & 1)) continue;
+    Mat3 one;
+    for (int k = 0; k < 9; ++k) one(k / 3, k % 3) = f[k][lane];
+    const Polar found = hexaplast::polar(one);
+    for (int k = 0; k < 9; ++k) r[k][lane] = found.R(k / 3, k % 3);
+    const Mat3& U = found.S;
+    const double numbers[6] = {U(0, 0), U(1, 1), U(2, 2), U(1, 2), U(2, 0), U(0, 1)};
+    for (int k = 0; k < 6; ++k) s[k][lane] = numbers[k];
+  }
+  for (int k = 0; k < 9; ++k) polar.R.m[k / 3][k % 3] = load(r[k]);
+  for (int k = 0; k < 6; ++k) *sym[k] = load(s[k]);
+}
+
+template <class V>
+HWY_INLINE PolarLanes<V> safe_polar(const Mat<V>& F) {
+  PolarLanes<V> found = polar(F);
+  if (HWY_UNLIKELY(found.doubtful != 0)) polar_by_svd(F, found);
+  return found;
+}
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Logarithm and power of rotations, one per SIMD lane.
+#if defined(HEXAPLAST_KINEMATICS_ROTATION_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HEXAPLAST_KINEMATICS_ROTATION_INL
+#undef HEXAPLAST_KINEMATICS_ROTATION_INL
+#else
+#define HEXAPLAST_KINEMATICS_ROTATION_INL
+#endif
+
+#include "base/lanes-inl.hpp"
+#include "hwy/contrib/math/math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+/// Rotation vector: axis times angle.
+template <class V>
+struct RotationVectorLanes {
+  V axis_angle[3];
+  V angle;                       ///< [rad] in [0, pi)
+  std::uint32_t near_half_turn;  ///< bit per lane: the axis is lost in rounding; ask rotation_log of polar.hpp
+};
+
+template <class V>
+HWY_INLINE RotationVectorLanes<V> rotation_log(const Mat<V>& R) {
+  const typename V::Tag d;
+  const V cosine = V(0.5) * (R(0, 0) + R(1, 1) + R(2, 2) - V(1.0));
+  RotationVectorLanes<V> out;
+  out.axis_angle[0] = V(0.5) * (R(2, 1) - R(1, 2));
+  out.axis_angle[1] = V(0.5) * (R(0, 2) - R(2, 0));
+  out.axis_angle[2] = V(0.5) * (R(1, 0) - R(0, 1));
+  const V sine = sqrt(out.axis_angle[0] * out.axis_angle[0] + out.axis_angle[1] * out.axis_angle[1] +
+                      out.axis_angle[2] * out.axis_angle[2]);
+  out.near_half_turn = bits<double>(hn::Not(cosine > V(-0.9)));
+
+  // atan2 with the quotient kept below 1
+  const auto steep = sine > abs(cosine);
+  const V quotient = select(steep, cosine, sine) / select(steep, sine, max(abs(cosine), V(1e-300)));
+  const V arc(hn::Atan(d, quotient.raw()));
+  const V half_turn(3.14159265358979323846);
+  out.angle = select(steep, V(0.5) * half_turn - arc, select(cosine < V(0.0), half_turn - arc, arc));
+  const V stretch = select(sine > V(1e-150), out.angle / max(sine, V(1e-150)), V(1.0));
+  for (V& component : out.axis_angle) component *= stretch;
+  return out;
+}
+
+/// exp(share w).
+template <class V>
+HWY_INLINE Mat<V> rotation_exp(const RotationVectorLanes<V>& w, V share) {
+  const typename V::Tag d;
+  const V half = V(0.5) * share * w.angle, small(1e-8);
+  const V sine(hn::Sin(d, half.raw())), cosine(hn::Cos(d, half.raw()));
+  // q = (cos, axis sin): the axis is w / angle, and sin / half -> 1
+  const V ratio = V(0.5) * share * select(half > small, sine / max(half, small), V(1.0));
+  const V x = ratio * w.axis_angle[0], y = ratio * w.axis_angle[1], z = ratio * w.axis_angle[2];
+  const V two(2.0), one(1.0);
+  return {{{one - two * (y * y + z * z), two * (x * y - cosine * z), two * (x * z + cosine * y)},
+           {two * (x * y + cosine * z), one - two * (x * x + z * z), two * (y * z - cosine * x)},
+           {two * (x * z - cosine * y), two * (y * z + cosine * x), one - two * (x * x + y * y)}}};
+}
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/coarsening.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <unordered_map>
+
+namespace hexaplast {
+
+namespace {
+
+using Lattice = std::array<int, 3>;
+
+constexpr int kFewestElements = 64;  // below, a few sweeps of smoothing solve the problem
+constexpr double kLeastGain = 2.5;   // fine elements per cell: less, and the lattice is not worth following
+
+/// Place of every element's corners on the lattice of its chart.
+struct Charts {
+  std::vector<int> chart;                              // per element
+  std::vector<std::array<Lattice, kCorners>> corners;  // per element
+};
+
+std::uint64_t key_of(const Lattice& at, int chart) {
+  std::uint64_t key = static_cast<std::uint64_t>(chart);
+  for (const int i : at) key = key * 2097152 + static_cast<std::uint64_t>(i + 1048576);
+  return key;
+}
+
+Lattice least(const std::array<Lattice, kCorners>& corners) {
+  Lattice low = corners[0];
+  for (const Lattice& at : corners)
+    for (int d = 0; d < 3; ++d) low[d] = std::min(low[d], at[d]);
+  return low;
+}
+
+/// Per element and face: the element across, or -1.
+std::vector<std::array<int, 6>> neighbours(const std::vector<Hexahedron>& hexahedra) {
+  struct Face {
+    std::array<int, 4> nodes;
+    int element, side;
+  };
+  std::vector<Face> faces;
+  faces.reserve(hexahedra.size() * 6);
+  for (int e = 0; e < static_cast<int>(hexahedra.size()); ++e)
+    for (int side = 0; side < 6; ++side) {
+      Face face{{}, e, side};
+      for (int k = 0; k < 4; ++k) face.nodes[k] = hexahedra[e][kFaces[side][k]];
+      std::sort(face.nodes.begin(), face.nodes.end());
+      faces.push_back(face);
+    }
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+    return a.nodes != b.nodes ? a.nodes < b.nodes : a.element < b.element;
+  });
+  std::vector<std::array<int, 6>> across(hexahedra.size());
+  for (auto& row : across) row.fill(-1);
+  for (std::size_t k = 1; k < faces.size(); ++k) {
+    if (faces[k].nodes != faces[k - 1].nodes) continue;
+    across[faces[k].element][faces[k].side] = faces[k - 1].element;
+    across[faces[k - 1].element][faces[k - 1].side] = faces[k].element;
+  }
+  return across;
+}
+
+/// Follows neighbours across faces from a seed; an element that would land on a place that is taken starts a chart of
+/// its own.
+Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
+  const std::vector<std::array<int, 6>> across = neighbours(hexahedra);
+  Charts charts;
+  charts.chart.assign(hexahedra.size(), -1);
+  charts.corners.resize(hexahedra.size());
+  std::unordered_map<std::uint64_t, int> taken;
+  std::vector<int> queue;
+  int num_charts = 0;
+
+  for (int seed = 0; seed < static_cast<int>(hexahedra.size()); ++seed) {
+    if (charts.chart[seed] >= 0) continue;
+    for (int a = 0; a < kCorners; ++a)
+      for (int d = 0; d < 3; ++d) charts.corners[seed][a][d] = kCornerSign[a][d] > 0;
+    charts.chart[seed] = num_charts;
+    taken.emplace(key_of({0, 0, 0}, num_charts), seed);
+    queue = {seed};
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      const int e = queue[head];
+      for (int side = 0; side < 6; ++side) {
+        const int other = across[e][side];
+        if (other < 0 || charts.chart[other] >= 0) continue;
+
+        // corners on the shared face keep their places, the others lie one step beyond
+        std::array<Lattice, kCorners> places;
+        std::array<bool, kCorners> known{};
+        for (int a = 0; a < kCorners; ++a)
+          for (int b = 0; b < kCorners; ++b)
+            if (hexahedra[other][a] == hexahedra[e][b] &&
+                std::find(kFaces[side].begin(), kFaces[side].end(), b) != kFaces[side].end()) {
+              places[a] = charts.corners[e][b];
+              known[a] = true;
+            }
+        const int on_face = kFaces[side][0];
+        Lattice outward{};
+        for (int d = 0; d < 3; ++d) {
+          const int inner = kEdgeNeighbour[on_face][d];
+          if (std::find(kFaces[side].begin(), kFaces[side].end(), inner) != kFaces[side].end()) continue;
+          for (int i = 0; i < 3; ++i) outward[i] = charts.corners[e][on_face][i] - charts.corners[e][inner][i];
+        }
+        bool complete = std::count(known.begin(), known.end(), true) == 4;
+        for (int a = 0; a < kCorners && complete; ++a) {
+          if (known[a]) continue;
+          int from = -1;
+          for (const int neighbour : kEdgeNeighbour[a])
+            if (known[neighbour]) from = neighbour;
+          complete = from >= 0;
+          if (complete)
+            for (int i = 0; i < 3; ++i) places[a][i] = places[from][i] + outward[i];
+        }
+        if (!complete || !taken.emplace(key_of(least(places), num_charts), other).second) continue;
+        charts.chart[other] = num_charts;
+        charts.corners[other] = places;
+        queue.push_back(other);
+      }
+    }
+    ++num_charts;
+  }
+
+  // every chart begins at an even place
+  std::vector<Lattice> low(num_charts, Lattice{1 << 20, 1 << 20, 1 << 20});
+  for (std::size_t e = 0; e < hexahedra.size(); ++e)
+    for (int d = 0; d < 3; ++d)
+      low[charts.chart[e]][d] = std::min(low[charts.chart[e]][d], least(charts.corners[e])[d]);
+  for (std::size_t e = 0; e < hexahedra.size(); ++e)
+    for (Lattice& at : charts.corners[e])
+      for (int d = 0; d < 3; ++d) at[d] -= low[charts.chart[e]][d];
+  return charts;
+}
+
+int corner_at(int x, int y, int z) {
+  for (int a = 0; a < kCorners; ++a)
+    if ((kCornerSign[a][0] > 0) == (x > 0) && (kCornerSign[a][1] > 0) == (y > 0) && (kCornerSign[a][2] > 0) == (z > 0))
+      return a;
+  return 0;
+}
+
+/// Cells of 2 x 2 x 2 places, in the order of their first element.
+struct Cells {
+  std::vector<int> of_element;
+  std::vector<int> chart;      // per cell
+  std::vector<Lattice> place;  // per cell
+  std::vector<std::array<int, kCorners>> children;
+
+  int count() const { return static_cast<int>(place.size()); }
+};
+
+Cells find_cells(const Charts& charts) {
+  Cells cells;
+  std::unordered_map<std::uint64_t, int> cell_at;
+  for (std::size_t e = 0; e < charts.chart.size(); ++e) {
+    const Lattice low = least(charts.corners[e]);
+    const Lattice place{low[0] / 2, low[1] / 2, low[2] / 2};
+    const auto [found, is_new] = cell_at.emplace(key_of(place, charts.chart[e]), cells.count());
+    if (is_new) {
+      cells.place.push_back(place);
+      cells.chart.push_back(charts.chart[e]);
+      cells.children.emplace_back().fill(-1);
+    }
+    cells.of_element.push_back(found->second);
+    cells.children[found->second][corner_at(low[0] % 2, low[1] % 2, low[2] % 2)] = static_cast<int>(e);
+  }
+  return cells;
+}
+
+/// Root of a node in a forest of merged nodes.
+int root(std::vector<int>& parent, int node) {
+  while (parent[node] != node) node = parent[node] = parent[parent[node]];
+  return node;
+}
+
+/// Each fine node by the cell in which it needs the fewest corners.
+NodalMap trilinear(int num_nodes, const std::vector<Hexahedron>& hexahedra, const Charts& charts, const Cells& cells,
+                   const std::vector<Hexahedron>& cell_corners) {
+  struct Place {
+    int element = -1, corner = -1, needed = kCorners + 1;
+  };
+  std::vector<Place> best(static_cast<std::size_t>(num_nodes));
+  // 0, 1 or 2: at one end of the cell, in the middle, at the other end
+  const auto half_steps = [&](int e, int a, int d) {
+    return charts.corners[e][a][d] - 2 * cells.place[cells.of_element[e]][d];
+  };
+  for (int e = 0; e < static_cast<int>(hexahedra.size()); ++e)
+    for (int a = 0; a < kCorners; ++a) {
+      int needed = 1;
+      for (int d = 0; d < 3; ++d) needed *= half_steps(e, a, d) == 1 ? 2 : 1;
+      Place& place = best[hexahedra[e][a]];
+      if (needed < place.needed) place = {e, a, needed};
+    }
+  NodalMap map;
+  map.first.push_back(0);
+  for (const Place& place : best) {
+    for (int b = 0; b < kCorners && place.element >= 0; ++b) {
+      double weight = 1;
+      for (int d = 0; d < 3; ++d) {
+        const int at = half_steps(place.element, place.corner, d);
+        weight *= at == 1 ? 0.5 : (at == 2) == (kCornerSign[b][d] > 0) ? 1 : 0;
+      }
+      if (weight == 0) continue;
+      map.column.push_back(cell_corners[cells.of_element[place.element]][b]);
+      map.weight.push_back(static_cast<float>(weight));
+    }
+    map.first.push_back(static_cast<int>(map.column.size()));
+  }
+  return map;
+}
+
+/// Each coarse node at its fine node, or by the affine extension of the child that lies nearest to the corner.
+NodalMap affine(const std::vector<Hexahedron>& hexahedra, const Charts& charts, const Cells& cells,
+                const std::vector<Hexahedron>& cell_corners, const std::vector<int>& fine_node) {
+  struct Nearest {
+    int child = -1, cell = -1, corner = -1, steps = 4;
+  };
+  std::vector<Nearest> nearest(fine_node.size());
+  for (int c = 0; c < cells.count(); ++c)
+    for (int a = 0; a < kCorners; ++a)
+      for (int b = 0; b < kCorners; ++b) {
+        if (cells.children[c][b] < 0) continue;
+        int steps = 0;
+        for (int d = 0; d < 3; ++d) steps += kCornerSign[a][d] != kCornerSign[b][d];
+        Nearest& at = nearest[cell_corners[c][a]];
+        if (steps < at.steps) at = {cells.children[c][b], c, a, steps};
+      }
+  NodalMap map;
+  map.first.push_back(0);
+  for (std::size_t node = 0; node < fine_node.size(); ++node) {
+    if (fine_node[node] >= 0) {
+      map.column.push_back(fine_node[node]);
+      map.weight.push_back(1);
+    } else {
+      // s: the corner in the child's reference cube; x = mean of x_b (1 + s . s_b)
+      const Nearest& from = nearest[node];
+      const Lattice low = least(charts.corners[from.child]);
+      for (int b = 0; b < kCorners; ++b) {
+        double weight = 1;
+        for (int d = 0; d < 3; ++d) {
+          const int target = 2 * (cells.place[from.cell][d] + (kCornerSign[from.corner][d] > 0));
+          weight += (2.0 * (target - low[d]) - 1) * (2.0 * (charts.corners[from.child][b][d] - low[d]) - 1);
+        }
+        map.column.push_back(hexahedra[from.child][b]);
+        map.weight.push_back(static_cast<float>(weight / kCorners));
+      }
+    }
+    map.first.push_back(static_cast<int>(map.column.size()));
+  }
+  return map;
+}
+
+}  // namespace
+
+NodalMap NodalMap::transposed(int num_columns) const {
+  NodalMap out;
+  out.first.assign(num_columns + 1, 0);
+  for (const int c : column) ++out.first[c + 1];
+  std::partial_sum(out.first.begin(), out.first.end(), out.first.begin());
+  out.column.resize(column.size());
+  out.weight.resize(weight.size());
+  std::vector<int> next = out.first;
+  for (int row = 0; row < num_rows(); ++row)
+    for (int k = first[row]; k < first[row + 1]; ++k) {
+      out.column[next[column[k]]] = row;
+      out.weight[next[column[k]]++] = weight[k];
+    }
+  return out;
+}
+
+std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& hexahedra) {
+  if (hexahedra.size() < kFewestElements) return std::nullopt;
+  const Charts charts = find_charts(hexahedra);
+  const Cells cells = find_cells(charts);
+  if (static_cast<double>(hexahedra.size()) < kLeastGain * cells.count()) return std::nullopt;
+
+  // coarse nodes: one per even place of a chart, merged where charts, or two ends of one, share a node of the mesh
+  Coarsening out;
+  std::unordered_map<std::uint64_t, int> node_at;
+  std::vector<int> parent, coarse_of_fine(static_cast<std::size_t>(num_nodes), -1);
+  out.cells.resize(cells.place.size());
+  for (int c = 0; c < cells.count(); ++c)
+    for (int a = 0; a < kCorners; ++a) {
+      Lattice place = cells.place[c];
+      for (int d = 0; d < 3; ++d) place[d] += kCornerSign[a][d] > 0;
+      const auto [found, is_new] = node_at.emplace(key_of(place, cells.chart[c]), static_cast<int>(parent.size()));
+      if (is_new) parent.push_back(found->second);
+      out.cells[c][a] = found->second;
+      const int child = cells.children[c][a];
+      if (child < 0) continue;
+      for (int b = 0; b < kCorners; ++b) {
+        const Lattice& at = charts.corners[child][b];
+        if (at[0] != 2 * place[0] || at[1] != 2 * place[1] || at[2] != 2 * place[2]) continue;
+        int& coarse = coarse_of_fine[hexahedra[child][b]];
+        if (coarse < 0)
+          coarse = found->second;
+        else
+          parent[root(parent, found->second)] = root(parent, coarse);
+      }
+    }
+  std::vector<int> number(parent.size(), -1);
+  for (Hexahedron& cell : out.cells)
+    for (int& node : cell) {
+      int& at = number[root(parent, node)];
+      if (at < 0) at = out.num_nodes++;
+      node = at;
+    }
+  for (Hexahedron cell : out.cells) {
+    std::sort(cell.begin(), cell.end());
+    if (std::adjacent_find(cell.begin(), cell.end()) != cell.end()) return std::nullopt;
+  }
+  out.fine_node.resize(static_cast<std::size_t>(out.num_nodes), -1);
+  for (int n = 0; n < num_nodes; ++n)
+    if (coarse_of_fine[n] >= 0) out.fine_node[number[root(parent, coarse_of_fine[n])]] = n;
+
+  out.children = cells.children;
+  out.prolongation = trilinear(num_nodes, hexahedra, charts, cells, out.cells);
+  out.placement = affine(hexahedra, charts, cells, out.cells, out.fine_node);
+  return out;
+}
+
+}  // namespace hexaplast

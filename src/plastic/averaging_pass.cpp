@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Compiled once per instruction set; the functions at the end choose at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "plastic/averaging_pass.cpp"
+#include "hwy/foreach_target.h"
+//
+#include "kinematics/gradients-inl.hpp"
+#include "plastic/averaging_pass.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+template <class V>
+HWY_INLINE void take_mean_out(CornerLanes<V>& u) {
+  for (int i = 0; i < 3; ++i) {
+    V mean = u.at[0][i];
+    for (int a = 1; a < kCorners; ++a) mean += u.at[a][i];
+    mean *= V(typename V::Scalar(1.0 / kCorners));
+    for (int a = 0; a < kCorners; ++a) u.at[a][i] -= mean;
+  }
+}
+
+template <class V>
+HWY_INLINE void cross(const V* a, const V* b, V* c) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/// u <- (1 + r) P u - B (B^T B)^-1 B^T u, or P u.
+template <class T>
+void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p, T* Ap) {
+  using V = Lanes<T>;
+  using Op = AveragingOperator<T>;
+  const Partition& partition = op.partition();
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
+    if (!op.present[block]) continue;
+    for (int lane = 0; lane < kBlock; lane += V::kCount) {
+      const T* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
+      const int* slots = partition.corners(block) + lane;
+      CornerLanes<V> u;
+      gather(p, slots, u);
+      take_mean_out(u);
+      const V weight = select_bits(static_cast<std::uint32_t>(op.present[block]) >> lane, V(factor), V(T(0)));
+      if (op.projects) {
+        V moment[3] = {V(T(0)), V(T(0)), V(T(0))};
+        for (int a = 0; a < kCorners; ++a) {
+          V t[3], c[3];
+          for (int i = 0; i < 3; ++i) t[i] = load(coef + (3 * a + i) * kBlock);
+          cross(t, u.at[a], c);
+          for (int i = 0; i < 3; ++i) moment[i] += c[i];
+        }
+        V J[6], spin[3];
+        for (int k = 0; k < 6; ++k) J[k] = load(coef + (Op::kInertia + k) * kBlock);
+        spin[0] = J[0] * moment[0] + J[5] * moment[1] + J[4] * moment[2];
+        spin[1] = J[5] * moment[0] + J[1] * moment[1] + J[3] * moment[2];
+        spin[2] = J[4] * moment[0] + J[3] * moment[1] + J[2] * moment[2];
+        const V definite(T(1 + kRegularisation));
+        for (int a = 0; a < kCorners; ++a) {
+          V t[3], c[3];
+          for (int i = 0; i < 3; ++i) t[i] = load(coef + (3 * a + i) * kBlock);
+          cross(spin, t, c);
+          for (int i = 0; i < 3; ++i) u.at[a][i] = weight * (definite * u.at[a][i] - c[i]);
+        }
+      } else {
+        for (int k = 0; k < 3 * kCorners; ++k) u.at[k / 3][k % 3] *= weight;
+      }
+      scatter_add(u, Ap, slots);
+    }
+  }
+}
+
+/// Of P, which is close enough for a preconditioner of both: 7/8 per element.
+template <class T>
+void add_diagonal(const AveragingOperator<T>& op, int chunk, T factor, T* diagonal) {
+  using V = Lanes<T>;
+  const Partition& partition = op.partition();
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock; lane += V::kCount) {
+      CornerLanes<V> share;
+      const V one = select_bits(static_cast<std::uint32_t>(op.present[block]) >> lane,
+                                V(factor * T(1 - 1.0 / kCorners)), V(T(0)));
+      for (auto& corner : share.at)
+        for (V& entry : corner) entry = one;
+      scatter_add(share, diagonal, partition.corners(block) + lane);
+    }
+}
+
+template <class T>
+HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& misfit, double& size) {
+  using V = Lanes<double>;
+  using Op = AveragingOperator<T>;
+  const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
+  const int* slots = pass.partition.corners(block) + lane;
+  CornerLanes<V> x, t;
+  gather(pass.material, slots, x);
+  replace_absent(present, x);
+  take_mean_out(x);
+
+  // rest shapes of the elements that are there, the unit cube for the others
+  alignas(64) double numbers[3 * kCorners][kBlock];
+  for (int k = 0; k < V::kCount; ++k) {
+    const bool there = present >> k & 1;
+    const double* y = there ? pass.rest_shape[block * kBlock + lane + k].data() : nullptr;
+    for (int n = 0; n < 3 * kCorners; ++n) numbers[n][k] = there ? y[n] : 0.5 * kCornerSign[n % kCorners][n / kCorners];
+  }
+  CornerLanes<V> y;
+  for (int n = 0; n < 3 * kCorners; ++n) y.at[n % kCorners][n / kCorners] = load(numbers[n]);
+
+  if (pass.fixed_map) {
+    alignas(64) double map[9][kBlock];
+    for (int a = 0; a < kCorners; ++a) {
+      for (int k = 0; k < V::kCount; ++k) {
+        const bool there = present >> k & 1;
+        for (int n = 0; n < 9; ++n)
+          map[n][k] = there ? pass.fixed_map[(block * kBlock + lane + k) * kCorners + a](n / 3, n % 3) : n % 4 == 0;
+      }
+      for (int i = 0; i < 3; ++i)
+        t.at[a][i] =
+            load(map[3 * i]) * y.at[a][0] + load(map[3 * i + 1]) * y.at[a][1] + load(map[3 * i + 2]) * y.at[a][2];
+    }
+    take_mean_out(t);
+  } else {
+    const Mat<V> R = safe_polar(outer_sum(x, y)).R;
+    for (int a = 0; a < kCorners; ++a)
+      for (int i = 0; i < 3; ++i) t.at[a][i] = R(i, 0) * y.at[a][0] + R(i, 1) * y.at[a][1] + R(i, 2) * y.at[a][2];
+    if (pass.rotation_map) {
+      alignas(64) double map[9][kBlock];
+      for (int n = 0; n < 9; ++n) store(R.m[n / 3][n % 3], map[n]);
+      for (int k = 0; k < V::kCount; ++k)
+        if (present >> k & 1)
+          for (int n = 0; n < 9; ++n) pass.rotation_map[block * kBlock + lane + k](n / 3, n % 3) = map[n][k];
+    }
+  }
+
+  V misfits(0.0), t_t(0.0);
+  CornerLanes<V> difference;
+  const V one = select_bits(present, V(1.0), V(0.0));
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) {
+      difference.at[a][i] = one * (t.at[a][i] - x.at[a][i]);
+      misfits += difference.at[a][i] * difference.at[a][i];
+      t_t += t.at[a][i] * t.at[a][i];
+    }
+  misfit += hn::GetLane(hn::SumOfLanes(V::Tag(), misfits.raw()));
+  size += hn::GetLane(hn::SumOfLanes(V::Tag(), (one * t_t).raw()));
+  if (pass.gradient) scatter_add(difference, pass.gradient, slots);
+
+  if (pass.coef) {
+    T* coef = pass.coef + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
+    for (int k = 0; k < 3 * kCorners; ++k) store_as(t.at[k / 3][k % 3], coef + k * kBlock);
+    // (B^T B)^-1 = (sum |t|^2 I - t t^T)^-1; a shape flattened to a line keeps its free turn out by the floor
+    const Mat<V> outer = outer_sum(t, t);
+    Mat<V> inertia;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) inertia(i, j) = V(0.0) - outer(i, j);
+    for (int i = 0; i < 3; ++i) inertia(i, i) += t_t * V(1 + 1e-14);
+    V det;
+    const Mat<V> inverse = reciprocal(inertia, det);
+    const V J[6] = {inverse(0, 0), inverse(1, 1), inverse(2, 2), inverse(1, 2), inverse(2, 0), inverse(0, 1)};
+    for (int k = 0; k < 6; ++k) store_as(J[k], coef + (Op::kInertia + k) * kBlock);
+  }
+}
+
+template <class T>
+void fit(const FitPass<T>& pass, int chunk) {
+  for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block) {
+    double misfit = 0, size = 0;
+    for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount) fit_lanes(pass, block, lane, misfit, size);
+    pass.misfit[block] = misfit;
+    if (pass.size) pass.size[block] = size;
+  }
+}
+
+#define HEXAPLAST_AVERAGING_KERNELS(T)                                                           \
+  void add_product_##T(const AveragingOperator<T>& op, int chunk, T factor, const T* p, T* Ap) { \
+    add_product(op, chunk, factor, p, Ap);                                                       \
+  }                                                                                              \
+  void add_diagonal_##T(const AveragingOperator<T>& op, int chunk, T factor, T* d) {             \
+    add_diagonal(op, chunk, factor, d);                                                          \
+  }                                                                                              \
+  void fit_##T(const FitPass<T>& pass, int chunk) { fit(pass, chunk); }
+HEXAPLAST_AVERAGING_KERNELS(double)
+HEXAPLAST_AVERAGING_KERNELS(float)
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hexaplast {
+
+template <class T>
+AveragingOperator<T>::AveragingOperator(std::shared_ptr<const Partition> partition)
+    : coef(static_cast<std::size_t>(partition->num_blocks) * kComponents * kBlock),
+      present(partition->num_blocks),
+      partition_(std::move(partition)) {}
+template class AveragingOperator<double>;
+template class AveragingOperator<float>;
+
+#define HEXAPLAST_EXPORT_AVERAGING_KERNELS(T)                                            \
+  HWY_EXPORT(add_product_##T);                                                           \
+  HWY_EXPORT(add_diagonal_##T);                                                          \
+  HWY_EXPORT(fit_##T);                                                                   \
+  template <>                                                                            \
+  void AveragingOperator<T>::add_product(int chunk, T factor, const T* p, T* Ap) const { \
+    HWY_DYNAMIC_DISPATCH(add_product_##T)(*this, chunk, factor, p, Ap);                  \
+  }                                                                                      \
+  template <>                                                                            \
+  void AveragingOperator<T>::add_diagonal(int chunk, T factor, T* diagonal) const {      \
+    HWY_DYNAMIC_DISPATCH(add_diagonal_##T)(*this, chunk, factor, diagonal);              \
+  }                                                                                      \
+  template <>                                                                            \
+  void fit_elements(const FitPass<T>& pass, int chunk) {                                 \
+    HWY_DYNAMIC_DISPATCH(fit_##T)(pass, chunk);                                          \
+  }
+HEXAPLAST_EXPORT_AVERAGING_KERNELS(double)
+HEXAPLAST_EXPORT_AVERAGING_KERNELS(float)
+
+}  // namespace hexaplast
+#endif

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/base/chunked_operator.hpp"
+#include "hexaplast/plastic/averaging.hpp"
+
+namespace hexaplast {
+
+/// H + 1e-7 P of theory.md eq. 31, or P alone, element by element: targets t and the inverse of their inertia, per
+/// block [component][element of the block].
+template <class T>
+class AveragingOperator final : public ChunkedOperator<T> {
+ public:
+  explicit AveragingOperator(std::shared_ptr<const Partition> partition);
+
+  const Partition& partition() const override { return *partition_; }
+  void add_product(int chunk, T factor, const T* p, T* Ap) const override;
+  void add_diagonal(int chunk, T factor, T* diagonal) const override;
+
+  static constexpr int kTarget = 0;              ///< t: [corner][axis]
+  static constexpr int kInertia = 3 * kCorners;  ///< xx yy zz yz zx xy of (B^T B)^-1
+  static constexpr int kComponents = kInertia + 6;
+  bool projects = true;                ///< H; otherwise P
+  AlignedVector<T> coef;               ///< [block][component][element]
+  std::vector<std::uint16_t> present;  ///< per block: a bit per element that counts
+
+ private:
+  std::shared_ptr<const Partition> partition_;
+};
+
+/// What one pass over the elements of a chunk reads and writes.
+template <class T>
+struct FitPass {
+  const Partition& partition;
+  const double* material;           ///< [m] slots
+  const std::uint16_t* present;     ///< per block
+  const ElementPoints* rest_shape;  ///< y, per element
+  Mat3* rotation_map;               ///< Pi, per element: written, unless null
+  const Mat3* fixed_map;            ///< per element and corner: taken instead of fitted ones, unless null
+  T* coef;                          ///< AveragingOperator::coef: written, unless null
+  double* gradient;                 ///< [m] slots: t - (x - c) added, unless null
+  double* misfit;                   ///< [m^2] per block: sum |t - (x - c)|^2
+  double* size;                     ///< [m^2] per block: sum |t|^2, unless null
+};
+
+/// Best rotations, targets and misfits of the elements of a chunk.                                           eq. 30
+template <class T>
+void fit_elements(const FitPass<T>& pass, int chunk);
+
+}  // namespace hexaplast

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "solve/cg_space.hpp"
+
+#include <algorithm>
+
+#include "hexaplast/base/parallel.hpp"
+#include "solve/slot_kernels.hpp"
+
+namespace hexaplast {
+
+CgSpace::Norms NodalCgSpace::begin(ConstPoints b, const PointArray* start) {
+  p_.setZero(b.rows(), 3);
+  Ap_.resize(b.rows(), 3);
+  if (start) {
+    x_ = *start;
+    A_->apply(x_, Ap_);
+    r_ = b - Ap_;
+  } else {
+    x_.setZero(b.rows(), 3);
+    r_ = b;
+  }
+  return norms();
+}
+
+CgSpace::Norms NodalCgSpace::norms() {
+  const double r_r = dot(r_, r_);
+  if (!preconditioned_) return {r_r, r_r};
+  z_.resize(r_.rows(), 3);
+  A_->precondition(r_, z_);
+  return {r_r, dot(r_, z_)};
+}
+
+double NodalCgSpace::product(double beta) {
+  p_ = (preconditioned_ ? z_ : r_) + beta * p_;
+  A_->apply(p_, Ap_);
+  return dot(p_, Ap_);
+}
+
+CgSpace::Norms NodalCgSpace::advance(double alpha) {
+  x_ += alpha * p_;
+  r_ -= alpha * Ap_;
+  return norms();
+}
+
+template <class T>
+void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap) {
+  const Partition& partition = op.partition();
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    update_copies(partition, chunk, p.data());
+    std::fill(Ap.begin() + 4 * static_cast<std::ptrdiff_t>(partition.first_copy[chunk]),
+              Ap.begin() + 4 * static_cast<std::ptrdiff_t>(partition.first_copy[chunk + 1]), T(0));
+    op.add_product(chunk, factor, p.data(), Ap.data());
+  });
+}
+
+template <class T>
+void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
+                     AlignedVector<T>& inverse) {
+  const Partition& partition = op.partition();
+  std::fill(inverse.begin(), inverse.end(), T(0));
+  parallel_for(partition.num_chunks, [&](int chunk) { op.add_diagonal(chunk, factor, inverse.data()); });
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    add_returns(partition, chunk, inverse.data());
+    const OwnNumbers own(partition, chunk);
+    for (std::size_t i = own.first; i < own.first + own.size; ++i) {
+      const T entry = inverse[i] + diagonal[i];
+      inverse[i] = entry > T(0) ? T(1) / entry : T(0);
+    }
+  });
+}
+
+template <class T>
+void SlotCgSpace<T>::refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner) {
+  if constexpr (std::is_same_v<T, double>)
+    op_ = system.double_operator;
+  else
+    op_ = system.single_operator;
+  partition_ = &op_->partition();
+  const Partition& partition = *partition_;
+  factor_ = static_cast<T>(system.factor);
+  scaled_ = scaled;
+  preconditioner_ = preconditioner;
+
+  const std::size_t size = 4 * static_cast<std::size_t>(partition.num_slots);
+  for (AlignedVector<T>* vector : {&x_, &r_, &p_, &Ap_, &diagonal_}) vector->resize(size, T(0));
+  partial_.resize(partition.num_chunks);
+  to_slots(partition, system.diagonal, diagonal_);
+  fixed_.find(partition, [&](int slot, int axis) { return system.free(partition.node_of_slot[slot], axis) == 0; });
+  if (preconditioner) z_.resize(size, T(0));
+  if (!scaled) return;
+  inverse_.resize(size, T(0));
+  invert_diagonal(*op_, factor_, diagonal_, inverse_);
+}
+
+template <class T>
+void SlotCgSpace<T>::precondition(Norms& norms) {
+  if (!preconditioner_) return;
+  preconditioner_->apply(r_, z_);
+  parallel_for(partition_->num_chunks, [&](int chunk) {
+    const OwnNumbers own(*partition_, chunk);
+    partial_[chunk].r_z = slot_dot(own.size, r_.data() + own.first, z_.data() + own.first);
+  });
+  norms.r_z = sum().r_z;
+}
+
+template <class T>
+CgSpace::Norms SlotCgSpace<T>::sum() const {
+  Norms all;
+  for (const Norms& part : partial_) {
+    all.r_r += part.r_r;
+    all.r_z += part.r_z;
+  }
+  return all;
+}
+
+template <class T>
+CgSpace::Norms SlotCgSpace<T>::begin(ConstPoints b, const PointArray* start) {
+  const Partition& partition = *partition_;
+  std::fill(x_.begin(), x_.end(), T(0));
+  std::fill(p_.begin(), p_.end(), T(0));
+  std::fill(Ap_.begin(), Ap_.end(), T(0));
+  to_slots(partition, b, r_);
+  for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, r_);
+  if (start) {
+    // x as the first direction, of length 1
+    to_slots(partition, *start, p_);
+    for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, p_);
+    for (std::size_t i = 0; i < p_.size(); ++i) Ap_[i] = diagonal_[i] * p_[i];
+    multiply(*op_, factor_, p_, Ap_);
+    parallel_for(partition.num_chunks, [&](int chunk) {
+      add_returns(partition, chunk, Ap_.data());
+      fixed_.clear(chunk, Ap_);
+    });
+  }
+  return advance(start ? 1 : 0);
+}
+
+template <class T>
+double SlotCgSpace<T>::product(double beta) {
+  const Partition& partition = *partition_;
+  const AlignedVector<T>& z = preconditioner_ ? z_ : r_;
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnNumbers(partition, chunk);
+    turn_direction(size, static_cast<T>(beta), z.data() + first, scaled_ ? inverse_.data() + first : nullptr,
+                   diagonal_.data() + first, p_.data() + first, Ap_.data() + first);
+  });
+  multiply(*op_, factor_, p_, Ap_);
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnNumbers(partition, chunk);
+    add_returns(partition, chunk, Ap_.data());
+    fixed_.clear(chunk, Ap_);
+    partial_[chunk].r_r = slot_dot(size, p_.data() + first, Ap_.data() + first);
+  });
+  return sum().r_r;
+}
+
+template <class T>
+CgSpace::Norms SlotCgSpace<T>::advance(double alpha) {
+  const Partition& partition = *partition_;
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnNumbers(partition, chunk);
+    partial_[chunk].r_r = hexaplast::advance(size, static_cast<T>(alpha), p_.data() + first, Ap_.data() + first,
+                                             scaled_ ? inverse_.data() + first : nullptr, x_.data() + first,
+                                             r_.data() + first, partial_[chunk].r_z);
+  });
+  Norms norms = sum();
+  precondition(norms);
+  return norms;
+}
+
+template <class T>
+void SlotCgSpace<T>::end(Points x) const {
+  const Partition& partition = *partition_;
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot)
+      for (int i = 0; i < 3; ++i)
+        x(partition.node_of_slot[slot], i) = static_cast<double>(x_[4 * static_cast<std::size_t>(slot) + i]);
+  });
+}
+
+template void multiply(const ChunkedOperator<double>&, double, AlignedVector<double>&, AlignedVector<double>&);
+template void multiply(const ChunkedOperator<float>&, float, AlignedVector<float>&, AlignedVector<float>&);
+template void invert_diagonal(const ChunkedOperator<double>&, double, const AlignedVector<double>&,
+                              AlignedVector<double>&);
+template void invert_diagonal(const ChunkedOperator<float>&, float, const AlignedVector<float>&, AlignedVector<float>&);
+template class SlotCgSpace<double>;
+template class SlotCgSpace<float>;
+
+}  // namespace hexaplast

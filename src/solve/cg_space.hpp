@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/mesh/partition.hpp"
+
+namespace hexaplast {
+
+/// The vectors of conjugate gradients and what is done to them; the methods decide on numbers alone.
+class CgSpace {
+ public:
+  virtual ~CgSpace() = default;
+
+  struct Norms {
+    double r_r = 0;  ///< r.r
+    double r_z = 0;  ///< r.z, z the preconditioned r
+  };
+
+  /// x = start, or 0 when null; r = b - A x.
+  virtual Norms begin(ConstPoints b, const PointArray* start) = 0;
+
+  /// p = z + beta p (beta 0: p = z); Ap = A p. Returns p.Ap.
+  virtual double product(double beta) = 0;
+
+  /// x += alpha p, r -= alpha Ap, z anew.
+  virtual Norms advance(double alpha) = 0;
+
+  virtual void end(Points x) const = 0;
+};
+
+/// Any linear system, in double precision; with its own preconditioner where asked for.
+class NodalCgSpace final : public CgSpace {
+ public:
+  void refer_to(const LinearSystem& A, bool preconditioned) {
+    A_ = &A;
+    preconditioned_ = preconditioned;
+  }
+  Norms begin(ConstPoints b, const PointArray* start) override;
+  double product(double beta) override;
+  Norms advance(double alpha) override;
+  void end(Points x) const override { x = x_; }
+
+ private:
+  Norms norms();
+
+  const LinearSystem* A_ = nullptr;
+  bool preconditioned_ = false;
+  PointArray x_, r_, p_, Ap_, z_;
+};
+
+/// z = an approximation of A^-1 r on slots, symmetric and positive definite.
+template <class T>
+class SlotPreconditioner {
+ public:
+  virtual ~SlotPreconditioner() = default;
+  virtual void apply(const AlignedVector<T>& r, AlignedVector<T>& z) = 0;
+};
+
+/// The numbers of nodal vectors in slots that belong to degrees of freedom that do not move.
+struct FixedNumbers {
+  std::vector<std::size_t> number;
+  std::vector<int> first;  ///< per chunk, and one more
+
+  /// is_fixed(slot, axis)
+  template <class Test>
+  void find(const Partition& partition, const Test& is_fixed) {
+    first.assign(1, 0);
+    number.clear();
+    for (int chunk = 0; chunk < partition.num_chunks; ++chunk) {
+      for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot)
+        for (int axis = 0; axis < 3; ++axis)
+          if (is_fixed(slot, axis)) number.push_back(4 * static_cast<std::size_t>(slot) + axis);
+      first.push_back(static_cast<int>(number.size()));
+    }
+  }
+  template <class T>
+  void clear(int chunk, AlignedVector<T>& slots) const {
+    for (int k = first[chunk]; k < first[chunk + 1]; ++k) slots[number[k]] = T(0);
+  }
+};
+
+/// The numbers that a chunk owns.
+struct OwnNumbers {
+  OwnNumbers(const Partition& partition, int chunk)
+      : first(4 * static_cast<std::size_t>(partition.first_node[chunk])),
+        size(4 * static_cast<std::size_t>(partition.first_node[chunk + 1]) - first) {}
+  std::size_t first, size;
+};
+
+/// Ap += factor L p for all chunks; what the chunks gathered for one another is still in their copies.
+template <class T>
+void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap);
+
+/// inverse = 1 / (diagonal + factor diag(L)), 0 where that is not positive.
+template <class T>
+void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
+                     AlignedVector<T>& inverse);
+
+/// A KernelSystem in precision T.
+template <class T>
+class SlotCgSpace final : public CgSpace {
+ public:
+  /// Divides by the diagonal of A where `scaled`, or applies `preconditioner` where that is not null.
+  void refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner = nullptr);
+  Norms begin(ConstPoints b, const PointArray* start) override;
+  double product(double beta) override;
+  Norms advance(double alpha) override;
+  void end(Points x) const override;
+
+ private:
+  void precondition(Norms& norms);
+  Norms sum() const;
+
+  const ChunkedOperator<T>* op_ = nullptr;
+  const Partition* partition_ = nullptr;
+  T factor_ = 0;
+  bool scaled_ = false;
+  SlotPreconditioner<T>* preconditioner_ = nullptr;
+  AlignedVector<T> x_, r_, p_, Ap_, z_, diagonal_, inverse_;
+  FixedNumbers fixed_;
+  std::vector<Norms> partial_;  // per chunk
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "solve/multigrid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/mesh/coarsening.hpp"
+#include "solve/slot_kernels.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+constexpr int kSmoothing = 1;            // degree of the Chebyshev polynomial before and after a coarse correction
+constexpr double kSmoothedShare = 0.25;  // of the spectrum's upper end: what the smoother is to reduce
+constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a direct solution
+constexpr double kCoarsestShare = 0.02;
+constexpr int kPowerSteps = 10;
+constexpr double kSafety = 1.15;  // the power iteration comes from below, and from a coarser mesh
+
+/// Ad = A d on the nodes, copies of d included.
+template <class T>
+void apply(MultigridLevel<T>& level) {
+  const Partition& partition = level.op->partition();
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnNumbers(partition, chunk);
+    for (std::size_t i = first; i < first + size; ++i) level.Ad[i] = level.diagonal[i] * level.d[i];
+  });
+  multiply(*level.op, level.factor, level.d, level.Ad);
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    add_returns(partition, chunk, level.Ad.data());
+    level.fixed.clear(chunk, level.Ad);
+  });
+}
+
+/// r -= A d.
+template <class T>
+void subtract_product(MultigridLevel<T>& level) {
+  apply(level);
+  const Partition& partition = level.op->partition();
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnNumbers(partition, chunk);
+    for (std::size_t i = first; i < first + size; ++i) level.r[i] -= level.Ad[i];
+  });
+}
+
+/// Largest eigenvalue of D^-1 A, from below.
+template <class T>
+double spectral_radius(MultigridLevel<T>& level) {
+  const Partition& partition = level.op->partition();
+  // a start that no symmetry of a mesh is blind to, the same in every run
+  std::uint32_t state = 12345;
+  for (T& entry : level.d) {
+    state = state * 1664525u + 1013904223u;
+    entry = static_cast<T>(static_cast<double>(state >> 8) / (1 << 24) - 0.5);
+  }
+  std::fill(level.d.begin() + 4 * static_cast<std::ptrdiff_t>(partition.num_nodes), level.d.end(), T(0));
+  for (int chunk = 0; chunk < partition.num_chunks; ++chunk) level.fixed.clear(chunk, level.d);
+  double radius = 1;
+  for (int step = 0; step < kPowerSteps; ++step) {
+    apply(level);
+    double before = 0, after = 0;
+    for (int chunk = 0; chunk < partition.num_chunks; ++chunk) {
+      const auto [first, size] = OwnNumbers(partition, chunk);
+      before += slot_dot(size, level.d.data() + first, level.d.data() + first);
+      for (std::size_t i = first; i < first + size; ++i) level.d[i] = level.inverse[i] * level.Ad[i];
+      after += slot_dot(size, level.d.data() + first, level.d.data() + first);
+    }
+    if (!(before > 0)) return 1;
+    radius = std::sqrt(after / before);
+    const T scale = static_cast<T>(after > 0 ? 1 / std::sqrt(after) : 0);
+    for (T& entry : level.d) entry *= scale;
+  }
+  return radius;
+}
+
+}  // namespace
+
+template <class T>
+void MultigridLevel<T>::resize() {
+  const std::size_t size = 4 * static_cast<std::size_t>(op->partition().num_slots);
+  for (AlignedVector<T>* vector : {&diagonal, &inverse, &x, &r, &d, &Ad})
+    if (vector->size() != size) vector->assign(size, T(0));
+}
+
+template <class T>
+void Multigrid<T>::refer_to(const KernelSystem& system) {
+  system_ = &system;
+  if constexpr (std::is_same_v<T, double>)
+    fine_.op = system.double_operator;
+  else
+    fine_.op = system.single_operator;
+  const Partition& partition = fine_.op->partition();
+  fine_.factor = static_cast<T>(system.factor);
+  fine_.resize();
+  to_slots(partition, system.diagonal, fine_.diagonal);
+  invert_diagonal(*fine_.op, fine_.factor, fine_.diagonal, fine_.inverse);
+  const auto is_fixed = [&](int slot, int axis) { return system.free(partition.node_of_slot[slot], axis) == 0; };
+  fine_.fixed.find(partition, is_fixed);
+
+  coarse_.resize(system.coarse.size());
+  const auto descend = [&](auto& finer, const auto& finer_is_fixed, int k) {
+    MultigridLevel<float>& level = coarse_[k];
+    const CoarseOperator& with = system.coarse[k];
+    level.op = with.op;
+    level.factor = static_cast<float>(system.factor);
+    level.resize();
+    const Partition& cells = level.op->partition();
+    // a corner beyond the mesh is fixed where a node that hangs on it alone is; the others where their own node is
+    level.fixed.find(cells, [&](int slot, int axis) {
+      return with.finer_slot[slot] >= 0 && finer_is_fixed(with.finer_slot[slot], axis);
+    });
+    // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its share of the stiffness
+    parallel_for(cells.num_nodes, [&](int slot) {
+      for (int axis = 0; axis < 3; ++axis) {
+        double sum = 0;
+        for (int n = with.restriction->first[slot]; n < with.restriction->first[slot + 1]; ++n) {
+          const int fine = with.restriction->column[n];
+          const double weight = static_cast<double>(with.restriction->weight[n]);
+          const std::size_t at = 4 * static_cast<std::size_t>(fine) + axis;
+          if (finer_is_fixed(fine, axis))
+            sum += finer.inverse[at] > 0 ? weight * weight / static_cast<double>(finer.inverse[at]) : 0;
+          else
+            sum += weight * static_cast<double>(finer.diagonal[at]);
+        }
+        level.diagonal[4 * static_cast<std::size_t>(slot) + axis] = static_cast<float>(sum);
+      }
+    });
+    invert_diagonal(*level.op, level.factor, level.diagonal, level.inverse);
+  };
+  for (std::size_t k = 0; k < coarse_.size(); ++k) {
+    if (k == 0) {
+      descend(fine_, is_fixed, 0);
+    } else {
+      std::vector<unsigned char> mask(4 * static_cast<std::size_t>(coarse_[k - 1].op->partition().num_nodes), 0);
+      for (const std::size_t number : coarse_[k - 1].fixed.number) mask[number] = 1;
+      descend(
+          coarse_[k - 1], [&](int slot, int axis) { return mask[4 * static_cast<std::size_t>(slot) + axis] != 0; },
+          static_cast<int>(k));
+    }
+  }
+  radius_ = kSafety * (coarse_.empty() ? spectral_radius(fine_) : spectral_radius(coarse_.front()));
+}
+
+/// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
+template <class T>
+template <class U>
+void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double least_share, bool leaves_residual) {
+  const Partition& partition = level.op->partition();
+  const double theta = radius_ * (1 + least_share) / 2, delta = radius_ * (1 - least_share) / 2, sigma = theta / delta;
+  double rho = 1 / sigma;
+  for (int step = 0; step < degree; ++step) {
+    double a = 0, b = 1 / theta;
+    if (step > 0) {
+      subtract_product(level);
+      const double next = 1 / (2 * sigma - rho);
+      a = next * rho;
+      b = 2 * next / delta;
+      rho = next;
+    }
+    parallel_for(partition.num_chunks, [&](int chunk) {
+      const auto [first, size] = OwnNumbers(partition, chunk);
+      hexaplast::smooth(size, static_cast<U>(a), static_cast<U>(b), level.inverse.data() + first,
+                        level.r.data() + first, level.d.data() + first, level.x.data() + first);
+    });
+  }
+  if (leaves_residual) subtract_product(level);
+}
+
+template <class T>
+template <class Finer>
+void Multigrid<T>::restrict_to(const MultigridLevel<Finer>& finer, int coarse) {
+  MultigridLevel<float>& level = coarse_[coarse];
+  const NodalMap& map = *system_->coarse[coarse].restriction;
+  const Partition& partition = level.op->partition();
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
+      float sum[4] = {0, 0, 0, 0};
+      for (int k = map.first[slot]; k < map.first[slot + 1]; ++k) {
+        const Finer* from = finer.r.data() + 4 * static_cast<std::size_t>(map.column[k]);
+        for (int i = 0; i < 4; ++i) sum[i] += map.weight[k] * static_cast<float>(from[i]);
+      }
+      float* to = level.r.data() + 4 * static_cast<std::size_t>(slot);
+      for (int i = 0; i < 4; ++i) to[i] = sum[i];
+    }
+    level.fixed.clear(chunk, level.r);
+    const auto [first, size] = OwnNumbers(partition, chunk);
+    std::fill_n(level.x.begin() + static_cast<std::ptrdiff_t>(first), size, 0.0f);
+  });
+}
+
+/// d = P x of the coarse mesh, x += d, r -= A d.
+template <class T>
+template <class Finer>
+void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
+  const MultigridLevel<float>& level = coarse_[coarse];
+  const NodalMap& map = *system_->coarse[coarse].prolongation;
+  const Partition& partition = finer.op->partition();
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
+      float sum[4] = {0, 0, 0, 0};
+      for (int k = map.first[slot]; k < map.first[slot + 1]; ++k) {
+        const float* from = level.x.data() + 4 * static_cast<std::size_t>(map.column[k]);
+        for (int i = 0; i < 4; ++i) sum[i] += map.weight[k] * from[i];
+      }
+      Finer* to = finer.d.data() + 4 * static_cast<std::size_t>(slot);
+      for (int i = 0; i < 4; ++i) to[i] = static_cast<Finer>(sum[i]);
+    }
+    finer.fixed.clear(chunk, finer.d);
+    const auto [first, size] = OwnNumbers(partition, chunk);
+    for (std::size_t i = first; i < first + size; ++i) finer.x[i] += finer.d[i];
+  });
+  subtract_product(finer);
+}
+
+template <class T>
+void Multigrid<T>::cycle(int coarse) {
+  MultigridLevel<float>& level = coarse_[coarse];
+  if (coarse + 1 == static_cast<int>(coarse_.size())) {
+    smooth(level, kCoarsestDegree, kCoarsestShare, false);
+    return;
+  }
+  smooth(level, kSmoothing, kSmoothedShare, true);
+  restrict_to(level, coarse + 1);
+  cycle(coarse + 1);
+  prolong_from(coarse + 1, level);
+  smooth(level, kSmoothing, kSmoothedShare, false);
+}
+
+template <class T>
+void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
+  std::copy(r.begin(), r.end(), fine_.r.begin());
+  std::fill(fine_.x.begin(), fine_.x.end(), T(0));
+  if (coarse_.empty()) {
+    smooth(fine_, kCoarsestDegree, kCoarsestShare, false);
+  } else {
+    smooth(fine_, kSmoothing, kSmoothedShare, true);
+    restrict_to(fine_, 0);
+    cycle(0);
+    prolong_from(0, fine_);
+    smooth(fine_, kSmoothing, kSmoothedShare, false);
+  }
+  std::copy(fine_.x.begin(), fine_.x.end(), z.begin());
+}
+
+template class Multigrid<double>;
+template class Multigrid<float>;
+
+}  // namespace hexaplast

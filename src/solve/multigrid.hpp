@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "solve/cg_space.hpp"
+
+namespace hexaplast {
+
+/// One mesh of a multigrid cycle: A = P (diagonal + factor L) P, and the vectors of its smoother.
+template <class T>
+struct MultigridLevel {
+  const ChunkedOperator<T>* op = nullptr;
+  T factor = 0;
+  AlignedVector<T> diagonal, inverse;  ///< D, and 1 / diag(A)
+  FixedNumbers fixed;
+  AlignedVector<T> x, r, d, Ad;
+
+  void resize();
+};
+
+/// A symmetric V-cycle as a preconditioner: Chebyshev smoothing on D^-1 A, trilinear transfer, coarse operators from
+/// re-discretisation.                                                                           theory.md section 9.5
+template <class T>
+class Multigrid final : public SlotPreconditioner<T> {
+ public:
+  /// Takes the system's operators, diagonal and fixed degrees of freedom; finds the spectral radius anew.
+  void refer_to(const KernelSystem& system);
+  void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
+
+ private:
+  template <class U>
+  void smooth(MultigridLevel<U>& level, int degree, double least_share, bool leaves_residual);
+  template <class Finer>
+  void restrict_to(const MultigridLevel<Finer>& finer, int coarse);
+  template <class Finer>
+  void prolong_from(int coarse, MultigridLevel<Finer>& finer);
+  void cycle(int coarse);
+
+  MultigridLevel<T> fine_;
+  std::vector<MultigridLevel<float>> coarse_;
+  const KernelSystem* system_ = nullptr;
+  double radius_ = 1;  // of D^-1 A
+};
+
+}  // namespace hexaplast

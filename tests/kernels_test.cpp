@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The kernels against the scalar functions that state the same laws, on every instruction set of this machine.
+#include <gtest/gtest.h>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/simd.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/kinematics/gradients.hpp"
+#include "hexaplast/kinematics/polar.hpp"
+#include "hexaplast/material/corotated.hpp"
+#include "hexaplast/plastic/element_flow.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+#include "support/simulation.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::Random;
+
+constexpr double kEdge = 0.1;  // [m]
+
+/// Restores the choice of the instruction set.
+class OnEverySet : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override { set_simd_target(GetParam()); }
+  void TearDown() override { set_simd_target(""); }
+};
+INSTANTIATE_TEST_SUITE_P(Simd, OnEverySet, testing::ValuesIn(simd_targets()),
+                         [](const auto& test) { return test.param; });
+
+/// f and -K p element by element, as section 4 of the theory states them.
+struct Plain {
+  PointArray force, product;
+};
+Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
+  Plain sum{PointArray::Zero(x.rows(), 3), PointArray::Zero(x.rows(), 3)};
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const RestOperator rest = rest_operator(gather(model.mesh.positions(), corners), model.settings.gradient);
+    const auto F = deformation_gradients(rest, gather(x, corners)),
+               dF = deformation_gradients(rest, gather(p, corners));
+    std::array<Mat3, kCorners> P, dP;
+    for (int i = 0; i < kCorners; ++i) {
+      const Polar at = polar(F[i]);
+      P[i] = at.R * stress(at.S, model.lame[e]);
+      dP[i] = stress_increment(at.R, dF[i], model.lame[e]);
+    }
+    const ElementPoints f = -rest.volume / kCorners * gradient_transpose(rest, P),
+                        k = rest.volume / kCorners * gradient_transpose(rest, dP);
+    for (int a = 0; a < kCorners; ++a) {
+      sum.force.row(corners[a]) += f.row(a);
+      sum.product.row(corners[a]) += k.row(a);
+    }
+  }
+  return sum;
+}
+
+TEST_P(OnEverySet, ForceAndProductAreThoseOfTheElements) {
+  for (const GradientScheme scheme : {GradientScheme::kBlended, GradientScheme::kVertex, GradientScheme::kCentre})
+    for (const double distortion : {0.0, 0.15}) {
+      Settings settings;
+      settings.gradient = scheme;
+      const HexMesh mesh = support::distorted_block({3, 4, 5}, kEdge, distortion, 91);
+      Random random(92);
+      const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge),
+                       p = random.field(mesh.num_nodes(), 1);
+      for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+        settings.precision = precision;
+        Body body(mesh, {Material{}}, settings);
+        const Plain expected = plainly(body.model(), x, p);
+        body.linearize(x);
+        PointArray f = PointArray::Zero(x.rows(), 3), k = f;
+        body.add_force(f);
+        body.add_stiffness_product(-1, p, k);
+        EXPECT_LE(support::max_abs(f - expected.force), 1e-12 * support::max_abs(expected.force));
+        EXPECT_LE(support::max_abs(k - expected.product),
+                  (precision == Precision::kDouble ? 1e-13 : 5e-4) * support::max_abs(expected.product));
+      }
+    }
+}
+
+/// One plastic step of a body of `cells` whose every corner yields, in stretch and in rotation.
+Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm) {
+  Material material;
+  material.yield_stress = 50;
+  material.flow_rate = 5;
+  material.rotation_yield = 0.002;
+  material.rotation_flow_rate = 5;
+  material.hardening = 0.3;
+  Settings settings;
+  settings.yield_norm = norm;
+  Body body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
+  Random random(94);
+  body.flow(body.mesh().positions() + random.field(body.mesh().num_nodes(), 0.1 * kEdge), 0.01);
+  return body;
+}
+
+TEST_P(OnEverySet, FlowIsThatOfTheElements) {
+  for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius}) {
+    const Body body = flown({3, 2, 3}, 0.15, norm);
+    const History virgin(body.model());
+    const PointArray X = body.mesh().positions();
+    Random random(94);
+    const PointArray x = X + random.field(body.mesh().num_nodes(), 0.1 * kEdge);
+    const Mat3 axes = Mat3::Identity();
+    for (int e = 0; e < body.mesh().num_elements(); ++e) {
+      const Hexahedron& corners = body.mesh().hexahedra()[e];
+      const ElementPoints material = gather(X, corners), world = gather(x, corners);
+      const RestOperator rest = rest_operator(material);
+      const ElementStep step = flow_element({.material = body.model().material(e),
+                                             .lame = body.model().lame[e],
+                                             .settings = body.model().settings,
+                                             .original_shape = body.model().original_shape[e],
+                                             .corner_jacobian = body.model().corner_jacobian[e],
+                                             .original_volume = body.model().volume[e],
+                                             .x = material,
+                                             .rest = rest,
+                                             .world = world,
+                                             .frame = axes},
+                                            virgin.element(e), 0.01);
+      ASSERT_TRUE(step.yielded);
+      const ElementHistory found = body.history().element(e);
+      EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);
+      for (int i = 0; i < kCorners; ++i) {
+        EXPECT_NEAR(found.yield_stress[i], step.next.yield_stress[i], 1e-11 * found.yield_stress[i]);
+        EXPECT_NEAR(found.rotation_yield[i], step.next.rotation_yield[i], 1e-13);
+        EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], 1e-14);
+      }
+    }
+  }
+}
+
+TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {
+  std::vector<std::string> hashes;
+  for (const int threads : {1, 2, 3, 7}) {
+    set_num_threads(threads);
+    StateHash hash;
+    flown({17, 16, 15}, 0.1, YieldNorm::kVonMises).add_to(hash);  // several chunks
+    hashes.push_back(hash.text());
+  }
+  set_num_threads(1);
+  for (const std::string& hash : hashes) EXPECT_EQ(hash, hashes.front());
+}
+
+TEST(Simd, NamesItsSetsAndRefusesOthers) {
+  EXPECT_EQ(simd_target(), simd_targets().front());
+  EXPECT_TRUE(support::refuses<InputError>([] { set_simd_target("ABACUS"); }, {"ABACUS", simd_targets().front()}));
+}
+
+}  // namespace
+}  // namespace hexaplast

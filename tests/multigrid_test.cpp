@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "hexaplast/mesh/coarsening.hpp"
+#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+#include "support/simulation.hpp"
+
+namespace hexaplast {
+namespace {
+
+/// A tube of `around` hexahedra by `layers` by `along`, closed around.
+HexMesh tube(int around, int layers, int along) {
+  PointArray X((layers + 1) * around * (along + 1), 3);
+  const auto node = [&](int i, int j, int k) { return (k * (layers + 1) + j) * around + i % around; };
+  for (int k = 0; k <= along; ++k)
+    for (int j = 0; j <= layers; ++j)
+      for (int i = 0; i < around; ++i) {
+        const double angle = 2 * std::numbers::pi * i / around, radius = 0.1 + 0.01 * j;
+        X.row(node(i, j, k)) << radius * std::cos(angle), radius * std::sin(angle), 0.02 * k;
+      }
+  std::vector<Hexahedron> hexahedra;
+  for (int k = 0; k < along; ++k)
+    for (int j = 0; j < layers; ++j)
+      for (int i = 0; i < around; ++i)
+        hexahedra.push_back({node(i, j, k), node(i, j + 1, k), node(i + 1, j + 1, k), node(i + 1, j, k),
+                             node(i, j, k + 1), node(i, j + 1, k + 1), node(i + 1, j + 1, k + 1),
+                             node(i + 1, j, k + 1)});
+  return HexMesh(X, hexahedra);
+}
+
+/// A block without the cells of one corner region and some others: a voxel cage.
+HexMesh cage() {
+  const HexMesh block = regular_grid({9, 10, 11}, Vec3::Zero(), Vec3(0.9, 1.0, 1.1));
+  std::vector<Hexahedron> kept;
+  for (int e = 0; e < block.num_elements(); ++e) {
+    const int i = e % 9, j = e / 9 % 10, k = e / 90;
+    if ((i > 5 && j > 6) || (k == 4 && i < 2) || (i + j + k) % 17 == 0) continue;
+    kept.push_back(block.hexahedra()[e]);
+  }
+  return HexMesh(block.positions(), kept);
+}
+
+/// Weights of every node sum to one, and carry linear fields of the coarse nodes' places to the fine ones.
+void expect_linear(const HexMesh& mesh, const Coarsening& coarse, bool exact_geometry) {
+  PointArray place = PointArray::Zero(coarse.num_nodes, 3);
+  for (int n = 0; n < coarse.num_nodes; ++n)
+    for (int k = coarse.placement.first[n]; k < coarse.placement.first[n + 1]; ++k)
+      place.row(n) += coarse.placement.weight[k] * mesh.positions().row(coarse.placement.column[k]);
+  for (int n = 0; n < mesh.num_nodes(); ++n) {
+    if (mesh.incident(n).empty()) continue;
+    double sum = 0;
+    Vec3 at = Vec3::Zero();
+    for (int k = coarse.prolongation.first[n]; k < coarse.prolongation.first[n + 1]; ++k) {
+      sum += coarse.prolongation.weight[k];
+      at += coarse.prolongation.weight[k] * place.row(coarse.prolongation.column[k]).transpose();
+    }
+    EXPECT_NEAR(sum, 1, 1e-6);
+    if (exact_geometry) {
+      EXPECT_LE((at - mesh.positions().row(n).transpose()).norm(), 1e-6) << "node " << n;
+    }
+  }
+}
+
+TEST(Coarsening, HalvesAGridAndKeepsLinearFields) {
+  const HexMesh mesh = regular_grid({8, 5, 6}, Vec3::Zero(), Vec3(0.8, 0.5, 0.6));
+  const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+  ASSERT_TRUE(coarse);
+  EXPECT_EQ(coarse->cells.size(), 4u * 3u * 3u);
+  EXPECT_EQ(coarse->num_nodes, 5 * 4 * 4);
+  expect_linear(mesh, *coarse, true);
+}
+
+TEST(Coarsening, TakesCagesWithHolesAndElementsInAnyOrientation) {
+  const HexMesh mesh = cage();
+  std::vector<Hexahedron> turned = mesh.hexahedra();
+  for (std::size_t e = 0; e < turned.size(); e += 3) {  // a quarter turn about the third axis
+    const Hexahedron h = turned[e];
+    turned[e] = {h[1], h[2], h[3], h[0], h[5], h[6], h[7], h[4]};
+  }
+  const HexMesh mixed(mesh.positions(), turned);
+  const auto coarse = coarsen(mixed.num_nodes(), mixed.hexahedra());
+  ASSERT_TRUE(coarse);
+  EXPECT_LT(coarse->cells.size(), mixed.hexahedra().size() / 4);
+  expect_linear(mixed, *coarse, true);
+  // every element has one place
+  int places = 0;
+  for (const auto& children : coarse->children)
+    for (const int child : children) places += child >= 0;
+  EXPECT_EQ(places, mixed.num_elements());
+}
+
+TEST(Coarsening, ClosesTubesWhateverTheirCount) {
+  for (const int around : {16, 17}) {
+    const HexMesh mesh = tube(around, 2, 10);
+    const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+    ASSERT_TRUE(coarse) << around;
+    EXPECT_EQ(coarse->cells.size(), static_cast<std::size_t>((around + 1) / 2 * 1 * 5));
+    if (around % 2 == 0) {
+      EXPECT_EQ(coarse->num_nodes, around / 2 * 2 * 6);
+    }
+    expect_linear(mesh, *coarse, false);
+  }
+}
+
+/// Iterations to a relative residual of 1e-6 in the first step of a body under gravity, one end fixed; the answer is
+/// compared with the direct solver's.
+int iterations_of(const HexMesh& mesh, std::vector<Material> materials, Precision precision, double tolerance,
+                  Preconditioner preconditioner) {
+  Settings settings;
+  settings.precision = precision;
+  support::SimulationSetup setup;
+  const double low = mesh.positions().col(2).minCoeff();
+  for (int n = 0; n < mesh.num_nodes(); ++n)
+    if (mesh.positions()(n, 2) < low + 1e-6 || mesh.incident(n).empty()) setup.fixed.push_back(n);
+  setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 0.001; };
+  support::Simulation fast(Body(mesh, materials, settings), setup,
+                           std::make_unique<PreconditionedConjugateGradients>(tolerance, 500, preconditioner));
+  support::Simulation direct(Body(mesh, materials), setup, std::make_unique<CholeskySolver>());
+  fast.step();
+  direct.step();
+  EXPECT_LE((fast.v - direct.v).norm(),
+            20 * std::max(tolerance, precision == Precision::kMixed ? 1e-4 : 0) * direct.v.norm());
+  return fast.latest.iterations;
+}
+
+TEST(Multigrid, NeedsFewIterationsWhereJacobiNeedsMany) {
+  Material stiff;
+  stiff.young_modulus = 1e6;
+  const auto gains = [&](const HexMesh& mesh, double factor) {
+    const int multigrid = iterations_of(mesh, {stiff}, Precision::kDouble, 1e-6, Preconditioner::kMultigrid);
+    const int jacobi = iterations_of(mesh, {stiff}, Precision::kDouble, 1e-6, Preconditioner::kDiagonal);
+    EXPECT_LT(factor * multigrid, jacobi) << multigrid << " and " << jacobi << " for " << mesh.num_elements();
+  };
+  gains(regular_grid({8, 8, 16}, Vec3::Zero(), Vec3(0.1, 0.1, 0.2)), 3);
+  gains(tube(24, 2, 20), 3);
+  gains(cage(), 1.5);  // holes in one cell of two
+}
+
+TEST(Multigrid, HoldsInMixedPrecisionAndForMixedStiffness) {
+  const HexMesh mesh = regular_grid({8, 8, 16}, Vec3::Zero(), Vec3(0.1, 0.1, 0.2));
+  std::vector<Material> materials(mesh.num_elements());
+  for (int e = 0; e < mesh.num_elements(); ++e) materials[e].young_modulus = e / 64 % 8 < 3 ? 1e6 : 1e4;
+  EXPECT_LT(iterations_of(mesh, materials, Precision::kMixed, 1e-3, Preconditioner::kMultigrid), 40);
+  EXPECT_LT(iterations_of(mesh, materials, Precision::kMixed, 1e-3, Preconditioner::kAuto), 40);
+}
+
+TEST(Multigrid, FallsBackToTheDiagonalWhereThereIsNoLattice) {
+  const HexMesh mesh = support::block({2, 2, 3}, 0.1);
+  EXPECT_FALSE(coarsen(mesh.num_nodes(), mesh.hexahedra()));
+  EXPECT_GT(iterations_of(mesh, {Material{}}, Precision::kDouble, 1e-8, Preconditioner::kMultigrid), 0);
+}
+
+}  // namespace
+}  // namespace hexaplast
