@@ -63,8 +63,13 @@ FlowReport Body::flow(ConstPoints x, double dt) {
     checked_dt_ = dt;
   }
   require_finite(x, "position");
-  hexaplast::linearize(model_, history_, x, at_);
-  return hexaplast::flow(model_, at_, dt, averaging_solver_, history_, flow_);
+  if (mostly_flows_)
+    set_positions(model_, history_, x, at_);
+  else
+    hexaplast::linearize(model_, history_, x, at_);
+  const FlowReport report = hexaplast::flow(model_, at_, dt, averaging_solver_, history_, flow_);
+  mostly_flows_ = 2 * report.yielded > model_.mesh.num_elements();
+  return report;
 }
 
 void Body::reset() {

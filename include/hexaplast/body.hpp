@@ -52,9 +52,9 @@ class Body {
   /// Elastic energy [J] at any positions; leaves the linearization alone.
   double energy(ConstPoints x) const;
 
-  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. Linearizes there. Throws
-  /// InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is not finite; the
-  /// history is then as before.
+  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. The linearization is void
+  /// afterwards. Throws InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is
+  /// not finite; the history is then as before.
   FlowReport flow(ConstPoints x, double dt);
 
   /// Back to the virgin state.
@@ -81,6 +81,7 @@ class Body {
   Linearization at_;
   FlowWorkspace flow_;
   PreconditionedConjugateGradients averaging_solver_;
+  bool mostly_flows_ = false;                          // in the latest plastic step: looking first would be in vain
   double checked_dt_ = 0;                              // time step that passed check_time_step
   mutable ProductWorkspace product_;                   // of add_stiffness_product
   mutable std::optional<ElementHierarchy> hierarchy_;  // made when a solver first asks for coarse operators

@@ -92,15 +92,20 @@ void update_material(const Model& model, const History& history, Linearization& 
   at.is_current = false;
 }
 
-//   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
-void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at) {
+void set_positions(const Model& model, const History& history, ConstPoints x, Linearization& at) {
   update_material(model, history, at);
   if (at.is_current && at.x == x) return;
   at.is_current = false;
-  ++at.revision;
   at.x = x;
+  to_slots(*model.partition, x, at.world);
+}
+
+//   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
+void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at) {
+  set_positions(model, history, x, at);
+  if (at.is_current) return;
+  ++at.revision;
   const Partition& partition = *model.partition;
-  to_slots(partition, x, at.world);
   std::fill(at.force.begin(), at.force.end(), 0.0);
   std::visit(
       [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {

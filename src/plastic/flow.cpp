@@ -63,14 +63,14 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
 /// not made.
 bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
                    FlowWorkspace& work) {
-  const bool paper_mode = model.maps_per_element() > 1;
+  const bool looks = at.is_current && model.maps_per_element() == 1;
   parallel_for(model.mesh.num_elements(), [&](int e) {
     work.flows[e] = {};
-    work.flows[e].idle = !history.alive[e] || (!paper_mode && is_idle(model, at, e, history));
+    work.flows[e].idle = !history.alive[e] || (looks && is_idle(model, at, e, history));
   });
   if (std::all_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.idle; })) return false;
 
-  const bool needs_frames = paper_mode && model.settings.rotation_frame == RotationFrame::kBestFit;
+  const bool needs_frames = model.maps_per_element() > 1 && model.settings.rotation_frame == RotationFrame::kBestFit;
   const ConnectedParts& parts = work.averaging.parts(model, history);
   if (needs_frames) fit_frames(parts, history.material, at.x, work.frames);
   const Mat3 axes = Mat3::Identity();
@@ -126,18 +126,17 @@ void adopt_material_shape(const Model& model, int e, const History& history, Flo
 
 /// Marks elements that the averaging pressed towards inversion; returns how many.
 int mark_collapsing(const Model& model, const History& history, FlowWorkspace& work) {
-  int count = 0;
-  for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    if (!history.alive[e]) continue;
-    const Hexahedron& corners = model.mesh.hexahedra()[e];
+  parallel_for(model.mesh.num_elements(), [&](int e) {
+    work.flows[e].collapsing = false;
+    if (!history.alive[e]) return;
     const auto ratio = [&](const History& of) {
-      return least_jacobian_ratio(model.corner_jacobian[e], gather(of.material, corners));
+      return least_jacobian_ratio(model.corner_jacobian[e], gather(of.material, model.mesh.hexahedra()[e]));
     };
     const double now = ratio(work.trial);
     work.flows[e].collapsing = now < kCollapsedJacobian && now < ratio(history);
-    count += work.flows[e].collapsing;
-  }
-  return count;
+  });
+  return static_cast<int>(
+      std::count_if(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.collapsing; }));
 }
 
 /// Rest-to-material averaging that never presses an element inside out.

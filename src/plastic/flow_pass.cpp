@@ -28,8 +28,8 @@ struct BlockHistory {
   BlockNumbers rest_shape[3 * kCorners];  ///< y, [axis][corner]
   BlockNumbers map[9];                    ///< Pi, row by row
   BlockNumbers yield_stress[kCorners], rotation_yield[kCorners], plastic_strain[kCorners];
-  BlockNumbers flow_rate, rotation_rate, hardening, original_volume;
-  BlockNumbers dissipated;
+  BlockNumbers flow_rate, rotation_rate, hardening, original_volume, least_jacobian;
+  BlockNumbers volume, dissipated;
 };
 
 HWY_INLINE Mat<V> matrix(const Sym<V>& S) { return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}}; }
@@ -119,7 +119,8 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   const V rate = step * load(h.flow_rate.at + lane), rotation_rate = step * load(h.rotation_rate.at + lane),
           hardening = load(h.hardening.at + lane);
 
-  std::uint32_t fails = 0;
+  // near the guard of the material shape the exact ratios decide
+  std::uint32_t fails = bits<double>(hn::Not(rest.least_jacobian > load(h.least_jacobian.at + lane)));
   Mat<V> R_centre;
   if (model.can_rotate) {
     const PolarLanes<V> centre = polar(centre_gradient(x, u));
@@ -198,6 +199,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
       store(scale * select(flows, y[i][a] - mean[a], load(to)), to);
     }
   store(V(1.0 / kCorners) * rest.volume * dissipated, h.dissipated.at + lane);
+  store(rest.volume, h.volume.at + lane);
   yielded |= bits<double>(flows) << lane;
   return fails;
 }
@@ -222,12 +224,10 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
     h.rotation_rate.at[place] = material.rotation_flow_rate;
     h.hardening.at[place] = material.hardening;
     h.original_volume.at[place] = model.volume[e];
+    h.least_jacobian.at[place] =
+        1.01 * threshold * *std::max_element(model.corner_jacobian[e].begin(), model.corner_jacobian[e].end());
     if (given < 0 || flows[e].idle) continue;
     wanted |= 1u << place;
-    const float* watch = at.watch.data() + static_cast<std::size_t>(block) * Watch::kQuantities * kBlock + place;
-    const double largest = *std::max_element(model.corner_jacobian[e].begin(), model.corner_jacobian[e].end());
-    // near the guard of the material shape the exact ratios decide
-    if (!(watch[Watch::kLeastJacobian * kBlock] > 1.01 * threshold * largest)) left |= 1u << place;
     if (model.tracks_plastic_stretch) left |= 1u << place;
   }
   if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1) return wanted;
@@ -251,7 +251,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
       trial.plastic_strain[e][i] = h.plastic_strain[i].at[place];
     }
     flows[e] = {.yielded = (yielded >> place & 1) != 0,
-                .volume_error = std::abs(at.volume[e] / model.volume[e] - 1),
+                .volume_error = std::abs(h.volume.at[place] / model.volume[e] - 1),
                 .dissipated = h.dissipated.at[place]};
   }
   return wanted & left;

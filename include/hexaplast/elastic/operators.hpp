@@ -11,6 +11,9 @@ namespace hexaplast {
 /// Brings what `at` holds of the material shape up to date with the history.
 void update_material(const Model& model, const History& history, Linearization& at);
 
+/// World positions x (num_nodes x 3) [m] and the material shape alone: all that flow_elements of the plastic step needs.
+void set_positions(const Model& model, const History& history, ConstPoints x, Linearization& at);
+
 /// Rotations, forces and the stiffness operator at world positions x (num_nodes x 3) [m]; nothing where `at` holds them
 /// already.                                                                                     theory.md eq. 15, 16
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at);

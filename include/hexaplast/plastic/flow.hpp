@@ -46,9 +46,10 @@ struct FlowWorkspace {
   std::vector<PartFrame> frames;   ///< per connected part; empty unless the mode needs them
 };
 
-/// One plastic step at the accepted world positions that `at` holds (theory.md section 5): stretch and rotation flow at
-/// every corner, rest shapes, volume restitution, hardening, rest-to-material averaging. Throws NumericalError naming
-/// the node where a material position is not finite; the history is then as before.
+/// One plastic step at the accepted world positions that `at` holds (theory.md section 5). Where `at` is current,
+/// elements that its watch finds at rest are passed over; without, all are looked at, to the same result: stretch and
+/// rotation flow at every corner, rest shapes, volume restitution, hardening, rest-to-material averaging. Throws
+/// NumericalError naming the node where a material position is not finite; the history is then as before.
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
                 FlowWorkspace& work);
 
