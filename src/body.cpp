@@ -46,8 +46,13 @@ void Body::to_kernels(double factor, KernelSystem& system) const {
   system.factor = -factor;  // L = - df/dx
   system.double_operator = std::get_if<ElementOperator<double, double>>(&at_.op);
   system.single_operator = nullptr;
+  system.exact_operator = nullptr;
   if (const auto* half = std::get_if<ElementOperator<float, Half>>(&at_.op)) system.single_operator = half;
   if (const auto* single = std::get_if<ElementOperator<float, float>>(&at_.op)) system.single_operator = single;
+  if (system.single_operator) {
+    exact_.refer_to(model_, at_);
+    system.exact_operator = &exact_;
+  }
   system.coarse.clear();
   if (!system.wants_coarse) return;
   if (!hierarchy_) hierarchy_.emplace(model_);

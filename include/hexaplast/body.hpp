@@ -84,6 +84,7 @@ class Body {
   bool mostly_flows_ = false;                          // in the latest plastic step: looking first would be in vain
   double checked_dt_ = 0;                              // time step that passed check_time_step
   mutable ProductWorkspace product_;                   // of add_stiffness_product
+  mutable ExactOperator exact_;       // of mixed precision
   mutable std::optional<ElementHierarchy> hierarchy_;  // made when a solver first asks for coarse operators
 };
 

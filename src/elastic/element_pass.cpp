@@ -98,6 +98,67 @@ void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
         linearize_lanes<false>(pass, block, lane);
 }
 
+template <bool kGeneral>
+HWY_INLINE void exact_lanes(const Model& model, const Linearization& at, int block, int lane, double factor,
+                            const double* p, double* Ap) {
+  using V = Lanes<double>;
+  const int* slots = model.partition->corners(block) + lane;
+  const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
+  CornerLanes<V> x, u, du;
+  gather(at.material.data(), slots, x);
+  gather(at.world.data(), slots, u);
+  gather(p, slots, du);
+  replace_absent(present, x);
+  replace_absent(present, u);
+  RestLanes<kGeneral, V> rest;
+  rest_operator(x, model.settings.gradient, rest);
+  const GradientLanes<kGeneral, V> gradient(rest, u), increment(rest, du);
+  const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  const V weight = V(factor / kCorners) * select_bits(present, rest.volume, V(0.0));
+  const V mu = weight * load(lame), lambda = weight * load(lame + kBlock);
+
+  EdgeLanes<V> q;
+  Mat<V> Q;
+  for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] = V(0.0);
+  for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
+  for (int i = 0; i < kCorners; ++i) {
+    const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
+    const Mat<V> R = safe_polar(gradient(i)).R;
+    const Mat<V> Z = transposed_product(R, increment(i));  // R^T dF
+    const V trace = lambda * (Z(0, 0) + Z(1, 1) + Z(2, 2));
+    Mat<V> S;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) S(r, c) = mu * (Z(r, c) + Z(c, r));
+    for (int r = 0; r < 3; ++r) S(r, r) += trace;
+    const Mat<V> P = R * S;
+    for (int d = 0; d < 3; ++d)
+      for (int r = 0; r < 3; ++r)
+        q.at[d][kEdgeAt[i][d]][r] += P(r, 0) * A(d, 0) + P(r, 1) * A(d, 1) + P(r, 2) * A(d, 2);
+    if constexpr (kGeneral)
+      for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] += P.m[k / 3][k % 3];
+  }
+  for (int k = 0; k < 24; ++k) u.at[k / 3][k % 3] = V(0.0);
+  if constexpr (kGeneral) {
+    for (int a = 0; a < kCorners; ++a)
+      for (int r = 0; r < 3; ++r)
+        u.at[a][r] = Q(r, 0) * rest.h.at[a][0] + Q(r, 1) * rest.h.at[a][1] + Q(r, 2) * rest.h.at[a][2];
+    for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] *= rest.share;
+  } else {
+    blend(rest.share, q);
+  }
+  add_edges_transpose(q, u);
+  scatter_add(u, Ap, slots);
+}
+
+void exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p, double* Ap) {
+  for (int block = model.partition->first_block[chunk]; block < model.partition->first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
+      if (at.is_general[block])
+        exact_lanes<true>(model, at, block, lane, factor, p, Ap);
+      else
+        exact_lanes<false>(model, at, block, lane, factor, p, Ap);
+}
+
 void linearize_coarse(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
                       double length, int chunk, ElementOperator<float, float>& op) {
   using V = Lanes<double>;
@@ -172,6 +233,7 @@ HWY_EXPORT(linearize_float);
 HWY_EXPORT(linearize_half);
 HWY_EXPORT(find_general);
 HWY_EXPORT(linearize_coarse);
+HWY_EXPORT(exact_product);
 
 template <>
 void linearize_elements(const ElementPass<double, double>& pass, int chunk) {
@@ -184,6 +246,10 @@ void linearize_elements(const ElementPass<float, float>& pass, int chunk) {
 template <>
 void linearize_elements(const ElementPass<float, Half>& pass, int chunk) {
   HWY_DYNAMIC_DISPATCH(linearize_half)(pass, chunk);
+}
+void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
+                       double* Ap) {
+  HWY_DYNAMIC_DISPATCH(exact_product)(model, at, chunk, factor, p, Ap);
 }
 void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
                      double length, int chunk, ElementOperator<float, float>& op) {

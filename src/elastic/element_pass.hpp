@@ -27,6 +27,10 @@ struct ElementPass {
 template <class T, class Coef>
 void linearize_elements(const ElementPass<T, Coef>& pass, int chunk);
 
+/// Ap += factor L p in double precision, rotations computed anew: no coefficients are kept.
+void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
+                       double* Ap);
+
 /// Coefficients of cells of a coarse mesh; the weights of `op` are there already.
 void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
                      double length, int chunk, ElementOperator<float, float>& op);

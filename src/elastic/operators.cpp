@@ -132,6 +132,24 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
 
 void add_force(const Model& model, const Linearization& at, Points f) { add_slots(*model.partition, 1, at.force, f); }
 
+void ExactOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
+  add_exact_product(*model_, *at_, chunk, factor, p, Ap);
+}
+
+void ExactOperator::add_diagonal(int chunk, double factor, double* diagonal) const {
+  std::visit(
+      [&]<class T, class Coef>(const ElementOperator<T, Coef>& op) {
+        if constexpr (std::is_same_v<T, double>) {
+          op.add_diagonal(chunk, factor, diagonal);
+        } else {
+          AlignedVector<T> single = slot_vector<T>(op.partition());
+          op.add_diagonal(chunk, static_cast<T>(factor), single.data());
+          for (std::size_t i = 0; i < single.size(); ++i) diagonal[i] += static_cast<double>(single[i]);
+        }
+      },
+      at_->op);
+}
+
 void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, ProductWorkspace& work,
                            Points df) {
   std::visit(

@@ -117,6 +117,7 @@ class Averaging::System final : public LinearSystem {
 
   bool to_kernels(KernelSystem& system) const override {
     system.factor = 1;
+    system.exact_operator = nullptr;
     system.double_operator = std::get_if<AveragingOperator<double>>(&averaging_.kernels_->op);
     system.single_operator = std::get_if<AveragingOperator<float>>(&averaging_.kernels_->op);
     system.diagonal.setZero(num_nodes(), 3);

@@ -2,6 +2,7 @@
 #include "solve/cg_space.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hexaplast/base/parallel.hpp"
 #include "solve/slot_kernels.hpp"
@@ -176,6 +177,22 @@ void SlotCgSpace<T>::end(Points x) const {
       for (int i = 0; i < 3; ++i)
         x(partition.node_of_slot[slot], i) = static_cast<double>(x_[4 * static_cast<std::size_t>(slot) + i]);
   });
+}
+
+double ExactResidual::compute(const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
+  const Partition& partition = system.exact_operator->partition();
+  x_.resize(4 * static_cast<std::size_t>(partition.num_slots), 0.0);
+  Ax_.assign(x_.size(), 0.0);
+  to_slots(partition, x, x_);
+  multiply(*system.exact_operator, system.factor, x_, Ax_);
+  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, Ax_.data()); });
+  r.resize(b.rows(), 3);
+  parallel_for(partition.num_nodes, [&](int n) {
+    const std::size_t slot = 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
+    for (int i = 0; i < 3; ++i)
+      r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - Ax_[slot + i]);
+  });
+  return std::sqrt(dot(r, r));
 }
 
 template void multiply(const ChunkedOperator<double>&, double, AlignedVector<double>&, AlignedVector<double>&);

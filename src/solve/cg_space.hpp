@@ -121,4 +121,14 @@ class SlotCgSpace final : public CgSpace {
   std::vector<Norms> partial_;  // per chunk
 };
 
+/// r = b - A x of a KernelSystem by its exact operator, in double precision.
+class ExactResidual {
+ public:
+  /// Returns |r|.
+  double compute(const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
+
+ private:
+  AlignedVector<double> x_, Ax_;
+};
+
 }  // namespace hexaplast

@@ -135,10 +135,15 @@ struct PreconditionedConjugateGradients::Spaces {
   SlotCgSpace<float> in_single;
   Multigrid<double> multigrid_double;
   Multigrid<float> multigrid_single;
+  ExactResidual exact;
+  PointArray residual, correction;
+
+  bool refines() const { return knows_kernels && system.single_operator && system.exact_operator; }
 
   CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner) {
     system.wants_coarse = preconditioner != Preconditioner::kDiagonal;
-    if (!A.to_kernels(system)) {
+    knows_kernels = A.to_kernels(system);
+    if (!knows_kernels) {
       nodal.refer_to(A, true);
       return nodal;
     }
@@ -148,6 +153,8 @@ struct PreconditionedConjugateGradients::Spaces {
   }
 
  private:
+  bool knows_kernels = false;
+
   template <class T>
   CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, bool cycles) {
     if (cycles) multigrid.refer_to(system);
@@ -191,6 +198,35 @@ SolveReport PreconditionedConjugateGradients::improve(const LinearSystem& A, Con
   return iterate(A, b, &start, x);
 }
 
+namespace {
+
+// Single precision with half-precision coefficients answers to about 2e-4; beyond this its answers are corrections.
+constexpr double kSingleSuffices = 1e-3;
+constexpr double kCorrection = 3e-3;  // relative residual of each correction
+constexpr int kMostCorrections = 50;
+
+/// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
+void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, double enough, int most_iterations,
+         SolveReport& report) {
+  const CgSpace::Norms norms_at_start = space.begin(b, start);
+  double rho = norms_at_start.r_z, rho_before = 0;
+  bool first = true;
+  report.residual = std::sqrt(norms_at_start.r_r) / norm_b;
+  while (report.residual > enough && report.iterations < most_iterations) {
+    const double curvature = space.product(first ? 0 : rho / rho_before);
+    first = false;
+    if (!(curvature > 0)) break;  // what is left of b lies outside the range of a semi-definite A: rounding
+
+    const CgSpace::Norms norms = space.advance(rho / curvature);
+    ++report.iterations;
+    report.residual = std::sqrt(norms.r_r) / norm_b;
+    rho_before = std::exchange(rho, norms.r_z);
+  }
+  report.converged = report.residual <= enough;
+}
+
+}  // namespace
+
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const PointArray* start,
                                                       Points x) {
   SolveReport report;
@@ -199,22 +235,29 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     x.setZero();
     return report;
   }
-
   CgSpace& space = spaces_->choose(A, preconditioner_);
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
-  const CgSpace::Norms norms_at_start = space.begin(b, start);
-  double rho = norms_at_start.r_z, rho_before = 0;
-  report.residual = std::sqrt(norms_at_start.r_r) / norm_b;
-  while (report.residual > enough && report.iterations < iterations_) {
-    const double curvature = space.product(report.iterations == 0 ? 0 : rho / rho_before);
-    if (!(curvature > 0)) break;  // what is left of b lies outside the range of a semi-definite A: rounding
-
-    const CgSpace::Norms norms = space.advance(rho / curvature);
-    ++report.iterations;
-    report.residual = std::sqrt(norms.r_r) / norm_b;
-    rho_before = std::exchange(rho, norms.r_z);
+  if (!spaces_->refines() || enough >= kSingleSuffices) {
+    run(space, b, start, norm_b, enough, iterations_, report);
+    space.end(x);
+    return report;
   }
-  space.end(x);
+
+  // corrections in single precision to an answer in double, until its own residual is small
+  PointArray &r = spaces_->residual, &correction = spaces_->correction;
+  correction.resize(b.rows(), 3);
+  if (start)
+    x = *start;
+  else
+    x.setZero();
+  double norm_r = spaces_->exact.compute(spaces_->system, b, x, r);
+  for (int k = 0; k < kMostCorrections && norm_r > enough * norm_b && report.iterations < iterations_; ++k) {
+    run(space, r, nullptr, norm_r, std::max(0.5 * enough * norm_b / norm_r, kCorrection), iterations_, report);
+    space.end(correction);
+    x += correction;
+    norm_r = spaces_->exact.compute(spaces_->system, b, x, r);
+  }
+  report.residual = norm_r / norm_b;
   report.converged = report.residual <= enough;
   return report;
 }

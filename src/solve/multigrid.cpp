@@ -12,12 +12,12 @@ namespace hexaplast {
 
 namespace {
 
-constexpr int kSmoothing = 1;            // degree of the Chebyshev polynomial before and after a coarse correction
-constexpr double kSmoothedShare = 0.25;  // of the spectrum's upper end: what the smoother is to reduce
+constexpr int kSmoothing = 2;            // degree of the Chebyshev polynomial before and after a coarse correction
+constexpr double kSmoothedShare = 0.12;  // of the spectrum's upper end: what the smoother is to reduce
 constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a direct solution
 constexpr double kCoarsestShare = 0.02;
 constexpr int kPowerSteps = 10;
-constexpr double kSafety = 1.15;  // the power iteration comes from below, and from a coarser mesh
+constexpr double kSafety = 1.1;  // the power iteration comes from below, and from a coarser mesh
 
 /// Ad = A d on the nodes, copies of d included.
 template <class T>

@@ -12,6 +12,7 @@ namespace hexaplast {
 struct KernelSystem {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
   const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null
+  const ChunkedOperator<double>* exact_operator = nullptr;   ///< beside single_operator: L in double, slower
   double factor = 0;                                         ///< of L
   PointArray diagonal;                                       ///< num_nodes x 3
   PointArray free;                                           ///< num_nodes x 3: 1 where free, 0 where fixed

@@ -11,7 +11,8 @@ namespace hexaplast {
 /// Brings what `at` holds of the material shape up to date with the history.
 void update_material(const Model& model, const History& history, Linearization& at);
 
-/// World positions x (num_nodes x 3) [m] and the material shape alone: all that flow_elements of the plastic step needs.
+/// World positions x (num_nodes x 3) [m] and the material shape alone: all that flow_elements of the plastic step
+/// needs.
 void set_positions(const Model& model, const History& history, ConstPoints x, Linearization& at);
 
 /// Rotations, forces and the stiffness operator at world positions x (num_nodes x 3) [m]; nothing where `at` holds them
@@ -20,6 +21,25 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
 
 /// f += elastic forces [N].
 void add_force(const Model& model, const Linearization& at, Points f);
+
+/// The stiffness of a linearization in double precision whatever its coefficients are: rotations are computed anew in
+/// each product. For residuals, which single precision would spoil.
+class ExactOperator final : public ChunkedOperator<double> {
+ public:
+  /// Both must outlive the use.
+  void refer_to(const Model& model, const Linearization& at) {
+    model_ = &model;
+    at_ = &at;
+  }
+  const Partition& partition() const override { return *model_->partition; }
+  void add_product(int chunk, double factor, const double* p, double* Ap) const override;
+  void add_diagonal(int chunk, double factor,
+                    double* diagonal) const override;  ///< to the precision of the coefficients
+
+ private:
+  const Model* model_ = nullptr;
+  const Linearization* at_ = nullptr;
+};
 
 /// Scratch of add_stiffness_product, in slots.
 struct ProductWorkspace {
