@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <regex>
 #include <string>
 
 #include "attributes/examples.hpp"
@@ -152,6 +153,26 @@ TEST_F(ExampleScenes, NumbersOutOfRangeAreRefusedWithTheRangeAndOthersRunOrAreRe
           << word << ": " << answer.refusal_of_text;
     }
   });
+}
+
+// What an example gives and could do without, or could not: a message, never a crash.
+TEST_F(ExampleScenes, WithoutAnyOneAttributeTheyRunOrAreRefused) {
+  int num_left_out = 0, num_refused = 0;
+  for (const Description* component : support::factory().descriptions()) {
+    if (component->takes_anything) continue;
+    const std::string whole = scene_with(*component);
+    const std::regex attribute("\\s\\w+=\"[^\"]*\"");
+    for (std::sregex_iterator match(whole.begin(), whole.end(), attribute), end; match != end; ++match) {
+      std::string scene = whole;
+      scene.erase(match->position(), match->length());
+      const std::string errors = support::errors_of(scene);
+      EXPECT_TRUE(errors.empty() || errors.find("test.scn:") == 0) << errors;
+      ++num_left_out;
+      num_refused += !errors.empty();
+    }
+  }
+  EXPECT_GT(num_left_out, 200);
+  EXPECT_GT(num_refused, 20);
 }
 
 TEST_F(ExampleScenes, NodesAndHexahedraThatDoNotExistAreRefused) {

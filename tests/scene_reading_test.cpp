@@ -83,6 +83,15 @@ TEST(SceneReading, AGenericObjectNamesItsClassByType) {
             "test.scn:3: error: Object.type: is not given, must be the class of a component");
 }
 
+TEST(SceneReading, WhatSofaScenesSayBesidesIsAccepted) {
+  EXPECT_EQ(
+      errors_of(
+          "<Node bbox='0 0 0 1 1 1' animate='0' printLog='1' tags='x'>"
+          "<RequiredPlugin name='Sofa.Component.Mass' requireAll='1' suffixMap=''/>"
+          "<DefaultAnimationLoop parallelODESolving='0' computeBoundingBox='false' bbox='' listening='1'/></Node>"),
+      "");
+}
+
 TEST(SceneReading, TemplatesOfThreeDimensionsInDoublePrecisionAlone) {
   EXPECT_EQ(errors_of(bar("<BoxROI template='Vec3'/> <BoxROI template='Vec3d'/>")), "");
   EXPECT_EQ(errors_of(bar("<BoxROI template='Rigid3d'/>")),
@@ -150,8 +159,13 @@ TEST(SceneReading, AsSofaReadsUnknownThingsArePassedOver) {
                       "test.scn:4: warning: BoxROI.boxx: unknown attribute, ignored\n  hint: did you mean 'box'?"}));
 
   // values, links and what is needed are not made up for
-  for (const char* wrong : {"<BoxROI box='x'/>", "<FixedProjectiveConstraint indices='@Nonsense1.indices'/><Nonsense/>",
-                            "<DiagonalMass massDensity='-1'/>"})
+  scene::Scene without = read_as_sofa("<Node><RequiredPlugin name='SofaAbsent'/></Node>");
+  EXPECT_EQ(scene::format(without.diagnostics().take_warnings()[0]),
+            "test.scn:1: warning: RequiredPlugin: there is no plugin 'SofaAbsent', ignored");
+  EXPECT_THROW(read_as_sofa("<Node><RequiredPlugin name='../Absent'/></Node>"), scene::PluginError);
+  for (const char* wrong :
+       {"<BoxROI box='x'/>", "<BoxROI template='Rigid3d'/>",
+        "<FixedProjectiveConstraint indices='@Nonsense1.indices'/><Nonsense/>", "<DiagonalMass massDensity='-1'/>"})
     EXPECT_THROW(read_as_sofa(bar(wrong)), scene::SceneError) << wrong;
 }
 

@@ -111,6 +111,7 @@ inline constexpr Attribute kCommon[] = {
     {.name = "printLog", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
     {.name = "listening", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
     {.name = "tags", .type = Type::kText, .access = Access::kIgnored, .help = "Ignored here."},
+    {.name = "bbox", .type = Type::kText, .access = Access::kIgnored, .help = "Visual: ignored here."},
 };
 
 inline constexpr std::string_view kVec3Templates = "Vec3 Vec3d";

@@ -36,7 +36,6 @@ inline constexpr Attribute kNodeAttributes[] = {
      .initial = "true",
      .help = "false leaves the node out, with everything in it."},
     {.name = "animate", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
-    {.name = "bbox", .type = Type::kReals, .access = Access::kIgnored, .help = "Visual: ignored here."},
 };
 inline constexpr Description kNode{.class_name = "Node",
                                    .category = "Node",
@@ -47,6 +46,11 @@ inline constexpr Attribute kRequiredPluginAttributes[] = {
     {.name = "pluginName",
      .type = Type::kText,
      .help = "Names of plugins, separated by blanks; `name` where it is not given."},
+    ignored_attribute("suffixMap", "Ignored here: a plugin is found by its name alone."),
+    ignored_attribute("stopAfterFirstNameFound", "Ignored here: all names are loaded."),
+    ignored_attribute("stopAfterFirstSuffixFound", "Ignored here: a plugin is found by its name alone."),
+    ignored_attribute("requireOne", "Ignored here: all names are required."),
+    ignored_attribute("requireAll", "Ignored here: all names are required."),
 };
 inline constexpr Description kRequiredPlugin{
     .class_name = "RequiredPlugin",
@@ -54,9 +58,14 @@ inline constexpr Description kRequiredPlugin{
     .help = "Loads plugins by name. Names that begin with Sofa. are SOFA's own modules and need no loading here.",
     .attributes = kRequiredPluginAttributes};
 
+inline constexpr Attribute kDefaultAnimationLoopAttributes[] = {
+    ignored_attribute("parallelODESolving", "Ignored here: solvers run one after another."),
+    ignored_attribute("computeBoundingBox", "Visual: ignored here."),
+};
 inline constexpr Description kDefaultAnimationLoop{
     .class_name = "DefaultAnimationLoop",
     .category = "AnimationLoop",
-    .help = "The order of events of a time step. A root without animation loop gets this one."};
+    .help = "The order of events of a time step. A root without animation loop gets this one.",
+    .attributes = kDefaultAnimationLoopAttributes};
 
 }  // namespace hexaplast::attributes

@@ -48,8 +48,8 @@ only in elements named X. A root named `Group` is replaced by its members; one n
 including node, class by class and name by name. At most 16 levels.
 
 **Strictness.** Unknown components and attributes, values out of range and links that lead nowhere are errors, with file,
-line and the name that was probably meant. `--sofa-compat` passes over unknown components, attributes and templates with a
-warning, as SOFA does.
+line and the name that was probably meant. `--sofa-compat` passes over unknown components, attributes, templates and
+plugins with a warning, as SOFA does.
 
 **Attributes of every component.**
 

@@ -48,7 +48,7 @@ void add_scene(CLI::App& command, SceneOptions& options) {
       ->type_name("PATH.attribute=VALUE")
       ->allow_extra_args(false);
   command.add_flag("--sofa-compat", options.sofa_compat,
-                   "Pass over unknown components and attributes with a warning, as SOFA does");
+                   "Pass over unknown components, attributes, templates and plugins with a warning, as SOFA does");
   add_plugin_options(command, options.plugins, options.plugin_path);
 }
 

@@ -125,12 +125,13 @@ PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> 
 
 void PluginLoader::load(const std::string& name) {
   if (name.starts_with("Sofa.") || std::ranges::count(loaded_, name) > 0) return;
-  const auto refuse = [&](const std::string& reason) {
+  const auto refusal = [&](const std::string& reason) {
     std::string message = fmt::format("plugin '{}': {}\n  search path:", name, reason);
     for (const std::filesystem::path& directory : directories_) message += fmt::format("\n    {}", directory.string());
-    throw PluginError(message);
+    return message;
   };
-  if (!is_plain_name(name)) refuse("plugins are loaded by name (letters, digits, _ - .), never by path");
+  if (!is_plain_name(name))
+    throw PluginError(refusal("plugins are loaded by name (letters, digits, _ - .), never by path"));
 
   for (const std::filesystem::path& directory : directories_) {
     for (const std::string& file_name : {"lib" + name + ".so", name + ".so"}) {
@@ -141,13 +142,13 @@ void PluginLoader::load(const std::string& name) {
         check_tag(file);
         register_components(file, factory_);
       } catch (const PluginError& error) {
-        refuse(fmt::format("{}: {}", file.string(), error.what()));
+        throw PluginError(refusal(fmt::format("{}: {}", file.string(), error.what())));
       }
       loaded_.push_back(name);
       return;
     }
   }
-  refuse(fmt::format("there is no lib{}.so", name));
+  throw PluginMissing(refusal(fmt::format("there is no lib{}.so", name)));
 }
 
 }  // namespace hexaplast::scene

@@ -20,6 +20,12 @@ class PluginError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A plugin that is not in the search path.
+class PluginMissing : public PluginError {
+ public:
+  using PluginError::PluginError;
+};
+
 /// Number of this component interface; grows with every change that a compiled plugin would notice.
 inline constexpr std::uint32_t kInterfaceNumber = 1;
 
@@ -67,8 +73,8 @@ class PluginLoader {
   PluginLoader(Factory& factory, std::vector<std::filesystem::path> directories);
 
   /// Does nothing when the plugin is loaded already, or when the name begins with "Sofa.": those modules are SOFA's
-  /// own, and what we have of them is built in. Throws PluginError: the name is a path, no file, not a plugin, made for
-  /// another interface.
+  /// own, and what we have of them is built in. Throws PluginMissing, or PluginError: the name is a path, the file is
+  /// no plugin or made for another interface.
   void load(const std::string& name);
 
  private:

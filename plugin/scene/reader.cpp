@@ -176,6 +176,10 @@ class Reader {
     for (const std::string& plugin : required.plugins()) {
       try {
         plugins_.load(plugin);
+      } catch (const PluginMissing& error) {
+        if (grammar_ == Grammar::kStrict)
+          throw PluginError(format_error(required.place(), fmt::format("RequiredPlugin: {}", error.what())));
+        complain(required.place(), fmt::format("RequiredPlugin: there is no plugin '{}'", plugin));
       } catch (const PluginError& error) {
         throw PluginError(format_error(required.place(), fmt::format("RequiredPlugin: {}", error.what())));
       }
@@ -217,7 +221,15 @@ class Reader {
     if (std::ranges::count(accepted, std::string_view(given->value)) > 0) return;
     const std::string allowed = accepted.empty() ? "there is none for this component"
                                                  : fmt::format("must be one of: {}", component.description().templates);
-    complain(given->place, fmt::format("{}.template: '{}', {}", component.class_name(), given->value, allowed));
+    const std::string problem = fmt::format("{}.template: '{}', {}", component.class_name(), given->value, allowed);
+    // SOFA falls back from templates that it does not know, but these it knows, and means something else by them.
+    const bool is_of_other_kind = std::ranges::any_of(
+        kOtherKinds, [&](std::string_view kind) { return std::string_view(given->value).starts_with(kind); });
+    if (is_of_other_kind) {
+      diagnostics_.error(given->place, problem);
+    } else {
+      complain(given->place, problem);
+    }
   }
 
   std::string default_name(const Node* node, std::string_view class_name) {
@@ -258,6 +270,7 @@ class Reader {
     std::unordered_map<std::string, int> counter;  // per class, of default names
   };
 
+  static constexpr std::string_view kOtherKinds[] = {"Rigid", "Vec1", "Vec2", "Vec6"};
   Scene& scene_;
   Diagnostics& diagnostics_;
   std::unordered_map<const Node*, Names> names_;

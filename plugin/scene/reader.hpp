@@ -22,7 +22,8 @@ class FileError : public std::runtime_error {
 /// How a scene is read.
 enum class Grammar {
   kStrict,         ///< what is not understood is an error
-  kSofaCompatible  ///< unknown components, attributes and templates are passed over with a warning, as SOFA does
+  kSofaCompatible  ///< unknown components, attributes, templates and plugins are passed over with a warning, as SOFA
+                   ///< does
 };
 
 /// Reads a scene file in SOFA's XML grammar (document.hpp). Plugins that it requires are loaded at once.
