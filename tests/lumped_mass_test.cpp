@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/mesh/edge_coupled_mass.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
 
 namespace {
 
@@ -43,6 +45,37 @@ TEST(LumpedMass, NodesWithoutElementWeighNothing) {
   x.topRows(8) = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones()).positions();
   const std::vector<Hexahedron> hexahedra = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones()).hexahedra();
   EXPECT_EQ(nodal_volumes(x, hexahedra)[8], 0);
+}
+
+// A box of unit mass: the sum of all entries of M is its mass, and every row belongs to one corner.
+TEST(EdgeCoupledMass, GivesATwentiethToNodesAndAFortiethToEdges) {
+  const HexMesh mesh = support::block({1, 1, 1}, 0.5);
+  const EdgeCoupledMass mass(8, mesh.hexahedra(), std::vector<double>{40});
+  BlockMatrix A(8);
+  mass.add_blocks(2, A);
+  for (int n = 0; n < 8; ++n) {
+    ASSERT_EQ(A.row(n).size(), 4u) << "a corner and its three neighbours";
+    for (const BlockMatrix::Entry& entry : A.row(n))
+      EXPECT_TRUE(entry.block.isApprox((entry.column == n ? 4 : 2) * Mat3::Identity(), 1e-15));
+    EXPECT_DOUBLE_EQ(mass.row_sums()[n], 5);
+  }
+}
+
+TEST(EdgeCoupledMass, ProductAndBlocksAgreeAndSumUpToTheMass) {
+  const HexMesh mesh = support::distorted_block({2, 3, 2}, 0.3, 0.2, 17);
+  const std::vector<double> volumes = element_volumes(mesh.positions(), mesh.hexahedra());
+  const EdgeCoupledMass mass(mesh.num_nodes(), mesh.hexahedra(), volumes);
+  EXPECT_TRUE(support::agrees(mass.row_sums(), nodal_volumes(mesh.positions(), mesh.hexahedra()), 1e-14));
+
+  support::Random random(5);
+  const PointArray dx = random.field(mesh.num_nodes(), 1);
+  PointArray product = PointArray::Zero(mesh.num_nodes(), 3), by_blocks = product;
+  mass.add_product(3, dx, product);
+  BlockMatrix A(mesh.num_nodes());
+  mass.add_blocks(3, A);
+  for (int n = 0; n < mesh.num_nodes(); ++n)
+    for (const BlockMatrix::Entry& entry : A.row(n)) by_blocks.row(n) += dx.row(entry.column) * entry.block.transpose();
+  EXPECT_TRUE(support::agrees(product, by_blocks, 1e-14));
 }
 
 }  // namespace

@@ -13,34 +13,11 @@ namespace {
 using namespace hexaplast;
 using support::at;
 using support::errors_of;
+using support::force_of;
+using support::four_nodes;
+using support::in_root;
 using support::read_and_init;
-
-std::string in_root(const std::string& attributes, const std::string& lines) {
-  return "<Node " + attributes + "><DefaultAnimationLoop/><EulerImplicitSolver name='euler'/><SparseLDLSolver/>" +
-         lines + "</Node>";
-}
-
-// Four nodes without symmetry, one kilogram each, no gravity.
-std::string four_nodes(const std::string& lines) {
-  return in_root("gravity='0 0 0' dt='0.5'",
-                 "<MechanicalObject name='nodes' position='1 0 0  0 2 0  0 0 3  -1 -1 4'/><UniformMass name='mass' "
-                 "vertexMass='1'/>" +
-                     lines);
-}
-
-PointArray force_of(scene::Scene& scene, std::string_view path, double time) {
-  auto& state = at<scene::MechanicalState>(scene, "nodes");
-  PointArray f = PointArray::Zero(state.num_nodes(), 3);
-  at<scene::ForceField>(scene, path).add_force(time, state.positions(), state.velocities(), f);
-  return f;
-}
-
-PointArray rows(std::initializer_list<Vec3> values) {
-  PointArray all(values.size(), 3);
-  Eigen::Index n = 0;
-  for (const Vec3& value : values) all.row(n++) = value.transpose();
-  return all;
-}
+using support::rows;
 
 const Vec3 kNone = Vec3::Zero();
 
@@ -325,7 +302,7 @@ TEST(BoxROI, WarnsWhenItHoldsNothing) {
   scene::Scene scene = read_and_init(four_nodes("<BoxROI box='8 8 8 9 9 9'/>"));
   const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(scene::format(warnings[0]), "test.scn:1: warning: BoxROI.box: holds no point");
+  EXPECT_EQ(scene::format(warnings[0]), "test.scn:1: warning: BoxROI: holds no point");
 }
 
 // Bodies

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "attributes/hexaplast.hpp"
+#include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/body.hpp"
 #include "scene/interfaces.hpp"
@@ -28,17 +29,13 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
-    scene::Topology& topology = linked<scene::Topology>("topology");
-    if (topology.positions().rows() != state_->num_nodes())
-      reject(fmt::format("{} nodes in the topology, {} in the mechanical state", topology.positions().rows(),
-                         state_->num_nodes()));
-    if (topology.hexahedra().empty()) reject("its topology has no hexahedra");
-
-    const std::vector<Material> materials = given_materials(topology.hexahedra().size());
+    const std::vector<Hexahedron>& hexahedra =
+        hexahedra_on(*this, linked<scene::Topology>("topology"), state_->num_nodes());
+    const std::vector<Material> materials = given_materials(hexahedra.size());
     const Settings settings = given_settings();
     for (const std::string& advice : check_time_step(materials, settings, node().clock().dt))
       remark(scene::Severity::kWarning, {}, advice);
-    body_.emplace(HexMesh(state_->rest_positions(), topology.hexahedra()), materials, settings);
+    body_.emplace(HexMesh(state_->rest_positions(), hexahedra), materials, settings);
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 

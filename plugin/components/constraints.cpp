@@ -1,44 +1,159 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <array>
 #include <numeric>
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "components/key_times.hpp"
+#include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class FixedProjectiveConstraint final : public scene::ProjectiveConstraint {
+/// Some nodes, held in some directions while it is active.
+class NodeConstraint : public scene::ProjectiveConstraint {
  public:
-  FixedProjectiveConstraint() : ProjectiveConstraint(attributes::kFixedProjectiveConstraint) {}
+  using ProjectiveConstraint::ProjectiveConstraint;
 
-  void init() override {
-    const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
-    if (boolean("fixAll")) {
-      nodes_.resize(num_nodes);
-      std::iota(nodes_.begin(), nodes_.end(), 0);
-    } else {
-      nodes_ = indices("indices", num_nodes);
-    }
-  }
   void refresh() override { init(); }
 
   void project(Points field) const override {
-    for (const int node : nodes_) field.row(node).setZero();
+    if (is_active()) clear(field);
   }
   void pin(BlockMatrix& A) const override {
+    if (!is_active()) return;
     for (const int node : nodes_)
-      for (int axis = 0; axis < 3; ++axis) A.pin(node, axis);
+      for (int axis = 0; axis < 3; ++axis)
+        if (held_[axis]) A.pin(node, axis);
+  }
+
+ protected:
+  virtual bool is_active() const { return true; }
+
+  void clear(Points field) const {
+    for (const int node : nodes_)
+      for (int axis = 0; axis < 3; ++axis)
+        if (held_[axis]) field(node, axis) = 0;
+  }
+
+  int num_nodes() { return needed_ready<scene::MechanicalState>().num_nodes(); }
+  void take_nodes() { nodes_ = indices("indices", num_nodes()); }
+  void take_nodes_or_all() {
+    take_nodes();
+    if (!boolean("fixAll")) return;
+    nodes_.resize(num_nodes());
+    std::iota(nodes_.begin(), nodes_.end(), 0);
+  }
+  void take_directions(std::string_view attribute) {
+    const std::vector<std::int64_t>& given = integers(attribute);
+    if (given.size() != 3) reject(attribute, fmt::format("{} numbers given, must be three", given.size()));
+    for (int axis = 0; axis < 3; ++axis) held_[axis] = given[axis] == 1;
+  }
+
+  std::vector<int> nodes_;
+  std::array<bool, 3> held_{true, true, true};
+};
+
+/// Fixed and PartialFixed.
+class FixedConstraint final : public NodeConstraint {
+ public:
+  using NodeConstraint::NodeConstraint;
+
+  void init() override {
+    take_nodes_or_all();
+    if (find_data("fixedDirections")) take_directions("fixedDirections");
+    takes_velocity_ = boolean("activate_projectVelocity");
+  }
+  void project_motion(double, Points, Points v) const override {
+    if (takes_velocity_) clear(v);
   }
 
  private:
-  std::vector<int> nodes_;
+  bool takes_velocity_ = false;
+};
+
+/// Linear and PartialLinear: motion along a history. From the last key time on the nodes are free, whichever linear
+/// solver is used (in SOFA assembled matrices keep them).
+class KeyedMotion final : public NodeConstraint {
+ public:
+  using NodeConstraint::NodeConstraint;
+
+  void init() override {
+    take_nodes();
+    if (find_data("movedDirections")) take_directions("movedDirections");
+    is_relative_ = !find_data("relativeMovements") || boolean("relativeMovements");
+    movements_ = vectors3("movements");
+    times_ = key_times(*this, "keyTimes", "movements", static_cast<std::size_t>(movements_.rows()));
+    first_ = needed_ready<scene::MechanicalState>().positions();
+  }
+
+  void project_motion(double time, Points x, Points v) const override {
+    const KeyPhase phase = phase_at(times_, time);
+    if (!lies_between_keys(phase)) return;
+    const Eigen::RowVector3d movement = interpolate(phase, movements_), velocity = slope(phase, times_, movements_);
+    for (const int node : nodes_)
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!held_[axis]) continue;
+        x(node, axis) = (is_relative_ ? first_(node, axis) : 0) + movement[axis];
+        v(node, axis) = velocity[axis];
+      }
+  }
+
+ private:
+  bool is_active() const override { return lies_between_keys(phase_at(times_, node().clock().time)); }
+  bool lies_between_keys(const KeyPhase& phase) const {
+    return phase.key >= 0 && phase.key + 1 < static_cast<int>(times_.size());
+  }
+
+  std::vector<double> times_;  // [s]
+  PointArray movements_;       // [m] one row per time
+  PointArray first_;           // [m] positions at the beginning
+  bool is_relative_ = true;
+};
+
+class AffineMotion final : public NodeConstraint {
+ public:
+  AffineMotion() : NodeConstraint(attributes::kAffineMovementProjectiveConstraint) {}
+
+  void init() override {
+    take_nodes();
+    begin_ = real("beginConstraintTime");
+    end_ = real("endConstraintTime");
+    if (end_ < begin_)
+      reject("endConstraintTime", fmt::format("is {}, must not be before beginConstraintTime {}", end_, begin_));
+    const std::vector<double>& rows = reals("rotation");
+    if (rows.size() != 9) reject("rotation", fmt::format("{} numbers given, must be nine", rows.size()));
+    const Mat3 A = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+    first_ = needed_ready<scene::MechanicalState>().positions();
+    last_ = (first_ * A.transpose()).rowwise() + vector3("translation").transpose();
+  }
+
+  void project_motion(double time, Points x, Points v) const override {
+    clear(v);
+    const bool has_begun = time > begin_;
+    if (!has_begun) return;
+    const double share = time > end_ ? 1 : (time - begin_) / (end_ - begin_);
+    for (const int node : nodes_) x.row(node) = first_.row(node) + share * (last_.row(node) - first_.row(node));
+  }
+
+ private:
+  double begin_ = 0, end_ = 20;  // [s]
+  PointArray first_, last_;      // [m]
 };
 
 }  // namespace
 
 void add_constraints(scene::Factory& factory) {
-  factory.add<FixedProjectiveConstraint>(attributes::kFixedProjectiveConstraint);
+  using namespace attributes;
+  for (const Description* description : {&kFixedProjectiveConstraint, &kPartialFixedProjectiveConstraint})
+    factory.add(*description, [description] { return std::make_unique<FixedConstraint>(*description); });
+  for (const Description* description :
+       {&kLinearMovementProjectiveConstraint, &kPartialLinearMovementProjectiveConstraint})
+    factory.add(*description, [description] { return std::make_unique<KeyedMotion>(*description); });
+  factory.add<AffineMotion>(kAffineMovementProjectiveConstraint);
 }
 
 }  // namespace hexaplast::components

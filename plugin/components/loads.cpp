@@ -4,11 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "attributes/hexaplast.hpp"
 #include "attributes/stock.hpp"
+#include "components/cells.hpp"
 #include "components/components.hpp"
+#include "components/key_times.hpp"
+#include "hexaplast/solve/contact_loads.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
@@ -32,18 +37,6 @@ class Load : public scene::ForceField {
 
   int num_nodes() { return needed_ready<scene::MechanicalState>().num_nodes(); }
 
-  /// `times`, ascending, with one entry of `forces` each.
-  std::vector<double> key_times(std::size_t num_forces) {
-    std::vector<double> times = reals("times");
-    if (times.empty()) reject("times", "is empty, must hold at least one time");
-    if (times.size() != num_forces)
-      reject("forces", fmt::format("{} forces given for {} times, must be as many", num_forces, times.size()));
-    const auto fault = std::adjacent_find(times.begin(), times.end(), std::greater_equal<>());
-    if (fault != times.end())
-      reject("times", fmt::format("{} is followed by {}, must be ascending", fault[0], fault[1]));
-    return times;
-  }
-
  private:
   std::vector<int> loaded_;
 };
@@ -55,7 +48,9 @@ class ConstantForceField final : public Load {
   void init() override {
     const int count = num_nodes();
     nodes_ = indices("indices", count);
-    if (!is_given("indices")) {
+    if (boolean("indexFromEnd"))
+      for (int& node : nodes_) node = count - 1 - node;
+    if (nodes_.empty()) {
       nodes_.resize(count);
       std::iota(nodes_.begin(), nodes_.end(), 0);
     }
@@ -93,7 +88,7 @@ class LinearForceField final : public Load {
   void init() override {
     nodes_ = indices("points", num_nodes());
     forces_ = vectors3("forces");
-    times_ = key_times(static_cast<std::size_t>(forces_.rows()));
+    times_ = key_times(*this, "times", "forces", static_cast<std::size_t>(forces_.rows()));
     factor_ = real("force");
     note_loaded(nodes_);
   }
@@ -126,7 +121,7 @@ class TangentialForceField final : public Load {
     if (axis_.isZero(0)) reject("axis", "is zero, must have a direction");
     centre_ = vector3("centre");
     forces_ = reals("forces");
-    times_ = key_times(forces_.size());
+    times_ = key_times(*this, "times", "forces", forces_.size());
     note_loaded(nodes_);
   }
 
@@ -143,12 +138,206 @@ class TangentialForceField final : public Load {
   std::vector<double> times_, forces_;  // [s], [N]
 };
 
+/// Faces of a topology with a load on them.
+class FaceLoad : public Load {
+ public:
+  using Load::Load;
+
+ protected:
+  scene::Topology& fitting_topology() {
+    scene::Topology& topology = linked<scene::Topology>("topology");
+    require_same_nodes(*this, topology, num_nodes());
+    return topology;
+  }
+
+  /// The faces that an attribute numbers. Rejects numbers and nodes out of range.
+  template <std::size_t N>
+  std::vector<std::array<int, N>> chosen(std::string_view attribute, const std::vector<std::array<int, N>>& faces) {
+    std::vector<std::array<int, N>> some;
+    for (const int face : indices(attribute, static_cast<int>(faces.size()))) some.push_back(faces[face]);
+    return some;
+  }
+
+  template <std::size_t N>
+  void require_nodes(const std::vector<std::array<int, N>>& faces) {
+    const int count = num_nodes();
+    for (const std::array<int, N>& face : faces)
+      for (const int node : face)
+        if (node >= count) reject(fmt::format("a face has node {}, the mechanical state has {} nodes", node, count));
+  }
+};
+
+class SurfacePressureForceField final : public FaceLoad {
+ public:
+  SurfacePressureForceField() : FaceLoad(attributes::kSurfacePressureForceField) {}
+
+  void init() override {
+    scene::Topology& topology = fitting_topology();
+    const bool chooses_quads = !integers("quadIndices").empty(),
+               chooses_triangles = !integers("triangleIndices").empty();
+    quads_ = chooses_quads ? chosen<4>("quadIndices", topology.quads()) : topology.quads();
+    triangles_ = chooses_triangles ? chosen<3>("triangleIndices", topology.triangles()) : topology.triangles();
+    require_nodes<4>(quads_);
+    require_nodes<3>(triangles_);
+
+    const Vec3 least = vector3("min"), most = vector3("max");
+    const bool is_everywhere = least.isZero(0) && most.isZero(0);
+    box_.reset();
+    if (!is_everywhere) box_.emplace(least, most);
+    quads_depend_on_box_ = box_ && !chooses_quads;
+    triangles_depend_on_box_ = box_ && !chooses_triangles;
+    pressure_ = real("pressure");
+    direction_ = vector3("mainDirection");
+    note_faces();
+  }
+
+  void add_force(double, ConstPoints x, ConstPoints, Points f) override {
+    for (const Quad& face : quads_)
+      if (!quads_depend_on_box_ || lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
+    for (const Triangle& face : triangles_)
+      if (!triangles_depend_on_box_ || lies_in_box(face, x))
+        add_pressure(face, pressure_ * share_along(face, direction_, x), x, f);
+  }
+
+ private:
+  template <std::size_t N>
+  bool lies_in_box(const std::array<int, N>& face, ConstPoints x) const {
+    return std::ranges::all_of(face, [&](int node) { return box_->contains(Vec3(x.row(node).transpose())); });
+  }
+
+  // Those of the beginning, where the box decides.
+  void note_faces() {
+    const PointArray& x = needed_ready<scene::MechanicalState>().positions();
+    std::vector<int> nodes;
+    for (const Quad& face : quads_)
+      if (!quads_depend_on_box_ || lies_in_box(face, x)) nodes.insert(nodes.end(), face.begin(), face.end());
+    for (const Triangle& face : triangles_)
+      if (!triangles_depend_on_box_ || lies_in_box(face, x)) nodes.insert(nodes.end(), face.begin(), face.end());
+    if (nodes.empty()) remark(scene::Severity::kWarning, {}, "acts on no face");
+    note_loaded(std::move(nodes));
+  }
+
+  std::vector<Quad> quads_;
+  std::vector<Triangle> triangles_;
+  std::optional<Eigen::AlignedBox3d> box_;
+  bool quads_depend_on_box_ = false, triangles_depend_on_box_ = false;
+  double pressure_ = 0;  // [Pa]
+  Vec3 direction_ = Vec3::Zero();
+};
+
+class QuadPressureForceField final : public FaceLoad {
+ public:
+  QuadPressureForceField() : FaceLoad(attributes::kQuadPressureForceField) {}
+
+  void init() override {
+    const std::vector<Quad>& all = fitting_topology().quads();
+    require_nodes<4>(all);
+    const PointArray& rest = needed_ready<scene::MechanicalState>().rest_positions();
+    const std::vector<Quad> quads = is_given("quadList") ? chosen<4>("quadList", all) : between_planes(all, rest);
+    if (quads.empty()) remark(scene::Severity::kWarning, {}, "acts on no quad");
+
+    force_ = PointArray::Zero(rest.rows(), 3);
+    const Eigen::RowVector3d pressure = vector3("pressure").transpose();
+    std::vector<int> nodes;
+    for (const Quad& quad : quads) {
+      for (const int node : quad) force_.row(node) += area(quad, rest) / 4 * pressure;
+      nodes.insert(nodes.end(), quad.begin(), quad.end());
+    }
+    note_loaded(std::move(nodes));
+  }
+
+  void add_force(double, ConstPoints, ConstPoints, Points f) override { f += force_; }
+
+ private:
+  std::vector<Quad> between_planes(const std::vector<Quad>& all, ConstPoints rest) {
+    const Vec3 normal = vector3("normal");
+    const double least = real("dmin"), most = real("dmax");
+    if (least == most) return {};
+    const auto lies_between = [&](int node) {
+      const double distance = rest.row(node).dot(normal);
+      return distance > least && distance < most;
+    };
+    std::vector<Quad> some;
+    for (const Quad& quad : all)
+      if (std::ranges::all_of(quad, lies_between)) some.push_back(quad);
+    return some;
+  }
+
+  PointArray force_;  // [N] per node
+};
+
+class PlaneForceField final : public scene::ForceField {
+ public:
+  PlaneForceField() : ForceField(attributes::kPlaneForceField) {}
+
+  void init() override {
+    needed_ready<scene::MechanicalState>();
+    obstacle_ = {.normal = vector3("normal"),
+                 .distance = real("d"),
+                 .stiffness = real("stiffness"),
+                 .damping = real("damping"),
+                 .most_force = real("maxForce"),
+                 .bilateral = boolean("bilateral")};
+    rayleigh_stiffness_ = real("rayleighStiffness");
+    if (obstacle_.normal.isZero(0)) reject("normal", "is zero, must have a direction");
+    if (std::abs(obstacle_.normal.norm() - 1) > 1e-6)
+      remark(
+          scene::Severity::kWarning, "normal",
+          fmt::format("has length {:.6g}: it is taken as it is, and scales depth and force", obstacle_.normal.norm()));
+  }
+  void refresh() override { init(); }
+
+  void add_force(double, ConstPoints x, ConstPoints v, Points f) override { touching_ = obstacle_.add_force(x, v, f); }
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
+    obstacle_.add_stiffness_product(touching_, factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
+    obstacle_.add_stiffness_blocks(touching_, factor, A);
+  }
+  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+
+ private:
+  Obstacle obstacle_;
+  std::vector<int> touching_;  // nodes, at the positions of the latest forces
+  double rayleigh_stiffness_ = 0;
+};
+
+class UniformVelocityDampingForceField final : public scene::ForceField {
+ public:
+  UniformVelocityDampingForceField() : ForceField(attributes::kUniformVelocityDampingForceField) {}
+
+  void init() override {
+    num_nodes_ = needed_ready<scene::MechanicalState>().num_nodes();
+    coefficient_ = real("dampingCoefficient");
+    is_implicit_ = boolean("implicit");
+  }
+  void refresh() override { init(); }
+
+  void add_force(double, ConstPoints, ConstPoints v, Points f) override { f -= coefficient_ * v; }
+  void add_damping_product(double factor, ConstPoints dx, Points df) const override {
+    if (is_implicit_) df -= factor * coefficient_ * dx;
+  }
+  void add_damping_blocks(double factor, BlockMatrix& A) const override {
+    if (!is_implicit_) return;
+    for (int node = 0; node < num_nodes_; ++node) A.add(node, node, -factor * coefficient_ * Mat3::Identity());
+  }
+
+ private:
+  int num_nodes_ = 0;
+  double coefficient_ = 0;  // [N s/m]
+  bool is_implicit_ = false;
+};
+
 }  // namespace
 
 void add_loads(scene::Factory& factory) {
   factory.add<ConstantForceField>(attributes::kConstantForceField);
   factory.add<LinearForceField>(attributes::kLinearForceField);
   factory.add<TangentialForceField>(attributes::kTangentialForceField);
+  factory.add<SurfacePressureForceField>(attributes::kSurfacePressureForceField);
+  factory.add<QuadPressureForceField>(attributes::kQuadPressureForceField);
+  factory.add<PlaneForceField>(attributes::kPlaneForceField);
+  factory.add<UniformVelocityDampingForceField>(attributes::kUniformVelocityDampingForceField);
 }
 
 }  // namespace hexaplast::components

@@ -1,13 +1,27 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
+#include <numeric>
+
 #include "attributes/stock.hpp"
+#include "components/cells.hpp"
 #include "components/components.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/mesh/edge_coupled_mass.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
-#include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
 namespace {
+
+/// The positions at which a mass measures its volumes.
+const PointArray& measured_positions(scene::Mass& mass) {
+  auto& state = *mass.node().nearest<scene::MechanicalState>();
+  return mass.boolean("computeMassOnRest") ? state.rest_positions() : state.positions();
+}
+
+void add_diagonal(double factor, const Eigen::VectorXd& masses, BlockMatrix& A) {
+  for (int n = 0; n < static_cast<int>(masses.size()); ++n) A.add(n, n, factor * masses[n] * Mat3::Identity());
+}
 
 /// A mass at every node.
 class LumpedMass : public scene::Mass {
@@ -22,9 +36,7 @@ class LumpedMass : public scene::Mass {
 
   void add_gravity(const Vec3& gravity, Points f) const override { hexaplast::add_gravity(mass_, gravity, f); }
   void add_product(double factor, ConstPoints dx, Points df) const override { df += factor * mass_.asDiagonal() * dx; }
-  void add_blocks(double factor, BlockMatrix& A) const override {
-    for (int n = 0; n < static_cast<int>(mass_.size()); ++n) A.add(n, n, factor * mass_[n] * Mat3::Identity());
-  }
+  void add_blocks(double factor, BlockMatrix& A) const override { add_diagonal(factor, mass_, A); }
   double kinetic_energy(ConstPoints v) const override { return hexaplast::kinetic_energy(mass_, v); }
   bool add_diagonal(double factor, Points diagonal) const override {
     diagonal.colwise() += factor * mass_;
@@ -83,13 +95,71 @@ class DiagonalMass final : public LumpedMass {
   }
 
   Eigen::VectorXd rest_volumes(Eigen::Index num_nodes) {
-    scene::Topology& topology = linked<scene::Topology>("topology");
-    if (topology.hexahedra().empty()) reject("its topology has no hexahedra");
-    if (topology.positions().rows() != num_nodes)
-      reject(
-          fmt::format("{} nodes in the topology, {} in the mechanical state", topology.positions().rows(), num_nodes));
-    return nodal_volumes(needed_ready<scene::MechanicalState>().rest_positions(), topology.hexahedra());
+    return nodal_volumes(measured_positions(*this),
+                         hexahedra_on(*this, linked<scene::Topology>("topology"), static_cast<int>(num_nodes)));
   }
+};
+
+class MeshMatrixMass final : public scene::Mass {
+ public:
+  MeshMatrixMass() : Mass(attributes::kMeshMatrixMass) {}
+
+  void init() override {
+    const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
+    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, linked<scene::Topology>("topology"), num_nodes);
+    mass_ = EdgeCoupledMass(num_nodes, hexahedra, element_masses(hexahedra));
+    is_lumped_ = boolean("lumping");
+    if (!is_lumped_)
+      remark(scene::Severity::kWarning, "lumping",
+             "the coupled masses are not positive definite by themselves, here as in SOFA: where dt^2 x stiffness is "
+             "small "
+             "against them the system has no solution; lumping='true' always has");
+    rayleigh_mass_ = real("rayleighMass");
+  }
+
+  void add_gravity(const Vec3& gravity, Points f) const override {
+    hexaplast::add_gravity(mass_.row_sums(), gravity, f);
+  }
+  void add_product(double factor, ConstPoints dx, Points df) const override {
+    if (is_lumped_)
+      df += factor * mass_.row_sums().asDiagonal() * dx;
+    else
+      mass_.add_product(factor, dx, df);
+  }
+  void add_blocks(double factor, BlockMatrix& A) const override {
+    if (is_lumped_)
+      add_diagonal(factor, mass_.row_sums(), A);
+    else
+      mass_.add_blocks(factor, A);
+  }
+  double kinetic_energy(ConstPoints v) const override {
+    PointArray momentum = PointArray::Zero(v.rows(), 3);
+    add_product(1, v, momentum);
+    return dot(v, momentum) / 2;
+  }
+  double rayleigh_mass() const override { return rayleigh_mass_; }
+
+ private:
+  std::vector<double> element_masses(const std::vector<Hexahedron>& hexahedra) {
+    std::vector<double> volumes = element_volumes(measured_positions(*this), hexahedra);
+    if (is_given("totalMass") || !is_given("massDensity")) {
+      if (is_given("massDensity")) remark(scene::Severity::kWarning, "massDensity", "is ignored: totalMass counts");
+      const double density =
+          real_if_given("totalMass").value_or(1) / std::accumulate(volumes.begin(), volumes.end(), 0.0);
+      for (double& mass : volumes) mass *= density;
+      return volumes;
+    }
+    const std::vector<double>& densities = reals("massDensity");
+    if (densities.size() != 1 && densities.size() != volumes.size())
+      reject("massDensity",
+             fmt::format("{} values given, must be one or {} (one per hexahedron)", densities.size(), volumes.size()));
+    for (std::size_t e = 0; e < volumes.size(); ++e) volumes[e] *= densities[densities.size() == 1 ? 0 : e];
+    return volumes;
+  }
+
+  EdgeCoupledMass mass_;
+  bool is_lumped_ = false;
+  double rayleigh_mass_ = 0;
 };
 
 }  // namespace
@@ -97,6 +167,7 @@ class DiagonalMass final : public LumpedMass {
 void add_masses(scene::Factory& factory) {
   factory.add<UniformMass>(attributes::kUniformMass);
   factory.add<DiagonalMass>(attributes::kDiagonalMass);
+  factory.add<MeshMatrixMass>(attributes::kMeshMatrixMass);
 }
 
 }  // namespace hexaplast::components

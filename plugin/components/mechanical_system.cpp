@@ -29,14 +29,18 @@ void NodeSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points
 void NodeSystem::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
   for (const scene::Mass* mass : masses_)
     mass->add_product(factors.mass - factors.damping * mass->rayleigh_mass(), dx, df);
-  for (const scene::ForceField* field : force_fields_)
+  for (const scene::ForceField* field : force_fields_) {
     field->add_stiffness_product(factors.stiffness + factors.damping * field->rayleigh_stiffness(), dx, df);
+    field->add_damping_product(factors.damping, dx, df);
+  }
 }
 
 void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
   for (const scene::Mass* mass : masses_) mass->add_blocks(factors.mass - factors.damping * mass->rayleigh_mass(), A);
-  for (const scene::ForceField* field : force_fields_)
+  for (const scene::ForceField* field : force_fields_) {
     field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A);
+    field->add_damping_blocks(factors.damping, A);
+  }
 }
 
 bool NodeSystem::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {

@@ -15,9 +15,12 @@ class MechanicalObject final : public scene::MechanicalState {
   MechanicalObject() : MechanicalState(attributes::kMechanicalObject) {}
 
   void init() override {
-    first_positions_ = place(given_positions());
+    first_positions_ = given_positions();
     if (first_positions_.rows() == 0) reject("has no nodes: needs position or a topology");
+    place(first_positions_, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
     rest_positions_ = is_given("rest_position") ? one_row_per_node("rest_position") : first_positions_;
+    if (real("restScale") != 1) rest_positions_ *= real("restScale");
+    place(first_positions_, Vec3::Ones(), vector3("rotation2"), vector3("translation2"));
     first_velocities_ = one_row_per_node("velocity");
     external_force_ = one_row_per_node("externalForce");
     positions_ = first_positions_;
@@ -45,20 +48,20 @@ class MechanicalObject final : public scene::MechanicalState {
   PointArray given_positions() {
     const PointArray own = vectors3("position");
     const bool has_topology = is_given("topology") || node().nearest<scene::Topology>();
-    return own.rows() <= 1 && has_topology ? linked<scene::Topology>("topology").positions() : own;
+    if (own.rows() > 1 || !has_topology) return own;
+    const PointArray& nodes = linked<scene::Topology>("topology").positions();
+    return nodes.rows() > 0 ? nodes : own;
   }
 
-  // Scale, then rotation about x, y, z in this order, then translation.
-  PointArray place(PointArray points) {
-    const Vec3 angle = vector3("rotation") * std::numbers::pi / 180;
+  // Scale, then rotation [deg] about x, y, z in this order, then translation.
+  static void place(PointArray& points, const Vec3& scale, const Vec3& degrees, const Vec3& shift) {
+    const Vec3 angle = degrees * std::numbers::pi / 180;
     const Mat3 turn = (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
                        Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
                           .toRotationMatrix();
-    const Vec3 scale = vector3("scale3d"), shift = vector3("translation");
     if (scale != Vec3::Ones()) points = points * scale.asDiagonal();
     if (!angle.isZero(0)) points = points * turn.transpose();
     if (!shift.isZero(0)) points.rowwise() += shift.transpose();
-    return points;
   }
 
   // Zero where not given.

@@ -11,6 +11,21 @@ thread_local int num_asking = 0;
 
 }  // namespace
 
+const std::vector<Quad>& Topology::quads() {
+  static const std::vector<Quad> none;
+  return none;
+}
+
+const std::vector<Triangle>& Topology::triangles() {
+  static const std::vector<Triangle> none;
+  return none;
+}
+
+const std::vector<Edge>& Topology::edges() {
+  static const std::vector<Edge> none;
+  return none;
+}
+
 void Engine::provide(Data& output) {
   if (is_computing_) reject(output.attribute().name, "depends on itself through links");
   if (num_asking >= kMostEngines)

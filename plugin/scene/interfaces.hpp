@@ -23,8 +23,13 @@ class Topology : public Component {
   using Component::Component;
 
   /// Available from the moment the scene is read, whatever the order of components. May reject the scene.
-  virtual const PointArray& positions() = 0;  ///< [m]
+  virtual const PointArray& positions() = 0;  ///< [m]; empty where only the cells are known
   virtual const std::vector<Hexahedron>& hexahedra() = 0;
+
+  /// Cells of lower dimension, where a topology has them.
+  virtual const std::vector<Quad>& quads();
+  virtual const std::vector<Triangle>& triangles();
+  virtual const std::vector<Edge>& edges();
 };
 
 class MechanicalState : public Component {
@@ -74,6 +79,10 @@ class ForceField : public Component {
   /// The same stiffness for solvers that work on the kernels' own vectors: nothing to add for a field that has none.
   /// False where the kernels cannot express it; the solvers then use the verbs above.
   virtual bool to_kernels(double /*factor*/, KernelSystem& /*system*/) const { return false; }
+
+  /// The same with B = df/dv.
+  virtual void add_damping_product(double /*factor*/, ConstPoints /*dx*/, Points /*df*/) const {}
+  virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}
 
   /// [s] stiffness-proportional damping of this force field in the system matrix alone.
   virtual double rayleigh_stiffness() const { return 0; }

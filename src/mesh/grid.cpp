@@ -45,4 +45,46 @@ HexMesh regular_grid(std::array<int, 3> cells, const Vec3& least, const Vec3& mo
   return HexMesh(std::move(positions), std::move(hexahedra));
 }
 
+namespace {
+
+/// Calls visit(first) with the least corner of every part of the grid that extends over one cell in each direction of
+/// `extent` and over none in the others.
+template <class Visit>
+void for_each_part(const std::array<int, 3>& cells, const std::array<int, 3>& extent, const Visit& visit) {
+  const auto end = [&](int d) { return cells[d] + 1 - extent[d]; };
+  for (int k = 0; k < end(2); ++k)
+    for (int j = 0; j < end(1); ++j)
+      for (int i = 0; i < end(0); ++i) visit(i + (cells[0] + 1) * (j + (cells[1] + 1) * k));
+}
+
+std::array<int, 3> strides(const std::array<int, 3>& cells) {
+  return {1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)};
+}
+
+}  // namespace
+
+std::vector<Quad> grid_quads(std::array<int, 3> cells) {
+  const std::array<int, 3> step = strides(cells);
+  std::vector<Quad> quads;
+  for (const auto& [a, b] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+    std::array<int, 3> extent{};
+    extent[a] = extent[b] = 1;
+    for_each_part(cells, extent, [&, a = a, b = b](int n) {
+      quads.push_back({n, n + step[a], n + step[a] + step[b], n + step[b]});
+    });
+  }
+  return quads;
+}
+
+std::vector<Edge> grid_edges(std::array<int, 3> cells) {
+  const std::array<int, 3> step = strides(cells);
+  std::vector<Edge> edges;
+  for (int d = 0; d < 3; ++d) {
+    std::array<int, 3> extent{};
+    extent[d] = 1;
+    for_each_part(cells, extent, [&](int n) { edges.push_back({n, n + step[d]}); });
+  }
+  return edges;
+}
+
 }  // namespace hexaplast

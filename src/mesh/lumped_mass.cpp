@@ -19,12 +19,18 @@ double six_tetrahedra_volume(const ElementPoints& corners) {
   return volume;
 }
 
+std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra) {
+  std::vector<double> volumes;
+  volumes.reserve(hexahedra.size());
+  for (const Hexahedron& corners : hexahedra) volumes.push_back(six_tetrahedra_volume(gather(x, corners)));
+  return volumes;
+}
+
 Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra) {
+  const std::vector<double> volumes = element_volumes(x, hexahedra);
   Eigen::VectorXd share = Eigen::VectorXd::Zero(x.rows());
-  for (const Hexahedron& corners : hexahedra) {
-    const double eighth = six_tetrahedra_volume(gather(x, corners)) / kCorners;
-    for (const int node : corners) share[node] += eighth;
-  }
+  for (std::size_t e = 0; e < hexahedra.size(); ++e)
+    for (const int node : hexahedra[e]) share[node] += volumes[e] / kCorners;
   return share;
 }
 

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/mesh/selection.hpp"
 
-#include <algorithm>
+#include <cmath>
 
 namespace hexaplast {
 
-std::vector<int> hexahedra_inside(ConstPoints x, std::span<const Hexahedron> hexahedra, Inside rule,
-                                  const std::function<bool(const Vec3&)>& region) {
-  std::vector<int> inside;
-  for (std::size_t e = 0; e < hexahedra.size(); ++e) {
-    const Hexahedron& corners = hexahedra[e];
-    Vec3 centre = Vec3::Zero();
-    for (const int node : corners) centre += x.row(node).transpose() / kCorners;
-    const bool counts =
-        rule == Inside::kCentre
-            ? region(centre)
-            : std::all_of(corners.begin(), corners.end(), [&](int node) { return region(x.row(node).transpose()); });
-    if (counts) inside.push_back(static_cast<int>(e));
-  }
-  return inside;
+bool OrientedBox::contains(const Vec3& point) const {
+  const Vec3 along = p1 - p0, across = p2 - p1;
+  const Vec3 normal = along.cross(across).normalized();
+  const Vec3 from_corner = point - p0;
+  const auto lies_between_ends = [&](const Vec3& side) {
+    const double share = from_corner.dot(side) / side.squaredNorm();
+    return share >= 0 && share <= 1;
+  };
+  return lies_between_ends(along) && lies_between_ends(across) && std::abs(from_corner.dot(normal)) <= depth / 2;
 }
 
 }  // namespace hexaplast

@@ -27,6 +27,10 @@ Eigen::RowVector3d interpolate(const KeyPhase& at, ConstPoints rows) {
   return from + at.fraction * (rows.row(at.key + 1) - from);
 }
 
+Eigen::RowVector3d slope(const KeyPhase& at, std::span<const double> times, ConstPoints rows) {
+  return (rows.row(at.key + 1) - rows.row(at.key)) / (times[at.key + 1] - times[at.key]);
+}
+
 void add_tangential_forces(std::span<const int> nodes, int group_size, const Vec3& axis, const Vec3& centre,
                            double force, ConstPoints x, Points f) {
   for (std::size_t first = 0; first + group_size <= nodes.size(); first += group_size) {

@@ -60,4 +60,33 @@ T& at(scene::Scene& scene, std::string_view path) {
   throw std::out_of_range(std::string(path));
 }
 
+/// A scene with solvers and the given components.
+inline std::string in_root(const std::string& attributes, const std::string& lines) {
+  return "<Node " + attributes + "><DefaultAnimationLoop/><EulerImplicitSolver name='euler'/><SparseLDLSolver/>" +
+         lines + "</Node>";
+}
+
+/// The same with four nodes without symmetry, one kilogram each, no gravity.
+inline std::string four_nodes(const std::string& lines) {
+  return in_root("gravity='0 0 0' dt='0.5'",
+                 "<MechanicalObject name='nodes' position='1 0 0  0 2 0  0 0 3  -1 -1 4'/><UniformMass name='mass' "
+                 "vertexMass='1'/>" +
+                     lines);
+}
+
+/// What a force field of the scene makes at the present state of `nodes`.
+inline PointArray force_of(scene::Scene& scene, std::string_view path, double time) {
+  auto& state = at<scene::MechanicalState>(scene, "nodes");
+  PointArray f = PointArray::Zero(state.num_nodes(), 3);
+  at<scene::ForceField>(scene, path).add_force(time, state.positions(), state.velocities(), f);
+  return f;
+}
+
+inline PointArray rows(std::initializer_list<Vec3> values) {
+  PointArray all(values.size(), 3);
+  Eigen::Index n = 0;
+  for (const Vec3& value : values) all.row(n++) = value.transpose();
+  return all;
+}
+
 }  // namespace hexaplast::support

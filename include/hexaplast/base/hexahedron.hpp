@@ -26,7 +26,14 @@ inline constexpr std::array<std::array<int, 3>, kCorners> kEdgeNeighbour{
 inline constexpr std::array<std::array<int, 4>, 6> kFaces{
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
 
-/// Corner indices of one hexahedron.
+/// The twelve edges.
+inline constexpr std::array<std::array<int, 2>, 12> kEdges{
+    {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}}};
+
+/// Corner indices of one hexahedron, and of cells of lower dimension.
 using Hexahedron = std::array<int, kCorners>;
+using Quad = std::array<int, 4>;
+using Triangle = std::array<int, 3>;
+using Edge = std::array<int, 2>;
 
 }  // namespace hexaplast

@@ -12,4 +12,11 @@ namespace hexaplast {
 /// RegularGridTopology. Throws InputError for a cell count < 1, an empty box, or more nodes than an int can count.
 HexMesh regular_grid(std::array<int, 3> cells, const Vec3& least, const Vec3& most);
 
+/// The faces of all cells of such a grid, each once, in the order of SOFA's grids: those normal to z, then y, then x,
+/// each from its least corner, with normals along +z, -y and +x.
+std::vector<Quad> grid_quads(std::array<int, 3> cells);
+
+/// Its edges, each once: those along x, then y, then z.
+std::vector<Edge> grid_edges(std::array<int, 3> cells);
+
 }  // namespace hexaplast

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
@@ -11,6 +12,9 @@ namespace hexaplast {
 /// Volume [m^3] of a hexahedron cut into six tetrahedra around the diagonal from corner 0 to corner 6, each counted
 /// positive: the volume that SOFA's masses are made of. Equal to the trilinear volume where the faces are plane.
 double six_tetrahedra_volume(const ElementPoints& corners);
+
+/// The same of each hexahedron. x: num_nodes x 3 [m]; the corners must be rows of x.
+std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra);
 
 /// Share of the volume [m^3] that belongs to each node: every hexahedron gives an eighth to each of its corners. Times
 /// the density these are the lumped masses. x: num_nodes x 3 [m]; the corners must be rows of x.

@@ -1,23 +1,47 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <functional>
+#include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 
-/// Which part of a hexahedron must lie inside for it to count.
+/// Which part of a cell must lie inside for it to count.
 enum class Inside {
   kAllCorners,
   kCentre  ///< the mean of the corners
 };
 
-/// Hexahedra that lie inside a region, in ascending order. x: num_nodes x 3 [m]; the corners must be rows of x.
-std::vector<int> hexahedra_inside(ConstPoints x, std::span<const Hexahedron> hexahedra, Inside rule,
-                                  const std::function<bool(const Vec3&)>& region);
+/// Box of any direction, as SOFA's BoxROI describes it: the rectangle with three consecutive corners p0, p1, p2 [m],
+/// thickened by `depth` [m], half of it to either side.
+struct OrientedBox {
+  Vec3 p0, p1, p2;
+  double depth;
+
+  /// Points on the surface are inside, up to rounding of the projections.
+  bool contains(const Vec3& point) const;
+};
+
+/// Cells (edges, triangles, quads, hexahedra: their corners are rows of x) that lie inside a region, in ascending
+/// order. x: num_nodes x 3 [m]; region(point) says whether a point is inside.
+template <std::size_t N, class Region>
+std::vector<int> cells_inside(ConstPoints x, std::span<const std::array<int, N>> cells, Inside rule,
+                              const Region& region) {
+  std::vector<int> inside;
+  for (std::size_t e = 0; e < cells.size(); ++e) {
+    const std::array<int, N>& corners = cells[e];
+    Vec3 centre = Vec3::Zero();
+    for (const int node : corners) centre += x.row(node).transpose() / static_cast<double>(N);
+    const bool counts = rule == Inside::kCentre ? region(centre) : std::ranges::all_of(corners, [&](int node) {
+      return region(Vec3(x.row(node).transpose()));
+    });
+    if (counts) inside.push_back(static_cast<int>(e));
+  }
+  return inside;
+}
 
 }  // namespace hexaplast

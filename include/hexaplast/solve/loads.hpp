@@ -19,6 +19,9 @@ KeyPhase phase_at(std::span<const double> times, double time);
 double interpolate(const KeyPhase& at, std::span<const double> values);
 Eigen::RowVector3d interpolate(const KeyPhase& at, ConstPoints rows);
 
+/// Slope of the line between two keys; key >= 0 must have a next one.
+Eigen::RowVector3d slope(const KeyPhase& at, std::span<const double> times, ConstPoints rows);
+
 /// f += forces around an axis that turn with the body. The nodes form consecutive groups of `group_size`; for each
 /// group
 ///

@@ -2,27 +2,33 @@
 #pragma once
 
 #include "attributes/attribute.hpp"
+#include "attributes/stock/ignored.hpp"
 
 /// Prescribed motion. See stock.hpp.
 namespace hexaplast::attributes {
 
+inline constexpr Attribute kFixedIndices{.name = "indices",
+                                         .type = Type::kIntegers,
+                                         .initial = "0",
+                                         .range = kIndex,
+                                         .help = "Nodes that receive no acceleration."};
+inline constexpr Attribute kFixAll{
+    .name = "fixAll", .type = Type::kBool, .initial = "false", .help = "Fixes every node."};
+inline constexpr Attribute kProjectVelocity{.name = "activate_projectVelocity",
+                                            .type = Type::kBool,
+                                            .initial = "false",
+                                            .aliases = "projectVelocity",
+                                            .help = "Also takes away the velocity that a node begins with."};
+inline constexpr Attribute kConstraintTopology =
+    ignored_attribute("topology", "Ignored here: nodes keep their numbers.");
+
 inline constexpr Attribute kFixedProjectiveConstraintAttributes[] = {
-    {.name = "indices",
-     .type = Type::kIntegers,
-     .initial = "0",
-     .range = kIndex,
-     .help = "Nodes that receive no acceleration."},
-    {.name = "fixAll", .type = Type::kBool, .initial = "false", .help = "Fixes every node."},
-    {.name = "showObject",
-     .type = Type::kBool,
-     .initial = "true",
-     .access = Access::kIgnored,
-     .help = "Visual: ignored here."},
-    {.name = "drawSize",
-     .type = Type::kReal,
-     .initial = "0",
-     .access = Access::kIgnored,
-     .help = "Visual: ignored here."},
+    kFixedIndices,
+    kFixAll,
+    kProjectVelocity,
+    kConstraintTopology,
+    visual_attribute("showObject"),
+    visual_attribute("drawSize"),
 };
 inline constexpr Description kFixedProjectiveConstraint{
     .class_name = "FixedProjectiveConstraint",
@@ -30,5 +36,112 @@ inline constexpr Description kFixedProjectiveConstraint{
     .help = "Holds nodes: their acceleration is zero, so that a velocity they begin with persists.",
     .templates = kVec3Templates,
     .attributes = kFixedProjectiveConstraintAttributes};
+
+inline constexpr Attribute kPartialFixedProjectiveConstraintAttributes[] = {
+    kFixedIndices,
+    kFixAll,
+    {.name = "fixedDirections",
+     .type = Type::kIntegers,
+     .initial = "1 1 1",
+     .range = {.least = 0, .most = 1},
+     .help = "1 for each of x, y, z that is held, 0 where nodes move freely."},
+    kProjectVelocity,
+    kConstraintTopology,
+    visual_attribute("showObject"),
+    visual_attribute("drawSize"),
+};
+inline constexpr Description kPartialFixedProjectiveConstraint{
+    .class_name = "PartialFixedProjectiveConstraint",
+    .category = "ProjectiveConstraint",
+    .help = "Holds nodes in some directions.",
+    .templates = kVec3Templates,
+    .attributes = kPartialFixedProjectiveConstraintAttributes};
+
+inline constexpr Attribute kMovedIndices{
+    .name = "indices", .type = Type::kIntegers, .initial = "0", .range = kIndex, .help = "Nodes that are moved."};
+inline constexpr Attribute kKeyTimes{
+    .name = "keyTimes", .type = Type::kReals, .initial = "0", .unit = "s", .help = "Key times, ascending."};
+inline constexpr Attribute kMovements{
+    .name = "movements",
+    .type = Type::kVectors3,
+    .initial = "0 0 0",
+    .unit = "m",
+    .help =
+        "Movement at each key time, linear in between. Before the first time and from the last one on the nodes are "
+        "free: to hold them, repeat the last movement at a far later time."};
+
+inline constexpr Attribute kLinearMovementProjectiveConstraintAttributes[] = {
+    kMovedIndices,
+    kKeyTimes,
+    kMovements,
+    {.name = "relativeMovements",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Movements count from the first position of each node; otherwise they are the position itself."},
+    kConstraintTopology,
+    visual_attribute("showMovement"),
+};
+inline constexpr Description kLinearMovementProjectiveConstraint{
+    .class_name = "LinearMovementProjectiveConstraint",
+    .category = "ProjectiveConstraint",
+    .help =
+        "Moves nodes along a history. A step from t to t + dt ends with the movement at t: the motion lags by one "
+        "step, as in SOFA.",
+    .templates = kVec3Templates,
+    .attributes = kLinearMovementProjectiveConstraintAttributes};
+
+inline constexpr Attribute kPartialLinearMovementProjectiveConstraintAttributes[] = {
+    kMovedIndices,
+    kKeyTimes,
+    kMovements,
+    {.name = "movedDirections",
+     .type = Type::kIntegers,
+     .initial = "1 1 1",
+     .range = {.least = 0, .most = 1},
+     .help = "1 for each of x, y, z in which nodes are moved, 0 where they are free."},
+    kConstraintTopology,
+    {.name = "linearMovementBetweenNodesInIndices",
+     .type = Type::kWord,
+     .initial = "false",
+     .words = "false 0",
+     .help = "Only false here."},
+    visual_attribute("showMovement"),
+};
+inline constexpr Description kPartialLinearMovementProjectiveConstraint{
+    .class_name = "PartialLinearMovementProjectiveConstraint",
+    .category = "ProjectiveConstraint",
+    .help =
+        "Moves nodes along a history in some directions, as LinearMovementProjectiveConstraint does in all. In the "
+        "other directions nodes keep their velocity (SOFA overwrites it there too).",
+    .templates = kVec3Templates,
+    .attributes = kPartialLinearMovementProjectiveConstraintAttributes};
+
+inline constexpr Attribute kAffineMovementProjectiveConstraintAttributes[] = {
+    {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes that are moved."},
+    {.name = "beginConstraintTime", .type = Type::kReal, .initial = "0", .unit = "s", .help = "The movement begins."},
+    {.name = "endConstraintTime",
+     .type = Type::kReal,
+     .initial = "20",
+     .unit = "s",
+     .help = "The movement has ended; the nodes then stay where they are."},
+    {.name = "rotation",
+     .type = Type::kReals,
+     .initial = "1 0 0 0 1 0 0 0 1",
+     .help = "Matrix A of the final position A x + translation of a node that began at x: nine numbers, row by row. It "
+             "need not be a rotation."},
+    {.name = "translation", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Of the final position."},
+    kConstraintTopology,
+    ignored_attribute("meshIndices", "Ignored here."),
+    ignored_attribute("quaternion", "Ignored here: it turns rigid bodies only."),
+    visual_attribute("drawConstrainedPoints"),
+};
+inline constexpr Description kAffineMovementProjectiveConstraint{
+    .class_name = "AffineMovementProjectiveConstraint",
+    .category = "ProjectiveConstraint",
+    .help =
+        "Moves nodes on straight lines to an affine image of where they began, and holds them there, always without "
+        "velocity. A step from t to t + dt ends with the position at t, as in SOFA.",
+    .templates = kVec3Templates,
+    .attributes = kAffineMovementProjectiveConstraintAttributes};
 
 }  // namespace hexaplast::attributes

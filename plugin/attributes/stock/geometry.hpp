@@ -2,6 +2,7 @@
 #pragma once
 
 #include "attributes/attribute.hpp"
+#include "attributes/stock/ignored.hpp"
 
 /// Nodes and elements. See stock.hpp.
 namespace hexaplast::attributes {
@@ -33,16 +34,34 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
     {.name = "topology",
      .type = Type::kLink,
      .help = "Source of the nodes; the topology of the node (or of the nearest one above) where it is not given."},
-    {.name = "showObject",
-     .type = Type::kBool,
-     .initial = "false",
-     .access = Access::kIgnored,
-     .help = "Visual: ignored here."},
-    {.name = "showObjectScale",
+    {.name = "scale",
      .type = Type::kReal,
-     .initial = "0.1",
-     .access = Access::kIgnored,
-     .help = "Visual: ignored here."},
+     .initial = "1",
+     .help = "Factor of all three directions; SOFA reads it in single precision."},
+    {.name = "translation2",
+     .type = Type::kVector3,
+     .initial = "0 0 0",
+     .unit = "m",
+     .help = "Moves the positions and not the rest positions, after everything else."},
+    {.name = "rotation2",
+     .type = Type::kVector3,
+     .initial = "0 0 0",
+     .unit = "deg",
+     .help = "Turns the positions and not the rest positions, before translation2."},
+    {.name = "restScale",
+     .type = Type::kReal,
+     .initial = "1",
+     .range = kPositive,
+     .help = "Factor of the rest positions."},
+    ignored_attribute("size", "Ignored here: there are as many nodes as positions."),
+    visual_attribute("showObject"),
+    visual_attribute("showObjectScale"),
+    visual_attribute("showIndices"),
+    visual_attribute("showIndicesScale"),
+    visual_attribute("showVectors"),
+    visual_attribute("showVectorsScale"),
+    visual_attribute("showColor"),
+    visual_attribute("drawMode"),
 };
 inline constexpr Description kMechanicalObject{.class_name = "MechanicalObject",
                                                .category = "MechanicalState",
@@ -50,14 +69,36 @@ inline constexpr Description kMechanicalObject{.class_name = "MechanicalObject",
                                                .templates = kVec3Templates,
                                                .attributes = kMechanicalObjectAttributes};
 
+inline constexpr Attribute kTopologyEdges{
+    .name = "edges", .type = Type::kIntegers, .aliases = "lines", .access = Access::kOutput, .help = "Pairs of nodes."};
+inline constexpr Attribute kTopologyQuads{.name = "quads",
+                                          .type = Type::kIntegers,
+                                          .access = Access::kOutput,
+                                          .help = "Faces of the cells, each once: groups of four nodes."};
+
 inline constexpr Attribute kRegularGridTopologyAttributes[] = {
     {.name = "n",
      .type = Type::kIntegers,
      .initial = "2 2 2",
      .range = {.least = 2, .most = 2147483646},
      .help = "Nodes (not cells) along x, y, z."},
+    {.name = "nx", .type = Type::kInteger, .range = {.least = 2, .most = 2147483646}, .help = "The same, one by one."},
+    {.name = "ny", .type = Type::kInteger, .range = {.least = 2, .most = 2147483646}, .help = "The same, one by one."},
+    {.name = "nz", .type = Type::kInteger, .range = {.least = 2, .most = 2147483646}, .help = "The same, one by one."},
     {.name = "min", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Lowest corner."},
     {.name = "max", .type = Type::kVector3, .initial = "1 1 1", .unit = "m", .help = "Highest corner."},
+    {.name = "xmin", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
+    {.name = "ymin", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
+    {.name = "zmin", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
+    {.name = "xmax", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
+    {.name = "ymax", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
+    {.name = "zmax", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
+    {.name = "cellWidth",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "m",
+     .range = kNotNegative,
+     .help = "If not 0, the number of cells is such that none is wider than this, and n does not count."},
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
@@ -69,10 +110,73 @@ inline constexpr Attribute kRegularGridTopologyAttributes[] = {
      .aliases = "hexas",
      .access = Access::kOutput,
      .help = "Cells, x fastest."},
+    kTopologyQuads,
+    kTopologyEdges,
+    ignored_attribute("computeHexaList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computeQuadList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computeTriangleList", "Ignored here: a grid has no triangles."),
+    ignored_attribute("computeEdgeList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computePointList", "Ignored here: what is asked for is computed."),
+    visual_attribute("drawEdges"),
+    visual_attribute("drawTriangles"),
+    visual_attribute("drawQuads"),
+    visual_attribute("drawTetrahedra"),
+    visual_attribute("drawHexahedra"),
 };
-inline constexpr Description kRegularGridTopology{.class_name = "RegularGridTopology",
-                                                  .category = "Topology",
-                                                  .help = "A box cut into equal cells.",
-                                                  .attributes = kRegularGridTopologyAttributes};
+inline constexpr Description kRegularGridTopology{
+    .class_name = "RegularGridTopology",
+    .category = "Topology",
+    .help =
+        "A box cut into equal cells. Unlike SOFA's it has no triangles besides its quads, so that a pressure acts "
+        "once on each face.",
+    .attributes = kRegularGridTopologyAttributes};
+
+inline constexpr Attribute kMeshTopologyAttributes[] = {
+    {.name = "position",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .aliases = "points",
+     .help = "Nodes. Where not given, those of the mechanical state."},
+    {.name = "hexahedra",
+     .type = Type::kHexahedra,
+     .range = kIndex,
+     .aliases = "hexas",
+     .help = "Groups of eight nodes."},
+    {.name = "quads",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Groups of four nodes; all faces of the hexahedra, each once, where not given."},
+    {.name = "triangles", .type = Type::kIntegers, .range = kIndex, .help = "Groups of three nodes."},
+    {.name = "edges",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .aliases = "lines",
+     .help = "Pairs of nodes; all edges of the hexahedra, each once, where not given."},
+    ignored_attribute("tetrahedra", "Ignored here: only hexahedra deform."),
+    ignored_attribute("tetras", "Ignored here: only hexahedra deform."),
+    ignored_attribute("prisms", "Ignored here: only hexahedra deform."),
+    ignored_attribute("pyramids", "Ignored here: only hexahedra deform."),
+    ignored_attribute("nbPoints", "Ignored here: there are as many nodes as positions."),
+    ignored_attribute("createTriangleArray", "Ignored here."),
+    ignored_attribute("createQuadArray", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computeAllBuffers", "Ignored here: what is asked for is computed."),
+    ignored_attribute("checkConnexity", "Ignored here: parts that do not connect are allowed."),
+    ignored_attribute("checkTopology", "Ignored here: it is always checked."),
+    visual_attribute("drawEdges"),
+    visual_attribute("drawTriangles"),
+    visual_attribute("drawQuads"),
+    visual_attribute("drawTetrahedra"),
+    visual_attribute("drawHexahedra"),
+};
+inline constexpr Description kMeshTopology{
+    .class_name = "MeshTopology",
+    .category = "Topology",
+    .help = "Nodes and cells as they are given, from a mesh loader or in the scene.",
+    .attributes = kMeshTopologyAttributes};
+inline constexpr Description kHexahedronSetTopologyContainer{
+    .class_name = "HexahedronSetTopologyContainer",
+    .category = "Topology",
+    .help = "Nodes and cells as they are given, from a mesh loader or in the scene: the same as MeshTopology.",
+    .attributes = kMeshTopologyAttributes};
 
 }  // namespace hexaplast::attributes

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "attributes/attribute.hpp"
+#include "attributes/stock/ignored.hpp"
 
 /// Forces. See stock.hpp.
 namespace hexaplast::attributes {
@@ -17,6 +18,13 @@ inline constexpr Attribute kConstantForceFieldAttributes[] = {
      .initial = "0 0 0",
      .unit = "N",
      .help = "Shared equally by the nodes."},
+    {.name = "indexFromEnd",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Counts the indices from the last node back: 0 is the last one."},
+    ignored_attribute("topology", "Ignored here: nodes keep their numbers."),
+    visual_attribute("showArrowSize"),
+    visual_attribute("showColor"),
 };
 inline constexpr Description kConstantForceField{.class_name = "ConstantForceField",
                                                  .category = "ForceField",
@@ -37,11 +45,162 @@ inline constexpr Attribute kLinearForceFieldAttributes[] = {
      .type = Type::kReal,
      .initial = "1",
      .help = "Factor of the forces, except from the last time on."},
+    visual_attribute("arrowSizeCoef"),
 };
 inline constexpr Description kLinearForceField{.class_name = "LinearForceField",
                                                .category = "ForceField",
                                                .help = "Forces that follow a history.",
                                                .templates = kVec3Templates,
                                                .attributes = kLinearForceFieldAttributes};
+
+inline constexpr Attribute kLoadTopology{
+    .name = "topology",
+    .type = Type::kLink,
+    .help = "The faces; the topology of the node (or of the nearest one above) where it is not given."};
+
+inline constexpr Attribute kSurfacePressureAttributes[] = {
+    {.name = "pressure",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "Pa",
+     .help = "Along the normal that the order of a face's nodes gives: positive values pull outwards on the faces of "
+             "hexahedra."},
+    {.name = "quadIndices",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Quads of the topology; all that lie between min and max where not given."},
+    {.name = "triangleIndices",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Triangles of the topology; all that lie between min and max where not given."},
+    {.name = "min",
+     .type = Type::kVector3,
+     .initial = "0 0 0",
+     .unit = "m",
+     .help = "Where no indices are given, faces count while all their nodes lie in this box. Everywhere when min and "
+             "max are both 0."},
+    {.name = "max", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "The other corner of the box."},
+    {.name = "mainDirection",
+     .type = Type::kVector3,
+     .initial = "0 0 0",
+     .help = "If not 0, the pressure on a triangle is multiplied by |n.mainDirection|, n being its unit normal."},
+    {.name = "pulseMode", .type = Type::kWord, .initial = "false", .words = "false 0", .help = "Only false here."},
+    {.name = "volumeConservationMode",
+     .type = Type::kWord,
+     .initial = "false",
+     .words = "false 0",
+     .help = "Only false here."},
+    ignored_attribute("useTangentStiffness",
+                      "Ignored here: the loads have no part in the matrix (in SOFA that of "
+                      "triangles has, and makes it non-symmetric)."),
+    ignored_attribute("pressureLowerBound", "Ignored here: there is no pulseMode."),
+    ignored_attribute("pressureSpeed", "Ignored here: there is no pulseMode."),
+    ignored_attribute("defaultVolume", "Ignored here: there is no volumeConservationMode."),
+    kLoadTopology,
+    visual_attribute("drawForceScale"),
+};
+inline constexpr Description kSurfacePressureForceField{
+    .class_name = "SurfacePressureForceField",
+    .category = "ForceField",
+    .help =
+        "Pressure on faces at their present shape. A quad counts as two triangles; each gives a third of its force "
+        "to each node.",
+    .templates = kVec3Templates,
+    .attributes = kSurfacePressureAttributes};
+
+inline constexpr Attribute kQuadPressureAttributes[] = {
+    {.name = "pressure",
+     .type = Type::kVector3,
+     .initial = "0 0 0",
+     .unit = "Pa",
+     .help = "Force per area at rest, in a fixed direction."},
+    {.name = "quadList",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Quads of the topology; those between dmin and dmax where not given."},
+    {.name = "normal",
+     .type = Type::kVector3,
+     .initial = "0 0 0",
+     .help = "Direction in which dmin and dmax are measured."},
+    {.name = "dmin",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "m",
+     .help = "Quads count whose nodes all have dmin < normal.x < dmax at rest, unless dmin = dmax."},
+    {.name = "dmax", .type = Type::kReal, .initial = "0", .unit = "m", .help = "See dmin."},
+    kLoadTopology,
+    visual_attribute("showForces"),
+};
+inline constexpr Description kQuadPressureForceField{
+    .class_name = "QuadPressureForceField",
+    .category = "ForceField",
+    .help =
+        "A force per area on quads that neither turns nor grows with them: a quarter of each quad's force to each of "
+        "its nodes.",
+    .templates = kVec3Templates,
+    .attributes = kQuadPressureAttributes};
+
+inline constexpr Attribute kPlaneAttributes[] = {
+    {.name = "normal",
+     .type = Type::kVector3,
+     .initial = "0 1 0",
+     .help = "Points away from the obstacle. Taken as it is: give a unit vector."},
+    {.name = "d", .type = Type::kReal, .initial = "0", .unit = "m", .help = "The plane is normal.x = d."},
+    {.name = "stiffness",
+     .type = Type::kReal,
+     .initial = "500",
+     .unit = "N/m",
+     .range = kNotNegative,
+     .help = "Force on a node per depth."},
+    {.name = "damping",
+     .type = Type::kReal,
+     .initial = "5",
+     .unit = "N s/m^2",
+     .range = kNotNegative,
+     .help = "Force against the velocity of a node, per velocity and depth."},
+    {.name = "maxForce",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "N",
+     .range = kNotNegative,
+     .help = "Largest force on a node; 0: no limit."},
+    {.name = "bilateral",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Nodes on either side are pushed to the plane."},
+    {.name = "rayleighStiffness",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "s",
+     .range = kNotNegative,
+     .help = "Stiffness-proportional damping in the system matrix alone, besides the solver's own."},
+    visual_attribute("showPlane"),
+    visual_attribute("planeColor"),
+    visual_attribute("showPlaneSize"),
+};
+inline constexpr Description kPlaneForceField{.class_name = "PlaneForceField",
+                                              .category = "ForceField",
+                                              .help = "An elastic obstacle behind a plane.",
+                                              .templates = kVec3Templates,
+                                              .attributes = kPlaneAttributes};
+
+inline constexpr Attribute kUniformVelocityDampingAttributes[] = {
+    {.name = "dampingCoefficient",
+     .type = Type::kReal,
+     .initial = "0.1",
+     .unit = "N s/m",
+     .range = kNotNegative,
+     .aliases = "damping",
+     .help = "Force on each node against its velocity."},
+    {.name = "implicit",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Has its part in the system matrix too; otherwise keep dampingCoefficient x dt below the nodes' masses."},
+};
+inline constexpr Description kUniformVelocityDampingForceField{.class_name = "UniformVelocityDampingForceField",
+                                                               .category = "ForceField",
+                                                               .help = "The same viscous drag on every node.",
+                                                               .templates = kVec3Templates,
+                                                               .attributes = kUniformVelocityDampingAttributes};
 
 }  // namespace hexaplast::attributes

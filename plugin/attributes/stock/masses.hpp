@@ -2,6 +2,7 @@
 #pragma once
 
 #include "attributes/attribute.hpp"
+#include "attributes/stock/ignored.hpp"
 
 /// Masses. See stock.hpp.
 namespace hexaplast::attributes {
@@ -13,6 +14,12 @@ inline constexpr Attribute kMassRayleigh{
     .unit = "1/s",
     .range = kNotNegative,
     .help = "Damping by this mass in the system matrix alone, besides the solver's own."};
+
+inline constexpr Attribute kSeparateGravity{.name = "separateGravity",
+                                            .type = Type::kWord,
+                                            .initial = "false",
+                                            .words = "false 0",
+                                            .help = "Only false here: gravity is one of the forces."};
 
 inline constexpr Attribute kUniformMassAttributes[] = {
     {.name = "totalMass",
@@ -26,12 +33,21 @@ inline constexpr Attribute kUniformMassAttributes[] = {
      .range = kPositive,
      .help = "Of each node, unless totalMass is given."},
     kMassRayleigh,
+    kSeparateGravity,
+    ignored_attribute("preserveTotalMass", "Ignored here: nodes stay when hexahedra tear."),
+    visual_attribute("showGravityCenter"),
+    visual_attribute("showAxisSizeFactor"),
 };
 inline constexpr Description kUniformMass{.class_name = "UniformMass",
                                           .category = "Mass",
                                           .help = "The same mass at every node.",
                                           .templates = "Vec3 Vec3d Vec3,double Vec3d,double",
                                           .attributes = kUniformMassAttributes};
+
+inline constexpr Attribute kMassTopology{
+    .name = "topology",
+    .type = Type::kLink,
+    .help = "The hexahedra; the topology of the node (or of the nearest one above) where it is not given."};
 
 inline constexpr Attribute kDiagonalMassAttributes[] = {
     {.name = "totalMass",
@@ -47,15 +63,58 @@ inline constexpr Attribute kDiagonalMassAttributes[] = {
      .range = kPositive,
      .help = "Mass per volume at rest."},
     {.name = "vertexMass", .type = Type::kReals, .unit = "kg", .range = kNotNegative, .help = "One value per node."},
+    {.name = "computeMassOnRest",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Whether volumes are those of the rest positions or of the first positions."},
     kMassRayleigh,
-    {.name = "topology",
-     .type = Type::kLink,
-     .help = "The hexahedra; the topology of the node (or of the nearest one above) where it is not given."},
+    kSeparateGravity,
+    kMassTopology,
+    ignored_attribute("geometryState", "Ignored here: the nodes are those of the mechanical state."),
+    visual_attribute("showGravityCenter"),
+    visual_attribute("showAxisSizeFactor"),
 };
 inline constexpr Description kDiagonalMass{.class_name = "DiagonalMass",
                                            .category = "Mass",
                                            .help = "Each hexahedron gives an eighth of its mass to each of its nodes.",
                                            .templates = "Vec3 Vec3d Vec3,double Vec3d,double",
                                            .attributes = kDiagonalMassAttributes};
+
+inline constexpr Attribute kMeshMatrixMassAttributes[] = {
+    {.name = "totalMass",
+     .type = Type::kReal,
+     .unit = "kg",
+     .range = kPositive,
+     .help = "Of the whole body, spread by volume. Counts before massDensity; 1 kg where none is given."},
+    {.name = "massDensity",
+     .type = Type::kReals,
+     .unit = "kg/m^3",
+     .range = kPositive,
+     .help = "Mass per volume: one value, or one per hexahedron."},
+    {.name = "lumping",
+     .type = Type::kBool,
+     .initial = "false",
+     .help =
+         "Sums every row on the diagonal: an eighth of its mass to each node of a hexahedron, as DiagonalMass does."},
+    {.name = "computeMassOnRest",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Whether volumes are those of the rest positions or of the first positions."},
+    kMassRayleigh,
+    kSeparateGravity,
+    kMassTopology,
+    ignored_attribute("geometryState", "Ignored here: the nodes are those of the mechanical state."),
+    ignored_attribute("printMass", "Ignored here."),
+    visual_attribute("showGravityCenter"),
+    visual_attribute("showAxisSizeFactor"),
+};
+inline constexpr Description kMeshMatrixMass{
+    .class_name = "MeshMatrixMass",
+    .category = "Mass",
+    .help =
+        "Masses at nodes, coupled along the edges of the hexahedra: of its mass m a hexahedron gives m/20 to each "
+        "node and m/40 to each edge. Gravity acts on the sums of the rows.",
+    .templates = "Vec3 Vec3d Vec3,Vec3 Vec3d,Vec3d",
+    .attributes = kMeshMatrixMassAttributes};
 
 }  // namespace hexaplast::attributes

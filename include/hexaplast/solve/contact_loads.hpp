@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// Loads that act where something touches the body. x, v, f: num_nodes x 3 [m, m/s, N].
+
+/// f += pressure [Pa] on a face at its present shape, along the normal that its order of nodes gives: a third of
+/// pressure x area on each corner of a triangle; a quad counts as the two triangles on either side of its first
+/// diagonal.
+void add_pressure(const Triangle& face, double pressure, ConstPoints x, Points f);
+void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f);
+
+/// |n.direction| for the unit normal n of a face: by how much a pressure along one direction acts on it. 1 where
+/// `direction` is zero.
+double share_along(const Triangle& face, const Vec3& direction, ConstPoints x);
+
+/// Area [m^2] of a quad, as the two triangles on either side of its first diagonal.
+double area(const Quad& face, ConstPoints x);
+
+/// An elastic obstacle that fills the half space n.x < distance, as SOFA's PlaneForceField defines it:
+///
+///   d = n.x - distance  < 0:   f = -stiffness d n + damping d v,    K = -stiffness n n^T
+///
+/// The damping is thus stronger the deeper a node is, acts in all directions, and has no part in K. n is taken as it
+/// is: not a unit vector, it scales d and f.
+struct Obstacle {
+  Vec3 normal = Vec3::UnitY();
+  double distance = 0;     ///< [m]
+  double stiffness = 500;  ///< [N/m]
+  double damping = 5;      ///< [N s/m^2]
+  double most_force = 0;   ///< [N] on a node; 0: no limit
+  bool bilateral = false;  ///< both sides push back towards the plane
+
+  /// f += its forces. Returns the nodes that touch it, ascending.
+  std::vector<int> add_force(ConstPoints x, ConstPoints v, Points f) const;
+
+  void add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const;
+  void add_stiffness_blocks(std::span<const int> touching, double factor, BlockMatrix& A) const;
+};
+
+}  // namespace hexaplast

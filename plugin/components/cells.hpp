@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scene/interfaces.hpp"
+
+/// Cells between scene and core: flat lists of whole numbers there, groups of N nodes here.
+namespace hexaplast::components {
+
+/// An attribute of whole numbers as cells. Rejects the scene when the numbers do not form groups of N, or a node is not
+/// below `num_nodes`.
+template <std::size_t N>
+std::vector<std::array<int, N>> cells_of(scene::Object& owner, std::string_view attribute, int num_nodes);
+
+/// The nodes of some cells, or of all of them, one after the other.
+template <std::size_t N>
+std::vector<std::int64_t> flattened(std::span<const std::array<int, N>> cells);
+template <std::size_t N>
+std::vector<std::int64_t> flattened(std::span<const std::array<int, N>> cells, std::span<const int> chosen);
+
+/// The hexahedra of a topology, for a component that works on a state of `num_nodes` nodes. Rejects the scene when
+/// there are none, when the topology has another number of nodes, or when a hexahedron has a node that the state has
+/// not.
+const std::vector<Hexahedron>& hexahedra_on(scene::Component& component, scene::Topology& topology, int num_nodes);
+
+/// Rejects the scene when the topology has nodes, and another number of them than the state.
+void require_same_nodes(scene::Component& component, scene::Topology& topology, int num_nodes);
+
+}  // namespace hexaplast::components

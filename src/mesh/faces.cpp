@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/faces.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace hexaplast {
+
+std::vector<Quad> faces_of(std::span<const Hexahedron> hexahedra) {
+  std::vector<Quad> faces;
+  std::set<Quad> known;  // by sorted nodes
+  for (const Hexahedron& corners : hexahedra) {
+    for (const auto& local : kFaces) {
+      Quad face;
+      for (int k = 0; k < 4; ++k) face[k] = corners[local[k]];
+      Quad sorted = face;
+      std::sort(sorted.begin(), sorted.end());
+      if (!known.insert(sorted).second) continue;
+      std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+      faces.push_back(face);
+    }
+  }
+  return faces;
+}
+
+std::vector<Edge> edges_of(std::span<const Hexahedron> hexahedra) {
+  std::vector<Edge> edges;
+  std::set<Edge> known;
+  for (const Hexahedron& corners : hexahedra) {
+    for (const auto& [a, b] : kEdges) {
+      const Edge edge{std::min(corners[a], corners[b]), std::max(corners[a], corners[b])};
+      if (known.insert(edge).second) edges.push_back(edge);
+    }
+  }
+  return edges;
+}
+
+}  // namespace hexaplast

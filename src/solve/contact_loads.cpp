@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/contact_loads.hpp"
+
+#include <cmath>
+
+namespace hexaplast {
+namespace {
+
+/// Twice the area of the triangle of three nodes, along its normal.
+Eigen::RowVector3d doubled_area(ConstPoints x, int a, int b, int c) {
+  const Eigen::RowVector3d ab = x.row(b) - x.row(a), ac = x.row(c) - x.row(a);
+  return ab.cross(ac);
+}
+
+}  // namespace
+
+void add_pressure(const Triangle& face, double pressure, ConstPoints x, Points f) {
+  const Eigen::RowVector3d share = pressure / 6 * doubled_area(x, face[0], face[1], face[2]);
+  for (const int node : face) f.row(node) += share;
+}
+
+void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f) {
+  add_pressure(Triangle{face[0], face[1], face[2]}, pressure, x, f);
+  add_pressure(Triangle{face[0], face[2], face[3]}, pressure, x, f);
+}
+
+double share_along(const Triangle& face, const Vec3& direction, ConstPoints x) {
+  if (direction.isZero(0)) return 1;
+  return std::abs(doubled_area(x, face[0], face[1], face[2]).normalized().dot(direction));
+}
+
+double area(const Quad& face, ConstPoints x) {
+  return (doubled_area(x, face[0], face[1], face[2]).norm() + doubled_area(x, face[0], face[2], face[3]).norm()) / 2;
+}
+
+std::vector<int> Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
+  std::vector<int> touching;
+  for (int node = 0; node < static_cast<int>(x.rows()); ++node) {
+    const double d = x.row(node).dot(normal) - distance;
+    if (!(d < 0) && !bilateral) continue;
+    Eigen::RowVector3d force = -stiffness * d * normal.transpose() + damping * d * v.row(node);
+    const double size = force.norm();
+    if (most_force > 0 && size > most_force) force *= most_force / size;
+    f.row(node) += force;
+    touching.push_back(node);
+  }
+  return touching;
+}
+
+void Obstacle::add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const {
+  for (const int node : touching) df.row(node) -= factor * stiffness * dx.row(node).dot(normal) * normal.transpose();
+}
+
+void Obstacle::add_stiffness_blocks(std::span<const int> touching, double factor, BlockMatrix& A) const {
+  const Mat3 block = -factor * stiffness * normal * normal.transpose();
+  for (const int node : touching) A.add(node, node, block);
+}
+
+}  // namespace hexaplast

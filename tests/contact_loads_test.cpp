@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/contact_loads.hpp"
+
+#include "hexaplast/mesh/faces.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::max_abs;
+
+// A unit pressure on the unit square in the plane z = 0 makes a unit force along +z.
+TEST(Pressure, ActsAlongTheNormalOfAFaceAndGrowsWithItsArea) {
+  PointArray x(4, 3);
+  x << 0, 0, 0, 2, 0, 0, 2, 3, 0, 0, 3, 0;
+  PointArray f = PointArray::Zero(4, 3);
+  add_pressure(Quad{0, 1, 2, 3}, 5, x, f);
+  EXPECT_TRUE(f.colwise().sum().isApprox(Eigen::RowVector3d(0, 0, 30), 1e-15));
+  EXPECT_DOUBLE_EQ(f(0, 2), 10);  // on the diagonal: a third of each triangle
+  EXPECT_DOUBLE_EQ(f(1, 2), 5);
+  EXPECT_DOUBLE_EQ(area({0, 1, 2, 3}, x), 6);
+
+  f.setZero();
+  add_pressure(Triangle{0, 2, 1}, 5, x, f);
+  EXPECT_TRUE(f.isApprox((PointArray(4, 3) << 0, 0, -5, 0, 0, -5, 0, 0, -5, 0, 0, 0).finished(), 1e-15)) << f;
+  EXPECT_DOUBLE_EQ(share_along({0, 2, 1}, {0, 0.6, 0.8}, x), 0.8);
+  EXPECT_EQ(share_along({0, 2, 1}, Vec3::Zero(), x), 1);
+}
+
+// On a closed surface the force is the gradient of pressure times enclosed volume, and has neither sum nor moment.
+TEST(Pressure, OnAClosedSurfaceIsTheGradientOfTheVolume) {
+  const HexMesh mesh = support::distorted_block({1, 1, 1}, 0.4, 0.2, 7);
+  const std::vector<Quad> faces = faces_of(mesh.hexahedra());
+  const PointArray x = mesh.positions();
+  const auto enclosed = [&](ConstPoints at) {
+    double volume = 0;
+    const auto corner = [&](int n) -> Vec3 { return at.row(n).transpose(); };
+    for (const Quad& q : faces)
+      volume +=
+          (corner(q[0]).dot(corner(q[1]).cross(corner(q[2]))) + corner(q[0]).dot(corner(q[2]).cross(corner(q[3])))) / 6;
+    return volume;
+  };
+  PointArray f = PointArray::Zero(8, 3);
+  for (const Quad& face : faces) add_pressure(face, 300, x, f);
+
+  for (int n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i) {
+      const double slope = support::central_difference(
+          [&](double h) {
+            PointArray nudged = x;
+            nudged(n, i) += h;
+            return 300 * enclosed(nudged);
+          },
+          1e-6);
+      EXPECT_NEAR(f(n, i), slope, 1e-7);
+    }
+  Vec3 moment = Vec3::Zero();
+  for (int n = 0; n < 8; ++n) moment += Vec3(x.row(n).transpose()).cross(Vec3(f.row(n).transpose()));
+  EXPECT_LE(max_abs(f.colwise().sum()), 1e-13);
+  EXPECT_LE(max_abs(moment), 1e-13);
+}
+
+TEST(Obstacle, PushesBackWhatIsBehindItAndNothingElse) {
+  const Obstacle wall{.normal = Vec3(0.6, 0, 0.8), .distance = 1, .stiffness = 200, .damping = 3};
+  PointArray x(3, 3), v(3, 3);
+  x << 0, 4, 0, /* in front */ 3, 0, 0, 0.6, 7, 0.5;  // depths 1, -.8 and .24
+  v << 1, 2, 3, 1, 2, 3, -1, 0, 2;
+  PointArray f = PointArray::Zero(3, 3);
+  EXPECT_EQ(wall.add_force(x, v, f), (std::vector<int>{0, 2}));
+  EXPECT_TRUE(f.row(0).isApprox(200 * Eigen::RowVector3d(0.6, 0, 0.8) - 3 * v.row(0), 1e-14));
+  EXPECT_TRUE(f.row(1).isZero(0));
+  EXPECT_TRUE(f.row(2).isApprox(0.24 * (200 * Eigen::RowVector3d(0.6, 0, 0.8) - 3 * v.row(2)), 1e-13));
+}
+
+TEST(Obstacle, LimitsItsForceAndMayActOnBothSides) {
+  const Obstacle weak{.stiffness = 1000, .damping = 0, .most_force = 5};
+  PointArray x(2, 3), v = PointArray::Zero(2, 3), f = PointArray::Zero(2, 3);
+  x << 0, -2, 0, 0, 0.001, 0;
+  weak.add_force(x, v, f);
+  EXPECT_TRUE(f.isApprox((PointArray(2, 3) << 0, 5, 0, 0, 0, 0).finished(), 1e-15));
+
+  const Obstacle sheet{.stiffness = 1000, .damping = 0, .bilateral = true};
+  f.setZero();
+  EXPECT_EQ(sheet.add_force(x, v, f).size(), 2u);
+  EXPECT_DOUBLE_EQ(f(1, 1), -1);
+}
+
+TEST(Obstacle, StiffnessIsTheSlopeOfItsForceAndEqualToItsBlocks) {
+  const Obstacle wall{.normal = Vec3(0.6, 0, 0.8), .distance = 1, .stiffness = 200, .damping = 0};
+  support::Random random(3);
+  const PointArray x = random.field(4, 0.3), dx = random.field(4, 1), v = PointArray::Zero(4, 3);  // all are behind
+  PointArray none = PointArray::Zero(4, 3);
+  const std::vector<int> touching = wall.add_force(x, v, none);
+  ASSERT_EQ(touching.size(), 4u);
+
+  PointArray df = PointArray::Zero(4, 3), ahead = df, behind = df;
+  wall.add_stiffness_product(touching, 2, dx, df);
+  wall.add_force(x + 1e-3 * dx, v, ahead);
+  wall.add_force(x - 1e-3 * dx, v, behind);
+  EXPECT_TRUE(support::agrees(df, 2 * (ahead - behind) / 2e-3, 1e-10));
+
+  BlockMatrix A(4);
+  wall.add_stiffness_blocks(touching, 2, A);
+  for (int n = 0; n < 4; ++n) {
+    ASSERT_EQ(A.row(n).size(), 1u);
+    EXPECT_TRUE(support::agrees(A.row(n)[0].block * dx.row(n).transpose(), df.row(n).transpose(), 1e-14));
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/faces.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "hexaplast/mesh/selection.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::block;
+
+Vec3 doubled_normal(const Quad& quad, ConstPoints x) {
+  const Vec3 a = (x.row(quad[2]) - x.row(quad[0])).transpose(), b = (x.row(quad[3]) - x.row(quad[1])).transpose();
+  return a.cross(b);
+}
+
+// Two cells share one of their twelve faces and four of their edges.
+TEST(Faces, OfHexahedraAreThereOnceAndSeenFromOutsideTheFirst) {
+  const HexMesh mesh = block({2, 1, 1}, 1);
+  const std::vector<Quad> faces = faces_of(mesh.hexahedra());
+  ASSERT_EQ(faces.size(), 11u);
+  EXPECT_EQ(faces[0], (Quad{0, 3, 4, 1}));  // below the first cell
+  std::set<std::array<int, 4>> distinct;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Vec3 from(i < 6 ? 0.5 : 1.5, 0.5, 0.5);
+    Vec3 centre = Vec3::Zero();
+    for (const int n : faces[i]) centre += mesh.positions().row(n).transpose() / 4;
+    EXPECT_GT(doubled_normal(faces[i], mesh.positions()).dot(centre - from), 0) << i;
+    EXPECT_EQ(faces[i][0], std::ranges::min(faces[i]));
+    Quad sorted = faces[i];
+    std::ranges::sort(sorted);
+    distinct.insert(sorted);
+  }
+  EXPECT_EQ(distinct.size(), faces.size());
+}
+
+TEST(Faces, EdgesOfHexahedraAreThereOnce) {
+  const std::vector<Edge> edges = edges_of(block({2, 1, 1}, 1).hexahedra());
+  EXPECT_EQ(edges.size(), 20u);
+  for (const auto& [a, b] : edges) EXPECT_LT(a, b);
+  EXPECT_EQ(edges[0], (Edge{0, 1}));
+}
+
+// The same faces and edges as those of its hexahedra, in the grid's own order.
+TEST(Faces, OfAGridAreThoseOfItsCells) {
+  const HexMesh mesh = block({2, 3, 4}, 0.5);
+  const auto sorted = [](auto cells) {
+    for (auto& cell : cells) std::ranges::sort(cell);
+    std::ranges::sort(cells);
+    return cells;
+  };
+  const std::vector<Quad> quads = grid_quads({2, 3, 4});
+  EXPECT_EQ(sorted(quads), sorted(faces_of(mesh.hexahedra())));
+  EXPECT_EQ(sorted(grid_edges({2, 3, 4})), sorted(edges_of(mesh.hexahedra())));
+  EXPECT_EQ(quads[1], (Quad{1, 2, 5, 4}));
+  EXPECT_GT(doubled_normal(quads.front(), mesh.positions()).z(), 0);
+  EXPECT_LT(doubled_normal(quads[2 * 3 * 5], mesh.positions()).y(), 0);
+  EXPECT_GT(doubled_normal(quads.back(), mesh.positions()).x(), 0);
+}
+
+TEST(Selection, OrientedBoxesLieAboutTheirRectangle) {
+  const OrientedBox box{{1, 0, 0}, {3, 2, 0}, {2, 3, 0}, 1};  // 2 sqrt 2 by sqrt 2, from z = -.5 to .5
+  EXPECT_TRUE(box.contains({2, 1.5, 0.4}));
+  EXPECT_TRUE(box.contains({1, 0, -0.5}));
+  EXPECT_TRUE(box.contains({0.01 + 1, 0.02, 0}));
+  EXPECT_FALSE(box.contains({2, 1.5, 0.6}));
+  EXPECT_FALSE(box.contains({2, 0.9, 0}));
+  EXPECT_FALSE(box.contains({0.9, 0, 0}));
+  EXPECT_FALSE(box.contains({2, 3.1, 0}));
+}
+
+TEST(Selection, CellsOfAnyKindAreTakenWholeOrByTheirCentre) {
+  const HexMesh mesh = block({3, 1, 1}, 1);
+  const auto left = [](const Vec3& p) { return p.x() <= 1.6; };
+  const std::vector<Quad> quads = grid_quads({3, 1, 1});
+  EXPECT_EQ(cells_inside<8>(mesh.positions(), mesh.hexahedra(), Inside::kAllCorners, left), (std::vector<int>{0}));
+  EXPECT_EQ(cells_inside<8>(mesh.positions(), mesh.hexahedra(), Inside::kCentre, left), (std::vector<int>{0, 1}));
+  EXPECT_EQ(cells_inside<4>(mesh.positions(), quads, Inside::kAllCorners, left),
+            (std::vector<int>{0, 3, 6, 9, 12, 13}));
+}
+
+}  // namespace
+}  // namespace hexaplast

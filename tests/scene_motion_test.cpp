@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include "support/compare.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::four_nodes;
+using support::in_root;
+using support::read_and_init;
+using support::rows;
+
+const PointArray& positions(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").positions(); }
+const PointArray& velocities(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").velocities(); }
+
+TEST(PartialFixed, HoldsTheChosenDirectionsAlone) {
+  scene::Scene scene =
+      read_and_init(four_nodes("<ConstantForceField forces='2 4 6'/>"
+                               "<PartialFixedProjectiveConstraint indices='1 3' fixedDirections='1 0 1'/>"));
+  scene.step();
+  EXPECT_EQ(velocities(scene), rows({{1, 2, 3}, {0, 2, 0}, {1, 2, 3}, {0, 2, 0}}));
+
+  scene::Scene all =
+      read_and_init(four_nodes("<ConstantForceField forces='2 4 6'/>"
+                               "<PartialFixedProjectiveConstraint fixAll='1' fixedDirections='0 0 1'/>"));
+  all.step();
+  EXPECT_EQ(velocities(all), rows({{1, 2, 0}, {1, 2, 0}, {1, 2, 0}, {1, 2, 0}}));
+  EXPECT_EQ(errors_of(four_nodes("<PartialFixedProjectiveConstraint fixedDirections='1 0'/>")),
+            "test.scn:1: error: PartialFixedProjectiveConstraint.fixedDirections: 2 numbers given, must be three");
+}
+
+TEST(Fixed, TakesAwayAVelocityOnRequest) {
+  const auto speed = [](const std::string& constraint) {
+    scene::Scene scene = read_and_init(in_root("gravity='0 0 0'",
+                                               "<MechanicalObject name='nodes' position='0 0 0' velocity='1 2 3'/>"
+                                               "<UniformMass vertexMass='3'/>" +
+                                                   constraint));
+    scene.step();
+    return PointArray(velocities(scene));
+  };
+  EXPECT_EQ(speed("<FixedProjectiveConstraint/>"), rows({{1, 2, 3}}));
+  EXPECT_EQ(speed("<FixedProjectiveConstraint activate_projectVelocity='true'/>"), rows({{0, 0, 0}}));
+  EXPECT_EQ(speed("<PartialFixedProjectiveConstraint projectVelocity='true' fixedDirections='0 1 0'/>"),
+            rows({{1, 0, 3}}));
+}
+
+// h = .5. The step that begins at t ends with the movement m(t), and with the slope there; from the last key time on
+// the node is free and keeps the last velocity.
+TEST(LinearMovement, LagsByOneStepAndReleasesAtTheLastKey) {
+  const std::string motion =
+      "<LinearMovementProjectiveConstraint indices='2' keyTimes='0 1 2' movements='0 0 0  3 0 0  3 8 0'/>";
+  for (const std::string solver : {"", "<CGLinearSolver name='cg' iterations='50' tolerance='1e-14' threshold='0'/>"}) {
+    scene::Scene scene =
+        read_and_init("<Node gravity='0 0 0' dt='0.5'><DefaultAnimationLoop/><EulerImplicitSolver/>" +
+                      (solver.empty() ? std::string("<SparseLDLSolver/>") : solver) +
+                      "<MechanicalObject name='nodes' position='1 0 0  0 2 0  0 0 3'/><UniformMass vertexMass='1'/>"
+                      "<ConstantForceField forces='0 0 2'/>" +
+                      motion + "</Node>");
+    EXPECT_EQ(velocities(scene).row(2), Eigen::RowVector3d(3, 0, 0)) << "the first slope, before the first step";
+    const Vec3 expected_x[] = {{0, 0, 3}, {1.5, 0, 3}, {3, 0, 3}, {3, 4, 3}, {3, 8, 3.5}, {3, 12, 4.5}};
+    const Vec3 expected_v[] = {{3, 0, 0}, {3, 0, 0}, {0, 8, 0}, {0, 8, 0}, {0, 8, 1}, {0, 8, 2}};
+    for (int k = 0; k < 6; ++k) {
+      scene.step();
+      EXPECT_TRUE(positions(scene).row(2).isApprox(expected_x[k].transpose(), 1e-14)) << k;
+      EXPECT_TRUE(velocities(scene).row(2).isApprox(expected_v[k].transpose(), 1e-14)) << k;
+      EXPECT_DOUBLE_EQ(positions(scene)(0, 2), 0.5 * 0.5 * 2 * (k + 1) * (k + 2) / 2) << "the others fall freely";
+    }
+    scene.reset();
+    scene.step();
+    EXPECT_TRUE(positions(scene).row(2).isApprox(expected_x[0].transpose(), 1e-15));
+  }
+}
+
+TEST(LinearMovement, BeginsWithItsFirstKeyAndMayBeAbsolute) {
+  scene::Scene scene = read_and_init(
+      four_nodes("<LinearMovementProjectiveConstraint indices='0' keyTimes='0.5 9.5' movements='5 5 5  14 5 5' "
+                 "relativeMovements='false'/>"));
+  scene.step();  // ends with what holds at t = 0: nothing
+  EXPECT_EQ(positions(scene).row(0), Eigen::RowVector3d(1, 0, 0));
+  scene.step();
+  EXPECT_EQ(positions(scene).row(0), Eigen::RowVector3d(5, 5, 5));
+  scene.step();
+  EXPECT_EQ(positions(scene).row(0), Eigen::RowVector3d(5.5, 5, 5));
+  EXPECT_EQ(
+      errors_of(four_nodes("<LinearMovementProjectiveConstraint keyTimes='0 1' movements='0 0 0'/>")),
+      "test.scn:1: error: LinearMovementProjectiveConstraint.movements: 1 movements given for 2 times, must be as "
+      "many");
+}
+
+TEST(PartialLinearMovement, LeavesTheOtherDirectionsFree) {
+  scene::Scene scene = read_and_init(
+      four_nodes("<ConstantForceField forces='0 2 4'/><PartialLinearMovementProjectiveConstraint indices='1' "
+                 "keyTimes='0 10' movements='0 0 0  10 10 10' movedDirections='1 0 0'/>"));
+  scene.step();
+  scene.step();
+  EXPECT_TRUE(positions(scene).row(1).isApprox(Eigen::RowVector3d(0.5, 2 + 1.5, 3), 1e-15));
+  EXPECT_TRUE(velocities(scene).row(1).isApprox(Eigen::RowVector3d(1, 2, 4), 1e-15));
+}
+
+// From (0, 2, 0) to A x + b = (-2 + 1, 0, 4), between t = 1 and t = 3.
+TEST(AffineMovement, GoesStraightToItsEndAndStays) {
+  scene::Scene scene =
+      read_and_init(four_nodes("<ConstantForceField forces='0 0 7'/><AffineMovementProjectiveConstraint indices='1' "
+                               "beginConstraintTime='1' endConstraintTime='3' rotation='0 -1 0  1 0 0  0 0 1' "
+                               "translation='1 0 4'/>"));
+  const double share[] = {0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1};  // at the end of the step that begins at k / 2
+  for (int k = 0; k < 9; ++k) {
+    scene.step();
+    EXPECT_TRUE(
+        positions(scene).row(1).isApprox(Eigen::RowVector3d(0, 2, 0) + share[k] * Eigen::RowVector3d(-1, -2, 4), 1e-14))
+        << k;
+    EXPECT_TRUE(velocities(scene).row(1).isZero(0));
+  }
+  EXPECT_EQ(errors_of(four_nodes("<AffineMovementProjectiveConstraint indices='0' rotation='1 0 0'/>")),
+            "test.scn:1: error: AffineMovementProjectiveConstraint.rotation: 3 numbers given, must be nine");
+  EXPECT_EQ(errors_of(four_nodes("<AffineMovementProjectiveConstraint beginConstraintTime='30'/>")),
+            "test.scn:1: error: AffineMovementProjectiveConstraint.endConstraintTime: is 20, must not be before "
+            "beginConstraintTime 30");
+}
+
+// One cube with nu = 0 between a driven and a free face is a spring k = E A / L over four nodes. The solver sees the
+// driven face at its old place and with its old velocity: b = h [k (d - u) + h k (w - v)].
+TEST(DrivenNodes, PullASpringByTheDiscreteLaw) {
+  const double h = 0.02, E = 5000, m = 4 * 125, k = E;
+  scene::Scene scene = read_and_init(
+      "<Node dt='0.02' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+      "<RegularGridTopology n='2 2 2'/><MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
+      "<LinearMovementProjectiveConstraint indices='0-3' keyTimes='0 0.4 100' movements='0 0 0  0 0 0.1  0 0 0.1'/>"
+      "<HexahedronElastoplasticFEMForceField youngModulus='5000' poissonRatio='0'/></Node>");
+  double u = 0, v = 0, d = 0, w = 0.25;
+  for (int step = 0; step < 60; ++step) {
+    scene.step();
+    v += h * (k * (d - u) + h * k * (w - v)) / (m + h * h * k);
+    u += h * v;
+    const double t = step * h;
+    d = std::min(t, 0.4) * 0.25;
+    w = t < 0.4 - 1e-9 ? 0.25 : 0;
+    for (int n = 4; n < 8; ++n) {
+      ASSERT_NEAR(positions(scene)(n, 2) - 1, u, 1e-12) << step;
+      ASSERT_NEAR(positions(scene)(n - 4, 2), d, 1e-12) << step;
+      ASSERT_NEAR(velocities(scene)(n, 2), v, 1e-11) << step;
+    }
+  }
+  EXPECT_GT(u, 0.05);
+}
+
+}  // namespace
