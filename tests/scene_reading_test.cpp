@@ -313,9 +313,10 @@ TEST(SceneLinks, AClassStandsForItsOnlyComponent) {
 
 TEST(SceneLinks, SrcConnectsAllThatIsNotGiven) {
   const std::string grid = "<RegularGridTopology name='other' n='2 2 2' max='2 3 4'/>";
-  scene::Scene scene =
-      read_and_init(bar(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
-                               "<BoxROI name='own' src='@other' position='5 5 5' box='1 1 1 9 9 9'/>"));
+  scene::Scene scene = read_and_init(
+      bar(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
+                 "<BoxROI name='own' src='@other' position='5 5 5  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0' "
+                 "box='1 1 1 9 9 9'/>"));
   EXPECT_EQ(at<scene::Engine>(scene, "all").reals("pointsInROI"), (std::vector<double>{2, 3, 4}));
   EXPECT_EQ(at<scene::Engine>(scene, "own").reals("pointsInROI"), (std::vector<double>{5, 5, 5}));
 

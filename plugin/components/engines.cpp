@@ -83,7 +83,8 @@ class BoxROI final : public RegionOfInterest {
   void take_region() override {
     boxes_.clear();
     oriented_boxes_.clear();
-    const std::vector<double>& corners = reals("box");
+    const bool has_boxes = is_given("box") || !is_given("orientedBox");
+    const std::vector<double> corners = has_boxes ? reals("box") : std::vector<double>();
     for (std::size_t b = 0; b < corners.size(); b += 6) {
       const Eigen::Map<const Vec3> one(&corners[b]), other(&corners[b + 3]);
       boxes_.emplace_back(one.cwiseMin(other), one.cwiseMax(other));
@@ -95,7 +96,6 @@ class BoxROI final : public RegionOfInterest {
       const double* numbers = &oriented[b];
       oriented_boxes_.push_back({Vec3(numbers), Vec3(numbers + 3), Vec3(numbers + 6), numbers[9]});
     }
-    if (!is_given("box") && !is_given("orientedBox")) boxes_.emplace_back(Vec3::Zero(), Vec3::Ones());
   }
 
   bool is_inside(const Vec3& point) const override {

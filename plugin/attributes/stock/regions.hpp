@@ -10,9 +10,10 @@ namespace hexaplast::attributes {
 inline constexpr Attribute kBoxROIAttributes[] = {
     {.name = "box",
      .type = Type::kBoxes,
+     .initial = "0 0 0 1 1 1",
      .unit = "m",
-     .help = "Two opposite corners of each box, in any order. Points on the border are inside. The unit cube where "
-             "neither box nor orientedBox is given."},
+     .help = "Two opposite corners of each box, in any order. Points on the border are inside. The default does not "
+             "count beside an orientedBox."},
     {.name = "orientedBox",
      .type = Type::kReals,
      .unit = "m",
