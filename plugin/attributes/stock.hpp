@@ -2,6 +2,7 @@
 #pragma once
 
 #include "attributes/attribute.hpp"
+#include "attributes/stock/bodies.hpp"
 #include "attributes/stock/constraints.hpp"
 #include "attributes/stock/geometry.hpp"
 #include "attributes/stock/ignored.hpp"

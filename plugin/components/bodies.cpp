@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "attributes/hexaplast.hpp"
+#include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/body.hpp"
@@ -23,9 +24,10 @@ Enum chosen(const std::string& word, std::initializer_list<std::pair<std::string
   return words.begin()->second;  // the table admits no other word
 }
 
-class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
+/// A body as a force field. What it does not say otherwise is elastic.
+class HexahedronField : public scene::ForceField {
  public:
-  HexahedronElastoplasticFEMForceField() : ForceField(attributes::kHexahedronElastoplasticFEMForceField) {}
+  using ForceField::ForceField;
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
@@ -64,21 +66,15 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
   const Body* body() const override { return body_ ? &*body_ : nullptr; }
   const FlowReport* flow_report() const override { return &report_; }
 
+ protected:
+  virtual Material common_material() { return {}; }
+  virtual Settings given_settings() { return {}; }
+
  private:
   std::vector<Material> given_materials(std::size_t num_elements) {
     const std::vector<double>&young = one_or_per_element("youngModulus", num_elements),
           &poisson = one_or_per_element("poissonRatio", num_elements);
-
-    Material common;
-    common.yield_stress = real_if_given("yieldStress").value_or(kNever);
-    common.flow_rate = real("plasticFlowRate");
-    common.rotation_yield = real("rotationYield");
-    common.rotation_flow_rate = real("rotationFlowRate");
-    common.hardening = real("hardening");
-    common.fracture_stress = real_if_given("fractureStress").value_or(kNever);
-    common.fracture_stretch = real_if_given("fractureStretch").value_or(kNever);
-
-    std::vector<Material> materials(std::max(young.size(), poisson.size()), common);
+    std::vector<Material> materials(std::max(young.size(), poisson.size()), common_material());
     for (std::size_t e = 0; e < materials.size(); ++e) {
       materials[e].young_modulus = young[young.size() == 1 ? 0 : e];
       materials[e].poisson_ratio = poisson[poisson.size() == 1 ? 0 : e];
@@ -93,7 +89,30 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
     return values;
   }
 
-  Settings given_settings() {
+  scene::MechanicalState* state_ = nullptr;
+  std::optional<Body> body_;
+  FlowReport report_;
+  double rayleigh_stiffness_ = 0;
+};
+
+class HexahedronElastoplasticFEMForceField final : public HexahedronField {
+ public:
+  HexahedronElastoplasticFEMForceField() : HexahedronField(attributes::kHexahedronElastoplasticFEMForceField) {}
+
+ private:
+  Material common_material() override {
+    Material common;
+    common.yield_stress = real_if_given("yieldStress").value_or(kNever);
+    common.flow_rate = real("plasticFlowRate");
+    common.rotation_yield = real("rotationYield");
+    common.rotation_flow_rate = real("rotationFlowRate");
+    common.hardening = real("hardening");
+    common.fracture_stress = real_if_given("fractureStress").value_or(kNever);
+    common.fracture_stretch = real_if_given("fractureStretch").value_or(kNever);
+    return common;
+  }
+
+  Settings given_settings() override {
     Settings settings;
     settings.gradient = chosen<GradientScheme>(text("gradient"), {{"blended", GradientScheme::kBlended},
                                                                   {"vertex", GradientScheme::kVertex},
@@ -118,17 +137,24 @@ class HexahedronElastoplasticFEMForceField final : public scene::ForceField {
     settings.inversion_threshold = real("inversionThreshold");
     return settings;
   }
+};
 
-  scene::MechanicalState* state_ = nullptr;
-  std::optional<Body> body_;
-  FlowReport report_;
-  double rayleigh_stiffness_ = 0;
+class HexahedronFEMForceField final : public HexahedronField {
+ public:
+  HexahedronFEMForceField() : HexahedronField(attributes::kHexahedronFEMForceField) {}
+
+  void init() override {
+    HexahedronField::init();
+    if (text("method") == "small")
+      remark(scene::Severity::kWarning, "method", "is small: rotations are taken out here all the same");
+  }
 };
 
 }  // namespace
 
 void add_bodies(scene::Factory& factory) {
   factory.add<HexahedronElastoplasticFEMForceField>(attributes::kHexahedronElastoplasticFEMForceField);
+  factory.add<HexahedronFEMForceField>(attributes::kHexahedronFEMForceField);
 }
 
 }  // namespace hexaplast::components

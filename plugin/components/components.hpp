@@ -10,12 +10,13 @@ namespace hexaplast::components {
 void add_settings(scene::Factory& factory);        // RunSettings, and what is ignored
 void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop
 void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver and theirs
+void add_loaders(scene::Factory& factory);         // MeshGmshLoader, MeshVTKLoader, MeshOBJLoader
 void add_topologies(scene::Factory& factory);      // RegularGridTopology, MeshTopology and its like
 void add_states(scene::Factory& factory);          // MechanicalObject
 void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass, MeshMatrixMass
 void add_engines(scene::Factory& factory);         // BoxROI, SphereROI
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
-void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField
+void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
 
 }  // namespace hexaplast::components

@@ -7,6 +7,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_settings(factory);
   add_animation_loop(factory);
   add_solvers(factory);
+  add_loaders(factory);
   add_topologies(factory);
   add_states(factory);
   add_masses(factory);

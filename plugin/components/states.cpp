@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
-#include <numbers>
-
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "hexaplast/mesh/placement.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
@@ -17,10 +16,10 @@ class MechanicalObject final : public scene::MechanicalState {
   void init() override {
     first_positions_ = given_positions();
     if (first_positions_.rows() == 0) reject("has no nodes: needs position or a topology");
-    place(first_positions_, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
+    hexaplast::place(first_positions_, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
     rest_positions_ = is_given("rest_position") ? one_row_per_node("rest_position") : first_positions_;
     if (real("restScale") != 1) rest_positions_ *= real("restScale");
-    place(first_positions_, Vec3::Ones(), vector3("rotation2"), vector3("translation2"));
+    hexaplast::place(first_positions_, Vec3::Ones(), vector3("rotation2"), vector3("translation2"));
     first_velocities_ = one_row_per_node("velocity");
     external_force_ = one_row_per_node("externalForce");
     positions_ = first_positions_;
@@ -51,17 +50,6 @@ class MechanicalObject final : public scene::MechanicalState {
     if (own.rows() > 1 || !has_topology) return own;
     const PointArray& nodes = linked<scene::Topology>("topology").positions();
     return nodes.rows() > 0 ? nodes : own;
-  }
-
-  // Scale, then rotation [deg] about x, y, z in this order, then translation.
-  static void place(PointArray& points, const Vec3& scale, const Vec3& degrees, const Vec3& shift) {
-    const Vec3 angle = degrees * std::numbers::pi / 180;
-    const Mat3 turn = (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
-                       Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
-                          .toRotationMatrix();
-    if (scale != Vec3::Ones()) points = points * scale.asDiagonal();
-    if (!angle.isZero(0)) points = points * turn.transpose();
-    if (!shift.isZero(0)) points.rowwise() += shift.transpose();
   }
 
   // Zero where not given.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
+
 #include "attributes/attribute.hpp"
 #include "attributes/stock/ignored.hpp"
 
@@ -178,5 +180,76 @@ inline constexpr Description kHexahedronSetTopologyContainer{
     .category = "Topology",
     .help = "Nodes and cells as they are given, from a mesh loader or in the scene: the same as MeshTopology.",
     .attributes = kMeshTopologyAttributes};
+
+/// What every mesh loader takes; they differ in `createSubelements` alone.
+constexpr std::array<Attribute, 19> loader_attributes(std::string_view creates_subelements) {
+  return {{
+      {.name = "filename",
+       .type = Type::kText,
+       .help = "The mesh; a relative path counts from the scene file that names it."},
+      {.name = "scale3d", .type = Type::kVector3, .initial = "1 1 1", .help = "Applied first."},
+      {.name = "scale",
+       .type = Type::kReal,
+       .initial = "1",
+       .help = "Factor of all three directions; SOFA reads it in single precision."},
+      {.name = "rotation",
+       .type = Type::kVector3,
+       .initial = "0 0 0",
+       .unit = "deg",
+       .help = "About x, then y, then z; applied second."},
+      {.name = "translation", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Applied last."},
+      {.name = "transformation",
+       .type = Type::kReals,
+       .help = "Homogeneous 4 x 4 matrix, row by row, instead of the four above."},
+      {.name = "triangulate",
+       .type = Type::kBool,
+       .initial = "false",
+       .help = "Cuts every quad into two triangles, before faces are added."},
+      {.name = "createSubelements",
+       .type = Type::kBool,
+       .initial = creates_subelements,
+       .help = "Adds the faces of the hexahedra and the edges of all faces."},
+      {.name = "onlyAttachedPoints",
+       .type = Type::kBool,
+       .initial = "false",
+       .help = "Leaves out nodes that no cell has; the others are numbered anew."},
+      {.name = "position", .type = Type::kVectors3, .unit = "m", .access = Access::kOutput, .help = "Nodes."},
+      {.name = "edges", .type = Type::kIntegers, .access = Access::kOutput, .help = "Pairs of nodes."},
+      {.name = "triangles", .type = Type::kIntegers, .access = Access::kOutput, .help = "Groups of three nodes."},
+      {.name = "quads", .type = Type::kIntegers, .access = Access::kOutput, .help = "Groups of four nodes."},
+      {.name = "hexahedra",
+       .type = Type::kHexahedra,
+       .aliases = "hexas",
+       .access = Access::kOutput,
+       .help = "Groups of eight nodes."},
+      ignored_attribute("flipNormals", "Ignored here: normals are drawing."),
+      ignored_attribute("normals", "Ignored here: normals are drawing."),
+      visual_attribute("handleSeams"),
+      visual_attribute("loadMaterial"),
+      visual_attribute("storeGroups"),
+  }};
+}
+inline constexpr auto kGmshLoaderAttributes = loader_attributes("true");
+inline constexpr auto kMeshLoaderAttributes = loader_attributes("false");
+
+inline constexpr Description kMeshGmshLoader{
+    .class_name = "MeshGmshLoader",
+    .category = "MeshLoader",
+    .help =
+        "Reads .msh files of Gmsh: versions 2 and 4.1, text or binary. Cells that are neither edges, triangles, quads "
+        "nor hexahedra of first order are skipped, with a warning.",
+    .attributes = kGmshLoaderAttributes};
+inline constexpr Description kMeshVTKLoader{
+    .class_name = "MeshVTKLoader",
+    .category = "MeshLoader",
+    .help =
+        "Reads unstructured grids of VTK: legacy .vtk files (text or binary) and .vtu files (text, base64 or raw, "
+        "uncompressed or by zlib). Cells that are neither edges, triangles, quads nor hexahedra of first order are "
+        "skipped, with a warning.",
+    .attributes = kMeshLoaderAttributes};
+inline constexpr Description kMeshOBJLoader{.class_name = "MeshOBJLoader",
+                                            .category = "MeshLoader",
+                                            .help = "Reads the vertices, lines and faces of .obj files.",
+                                            .attributes = kMeshLoaderAttributes};
 
 }  // namespace hexaplast::attributes

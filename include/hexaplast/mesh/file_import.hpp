@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// What is taken from a mesh file: nodes in the order of the file, and linear cells by node, in the corner order of
+/// hexahedron.hpp. Every corner is a row of `positions`. The geometry is not judged: that is HexMesh's part.
+struct ImportedMesh {
+  PointArray positions;  ///< [m] num_nodes x 3
+  std::vector<Edge> edges;
+  std::vector<Triangle> triangles;
+  std::vector<Quad> quads;
+  std::vector<Hexahedron> hexahedra;
+  int num_skipped = 0;  ///< cells of other kinds: tetrahedra, prisms, pyramids, points, cells of higher order
+};
+
+/// Gmsh, version 2 and 4.1, text or binary of either byte order.
+ImportedMesh read_gmsh(const std::filesystem::path& file);
+
+/// VTK unstructured grids: legacy files (text or big-endian binary, versions up to 5.1) and XML files (.vtu: text,
+/// base64, or raw appended data; uncompressed or by zlib). Which of the two it is is told by the content.
+ImportedMesh read_vtk(const std::filesystem::path& file);
+
+/// Wavefront OBJ: vertices, polylines, and faces; those of more than four corners are cut into triangles around their
+/// first corner.
+ImportedMesh read_obj(const std::filesystem::path& file);
+
+/// All of these throw InputError: "FILE:LINE: what" where the file is text, "FILE: byte N: what" in binary data, for
+/// files that are missing, not regular, truncated or inconsistent. Nothing is allocated by a number in a file before
+/// that number has been compared with the file's size.
+///
+/// The same from content in memory; `name` stands for the file in messages.
+ImportedMesh parse_gmsh(std::string_view content, const std::string& name);
+ImportedMesh parse_vtk(std::string_view content, const std::string& name);
+ImportedMesh parse_obj(std::string_view content, const std::string& name);
+
+/// Cuts every quad into two triangles, (0, 1, 2) and (0, 2, 3).
+void triangulate(ImportedMesh& mesh);
+
+/// Adds the faces of hexahedra and then the edges of quads and triangles that are not among the quads and edges yet.
+void add_boundaries_of_cells(ImportedMesh& mesh);
+
+/// Removes nodes that no cell has; the others keep their order.
+void remove_unused_nodes(ImportedMesh& mesh);
+
+}  // namespace hexaplast

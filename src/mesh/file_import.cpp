@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/file_import.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace hexaplast {
+namespace {
+
+template <class Cell>
+Cell sorted(Cell cell) {
+  std::ranges::sort(cell);
+  return cell;
+}
+
+/// Adds cells that are not there yet, whatever the order of their nodes.
+template <class Cell>
+class WithoutTwins {
+ public:
+  explicit WithoutTwins(std::vector<Cell>& cells) : cells_(cells) {
+    for (const Cell& cell : cells) known_.insert(sorted(cell));
+  }
+  void add(const Cell& cell) {
+    if (known_.insert(sorted(cell)).second) cells_.push_back(cell);
+  }
+
+ private:
+  std::vector<Cell>& cells_;
+  std::set<Cell> known_;
+};
+
+template <std::size_t N>
+void add_edges_of(const std::array<int, N>& face, WithoutTwins<Edge>& edges) {
+  for (std::size_t k = 0; k < N; ++k) edges.add({face[(k + 1) % N], face[(k + 2) % N]});
+}
+
+}  // namespace
+
+void triangulate(ImportedMesh& mesh) {
+  for (const Quad& quad : mesh.quads) {
+    mesh.triangles.push_back({quad[0], quad[1], quad[2]});
+    mesh.triangles.push_back({quad[0], quad[2], quad[3]});
+  }
+  mesh.quads.clear();
+}
+
+void add_boundaries_of_cells(ImportedMesh& mesh) {
+  WithoutTwins<Quad> quads(mesh.quads);
+  for (const Hexahedron& hexahedron : mesh.hexahedra)
+    for (const auto& [a, b, c, d] : kFaces) quads.add({hexahedron[a], hexahedron[b], hexahedron[c], hexahedron[d]});
+
+  WithoutTwins<Edge> edges(mesh.edges);
+  for (const Quad& quad : mesh.quads) add_edges_of(quad, edges);
+  for (const Triangle& triangle : mesh.triangles) add_edges_of(triangle, edges);
+}
+
+void remove_unused_nodes(ImportedMesh& mesh) {
+  const auto for_each_list = [&](const auto& visit) {
+    visit(mesh.edges);
+    visit(mesh.triangles);
+    visit(mesh.quads);
+    visit(mesh.hexahedra);
+  };
+  std::vector<int> number(static_cast<std::size_t>(mesh.positions.rows()), -1);
+  for_each_list([&](const auto& cells) {
+    for (const auto& cell : cells)
+      for (const int node : cell) number[node] = 0;
+  });
+
+  int next = 0;
+  for (std::size_t n = 0; n < number.size(); ++n) {
+    if (number[n] < 0) continue;
+    mesh.positions.row(next) = mesh.positions.row(static_cast<Eigen::Index>(n)).eval();
+    number[n] = next++;
+  }
+  mesh.positions.conservativeResize(next, 3);
+  for_each_list([&](auto& cells) {
+    for (auto& cell : cells)
+      for (int& node : cell) node = number[node];
+  });
+}
+
+}  // namespace hexaplast

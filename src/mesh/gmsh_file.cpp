@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <utility>
+
+#include "mesh/mesh_source.hpp"
+
+// Gmsh's file format, as its reference manual describes it: sections between $Name and $EndName; nodes carry tags of
+// any value, by which elements name them. Numbers are text or binary, in the words of each version.
+
+namespace hexaplast {
+namespace {
+
+constexpr std::int64_t kMostNodes = std::numeric_limits<int>::max();
+
+/// Nodes of each element type of Gmsh; 0: no such type.
+constexpr std::array<int, 32> kNodesOfType{0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
+                                           8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
+
+/// The kinds that are taken, in VTK's numbering; all others are skipped.
+int vtk_kind(std::int64_t type) {
+  switch (type) {
+    case 1:
+      return 3;
+    case 2:
+      return 5;
+    case 3:
+      return 9;
+    case 5:
+      return 12;
+    default:
+      return 0;
+  }
+}
+
+class GmshFile {
+ public:
+  GmshFile(std::string_view content, const std::string& name) : source_(content, name) {}
+
+  ImportedMesh read() {
+    read_format();
+    while (true) {
+      const std::string_view section = source_.word();
+      if (section.empty()) break;
+      if (section == "$Nodes")
+        is_version_4_ ? read_nodes_4() : read_nodes_2();
+      else if (section == "$Elements")
+        is_version_4_ ? read_elements_4() : read_elements_2();
+      else if (section.starts_with('$'))
+        source_.skip_past_line("$End" + std::string(section.substr(1)));
+      else
+        source_.refuse("something stands between two sections, must be $Name");
+    }
+    if (!has_nodes_) source_.refuse("the file ends without $Nodes");
+    if (!has_elements_) source_.refuse("the file ends without $Elements");
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_format() {
+    source_.expect("$MeshFormat");
+    const std::string version(source_.word());
+    is_version_4_ = version == "4.1";
+    if (!is_version_4_ && version != "2" && version != "2.0" && version != "2.1" && version != "2.2")
+      source_.refuse(fmt::format("version '{}' of the format, must be 2.0 to 2.2 or 4.1", version.substr(0, 20)));
+    is_binary_ = source_.integer("the file type", 0, 1) == 1;
+    source_.integer("the size of numbers", 8, 8);
+    source_.line();
+    if (is_binary_) {
+      const auto one = source_.binary<std::int32_t>();
+      source_.swaps_bytes = one != 1;
+      if (one != 1 && one != 0x01000000) source_.refuse_at_byte("neither byte order gives the 1 that must stand here");
+    }
+    source_.expect("$EndMeshFormat");
+    source_.line();
+  }
+
+  // Version 2
+  // -----------------------------------------------------------------------------------------------------------------
+
+  void read_nodes_2() {
+    const std::size_t count = begin_nodes(source_.count("the number of nodes", is_binary_ ? 28 : 8));
+    source_.line();
+    for (std::size_t n = 0; n < count; ++n) {
+      add_tag(is_binary_ ? source_.binary<std::int32_t>() : tag("a node"), n);
+      read_position(n, 0);
+    }
+    source_.expect("$EndNodes");
+  }
+
+  void read_elements_2() {
+    begin_elements();
+    const std::size_t count = source_.count("the number of elements", is_binary_ ? 8 : 6);
+    source_.line();
+    if (is_binary_) {
+      for (std::size_t e = 0; e < count;) {
+        const auto type = source_.binary<std::int32_t>();
+        const auto in_block = source_.binary<std::int32_t>();
+        const auto num_tags = source_.binary<std::int32_t>();
+        const int num_nodes = nodes_of(type);
+        if (in_block < 1 || static_cast<std::size_t>(in_block) > count - e)
+          source_.refuse_at_byte(fmt::format("a block of {} elements, there are {} left", in_block, count - e));
+        if (num_tags < 0) source_.refuse_at_byte(fmt::format("{} tags, must be at least 0", num_tags));
+        source_.checked_count(static_cast<std::uint64_t>(num_tags) + 1, "the number of tags", 4);
+        for (int i = 0; i < in_block; ++i, ++e) {
+          for (int t = 0; t <= num_tags; ++t) source_.binary<std::int32_t>();  // the element's own tag, then the others
+          add_element(type, num_nodes, [&] { return std::int64_t{source_.binary<std::int32_t>()}; });
+        }
+      }
+    } else {
+      for (std::size_t e = 0; e < count; ++e) {
+        tag("an element");
+        const std::int64_t type = source_.integer("an element type", 1, kMostNodes);
+        const std::int64_t num_tags = source_.integer("the number of tags", 0, kMostNodes);
+        const int num_nodes = nodes_of(type);
+        for (std::int64_t t = 0; t < num_tags; ++t) tag("a tag");
+        add_element(type, num_nodes, [&] { return tag("a node"); });
+      }
+    }
+    source_.expect("$EndElements");
+  }
+
+  // Version 4
+  // -----------------------------------------------------------------------------------------------------------------
+
+  void read_nodes_4() {
+    if (is_binary_) source_.line();  // data begin on the line after the section's name
+    const std::size_t num_blocks = number("the number of blocks", is_binary_ ? 20 : 8);
+    const std::size_t count = begin_nodes(number("the number of nodes", is_binary_ ? 32 : 8));
+    for (int i = 0; i < 2; ++i) number_of_any_size("a node tag");  // least and greatest
+    std::size_t n = 0;
+    for (std::size_t block = 0; block < num_blocks; ++block) {
+      const std::int64_t dimension = small_number("a dimension", 0, 3);
+      small_number("an entity", std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+      const bool has_parameters = small_number("whether there are parameters", 0, 1) == 1;
+      const std::size_t in_block = number("the number of nodes of a block", is_binary_ ? 32 : 8);
+      if (in_block > count - n) refuse(fmt::format("a block of {} nodes, there are {} left", in_block, count - n));
+      for (std::size_t i = 0; i < in_block; ++i) add_tag(number_of_any_size("a node tag"), n + i);
+      for (std::size_t i = 0; i < in_block; ++i) read_position(n + i, has_parameters ? dimension : 0);
+      n += in_block;
+    }
+    if (n != count) refuse(fmt::format("{} nodes in the blocks, there must be {}", n, count));
+    source_.expect("$EndNodes");
+  }
+
+  void read_elements_4() {
+    begin_elements();
+    if (is_binary_) source_.line();
+    const std::size_t num_blocks = number("the number of blocks", is_binary_ ? 20 : 8);
+    const std::size_t count = number("the number of elements", is_binary_ ? 16 : 4);
+    for (int i = 0; i < 2; ++i) number_of_any_size("an element tag");
+    std::size_t e = 0;
+    for (std::size_t block = 0; block < num_blocks; ++block) {
+      small_number("a dimension", 0, 3);
+      small_number("an entity", std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+      const std::int64_t type = small_number("an element type", 1, std::numeric_limits<int>::max());
+      const int num_nodes = nodes_of(type);
+      const std::size_t in_block = number("the number of elements of a block", is_binary_ ? 16 : 4);
+      if (in_block > count - e) refuse(fmt::format("a block of {} elements, there are {} left", in_block, count - e));
+      for (std::size_t i = 0; i < in_block; ++i) {
+        number_of_any_size("an element tag");
+        add_element(type, num_nodes, [&] { return number_of_any_size("a node tag"); });
+      }
+      e += in_block;
+    }
+    if (e != count) refuse(fmt::format("{} elements in the blocks, there must be {}", e, count));
+    source_.expect("$EndElements");
+  }
+
+  /// Version 4 writes sizes and tags as 64 bits, the rest as 32.
+  std::size_t number(const char* what, std::size_t bytes) {
+    if (!is_binary_) return source_.count(what, bytes);
+    return source_.checked_count(source_.binary<std::uint64_t>(), what, bytes);
+  }
+  std::int64_t number_of_any_size(const char* what) {
+    return is_binary_ ? static_cast<std::int64_t>(source_.binary<std::uint64_t>()) : tag(what);
+  }
+  std::int64_t small_number(const char* what, std::int64_t least, std::int64_t most) {
+    if (!is_binary_) return source_.integer(what, least, most);
+    const auto value = source_.binary<std::int32_t>();
+    if (value < least || value > most)
+      source_.refuse_at_byte(fmt::format("{} is not {}: must lie in [{}, {}]", value, what, least, most));
+    return value;
+  }
+
+  // Both
+  // -----------------------------------------------------------------------------------------------------------------
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    if (is_binary_) source_.refuse_at_byte(what);
+    source_.refuse(what);
+  }
+
+  std::int64_t tag(const char* what) {
+    return source_.integer(what, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max());
+  }
+
+  std::size_t begin_nodes(std::size_t count) {
+    if (std::exchange(has_nodes_, true)) refuse("a second $Nodes, there must be one");
+    if (count > static_cast<std::size_t>(kMostNodes))
+      refuse(fmt::format("{} nodes, must be at most {}", count, kMostNodes));
+    mesh_.positions.resize(static_cast<Eigen::Index>(count), 3);
+    number_of_.reserve(count);
+    return count;
+  }
+
+  void begin_elements() {
+    if (std::exchange(has_elements_, true)) source_.refuse("a second $Elements, there must be one");
+  }
+
+  void add_tag(std::int64_t node, std::size_t n) {
+    if (!number_of_.emplace(node, static_cast<int>(n)).second) refuse(fmt::format("a second node {}", node));
+  }
+
+  void read_position(std::size_t n, std::int64_t num_parameters) {
+    for (int d = 0; d < 3; ++d) {
+      const double x = is_binary_ ? source_.binary<double>() : source_.real("a coordinate");
+      if (!std::isfinite(x)) refuse(fmt::format("{} is not a coordinate: must be a finite number", x));
+      mesh_.positions(static_cast<Eigen::Index>(n), d) = x;
+    }
+    for (std::int64_t i = 0; i < num_parameters; ++i)
+      is_binary_ ? source_.binary<double>() : source_.real("a parameter");
+  }
+
+  int nodes_of(std::int64_t type) {
+    const bool is_known = type > 0 && type < static_cast<std::int64_t>(kNodesOfType.size());
+    if (!is_known) refuse(fmt::format("element type {}, must lie in [1, {}]", type, kNodesOfType.size() - 1));
+    return kNodesOfType[static_cast<std::size_t>(type)];
+  }
+
+  template <class NextTag>
+  void add_element(std::int64_t type, int num_nodes, const NextTag& next_tag) {
+    std::array<std::int64_t, 64> nodes;
+    for (int a = 0; a < num_nodes; ++a) {
+      const std::int64_t node = next_tag();
+      const auto found = number_of_.find(node);
+      if (found == number_of_.end()) refuse(fmt::format("node {}, which is not among the nodes", node));
+      nodes[a] = found->second;
+    }
+    add_vtk_cell(vtk_kind(type), nodes.data(), static_cast<std::size_t>(num_nodes), mesh_);
+  }
+
+  MeshSource source_;
+  ImportedMesh mesh_;
+  std::unordered_map<std::int64_t, int> number_of_;  // of the node with a tag
+  bool is_version_4_ = false, is_binary_ = false;
+  bool has_nodes_ = false, has_elements_ = false;
+};
+
+}  // namespace
+
+ImportedMesh parse_gmsh(std::string_view content, const std::string& name) { return GmshFile(content, name).read(); }
+
+ImportedMesh read_gmsh(const std::filesystem::path& file) { return parse_gmsh(whole_file(file), file.string()); }
+
+}  // namespace hexaplast

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "mesh/mesh_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "hexaplast/base/error.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
+constexpr std::size_t kLongestQuote = 40;  // bytes of a file that a message repeats
+
+/// Part of a file as it may stand in a message.
+std::string quoted(std::string_view word) {
+  std::string shown(word.substr(0, kLongestQuote));
+  for (char& c : shown)
+    if (c < ' ' || c > '~') c = '?';
+  return "'" + shown + (word.size() > kLongestQuote ? "...'" : "'");
+}
+
+template <class Number>
+bool read_whole(std::string_view word, Number& number) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);  // from_chars knows no plus sign
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, number);
+  return error == std::errc() && stop == end;
+}
+
+}  // namespace
+
+std::string whole_file(const std::filesystem::path& file) {
+  const auto refuse = [&](const char* what) { throw InputError(fmt::format("{}: {}", file.string(), what)); };
+  std::error_code failure;
+  if (!std::filesystem::exists(file, failure)) refuse("no such file");
+  if (!std::filesystem::is_regular_file(file, failure)) refuse("is not a file");
+  std::string content(std::filesystem::file_size(file, failure), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
+  if (failure || !stream) refuse("cannot be read");
+  return content;
+}
+
+bool read_number(std::string_view word, double& number) { return read_whole(word, number) && std::isfinite(number); }
+bool read_number(std::string_view word, std::int64_t& number) { return read_whole(word, number); }
+
+void MeshSource::refuse(const std::string& what) const {
+  const auto line = 1 + std::count(content_.begin(), content_.begin() + static_cast<std::ptrdiff_t>(latest_), '\n');
+  throw InputError(fmt::format("{}:{}: {}", name_, line, what));
+}
+
+void MeshSource::refuse_at_byte(const std::string& what) const {
+  throw InputError(fmt::format("{}: byte {}: {}", name_, at_, what));
+}
+
+std::string_view MeshSource::line() {
+  latest_ = at_;
+  const std::size_t end = std::min(content_.find('\n', at_), content_.size());
+  std::string_view found = content_.substr(at_, end - at_);
+  at_ = std::min(end + 1, content_.size());
+  if (found.ends_with('\r')) found.remove_suffix(1);
+  return found;
+}
+
+std::string_view MeshSource::word() {
+  const std::size_t first = std::min(content_.find_first_not_of(kBlanks, at_), content_.size());
+  const std::size_t end = std::min(content_.find_first_of(kBlanks, first), content_.size());
+  latest_ = first;
+  at_ = end;
+  return content_.substr(first, end - first);
+}
+
+void MeshSource::expect(std::string_view wanted) {
+  const std::string_view found = word();
+  if (found == wanted) return;
+  refuse(found.empty() ? fmt::format("the file ends where {} is expected", wanted)
+                       : fmt::format("{} stands where {} is expected", quoted(found), wanted));
+}
+
+double MeshSource::real(const char* what) {
+  const std::string_view text = word();
+  double number = 0;
+  if (text.empty()) refuse(fmt::format("the file ends where {} is expected", what));
+  if (!read_number(text, number)) refuse(fmt::format("{} is not {}: must be a finite number", quoted(text), what));
+  return number;
+}
+
+std::int64_t MeshSource::integer(const char* what, std::int64_t least, std::int64_t most) {
+  const std::string_view text = word();
+  std::int64_t number = 0;
+  if (text.empty()) refuse(fmt::format("the file ends where {} is expected", what));
+  if (!read_number(text, number) || number < least || number > most)
+    refuse(fmt::format("{} is not {}: must be a whole number in [{}, {}]", quoted(text), what, least, most));
+  return number;
+}
+
+std::size_t MeshSource::count(const char* what, std::size_t bytes) {
+  const std::int64_t number = integer(what, 0, std::numeric_limits<std::int64_t>::max());
+  if (static_cast<std::uint64_t>(number) > remaining() / bytes)
+    refuse(fmt::format("{} is {}: the rest of the file has room for {} at most", what, number, remaining() / bytes));
+  return static_cast<std::size_t>(number);
+}
+
+std::size_t MeshSource::checked_count(std::uint64_t number, const char* what, std::size_t bytes) const {
+  if (number > remaining() / bytes)
+    refuse_at_byte(
+        fmt::format("{} is {}: the rest of the file has room for {} at most", what, number, remaining() / bytes));
+  return static_cast<std::size_t>(number);
+}
+
+void MeshSource::skip_past_line(std::string_view wanted) {
+  while (!at_end())
+    if (line() == wanted) return;
+  refuse(fmt::format("the file ends where {} is expected", wanted));
+}
+
+bool add_vtk_cell(int kind, const std::int64_t* nodes, std::size_t num_nodes, ImportedMesh& mesh) {
+  const auto take = [&]<std::size_t N>(std::vector<std::array<int, N>>& cells, const std::array<int, N>& order) {
+    if (num_nodes != N) return false;
+    std::array<int, N> cell;
+    for (std::size_t a = 0; a < N; ++a) cell[a] = static_cast<int>(nodes[order[a]]);
+    cells.push_back(cell);
+    return true;
+  };
+  switch (kind) {
+    case 3:
+      return take(mesh.edges, {0, 1});
+    case 5:
+      return take(mesh.triangles, {0, 1, 2});
+    case 8:  // a pixel's corners lie row by row
+      return take(mesh.quads, {0, 1, 3, 2});
+    case 9:
+      return take(mesh.quads, {0, 1, 2, 3});
+    case 11:  // and so do a voxel's
+      return take(mesh.hexahedra, {0, 1, 3, 2, 4, 5, 7, 6});
+    case 12:
+      return take(mesh.hexahedra, {0, 1, 2, 3, 4, 5, 6, 7});
+    default:
+      ++mesh.num_skipped;
+      return true;
+  }
+}
+
+}  // namespace hexaplast

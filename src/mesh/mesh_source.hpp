@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "hexaplast/mesh/file_import.hpp"
+
+namespace hexaplast {
+
+/// The whole content of a regular file. Throws InputError naming the file.
+std::string whole_file(const std::filesystem::path& file);
+
+/// Reads a mesh file from its beginning to its end, and knows where it is.
+class MeshSource {
+ public:
+  MeshSource(std::string_view content, std::string name) : content_(content), name_(std::move(name)) {}
+
+  [[noreturn]] void refuse(const std::string& what) const;          ///< at the line of the latest word
+  [[noreturn]] void refuse_at_byte(const std::string& what) const;  ///< at the present byte, in binary data
+
+  std::size_t remaining() const { return content_.size() - at_; }
+  bool at_end() const { return at_ == content_.size(); }
+
+  /// The rest of the present line, without its end; the next reading begins with the line after it.
+  std::string_view line();
+
+  /// The next word between blanks and line ends; empty at the end of the file.
+  std::string_view word();
+  void expect(std::string_view wanted);  ///< refuses any other word
+
+  double real(const char* what);
+  std::int64_t integer(const char* what, std::int64_t least, std::int64_t most);
+
+  /// A count of things of which each takes at least `bytes` of the rest of the file.
+  std::size_t count(const char* what, std::size_t bytes);
+  std::size_t checked_count(std::uint64_t number, const char* what, std::size_t bytes) const;
+
+  /// Goes to the beginning of the line after the next one that is `wanted`, and nothing else.
+  void skip_past_line(std::string_view wanted);
+
+  /// A number as bytes. Its bytes are swapped when `swaps_bytes` is set.
+  template <class T>
+  T binary() {
+    if (remaining() < sizeof(T)) refuse_at_byte("the file ends in the middle of binary data");
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, content_.data() + at_, sizeof(T));
+    if (swaps_bytes)
+      for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
+    T value;
+    std::memcpy(&value, bytes, sizeof(T));
+    at_ += sizeof(T);
+    return value;
+  }
+
+  bool swaps_bytes = false;
+
+ private:
+  std::string_view content_;
+  std::string name_;
+  std::size_t at_ = 0;
+  std::size_t latest_ = 0;  // where the latest word or line began
+};
+
+/// A number from the whole of a word; false where the word is none, or does not fit.
+bool read_number(std::string_view word, double& number);
+bool read_number(std::string_view word, std::int64_t& number);
+
+/// Adds a cell of VTK's numbering (3 line, 5 triangle, 8 pixel, 9 quad, 11 voxel, 12 hexahedron), or counts it as
+/// skipped. Returns false when it has not as many nodes as its kind.
+bool add_vtk_cell(int kind, const std::int64_t* nodes, std::size_t num_nodes, ImportedMesh& mesh);
+
+/// The .vtu half of parse_vtk.
+ImportedMesh parse_vtu(std::string_view content, const std::string& name);
+
+}  // namespace hexaplast

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mesh/mesh_source.hpp"
+
+namespace hexaplast {
+namespace {
+
+/// Node of one corner of a face, `v`, `v/vt`, `v//vn` or `v/vt/vn`: from 1 on, or from the latest vertex back.
+int corner(const MeshSource& source, std::string_view word, std::int64_t num_vertices) {
+  const std::string_view text = word.substr(0, word.find('/'));
+  std::int64_t number = 0;
+  const bool is_number = read_number(text, number);
+  const std::int64_t node = number > 0 ? number - 1 : num_vertices + number;
+  if (!is_number || number == 0 || node < 0 || node >= num_vertices)
+    source.refuse(fmt::format("'{}' is none of the {} vertices so far", text.substr(0, 40), num_vertices));
+  return static_cast<int>(node);
+}
+
+}  // namespace
+
+ImportedMesh parse_obj(std::string_view content, const std::string& name) {
+  MeshSource source(content, name);
+  ImportedMesh mesh;
+  std::vector<double> vertices;
+  while (!source.at_end()) {
+    const std::string_view line = source.line();
+    MeshSource words(line, name);
+    const std::string_view kind = words.word();
+    if (kind == "v") {
+      for (int d = 0; d < 3; ++d) {
+        const std::string_view word = words.word();
+        double number = 0;
+        if (!read_number(word, number))
+          source.refuse(fmt::format("'{}' is not a coordinate: must be a finite number", word.substr(0, 40)));
+        vertices.push_back(number);
+      }
+    } else if (kind == "f" || kind == "l") {
+      std::vector<int> nodes;
+      for (std::string_view word = words.word(); !word.empty(); word = words.word())
+        nodes.push_back(corner(source, word, static_cast<std::int64_t>(vertices.size() / 3)));
+      const std::size_t least = kind == "f" ? 3 : 2;
+      if (nodes.size() < least) source.refuse(fmt::format("{} vertices, must be at least {}", nodes.size(), least));
+      if (kind == "l") {
+        for (std::size_t i = 0; i + 1 < nodes.size(); ++i) mesh.edges.push_back({nodes[i], nodes[i + 1]});
+      } else if (nodes.size() == 4) {
+        mesh.quads.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+      } else {
+        for (std::size_t i = 1; i + 1 < nodes.size(); ++i) mesh.triangles.push_back({nodes[0], nodes[i], nodes[i + 1]});
+      }
+    }
+  }
+  mesh.positions = Eigen::Map<const PointArray>(vertices.data(), static_cast<Eigen::Index>(vertices.size() / 3), 3);
+  if (mesh.positions.rows() == 0) source.refuse("the file holds no vertex");
+  return mesh;
+}
+
+ImportedMesh read_obj(const std::filesystem::path& file) { return parse_obj(whole_file(file), file.string()); }
+
+}  // namespace hexaplast

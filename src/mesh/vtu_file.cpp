@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+#include <tinyxml2.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "hexaplast/base/error.hpp"
+#include "mesh/mesh_source.hpp"
+
+// VTK's XML files of unstructured grids. A data array is text; or bytes in base64, in place or appended; or raw bytes,
+// appended. Bytes follow their number, or, compressed, the sizes of their blocks.
+
+namespace hexaplast {
+namespace {
+
+using tinyxml2::XMLElement;
+
+constexpr std::size_t kMostGrowth = 1032;  // no byte of zlib's stands for more than this many
+
+std::string attribute(const XMLElement& element, const char* name) {
+  const char* value = element.Attribute(name);
+  return value ? value : "";
+}
+
+struct ArrayType {
+  char kind;  // f, i, u
+  std::size_t bytes;
+};
+
+class VtuFile {
+ public:
+  VtuFile(std::string_view content, std::string name) : content_(content), name_(std::move(name)) {}
+
+  ImportedMesh read() {
+    // raw appended bytes are no XML: what is parsed ends before them
+    std::string xml(content_);
+    const std::size_t appended = content_.find("<AppendedData");
+    if (appended != content_.npos) {
+      xml.resize(appended);
+      xml += "</VTKFile>";
+      const std::size_t marker = content_.find('_', appended);
+      const std::size_t end = content_.rfind("</AppendedData>");
+      if (marker == content_.npos || end == content_.npos || end < marker)
+        refuse_line(0, "AppendedData must hold '_', its data, and an end");
+      appended_ = content_.substr(marker + 1, end - marker - 1);
+      appended_is_raw_ = content_.substr(appended, marker - appended).find("base64") == content_.npos;
+    }
+
+    tinyxml2::XMLDocument document;
+    if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
+      refuse_line(document.ErrorLineNum(), fmt::format("not well-formed XML ({})", document.ErrorName()));
+    const XMLElement* root = document.RootElement();
+    if (!root || std::string_view(root->Name()) != "VTKFile") refuse_line(1, "the root element must be VTKFile");
+    if (attribute(*root, "type") != "UnstructuredGrid")
+      refuse(*root, fmt::format("type '{}', must be UnstructuredGrid", attribute(*root, "type")));
+    read_conventions(*root);
+
+    const XMLElement* grid = root->FirstChildElement("UnstructuredGrid");
+    if (!grid) refuse(*root, "holds no UnstructuredGrid");
+    if (!grid->FirstChildElement("Piece")) refuse(*grid, "holds no Piece");
+    for (const XMLElement* piece = grid->FirstChildElement("Piece"); piece; piece = piece->NextSiblingElement("Piece"))
+      add_piece(*piece);
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_conventions(const XMLElement& root) {
+    const std::string order = attribute(root, "byte_order"), header = attribute(root, "header_type"),
+                      compressor = attribute(root, "compressor");
+    if (order != "LittleEndian" && order != "BigEndian")
+      refuse(root, fmt::format("byte_order '{}', must be LittleEndian or BigEndian", order));
+    swaps_bytes_ = (order == "LittleEndian") != (std::endian::native == std::endian::little);
+    if (!header.empty() && header != "UInt32" && header != "UInt64")
+      refuse(root, fmt::format("header_type '{}', must be UInt32 or UInt64", header));
+    header_bytes_ = header == "UInt64" ? 8 : 4;
+    is_compressed_ = !compressor.empty();
+    if (is_compressed_ && compressor != "vtkZLibDataCompressor")
+      refuse(root, fmt::format("compressor '{}', must be vtkZLibDataCompressor or none", compressor));
+  }
+
+  void add_piece(const XMLElement& piece) {
+    const std::size_t num_points = counted(piece, "NumberOfPoints"), num_cells = counted(piece, "NumberOfCells");
+    const Eigen::Index before = mesh_.positions.rows();
+    if (static_cast<std::size_t>(before) + num_points > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+      refuse(piece, "more points than can be numbered");
+
+    const XMLElement* points = child(piece, "Points").FirstChildElement("DataArray");
+    if (!points) refuse(piece, "holds no array of points");
+    const std::vector<double> x = numbers<double>(*points, 3 * num_points);
+    mesh_.positions.conservativeResize(before + static_cast<Eigen::Index>(num_points), 3);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (!std::isfinite(x[i])) refuse(*points, fmt::format("{} is not a coordinate: must be a finite number", x[i]));
+      mesh_.positions.data()[3 * before + static_cast<Eigen::Index>(i)] = x[i];
+    }
+    if (num_cells > 0) add_cells(child(piece, "Cells"), num_points, num_cells, before);
+  }
+
+  void add_cells(const XMLElement& cells, std::size_t num_points, std::size_t num_cells, Eigen::Index first_point) {
+    const XMLElement &ends_at = array(cells, "offsets"), &types_at = array(cells, "types");
+    const std::vector<std::int64_t> ends = numbers<std::int64_t>(ends_at, num_cells);
+    const std::vector<std::int64_t> types = numbers<std::int64_t>(types_at, num_cells);
+    for (std::size_t e = 0; e < num_cells; ++e)
+      if (ends[e] < (e == 0 ? 0 : ends[e - 1])) refuse(ends_at, fmt::format("cell {} ends before it begins", e));
+
+    const XMLElement& nodes_at = array(cells, "connectivity");
+    std::vector<std::int64_t> nodes = numbers<std::int64_t>(nodes_at, static_cast<std::size_t>(ends.back()));
+    for (std::int64_t& node : nodes) {
+      if (node < 0 || node >= static_cast<std::int64_t>(num_points))
+        refuse(nodes_at, fmt::format("point {}, must lie in [0, {})", node, num_points));
+      node += first_point;
+    }
+    for (std::size_t e = 0; e < num_cells; ++e) {
+      const std::int64_t begin = e == 0 ? 0 : ends[e - 1];
+      if (!add_vtk_cell(static_cast<int>(std::clamp<std::int64_t>(types[e], 0, 255)), nodes.data() + begin,
+                        static_cast<std::size_t>(ends[e] - begin), mesh_))
+        refuse(types_at, fmt::format("cell {} is of type {} and has {} points", e, types[e], ends[e] - begin));
+    }
+  }
+
+  // Data arrays
+  // -----------------------------------------------------------------------------------------------------------------
+
+  /// All numbers of an array, of which there must be `count`.
+  template <class Number>
+  std::vector<Number> numbers(const XMLElement& at, std::size_t count) {
+    const std::string format = attribute(at, "format");
+    if (format == "ascii") return numbers_of_text<Number>(at, count);
+
+    const ArrayType type = array_type(at);
+    if (count > std::numeric_limits<std::size_t>::max() / type.bytes)
+      refuse(at, "more values than the file has room for");
+    const std::size_t size = count * type.bytes;
+    std::string bytes;
+    if (format == "appended") {
+      std::int64_t offset = 0;
+      if (!read_number(attribute(at, "offset"), offset) || offset < 0 ||
+          static_cast<std::size_t>(offset) > appended_.size())
+        refuse(at, fmt::format("offset '{}', must lie in [0, {}]", attribute(at, "offset"), appended_.size()));
+      bytes = decoded(at, appended_.substr(static_cast<std::size_t>(offset)), appended_is_raw_, size);
+    } else if (format == "binary") {
+      bytes = decoded(at, trimmed(at.GetText()), false, size);
+    } else {
+      refuse(at, fmt::format("format '{}', must be ascii, binary or appended", format));
+    }
+    return numbers_of_bytes<Number>(at, bytes, type);
+  }
+
+  template <class Number>
+  std::vector<Number> numbers_of_text(const XMLElement& at, std::size_t count) {
+    MeshSource text(at.GetText() ? at.GetText() : "", name_);
+    if (count > (text.remaining() + 1) / 2) refuse(at, fmt::format("holds less than {} numbers", count));
+    std::vector<Number> all(count);
+    for (Number& number : all) {
+      const std::string_view word = text.word();
+      if (word.empty()) refuse(at, fmt::format("holds less than {} numbers", count));
+      if (!read_number(word, number)) refuse(at, fmt::format("'{}' is not a number of this kind", word.substr(0, 40)));
+    }
+    if (!text.word().empty()) refuse(at, fmt::format("holds more than {} numbers", count));
+    return all;
+  }
+
+  template <class Number>
+  std::vector<Number> numbers_of_bytes(const XMLElement& at, std::string_view bytes, const ArrayType& type) {
+    const bool is_real = type.kind == 'f';
+    if (is_real != std::is_floating_point_v<Number>) refuse(at, "real numbers and whole numbers are mixed up");
+    std::vector<Number> all(bytes.size() / type.bytes);
+    MeshSource source(bytes, name_);
+    source.swaps_bytes = swaps_bytes_;
+    for (Number& number : all) {
+      if constexpr (std::is_floating_point_v<Number>)
+        number = type.bytes == 8 ? source.binary<double>() : source.binary<float>();
+      else
+        number = type.kind == 'u' ? whole<std::uint64_t, std::uint32_t, std::uint16_t, std::uint8_t>(source, type.bytes)
+                                  : whole<std::int64_t, std::int32_t, std::int16_t, std::int8_t>(source, type.bytes);
+    }
+    return all;
+  }
+
+  template <class Eight, class Four, class Two, class One>
+  static std::int64_t whole(MeshSource& source, std::size_t bytes) {
+    switch (bytes) {
+      case 8:
+        return static_cast<std::int64_t>(source.binary<Eight>());
+      case 4:
+        return source.binary<Four>();
+      case 2:
+        return source.binary<Two>();
+      default:
+        return source.binary<One>();
+    }
+  }
+
+  /// The `size` bytes that data stand for.
+  std::string decoded(const XMLElement& at, std::string_view data, bool is_raw, std::size_t size) {
+    if (!is_compressed_) {
+      const std::string head = part(at, data, is_raw, 0, header_bytes_);
+      if (header(head, 0) != size) refuse(at, fmt::format("{} bytes, must be {}", header(head, 0), size));
+      // without compression number and bytes are encoded in one
+      return part(at, data, is_raw, 0, header_bytes_ + size).substr(header_bytes_);
+    }
+
+    const std::string start = part(at, data, is_raw, 0, 3 * header_bytes_);
+    const std::uint64_t num_blocks = header(start, 0), block = header(start, 1), last = header(start, 2);
+    if (num_blocks > data.size() / header_bytes_)
+      refuse(at, fmt::format("{} blocks, the data have room for {}", num_blocks, data.size() / header_bytes_));
+    if (num_blocks == 0 && size == 0) return {};
+    const std::uint64_t whole_blocks = last == 0 ? num_blocks : num_blocks - 1;
+    const bool fits = num_blocks > 0 && last <= size && (whole_blocks == 0 || block <= size / whole_blocks) &&
+                      whole_blocks * block + last == size;
+    if (!fits)
+      refuse(at, fmt::format("{} blocks of {} bytes, the last of {}, are not {} bytes", num_blocks, block, last, size));
+
+    const std::size_t head_size = (3 + num_blocks) * header_bytes_;
+    const std::string head = part(at, data, is_raw, 0, head_size);
+    std::string bytes;
+    std::size_t total = 0;
+    for (std::uint64_t i = 0; i < num_blocks; ++i) {
+      if (header(head, 3 + i) > data.size()) refuse(at, "a compressed block is larger than the data");
+      total += header(head, 3 + i);
+    }
+    const std::string packed = part(at, data, is_raw, head_size, total);
+    if (size / kMostGrowth > packed.size())
+      refuse(at, fmt::format("{} bytes cannot come from {}", size, packed.size()));
+
+    bytes.resize(size);
+    std::size_t from = 0, to = 0;
+    for (std::uint64_t i = 0; i < num_blocks; ++i) {
+      const std::size_t packed_size = header(head, 3 + i);
+      uLongf unpacked = i < whole_blocks ? block : last;
+      const uLongf wanted = unpacked;
+      const int status = uncompress(reinterpret_cast<Bytef*>(bytes.data() + to), &unpacked,
+                                    reinterpret_cast<const Bytef*>(packed.data() + from), packed_size);
+      if (status != Z_OK || unpacked != wanted)
+        refuse(at, fmt::format("block {} of the compressed data is damaged", i));
+      from += packed_size;
+      to += wanted;
+    }
+    return bytes;
+  }
+
+  /// `size` bytes of data: raw from byte `begin` on; in base64 those of the part that begins where the base64 of the
+  /// first `begin` bytes ends, each part being padded.
+  std::string part(const XMLElement& at, std::string_view data, bool is_raw, std::size_t begin, std::size_t size) {
+    const auto cut = [&](std::size_t from, std::size_t length) {
+      if (from > data.size() || length > data.size() - from)
+        refuse(at, "the file ends in the middle of the data, or they are shorter than their header says");
+      return data.substr(from, length);
+    };
+    if (is_raw) return std::string(cut(begin, size));
+    const auto encoded = [](std::size_t bytes) { return (bytes / 3 + (bytes % 3 != 0)) * 4; };
+    std::string bytes = from_base64(at, cut(encoded(begin), encoded(size)));
+    bytes.resize(size);
+    return bytes;
+  }
+
+  std::string from_base64(const XMLElement& at, std::string_view text) const {
+    static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string bytes;
+    bytes.reserve(text.size() / 4 * 3);
+    for (std::size_t i = 0; i < text.size(); i += 4) {
+      unsigned group = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::size_t digit = text[i + k] == '=' ? 0 : kDigits.find(text[i + k]);
+        if (digit == kDigits.npos) refuse(at, "holds something that is not base64");
+        group = group << 6 | static_cast<unsigned>(digit);
+      }
+      for (const int shift : {16, 8, 0}) bytes.push_back(static_cast<char>(group >> shift & 0xFF));
+    }
+    return bytes;
+  }
+
+  std::uint64_t header(std::string_view bytes, std::size_t entry) const {
+    MeshSource source(bytes.substr(entry * header_bytes_), name_);
+    source.swaps_bytes = swaps_bytes_;
+    return header_bytes_ == 8 ? source.binary<std::uint64_t>() : source.binary<std::uint32_t>();
+  }
+
+  static std::string_view trimmed(const char* text) {
+    std::string_view data = text ? text : "";
+    const std::size_t first = std::min(data.find_first_not_of(" \t\r\n"), data.size());
+    return data.substr(first, data.find_last_not_of(" \t\r\n") + 1 - first);
+  }
+
+  // Elements
+  // -----------------------------------------------------------------------------------------------------------------
+
+  std::size_t counted(const XMLElement& element, const char* name) const {
+    std::int64_t number = 0;
+    if (!read_number(attribute(element, name), number) || number < 0)
+      refuse(element, fmt::format("{} '{}', must be a whole number >= 0", name, attribute(element, name)));
+    if (static_cast<std::uint64_t>(number) / kMostGrowth > content_.size())
+      refuse(element, fmt::format("{} is {}, more than the file has room for", name, number));
+    return static_cast<std::size_t>(number);
+  }
+
+  const XMLElement& child(const XMLElement& element, const char* name) const {
+    const XMLElement* found = element.FirstChildElement(name);
+    if (!found) refuse(element, fmt::format("holds no {}", name));
+    return *found;
+  }
+
+  const XMLElement& array(const XMLElement& cells, const char* name) const {
+    for (const XMLElement* at = cells.FirstChildElement("DataArray"); at; at = at->NextSiblingElement("DataArray"))
+      if (attribute(*at, "Name") == name) return *at;
+    refuse(cells, fmt::format("holds no array '{}'", name));
+  }
+
+  ArrayType array_type(const XMLElement& at) const {
+    const std::string type = attribute(at, "type");
+    for (const auto& [name, known] : std::initializer_list<std::pair<const char*, ArrayType>>{{"Float64", {'f', 8}},
+                                                                                              {"Float32", {'f', 4}},
+                                                                                              {"Int64", {'i', 8}},
+                                                                                              {"Int32", {'i', 4}},
+                                                                                              {"Int16", {'i', 2}},
+                                                                                              {"Int8", {'i', 1}},
+                                                                                              {"UInt64", {'u', 8}},
+                                                                                              {"UInt32", {'u', 4}},
+                                                                                              {"UInt16", {'u', 2}},
+                                                                                              {"UInt8", {'u', 1}}})
+      if (type == name) return known;
+    refuse(at, fmt::format("type '{}' of numbers is not known", type));
+  }
+
+  [[noreturn]] void refuse(const XMLElement& element, const std::string& what) const {
+    refuse_line(element.GetLineNum(), fmt::format("{}: {}", element.Name(), what));
+  }
+  [[noreturn]] void refuse_line(int line, const std::string& what) const {
+    throw InputError(fmt::format("{}:{}: {}", name_, line, what));
+  }
+
+  std::string_view content_;
+  std::string name_;
+  ImportedMesh mesh_;
+  std::string_view appended_;
+  bool appended_is_raw_ = true;
+  bool swaps_bytes_ = false, is_compressed_ = false;
+  std::size_t header_bytes_ = 4;
+};
+
+}  // namespace
+
+ImportedMesh parse_vtu(std::string_view content, const std::string& name) { return VtuFile(content, name).read(); }
+
+}  // namespace hexaplast
