@@ -46,6 +46,11 @@ TEST_F(Command, EveryExampleOfTheComponentPageRunsWithoutComplaint) {
   }
   ASSERT_GE(wanted.size(), 20u);
 
+  // what the examples of mesh loaders load: a cube of 0.1 m
+  write("block.msh", content(HEXAPLAST_TEST_DATA "/meshes/block.msh"));
+  write("block.vtk", content(HEXAPLAST_TEST_DATA "/meshes/block.vtk"));
+  write("skin.obj", content(HEXAPLAST_TEST_DATA "/meshes/surface.obj"));
+
   const std::vector<std::string> blocks = xml_blocks(hexaplast("list --markdown").out);
   ASSERT_EQ(blocks.size(), wanted.size() + 1);
   for (std::size_t i = 0; i < blocks.size(); ++i) {

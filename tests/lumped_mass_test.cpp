@@ -3,7 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "hexaplast/mesh/edge_coupled_mass.hpp"
+#include <Eigen/Cholesky>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "hexaplast/mesh/consistent_mass.hpp"
+#include "hexaplast/mesh/grid.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 
@@ -47,25 +53,27 @@ TEST(LumpedMass, NodesWithoutElementWeighNothing) {
   EXPECT_EQ(nodal_volumes(x, hexahedra)[8], 0);
 }
 
-// A box of unit mass: the sum of all entries of M is its mass, and every row belongs to one corner.
-TEST(EdgeCoupledMass, GivesATwentiethToNodesAndAFortiethToEdges) {
-  const HexMesh mesh = support::block({1, 1, 1}, 0.5);
-  const EdgeCoupledMass mass(8, mesh.hexahedra(), std::vector<double>{40});
+// The entries of a box: m / 27, halved with each direction in which two corners differ.
+TEST(ConsistentMass, OfABoxHalvesFromCornerToCorner) {
+  const HexMesh mesh = regular_grid({1, 1, 1}, Vec3(1, 2, 3), Vec3(1.5, 4, 7));
+  const ConsistentMass mass(mesh.positions(), mesh.hexahedra(), std::vector<double>{27});
   BlockMatrix A(8);
   mass.add_blocks(2, A);
   for (int n = 0; n < 8; ++n) {
-    ASSERT_EQ(A.row(n).size(), 4u) << "a corner and its three neighbours";
-    for (const BlockMatrix::Entry& entry : A.row(n))
-      EXPECT_TRUE(entry.block.isApprox((entry.column == n ? 4 : 2) * Mat3::Identity(), 1e-15));
-    EXPECT_DOUBLE_EQ(mass.row_sums()[n], 5);
+    EXPECT_NEAR(mass.row_sums()[n], 27. / 8, 1e-14);
+    ASSERT_EQ(A.row(n).size(), 8u);
+    for (const BlockMatrix::Entry& entry : A.row(n)) {
+      const int differences = std::popcount(static_cast<unsigned>(n ^ entry.column));  // nodes are numbered by bits
+      EXPECT_TRUE(entry.block.isApprox(2 * std::pow(0.5, differences) * Mat3::Identity(), 1e-13));
+    }
   }
 }
 
-TEST(EdgeCoupledMass, ProductAndBlocksAgreeAndSumUpToTheMass) {
+TEST(ConsistentMass, ProductAndBlocksAgreeSumUpToTheMassAndArePositive) {
   const HexMesh mesh = support::distorted_block({2, 3, 2}, 0.3, 0.2, 17);
   const std::vector<double> volumes = element_volumes(mesh.positions(), mesh.hexahedra());
-  const EdgeCoupledMass mass(mesh.num_nodes(), mesh.hexahedra(), volumes);
-  EXPECT_TRUE(support::agrees(mass.row_sums(), nodal_volumes(mesh.positions(), mesh.hexahedra()), 1e-14));
+  const ConsistentMass mass(mesh.positions(), mesh.hexahedra(), volumes);
+  EXPECT_NEAR(mass.row_sums().sum(), std::accumulate(volumes.begin(), volumes.end(), 0.0), 1e-14);
 
   support::Random random(5);
   const PointArray dx = random.field(mesh.num_nodes(), 1);
@@ -73,9 +81,14 @@ TEST(EdgeCoupledMass, ProductAndBlocksAgreeAndSumUpToTheMass) {
   mass.add_product(3, dx, product);
   BlockMatrix A(mesh.num_nodes());
   mass.add_blocks(3, A);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(mesh.num_nodes(), mesh.num_nodes());
   for (int n = 0; n < mesh.num_nodes(); ++n)
-    for (const BlockMatrix::Entry& entry : A.row(n)) by_blocks.row(n) += dx.row(entry.column) * entry.block.transpose();
+    for (const BlockMatrix::Entry& entry : A.row(n)) {
+      by_blocks.row(n) += dx.row(entry.column) * entry.block.transpose();
+      dense(n, entry.column) = entry.block(0, 0);
+    }
   EXPECT_TRUE(support::agrees(product, by_blocks, 1e-14));
+  EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(dense).info(), Eigen::Success);
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST(MeshLoader, PlacesAndCleans) {
 TEST(MeshLoader, RefusesWhereTheSceneNamesTheFile) {
   const std::string scene =
       "<Node>\n<MeshGmshLoader name='loader' filename='none.msh'/>\n<MeshTopology src='@loader'/>"
-      "<MechanicalObject src='@loader'/></Node>";
+      "<MeshTopology name='other' src='@loader'/></Node>";
   EXPECT_EQ(errors_of(scene), "test.scn:2: error: MeshGmshLoader.filename: none.msh: no such file");
   EXPECT_EQ(errors_of("<Node><MeshVTKLoader filename='" + kFolder + "two_22_ascii.msh'/></Node>"),
             "test.scn:1: error: MeshVTKLoader.filename: " + kFolder +

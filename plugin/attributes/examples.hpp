@@ -64,6 +64,46 @@ inline constexpr std::array kExamples = {
     times="0 0.5 2 2.1" forces="0 0.5 0.5 0"/>)xml"},
     Example{"BoxROI", R"xml(<BoxROI name="shin" box="-0.01 -0.01 -0.01  0.11 0.11 0.06"/>)xml"},
     Example{"FixedProjectiveConstraint", R"xml(<FixedProjectiveConstraint indices="0-8"/>)xml"},
+    Example{"MeshTopology", R"xml(<MeshTopology name="grid" hexahedra="0-7"
+    position="0 0 0  0.1 0 0  0.1 0.1 0  0 0.1 0  0 0 0.1  0.1 0 0.1  0.1 0.1 0.1  0 0.1 0.1"/>)xml"},
+    Example{"HexahedronSetTopologyContainer", R"xml(<MeshVTKLoader name="loader" filename="block.vtk"/>
+<HexahedronSetTopologyContainer name="grid" src="@loader"/>)xml"},
+    Example{"MeshGmshLoader", R"xml(<MeshGmshLoader name="loader" filename="block.msh"/>
+<MeshTopology name="grid" src="@loader"/>)xml"},
+    Example{"MeshVTKLoader", R"xml(<MeshVTKLoader name="loader" filename="block.vtk" scale3d="1 1 2"/>
+<MeshTopology name="grid" src="@loader"/>)xml"},
+    Example{"MeshOBJLoader", R"xml(<MeshOBJLoader name="skin" filename="skin.obj" triangulate="true"/>)xml"},
+    Example{"MeshMatrixMass", R"xml(<MeshMatrixMass massDensity="1000"/>)xml"},
+    Example{"SphereROI", R"xml(<SphereROI name="ball" centers="0.05 0.05 0.2" radii="0.06"/>)xml"},
+    Example{"PartialFixedProjectiveConstraint",
+            R"xml(<PartialFixedProjectiveConstraint indices="72-80" fixedDirections="1 1 0"/>)xml"},
+    Example{"LinearMovementProjectiveConstraint",
+            R"xml(<BoxROI name="top" box="-0.01 -0.01 0.39  0.11 0.11 0.41"/>
+<LinearMovementProjectiveConstraint indices="@top.indices" keyTimes="0 1 1000"
+    movements="0 0 0  0 0 0.05  0 0 0.05"/>)xml"},
+    Example{"PartialLinearMovementProjectiveConstraint",
+            R"xml(<PartialLinearMovementProjectiveConstraint indices="72-80" keyTimes="0 1 1000"
+    movements="0 0 0  0 0 0.05  0 0 0.05" movedDirections="0 0 1"/>)xml"},
+    Example{"AffineMovementProjectiveConstraint", R"xml(<AffineMovementProjectiveConstraint indices="72-80"
+    beginConstraintTime="0" endConstraintTime="2" rotation="0 -1 0  1 0 0  0 0 1" translation="0.1 0 0"/>)xml"},
+    Example{"SurfacePressureForceField", R"xml(<SurfacePressureForceField pressure="-50"
+    min="-0.01 -0.01 0.39" max="0.11 0.11 0.41"/>)xml"},
+    Example{"QuadPressureForceField", R"xml(<QuadPressureForceField pressure="0 20 0" normal="0 0 1"
+    dmin="0.39" dmax="0.41"/>)xml"},
+    Example{"PlaneForceField", R"xml(<PlaneForceField normal="0 0 -1" d="-0.41" stiffness="300" damping="2"/>)xml"},
+    Example{"UniformVelocityDampingForceField",
+            R"xml(<UniformVelocityDampingForceField dampingCoefficient="0.01" implicit="true"/>)xml"},
+    Example{"BarycentricMapping", R"xml(<Node name="skin">
+  <MechanicalObject position="0.02 0.03 0.2  0.08 0.05 0.37"/>
+  <BarycentricMapping input="@.." output="@."/>
+  <ConstantForceField forces="0 0.1 0"/>
+</Node>)xml"},
+    Example{"IdentityMapping", R"xml(<Node name="copy">
+  <MechanicalObject name="followers" position="@nodes.position"/>
+  <IdentityMapping/>
+</Node>)xml"},
+    Example{"HexahedronFEMForceField",
+            R"xml(<HexahedronFEMForceField youngModulus="5e4" poissonRatio="0.4" method="large"/>)xml"},
 };
 
 }  // namespace hexaplast::attributes

@@ -7,6 +7,7 @@
 #include "attributes/stock/geometry.hpp"
 #include "attributes/stock/ignored.hpp"
 #include "attributes/stock/loads.hpp"
+#include "attributes/stock/mappings.hpp"
 #include "attributes/stock/masses.hpp"
 #include "attributes/stock/regions.hpp"
 #include "attributes/stock/solvers.hpp"

@@ -17,6 +17,7 @@ void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass,
 void add_engines(scene::Factory& factory);         // BoxROI, SphereROI
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
+void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
 
 }  // namespace hexaplast::components

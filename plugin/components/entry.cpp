@@ -15,4 +15,5 @@ HEXAPLAST_PLUGIN(factory) {
   add_constraints(factory);
   add_loads(factory);
   add_bodies(factory);
+  add_mappings(factory);
 }

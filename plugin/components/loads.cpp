@@ -317,6 +317,7 @@ class UniformVelocityDampingForceField final : public scene::ForceField {
   void add_damping_product(double factor, ConstPoints dx, Points df) const override {
     if (is_implicit_) df -= factor * coefficient_ * dx;
   }
+  bool to_kernels(double, KernelSystem&) const override { return !is_implicit_; }
   void add_damping_blocks(double factor, BlockMatrix& A) const override {
     if (!is_implicit_) return;
     for (int node = 0; node < num_nodes_; ++node) A.add(node, node, -factor * coefficient_ * Mat3::Identity());

@@ -7,7 +7,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/mesh/edge_coupled_mass.hpp"
+#include "hexaplast/mesh/consistent_mass.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
 
 namespace hexaplast::components {
@@ -19,7 +19,7 @@ const PointArray& measured_positions(scene::Mass& mass) {
   return mass.boolean("computeMassOnRest") ? state.rest_positions() : state.positions();
 }
 
-void add_diagonal(double factor, const Eigen::VectorXd& masses, BlockMatrix& A) {
+void add_blocks_of(const Eigen::VectorXd& masses, double factor, BlockMatrix& A) {
   for (int n = 0; n < static_cast<int>(masses.size()); ++n) A.add(n, n, factor * masses[n] * Mat3::Identity());
 }
 
@@ -36,7 +36,7 @@ class LumpedMass : public scene::Mass {
 
   void add_gravity(const Vec3& gravity, Points f) const override { hexaplast::add_gravity(mass_, gravity, f); }
   void add_product(double factor, ConstPoints dx, Points df) const override { df += factor * mass_.asDiagonal() * dx; }
-  void add_blocks(double factor, BlockMatrix& A) const override { add_diagonal(factor, mass_, A); }
+  void add_blocks(double factor, BlockMatrix& A) const override { add_blocks_of(mass_, factor, A); }
   double kinetic_energy(ConstPoints v) const override { return hexaplast::kinetic_energy(mass_, v); }
   bool add_diagonal(double factor, Points diagonal) const override {
     diagonal.colwise() += factor * mass_;
@@ -107,30 +107,33 @@ class MeshMatrixMass final : public scene::Mass {
   void init() override {
     const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
     const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, linked<scene::Topology>("topology"), num_nodes);
-    mass_ = EdgeCoupledMass(num_nodes, hexahedra, element_masses(hexahedra));
+    const std::vector<double> masses = element_masses(hexahedra);
     is_lumped_ = boolean("lumping");
-    if (!is_lumped_)
-      remark(scene::Severity::kWarning, "lumping",
-             "the coupled masses are not positive definite by themselves, here as in SOFA: where dt^2 x stiffness is "
-             "small "
-             "against them the system has no solution; lumping='true' always has");
+    if (is_lumped_)
+      lumped_ = lumped_masses(num_nodes, hexahedra, masses);
+    else
+      coupled_ = ConsistentMass(measured_positions(*this), hexahedra, masses);
     rayleigh_mass_ = real("rayleighMass");
   }
 
   void add_gravity(const Vec3& gravity, Points f) const override {
-    hexaplast::add_gravity(mass_.row_sums(), gravity, f);
+    hexaplast::add_gravity(is_lumped_ ? lumped_ : coupled_.row_sums(), gravity, f);
   }
   void add_product(double factor, ConstPoints dx, Points df) const override {
     if (is_lumped_)
-      df += factor * mass_.row_sums().asDiagonal() * dx;
+      df += factor * lumped_.asDiagonal() * dx;
     else
-      mass_.add_product(factor, dx, df);
+      coupled_.add_product(factor, dx, df);
   }
   void add_blocks(double factor, BlockMatrix& A) const override {
     if (is_lumped_)
-      add_diagonal(factor, mass_.row_sums(), A);
+      add_blocks_of(lumped_, factor, A);
     else
-      mass_.add_blocks(factor, A);
+      coupled_.add_blocks(factor, A);
+  }
+  bool add_diagonal(double factor, Points diagonal) const override {
+    if (is_lumped_) diagonal.colwise() += factor * lumped_;
+    return is_lumped_;
   }
   double kinetic_energy(ConstPoints v) const override {
     PointArray momentum = PointArray::Zero(v.rows(), 3);
@@ -157,8 +160,9 @@ class MeshMatrixMass final : public scene::Mass {
     return volumes;
   }
 
-  EdgeCoupledMass mass_;
   bool is_lumped_ = false;
+  Eigen::VectorXd lumped_;  // [kg] per node
+  ConsistentMass coupled_;
   double rayleigh_mass_ = 0;
 };
 

@@ -3,52 +3,145 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast::components {
 
-NodeSystem::NodeSystem(scene::Node& node)
-    : node_(node),
-      masses_(node.all<scene::Mass>()),
-      force_fields_(node.all<scene::ForceField>()),
-      constraints_(node.all<scene::ProjectiveConstraint>()) {
-  const std::vector<scene::MechanicalState*> states = node.all<scene::MechanicalState>();
-  if (states.size() != 1)
-    throw InputError(fmt::format("{} mechanical states in its node and below, must be one", states.size()));
-  state_ = states[0];
+NodeSystem::NodeSystem(scene::Node& node) : node_(node), constraints_(node.all<scene::ProjectiveConstraint>()) {
+  const std::vector<scene::MechanicalState*> independent = scene::independent_states(node);
+  if (independent.size() != 1)
+    throw InputError(fmt::format("{} mechanical states in its node and below, must be one", independent.size()));
+  layers_.push_back({.state = independent[0]});
+  add_layers(node);
+
+  for (Layer& layer : layers_) {
+    for (scene::Mass* mass : node.all<scene::Mass>())
+      if (scene::acts_on(*mass, *layer.state)) layer.masses.push_back(mass);
+    for (scene::ForceField* field : node.all<scene::ForceField>())
+      if (scene::acts_on(*field, *layer.state)) layer.force_fields.push_back(field);
+  }
+  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+    Layer& layer = layers_[i];
+    PointArray external = PointArray::Zero(layer.state->num_nodes(), 3);
+    layer.state->add_external_force(external);
+    layer.is_loaded = layer.is_loaded || !layer.masses.empty() || !layer.force_fields.empty() || !external.isZero(0);
+    if (layer.is_loaded) layers_[layer.above].is_loaded = true;
+  }
+  for (scene::ProjectiveConstraint* constraint : constraints_)
+    if (!scene::acts_on(*constraint, state())) constraint->reject("constrains a state that follows another one");
+}
+
+// Each pass adds the states whose input is there already.
+void NodeSystem::add_layers(scene::Node& node) {
+  std::vector<scene::Mapping*> left = node.all<scene::Mapping>();
+  std::erase_if(left, [](const scene::Mapping* mapping) { return !mapping->output(); });
+  for (std::size_t before = left.size() + 1; left.size() < before && !left.empty();) {
+    before = left.size();
+    std::erase_if(left, [&](const scene::Mapping* mapping) {
+      const auto above = std::ranges::find(layers_, mapping->input(), &Layer::state);
+      if (above == layers_.end()) return false;
+      const auto index = static_cast<std::size_t>(above - layers_.begin());
+      const PointArray none = PointArray::Zero(mapping->output()->num_nodes(), 3);
+      layers_.push_back(
+          {.state = mapping->output(), .mapping = mapping, .above = index, .x = none, .v = none, .f = none});
+      return true;
+    });
+  }
+  if (!left.empty()) left[0]->reject("follows no state that the solver moves");
+}
+
+void NodeSystem::add_force(const Layer& layer, const Vec3& gravity, double time, ConstPoints x, ConstPoints v,
+                           Points f) {
+  layer.state->add_external_force(f);
+  for (const scene::Mass* mass : layer.masses) mass->add_gravity(gravity, f);
+  for (scene::ForceField* field : layer.force_fields) field->add_force(time, x, v, f);
 }
 
 void NodeSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
+  const Vec3 gravity = node_.clock().gravity;
   f.setZero();
-  state_->add_external_force(f);
-  for (const scene::Mass* mass : masses_) mass->add_gravity(node_.clock().gravity, f);
-  for (scene::ForceField* field : force_fields_) field->add_force(time, x, v, f);
+  add_force(layers_.front(), gravity, time, x, v, f);
+  if (layers_.size() == 1) return;
+
+  // down, and up again: those that follow before those that they follow
+  for (std::size_t i = 1; i < layers_.size(); ++i) {
+    Layer& layer = layers_[i];
+    if (!layer.is_loaded) continue;
+    const Layer& above = layers_[layer.above];
+    layer.mapping->apply(layer.above == 0 ? x : ConstPoints(above.x), layer.x);
+    layer.mapping->apply(layer.above == 0 ? v : ConstPoints(above.v), layer.v);
+    layer.f.setZero();
+    add_force(layer, gravity, time, layer.x, layer.v, layer.f);
+  }
+  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+    Layer& layer = layers_[i];
+    if (!layer.is_loaded) continue;
+    layer.mapping->add_transposed(layer.f, layer.above == 0 ? f : Points(layers_[layer.above].f));
+  }
 }
 
 // A mass damps by its own factor, a force field by its own: both through the damping factor b of m M + b B + k K.
-void NodeSystem::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
-  for (const scene::Mass* mass : masses_)
+void NodeSystem::add_product(const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df) {
+  for (const scene::Mass* mass : layer.masses)
     mass->add_product(factors.mass - factors.damping * mass->rayleigh_mass(), dx, df);
-  for (const scene::ForceField* field : force_fields_) {
+  for (const scene::ForceField* field : layer.force_fields) {
     field->add_stiffness_product(factors.stiffness + factors.damping * field->rayleigh_stiffness(), dx, df);
     field->add_damping_product(factors.damping, dx, df);
   }
 }
 
-void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
-  for (const scene::Mass* mass : masses_) mass->add_blocks(factors.mass - factors.damping * mass->rayleigh_mass(), A);
-  for (const scene::ForceField* field : force_fields_) {
+void NodeSystem::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  add_product(layers_.front(), factors, dx, df);
+  for (std::size_t i = 1; i < layers_.size(); ++i) {
+    Layer& layer = layers_[i];
+    if (!layer.is_loaded) continue;
+    layer.mapping->apply(layer.above == 0 ? dx : ConstPoints(layers_[layer.above].x), layer.x);
+    layer.f.setZero();
+    add_product(layer, factors, layer.x, layer.f);
+  }
+  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+    Layer& layer = layers_[i];
+    if (!layer.is_loaded) continue;
+    layer.mapping->add_transposed(layer.f, layer.above == 0 ? df : Points(layers_[layer.above].f));
+  }
+}
+
+void NodeSystem::add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A) {
+  for (const scene::Mass* mass : layer.masses)
+    mass->add_blocks(factors.mass - factors.damping * mass->rayleigh_mass(), A);
+  for (const scene::ForceField* field : layer.force_fields) {
     field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A);
     field->add_damping_blocks(factors.damping, A);
+  }
+}
+
+void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
+  add_blocks(layers_.front(), factors, A);
+  for (std::size_t i = 1; i < layers_.size(); ++i) {
+    Layer& layer = layers_[i];
+    if (!layer.is_loaded) continue;
+    if (layer.blocks.num_nodes() == 0) layer.blocks = BlockMatrix(layer.state->num_nodes());
+    layer.blocks.clear();
+    add_blocks(layer, factors, layer.blocks);
+  }
+  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+    Layer& layer = layers_[i];
+    if (!layer.is_loaded) continue;
+    layer.mapping->add_transposed_blocks(layer.blocks, layer.above == 0 ? A : layers_[layer.above].blocks);
   }
 }
 
 bool NodeSystem::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
   system.double_operator = nullptr;
   system.single_operator = nullptr;
-  for (const scene::Mass* mass : masses_)
+  for (std::size_t i = 1; i < layers_.size(); ++i)
+    if (layers_[i].is_loaded) return false;
+  const Layer& layer = layers_.front();
+  for (const scene::Mass* mass : layer.masses)
     if (!mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal)) return false;
-  for (const scene::ForceField* field : force_fields_)
+  for (const scene::ForceField* field : layer.force_fields)
     if (!field->to_kernels(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system)) return false;
   return system.double_operator || system.single_operator;
 }
@@ -61,15 +154,26 @@ void NodeSystem::pin(BlockMatrix& A) const {
   for (const scene::ProjectiveConstraint* constraint : constraints_) constraint->pin(A);
 }
 
+bool NodeSystem::has_mass() const {
+  return std::ranges::any_of(layers_, [](const Layer& layer) { return !layer.masses.empty(); });
+}
+
 double NodeSystem::kinetic_energy() const {
   double energy = 0;
-  for (const scene::Mass* mass : masses_) energy += mass->kinetic_energy(state_->velocities());
+  for (const Layer& layer : layers_)
+    for (const scene::Mass* mass : layer.masses) energy += mass->kinetic_energy(layer.state->velocities());
   return energy;
 }
 
 void NodeSystem::project_motion(double time) const {
   for (const scene::ProjectiveConstraint* constraint : constraints_)
-    constraint->project_motion(time, state_->positions(), state_->velocities());
+    constraint->project_motion(time, state().positions(), state().velocities());
+  for (std::size_t i = 1; i < layers_.size(); ++i) {
+    const Layer& layer = layers_[i];
+    scene::MechanicalState& above = *layers_[layer.above].state;
+    layer.mapping->apply(above.positions(), layer.state->positions());
+    layer.mapping->apply(above.velocities(), layer.state->velocities());
+  }
 }
 
 }  // namespace hexaplast::components

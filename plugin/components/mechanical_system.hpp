@@ -8,14 +8,16 @@
 
 namespace hexaplast::components {
 
-/// The components of a node and below, seen as one mechanical system: sums over masses and force fields, in the order
-/// of the scene.
+/// The components of a node and below, seen as one mechanical system over the one state that follows no other: sums
+/// over masses and force fields, in the order of the scene. What acts on a state that follows is carried up by its
+/// mapping.
 class NodeSystem final : public MechanicalSystem {
  public:
-  /// Throws InputError unless there is exactly one mechanical state.
+  /// Throws InputError unless there is exactly one independent state, which all others follow, and all constraints act
+  /// on it.
   explicit NodeSystem(scene::Node& node);
 
-  int num_nodes() const override { return state_->num_nodes(); }
+  int num_nodes() const override { return state().num_nodes(); }
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
@@ -23,16 +25,34 @@ class NodeSystem final : public MechanicalSystem {
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;
 
-  scene::MechanicalState& state() const { return *state_; }
-  bool has_mass() const { return !masses_.empty(); }
+  scene::MechanicalState& state() const { return *layers_.front().state; }
+  bool has_mass() const;
   double kinetic_energy() const;           ///< [J]
-  void project_motion(double time) const;  ///< applies prescribed motion to the state
+  void project_motion(double time) const;  ///< applies prescribed motion to the state, and lets the others follow
 
  private:
+  /// A state and what acts on it.
+  struct Layer {
+    scene::MechanicalState* state = nullptr;
+    const scene::Mapping* mapping = nullptr;  // null: the independent state
+    std::size_t above = 0;                    // layer that it follows; lies before this one
+    std::vector<scene::Mass*> masses = {};
+    std::vector<scene::ForceField*> force_fields = {};
+
+    bool is_loaded = false;  // of those that follow: something acts on it, or on one that follows it
+
+    // scratch of the states that follow
+    PointArray x = {}, v = {}, f = {};
+    BlockMatrix blocks = BlockMatrix();
+  };
+
+  void add_layers(scene::Node& node);
+  static void add_force(const Layer& layer, const Vec3& gravity, double time, ConstPoints x, ConstPoints v, Points f);
+  static void add_product(const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df);
+  static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
+
   scene::Node& node_;
-  scene::MechanicalState* state_ = nullptr;
-  std::vector<scene::Mass*> masses_;
-  std::vector<scene::ForceField*> force_fields_;
+  mutable std::vector<Layer> layers_;  // the independent state first; mutable for its scratch
   std::vector<scene::ProjectiveConstraint*> constraints_;
 };
 

@@ -26,6 +26,12 @@ class MechanicalObject final : public scene::MechanicalState {
     velocities_ = first_velocities_;
   }
 
+  // A link gives the first positions and velocities, and what becomes of its source later does not matter; the forces
+  // would have to follow theirs.
+  void refresh() override {
+    if (find_data("externalForce")->source()) MechanicalState::refresh();
+  }
+
   void reset() override {
     positions_ = first_positions_;
     velocities_ = first_velocities_;

@@ -39,9 +39,10 @@ struct Findings {
 };
 
 // Weight [N] under a gravity of 1 m/s^2 is the mass [kg].
-double total_mass(scene::Scene& scene, int num_nodes) {
-  PointArray weight = PointArray::Zero(num_nodes, 3);
-  for (const scene::Mass* mass : scene.root().all<scene::Mass>()) mass->add_gravity(Vec3::UnitX(), weight);
+double total_mass(scene::Scene& scene, scene::MechanicalState& state) {
+  PointArray weight = PointArray::Zero(state.num_nodes(), 3);
+  for (const scene::Mass* mass : scene.root().all<scene::Mass>())
+    if (scene::acts_on(*mass, state)) mass->add_gravity(Vec3::UnitX(), weight);
   return weight.col(0).sum();
 }
 
@@ -66,7 +67,7 @@ Findings look_at(scene::Scene& scene) {
   found.load_size = loads.rowwise().norm().sum();
 
   if (const scene::ForceField* field = find_body(scene)) {
-    found.body = survey(*field->body(), total_mass(scene, found.num_nodes), found.dt);
+    found.body = survey(*field->body(), total_mass(scene, state), found.dt);
     found.num_hexahedra = field->body()->mesh().num_elements();
     found.advice = advice(*found.body);
   }

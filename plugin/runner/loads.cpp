@@ -9,9 +9,9 @@ PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& st
   PointArray loads = at_rest;
   state.add_external_force(loads);
   for (const scene::Mass* mass : scene.root().all<scene::Mass>())
-    mass->add_gravity(scene.root().clock().gravity, loads);
+    if (scene::acts_on(*mass, state)) mass->add_gravity(scene.root().clock().gravity, loads);
   for (scene::ForceField* field : scene.root().all<scene::ForceField>())
-    if (!field->body()) field->add_force(time, rest, at_rest, loads);
+    if (!field->body() && scene::acts_on(*field, state)) field->add_force(time, rest, at_rest, loads);
   return loads;
 }
 

@@ -72,7 +72,7 @@ output::RunPlan plan_of(Stage& stage, const RunOptions& options) {
 
   std::set<int> loaded;
   for (const scene::ForceField* field : stage.scene.root().all<scene::ForceField>())
-    loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
+    if (scene::acts_on(*field, *stage.state)) loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
   return plan;
 }

@@ -24,8 +24,7 @@ void log_warnings(scene::Scene& scene) {
 }
 
 template <class T>
-T& only_one(scene::Scene& scene, const char* what) {
-  const std::vector<T*> all = scene.root().all<T>();
+T& only_one(scene::Scene& scene, const std::vector<T*>& all, const char* what) {
   if (all.size() != 1) {
     const std::string place =
         all.empty() ? "" : fmt::format("; the second one is {} '{}'", all[1]->class_name(), all[1]->name());
@@ -73,10 +72,12 @@ scene::Scene load_scene(const SceneOptions& options) {
 }
 
 scene::MechanicalState& only_state(scene::Scene& scene) {
-  return only_one<scene::MechanicalState>(scene, "mechanical states");
+  return only_one(scene, scene::independent_states(scene.root()), "mechanical states");
 }
 
-scene::OdeSolver& only_solver(scene::Scene& scene) { return only_one<scene::OdeSolver>(scene, "solvers of motion"); }
+scene::OdeSolver& only_solver(scene::Scene& scene) {
+  return only_one(scene, scene.root().all<scene::OdeSolver>(), "solvers of motion");
+}
 
 const scene::ForceField* find_body(scene::Scene& scene) {
   const scene::ForceField* found = nullptr;

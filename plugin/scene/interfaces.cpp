@@ -26,6 +26,16 @@ const std::vector<Edge>& Topology::edges() {
   return none;
 }
 
+std::vector<MechanicalState*> independent_states(const Node& node) {
+  std::vector<MechanicalState*> states = node.all<MechanicalState>();
+  for (const Mapping* mapping : node.all<Mapping>()) std::erase(states, mapping->output());
+  return states;
+}
+
+bool acts_on(const Component& component, const MechanicalState& state) {
+  return component.node().nearest<MechanicalState>() == &state;
+}
+
 void Engine::provide(Data& output) {
   if (is_computing_) reject(output.attribute().name, "depends on itself through links");
   if (num_asking >= kMostEngines)

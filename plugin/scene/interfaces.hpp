@@ -107,6 +107,28 @@ class ProjectiveConstraint : public Component {
   virtual void project_motion(double /*time*/, Points /*x*/, Points /*v*/) const {}
 };
 
+/// Makes the state of its node follow another one, by a fixed linear map J: positions, velocities and displacements go
+/// down, forces and stiffness come up. Nodal fields of the followed state are `above`, those of its own `below`.
+class Mapping : public Component {
+ public:
+  static constexpr std::string_view kCategory = "Mapping";
+  using Component::Component;
+
+  /// Null, both of them, where what follows is drawing: there is nothing to do then. Known from bwd_init on.
+  virtual MechanicalState* input() const = 0;
+  virtual MechanicalState* output() const = 0;
+
+  virtual void apply(ConstPoints above, Points below) const = 0;                               ///< below = J above
+  virtual void add_transposed(ConstPoints below, Points above) const = 0;                      ///< above += J^T below
+  virtual void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const = 0;  ///< above += J^T below J
+};
+
+/// The states below a node that follow no other one.
+std::vector<MechanicalState*> independent_states(const Node& node);
+
+/// Whether a force field, mass or constraint belongs to a state: the nearest one to it.
+bool acts_on(const Component& component, const MechanicalState& state);
+
 /// Serves the linear systems of an OdeSolver.
 class LinearSolver : public Component {
  public:

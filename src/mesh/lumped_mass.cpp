@@ -27,10 +27,13 @@ std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> h
 }
 
 Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra) {
-  const std::vector<double> volumes = element_volumes(x, hexahedra);
-  Eigen::VectorXd share = Eigen::VectorXd::Zero(x.rows());
+  return lumped_masses(static_cast<int>(x.rows()), hexahedra, element_volumes(x, hexahedra));
+}
+
+Eigen::VectorXd lumped_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses) {
+  Eigen::VectorXd share = Eigen::VectorXd::Zero(num_nodes);
   for (std::size_t e = 0; e < hexahedra.size(); ++e)
-    for (const int node : hexahedra[e]) share[node] += volumes[e] / kCorners;
+    for (const int node : hexahedra[e]) share[node] += masses[e] / kCorners;
   return share;
 }
 

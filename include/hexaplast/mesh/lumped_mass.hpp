@@ -20,6 +20,9 @@ std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> h
 /// the density these are the lumped masses. x: num_nodes x 3 [m]; the corners must be rows of x.
 Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra);
 
+/// Masses [kg] of the nodes, of which each hexahedron gives an eighth of its own to each of its corners.
+Eigen::VectorXd lumped_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses);
+
 /// f += m g per node. masses: num_nodes [kg], gravity [m/s^2].
 void add_gravity(const Eigen::VectorXd& masses, const Vec3& gravity, Points f);
 

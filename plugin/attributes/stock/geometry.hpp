@@ -14,7 +14,8 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
      .type = Type::kVectors3,
      .unit = "m",
      .access = Access::kState,
-     .help = "Nodes. Those of the topology where at most one is given."},
+     .help = "Nodes. Those of the topology where at most one is given. A link gives the first positions, and is not "
+             "followed later."},
     {.name = "velocity",
      .type = Type::kVectors3,
      .unit = "m/s",

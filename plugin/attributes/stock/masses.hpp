@@ -112,8 +112,9 @@ inline constexpr Description kMeshMatrixMass{
     .class_name = "MeshMatrixMass",
     .category = "Mass",
     .help =
-        "Masses at nodes, coupled along the edges of the hexahedra: of its mass m a hexahedron gives m/20 to each "
-        "node and m/40 to each edge. Gravity acts on the sums of the rows.",
+        "The finite element mass matrix of the hexahedra. SOFA couples the nodes along edges alone (a twentieth of a "
+        "hexahedron's mass at each node, a fortieth on each edge), which lets some motions have a negative energy; "
+        "here every two nodes of a hexahedron are coupled, with the same total. Lumped, the two are equal.",
     .templates = "Vec3 Vec3d Vec3,Vec3 Vec3d,Vec3d",
     .attributes = kMeshMatrixMassAttributes};
 

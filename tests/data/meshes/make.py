@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Writes the mesh files that mesh_file_test.cpp reads, by meshio: two hexahedra without symmetry, a quad and two
-triangles on them, a line, and a tetrahedron, which the readers skip."""
+triangles on them, a line, and a tetrahedron, which the readers skip; and a cube."""
 import meshio
 import numpy as np
 
@@ -30,5 +30,12 @@ meshio.vtk.write("two_51_binary.vtk", mesh, "5.1", binary=True)
 meshio.vtu.write("two_ascii.vtu", mesh, binary=False)
 meshio.vtu.write("two_base64.vtu", mesh, binary=True, compression=None)
 meshio.vtu.write("two_zlib.vtu", mesh, binary=True, compression="zlib", header_type="UInt64")
+
+# a cube of 0.1 m, for the examples of the component page
+corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]) * 0.1
+cube = meshio.Mesh(corners, [("hexahedron", np.arange(8).reshape(1, 8))])
+meshio.gmsh.write("block.msh", cube, "4.1", binary=False)
+meshio.vtk.write("block.vtk", cube, "4.2", binary=False)
+
 surface = meshio.Mesh(points, cells[1:3])
 meshio.obj.write("surface.obj", surface)

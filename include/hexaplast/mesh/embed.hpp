@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// Points that move with hexahedra: p = J x, each point a fixed combination of the eight corners of one hexahedron.
+///
+///   inside a hexahedron    w_a = N_a(s) at the exact trilinear coordinates s of the point
+///   outside all of them    w_a = N_a(s) + grad N_a(s) . (p - x(s)),  s being the nearest place of the nearest one:
+///                          the first order continuation
+///
+/// Either way the weights add up to 1 and give back the point where it was. Forces on points thus act on nodes, f = J^T
+/// f_p, with the same sum and the same moment.
+class Embedding {
+ public:
+  /// x: num_nodes x 3 [m], hexahedra with corners in x, right side out; points: any number x 3 [m]. Throws InputError
+  /// when there is no hexahedron, NumericalError when a point is not finite.
+  Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points);
+
+  int num_points() const { return static_cast<int>(anchors_.size()); }
+
+  /// How many points lie outside all hexahedra, and the greatest distance [m] of one from them.
+  int num_outside() const { return num_outside_; }
+  double greatest_distance() const { return greatest_distance_; }
+
+  void apply(ConstPoints nodes, Points points) const;           ///< points = J nodes
+  void add_transposed(ConstPoints points, Points nodes) const;  ///< nodes += J^T points
+
+  /// A += J^T B J.
+  void add_transposed_blocks(const BlockMatrix& B, BlockMatrix& A) const;
+
+ private:
+  struct Anchor {
+    Hexahedron corners;
+    std::array<double, kCorners> weight;
+  };
+  std::vector<Anchor> anchors_;
+  int num_outside_ = 0;
+  double greatest_distance_ = 0;
+};
+
+}  // namespace hexaplast

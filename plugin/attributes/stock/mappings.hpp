@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "attributes/attribute.hpp"
+#include "attributes/stock/ignored.hpp"
+
+/// States that follow others. See stock.hpp.
+namespace hexaplast::attributes {
+
+inline constexpr Attribute kMappingInput{
+    .name = "input",
+    .type = Type::kLink,
+    .help =
+        "The state that is followed, or its node; that of the node above (or of the nearest one above that) where it "
+        "is not given."};
+inline constexpr Attribute kMappingOutput{
+    .name = "output",
+    .type = Type::kLink,
+    .help =
+        "The state that follows, or its node; that of this node where it is not given. A visual model is left alone."};
+
+inline constexpr Attribute kBarycentricMappingAttributes[] = {
+    kMappingInput,
+    kMappingOutput,
+    {.name = "useRestPosition",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Whether points are looked for in the rest shape, at their rest positions, or as both stand at the "
+             "beginning."},
+    {.name = "input_topology",
+     .type = Type::kLink,
+     .help = "The hexahedra; the topology of the followed state's node where it is not given."},
+    ignored_attribute("output_topology", "Ignored here: points are not removed."),
+    ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
+    ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),
+    ignored_attribute("mapConstraints", "Ignored here: there are no Lagrangian constraints."),
+};
+inline constexpr Description kBarycentricMapping{
+    .class_name = "BarycentricMapping",
+    .category = "Mapping",
+    .help =
+        "Points that move with the hexahedra they lie in, at their exact trilinear coordinates in hexahedra of any "
+        "shape (SOFA's are affine there, and points jump at the beginning). Points outside follow the nearest "
+        "hexahedron's motion to first order; how many there are is said. Forces and stiffness on points act on the "
+        "hexahedra, with the same force and moment.",
+    .templates = "Vec3,Vec3 Vec3d,Vec3d",
+    .attributes = kBarycentricMappingAttributes};
+
+inline constexpr Attribute kIdentityMappingAttributes[] = {
+    kMappingInput,
+    kMappingOutput,
+    ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
+    ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),
+    ignored_attribute("mapConstraints", "Ignored here: there are no Lagrangian constraints."),
+};
+inline constexpr Description kIdentityMapping{.class_name = "IdentityMapping",
+                                              .category = "Mapping",
+                                              .help = "A state with the same nodes as the one it follows.",
+                                              .templates = "Vec3,Vec3 Vec3d,Vec3d",
+                                              .attributes = kIdentityMappingAttributes};
+
+}  // namespace hexaplast::attributes

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "attributes/stock.hpp"
+#include "components/cells.hpp"
+#include "components/components.hpp"
+#include "hexaplast/mesh/embed.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+/// Knows which state follows which.
+class StateMapping : public scene::Mapping {
+ public:
+  using Mapping::Mapping;
+
+  // When everything has its nodes, and before the solvers above look at it.
+  void bwd_init() override {
+    output_ = following();
+    if (!output_) return remark(scene::Severity::kNote, "output", "leads to no mechanical state: visual, ignored here");
+    input_ = &followed();
+    if (input_ == output_) reject("input", "leads to the state that follows: must be another one");
+    for (const scene::Component* end : {input_, output_})
+      if (end->stage() != Stage::kReady) throw scene::Consequence();
+    connect(*input_, *output_);
+  }
+
+  scene::MechanicalState* input() const override { return input_; }
+  scene::MechanicalState* output() const override { return output_; }
+
+ protected:
+  virtual void connect(scene::MechanicalState& above, scene::MechanicalState& below) = 0;
+
+ private:
+  scene::MechanicalState* following() {
+    scene::Object* target = find_data("output")->target();
+    if (!target) return node().local<scene::MechanicalState>();
+    if (const auto* holder = dynamic_cast<scene::Node*>(target)) return holder->local<scene::MechanicalState>();
+    return dynamic_cast<scene::MechanicalState*>(target);
+  }
+
+  scene::MechanicalState& followed() {
+    if (is_given("input")) return linked<scene::MechanicalState>("input");
+    const scene::Node* above = node().parent();
+    scene::MechanicalState* state = above ? above->nearest<scene::MechanicalState>() : nullptr;
+    if (!state) reject("needs a MechanicalState in a node above");
+    return *state;
+  }
+
+  scene::MechanicalState* input_ = nullptr;
+  scene::MechanicalState* output_ = nullptr;
+};
+
+class BarycentricMapping final : public StateMapping {
+ public:
+  BarycentricMapping() : StateMapping(attributes::kBarycentricMapping) {}
+
+  void apply(ConstPoints above, Points below) const override { embedding_->apply(above, below); }
+  void add_transposed(ConstPoints below, Points above) const override { embedding_->add_transposed(below, above); }
+  void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const override {
+    embedding_->add_transposed_blocks(below, above);
+  }
+
+ private:
+  void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {
+    scene::Topology* topology = is_given("input_topology") ? &linked<scene::Topology>("input_topology")
+                                                           : above.node().nearest<scene::Topology>();
+    if (!topology) reject("needs a Topology at the state that is followed");
+    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, *topology, above.num_nodes());
+    if (boolean("useRestPosition"))
+      embedding_.emplace(above.rest_positions(), hexahedra, below.rest_positions());
+    else
+      embedding_.emplace(above.positions(), hexahedra, below.positions());
+    if (embedding_->num_outside() > 0)
+      remark(scene::Severity::kWarning, {},
+             fmt::format("{} of {} points lie outside the hexahedra, up to {:.4g} m: they follow the nearest one",
+                         embedding_->num_outside(), embedding_->num_points(), embedding_->greatest_distance()));
+  }
+
+  std::optional<Embedding> embedding_;
+};
+
+class IdentityMapping final : public StateMapping {
+ public:
+  IdentityMapping() : StateMapping(attributes::kIdentityMapping) {}
+
+  void apply(ConstPoints above, Points below) const override { below = above; }
+  void add_transposed(ConstPoints below, Points above) const override { above += below; }
+  void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const override {
+    for (int n = 0; n < below.num_nodes(); ++n)
+      for (const BlockMatrix::Entry& entry : below.row(n)) above.add(n, entry.column, entry.block);
+  }
+
+ private:
+  void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {
+    if (above.num_nodes() != below.num_nodes())
+      reject(fmt::format("{} nodes follow {}, must be as many", below.num_nodes(), above.num_nodes()));
+  }
+};
+
+}  // namespace
+
+void add_mappings(scene::Factory& factory) {
+  factory.add<BarycentricMapping>(attributes::kBarycentricMapping);
+  factory.add<IdentityMapping>(attributes::kIdentityMapping);
+}
+
+}  // namespace hexaplast::components

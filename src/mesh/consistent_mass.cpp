@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/consistent_mass.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/mesh/trilinear.hpp"
+
+namespace hexaplast {
+namespace {
+
+using CornerMatrix = Eigen::Matrix<double, kCorners, kCorners>;
+
+/// int N_a N_b dV [m^3]
+CornerMatrix products_of_shapes(const ElementPoints& x) {
+  CornerMatrix sum = CornerMatrix::Zero();
+  const double at = 1 / std::sqrt(3.0);
+  for (const auto& sign : kCornerSign) {
+    const Vec3 s = at * Vec3(sign[0], sign[1], sign[2]);
+    Eigen::Matrix<double, kCorners, 1> N;
+    for (int a = 0; a < kCorners; ++a)
+      N[a] = (1 + kCornerSign[a][0] * s[0]) * (1 + kCornerSign[a][1] * s[1]) * (1 + kCornerSign[a][2] * s[2]) / 8;
+    sum += N * N.transpose() * Mat3(x.transpose() * shape_derivatives(s)).determinant();
+  }
+  return sum;
+}
+
+}  // namespace
+
+ConsistentMass::ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahedra, std::span<const double> masses)
+    : M_(x.rows(), x.rows()) {
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(hexahedra.size() * kCorners * kCorners);
+  for (std::size_t e = 0; e < hexahedra.size(); ++e) {
+    const Hexahedron& corners = hexahedra[e];
+    CornerMatrix share = products_of_shapes(gather(x, corners));
+    share *= masses[e] / share.sum();
+    for (int a = 0; a < kCorners; ++a)
+      for (int b = 0; b < kCorners; ++b) entries.emplace_back(corners[a], corners[b], share(a, b));
+  }
+  M_.setFromTriplets(entries.begin(), entries.end());
+  row_sums_ = M_ * Eigen::VectorXd::Ones(x.rows());
+}
+
+void ConsistentMass::add_product(double factor, ConstPoints dx, Points df) const { df += factor * (M_ * dx); }
+
+void ConsistentMass::add_blocks(double factor, BlockMatrix& A) const {
+  for (int column = 0; column < M_.outerSize(); ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(M_, column); entry; ++entry)
+      A.add(static_cast<int>(entry.row()), column, factor * entry.value() * Mat3::Identity());
+}
+
+}  // namespace hexaplast

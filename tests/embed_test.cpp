@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/embed.hpp"
+
+#include "hexaplast/base/error.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::max_abs;
+
+const HexMesh kMesh = support::distorted_block({3, 2, 4}, 0.5, 0.15, 41);  // no two edges parallel
+
+PointArray points_inside(int count) {
+  support::Random random(43);
+  PointArray points(count, 3);
+  for (int n = 0; n < count; ++n)
+    points.row(n) << random.uniform(0.2, 1.3), random.uniform(0.2, 0.8), random.uniform(0.2, 1.8);
+  return points;
+}
+
+TEST(Embedding, GivesBackThePointsInGeneralHexahedra) {
+  const PointArray points = points_inside(500);
+  const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points);
+  EXPECT_EQ(embedding.num_points(), 500);
+  EXPECT_EQ(embedding.num_outside(), 0);
+  PointArray found(500, 3);
+  embedding.apply(kMesh.positions(), found);
+  EXPECT_LE(max_abs(found - points), 1e-14);
+}
+
+// Trilinear, not affine: the image of a reference point of a warped hexahedron is found again at the same reference
+// point after any other deformation.
+TEST(Embedding, CoordinatesAreTheExactTrilinearOnes) {
+  const ElementPoints corners = support::distorted_hexahedron(1, 0.2, 47),
+                      moved = support::distorted_hexahedron(2, 0.3, 48);
+  const auto image = [](const ElementPoints& x, const Vec3& s) {
+    Vec3 p = Vec3::Zero();
+    for (int a = 0; a < kCorners; ++a) {
+      double N = 1;
+      for (int d = 0; d < 3; ++d) N *= (1 + kCornerSign[a][d] * s[d]) / 2;
+      p += N * x.row(a).transpose();
+    }
+    return p;
+  };
+  const HexMesh mesh = support::single_element(corners);
+  support::Random random(49);
+  PointArray points(100, 3), expected(100, 3), found(100, 3);
+  for (int n = 0; n < 100; ++n) {
+    const Vec3 s = random.vector(n < 50 ? 1 : 0.999);
+    points.row(n) = image(corners, s).transpose();
+    expected.row(n) = image(moved, s).transpose();
+  }
+  Embedding(mesh.positions(), mesh.hexahedra(), points).apply(PointArray(moved), found);
+  EXPECT_LE(max_abs(found - expected), 1e-12);
+}
+
+// Nodes, centres of faces and edges belong to several hexahedra: any of them will do.
+TEST(Embedding, PlacesOnBordersCountAsInside) {
+  const Embedding nodes(kMesh.positions(), kMesh.hexahedra(), kMesh.positions());
+  EXPECT_EQ(nodes.num_outside(), 0);
+  support::Random random(51);
+  const PointArray field = random.field(kMesh.num_nodes(), 1);
+  PointArray found(kMesh.num_nodes(), 3);
+  nodes.apply(field, found);
+  EXPECT_LE(max_abs(found - field), 1e-9);
+}
+
+// Outside they go on to first order: exactly for affine motions, however far.
+TEST(Embedding, ContinuesFromTheNearestHexahedron) {
+  support::Random random(53);
+  PointArray points = random.field(200, 5);
+  const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points);
+  EXPECT_GT(embedding.num_outside(), 150);
+  EXPECT_GT(embedding.greatest_distance(), 2);
+  PointArray found(200, 3);
+  embedding.apply(kMesh.positions(), found);
+  EXPECT_LE(max_abs(found - points), 1e-12);
+
+  const Mat3 A = Mat3::Identity() + random.matrix(0.3);
+  const Vec3 b(1, 2, 3);
+  embedding.apply(support::mapped(kMesh.positions(), A, b), found);
+  EXPECT_LE(max_abs(found - support::mapped(points, A, b)), 1e-11);
+
+  // the nearest hexahedron carries a point just above the far end, and no other
+  const PointArray above = (PointArray(1, 3) << 0.25, 0.25, 2.3).finished();
+  PointArray weights = PointArray::Zero(kMesh.num_nodes(), 3);
+  Embedding(kMesh.positions(), kMesh.hexahedra(), above).add_transposed(PointArray::Ones(1, 3), weights);
+  for (int n = 0; n < kMesh.num_nodes(); ++n)
+    if (kMesh.positions()(n, 2) < 1.2 || kMesh.positions()(n, 0) > 0.7) EXPECT_EQ(weights(n, 0), 0) << n;
+}
+
+TEST(Embedding, TransposedKeepsForceAndMoment) {
+  support::Random random(57);
+  PointArray points = points_inside(60);
+  points.bottomRows(10).array() += 3;  // some outside
+  const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points);
+  const PointArray x = kMesh.positions() + random.field(kMesh.num_nodes(), 0.4), f = random.field(60, 1);
+  PointArray p(60, 3), nodal = PointArray::Zero(kMesh.num_nodes(), 3);
+  embedding.apply(x, p);
+  embedding.add_transposed(f, nodal);
+  EXPECT_LE(max_abs(nodal.colwise().sum() - f.colwise().sum()), 1e-12);
+  const auto moment = [](const PointArray& at, const PointArray& force) {
+    Vec3 sum = Vec3::Zero();
+    for (int n = 0; n < at.rows(); ++n) sum += Vec3(at.row(n).transpose()).cross(Vec3(force.row(n).transpose()));
+    return sum;
+  };
+  EXPECT_LE(max_abs(moment(x, nodal) - moment(p, f)), 1e-11);
+}
+
+// J^T B J by blocks against the product J^T (B (J dx)).
+TEST(Embedding, BlocksAgreeWithTheProduct) {
+  support::Random random(59);
+  const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points_inside(7));
+  BlockMatrix B(7), A(kMesh.num_nodes());
+  for (int i = 0; i < 7; ++i)
+    for (int j = 0; j < 7; j += 2) B.add(i, j, random.matrix(1));
+  embedding.add_transposed_blocks(B, A);
+
+  const PointArray dx = random.field(kMesh.num_nodes(), 1);
+  PointArray dp(7, 3), Bdp = PointArray::Zero(7, 3);
+  PointArray expected = PointArray::Zero(kMesh.num_nodes(), 3), product = expected;
+  embedding.apply(dx, dp);
+  for (int i = 0; i < 7; ++i)
+    for (const auto& [j, block] : B.row(i)) Bdp.row(i) += dp.row(j) * block.transpose();
+  embedding.add_transposed(Bdp, expected);
+  for (int n = 0; n < kMesh.num_nodes(); ++n)
+    for (const auto& [m, block] : A.row(n)) product.row(n) += dx.row(m) * block.transpose();
+  EXPECT_TRUE(support::agrees(product, expected, 1e-13));
+}
+
+TEST(Embedding, NeedsAHexahedronAndFinitePoints) {
+  EXPECT_THROW(Embedding(kMesh.positions(), {}, points_inside(1)), InputError);
+  PointArray bad = points_inside(2);
+  bad(1, 2) = std::nan("");
+  EXPECT_THROW(Embedding(kMesh.positions(), kMesh.hexahedra(), bad), NumericalError);
+}
+
+}  // namespace
+}  // namespace hexaplast

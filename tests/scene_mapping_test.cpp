@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include "hexaplast/mesh/embed.hpp"
+#include "support/compare.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::read_and_init;
+
+// Three hexahedra without parallel edges, held at one end, and two points in them; `inner` goes into their node.
+std::string skewed(const std::string& inner, const std::string& solver = "<SparseLDLSolver/>",
+                   const std::string& outer = "") {
+  return "<Node dt='0.02' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver name='euler' "
+         "rayleighStiffness='0.02'/>" +
+         solver +
+         "<MeshTopology name='mesh' hexahedra='0-7  4-11  8-15' position='0 0 0  1 0 .1  1.1 1 0  0 1 0  .1 .1 1  1 0 "
+         "1.2  "
+         "1.2 1 1  0 .9 1.1  0 0 2  1 .2 2  1 1 2.2  .1 1 2  0 0 3  1 0 3.1  1 1 3  -.1 1 3'/>"
+         "<MechanicalObject name='nodes'/><UniformMass totalMass='16'/><FixedProjectiveConstraint indices='0-3'/>"
+         "<HexahedronFEMForceField youngModulus='2000' poissonRatio='0.3'/>" +
+         outer + "<Node name='skin'><MechanicalObject name='points' position='.5 .4 2.4  .3 .7 1.2'/>" + inner +
+         "</Node></Node>";
+}
+
+const PointArray& nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").positions(); }
+
+PointArray after(const std::string& text, int steps) {
+  scene::Scene scene = read_and_init(text);
+  for (int k = 0; k < steps; ++k) scene.step();
+  return nodes(scene);
+}
+
+std::string numbers(const PointArray& rows) {
+  std::string text;
+  for (Eigen::Index i = 0; i < rows.size(); ++i) {
+    char number[40];
+    std::snprintf(number, sizeof number, "%.17g ", rows.data()[i]);
+    text += number;
+  }
+  return text;
+}
+
+TEST(BarycentricMapping, PointsStayWhereTheyAreAndFollow) {
+  scene::Scene scene = read_and_init(skewed("<BarycentricMapping input='@..' output='@.'/>", "<SparseLDLSolver/>",
+                                            "<ConstantForceField indices='12-15' forces='1 2 3'/>"));
+  auto& points = at<scene::MechanicalState>(scene, "skin/points");
+  const PointArray first = points.positions();
+  const Embedding expected(nodes(scene), at<scene::Topology>(scene, "mesh").hexahedra(), first);
+  EXPECT_TRUE(scene.diagnostics().take_warnings().empty());
+  for (int k = 0; k < 10; ++k) scene.step();
+  PointArray x(2, 3), v(2, 3);
+  expected.apply(nodes(scene), x);
+  expected.apply(at<scene::MechanicalState>(scene, "nodes").velocities(), v);
+  EXPECT_TRUE(support::agrees(points.positions(), x, 1e-14));
+  EXPECT_TRUE(support::agrees(points.velocities(), v, 1e-13));
+  EXPECT_GT(support::max_abs(x - first), 0.01);
+  scene.reset();
+  EXPECT_TRUE(support::agrees(points.positions(), first, 1e-15));
+}
+
+// A force on points is its transpose on nodes.
+TEST(BarycentricMapping, CarriesForcesUp) {
+  const std::string mapping = "<BarycentricMapping/>";
+  scene::Scene scene = read_and_init(skewed(mapping));
+  PointArray f(2, 3), nodal = PointArray::Zero(16, 3);
+  f << 4, 0, 1, -2, 3, 0;
+  Embedding(nodes(scene), at<scene::Topology>(scene, "mesh").hexahedra(),
+            at<scene::MechanicalState>(scene, "skin/points").positions())
+      .add_transposed(f, nodal);
+  const PointArray by_points = after(skewed(mapping + "<ConstantForceField forces='4 0 1  -2 3 0'/>"), 20);
+  const PointArray by_nodes =
+      after(skewed(mapping, "<SparseLDLSolver/>", "<ConstantForceField forces='" + numbers(nodal) + "'/>"), 20);
+  EXPECT_TRUE(support::agrees(by_points, by_nodes, 1e-12));
+  EXPECT_GT(support::max_abs(by_points - nodes(scene)), 0.01);
+}
+
+// Masses, stiffness and damping of points enter the system: products against blocks, through two mappings one below the
+// other.
+TEST(BarycentricMapping, CarriesMassesAndStiffnessUp) {
+  const std::string inner =
+      "<BarycentricMapping/><UniformMass vertexMass='3'/><PlaneForceField normal='0 0 -1' d='-1.1' stiffness='400'/>"
+      "<Node name='copy'><MechanicalObject position='@../points.position'/><IdentityMapping/>"
+      "<UniformVelocityDampingForceField dampingCoefficient='5' implicit='true'/><UniformMass vertexMass='1'/></Node>";
+  const PointArray direct = after(skewed(inner), 20);
+  const PointArray iterative =
+      after(skewed(inner, "<CGLinearSolver iterations='999' tolerance='1e-14' threshold='1e-30'/>"), 20);
+  EXPECT_TRUE(support::agrees(iterative, direct, 1e-9));
+  EXPECT_GT(support::max_abs(direct - after(skewed("<BarycentricMapping/>"), 20)), 0.01);
+
+  // the same in one node: masses and drag add up
+  const std::string flat =
+      "<BarycentricMapping/><UniformMass vertexMass='4'/><PlaneForceField normal='0 0 -1' d='-1.1' stiffness='400'/>"
+      "<UniformVelocityDampingForceField dampingCoefficient='5' implicit='true'/>";
+  EXPECT_TRUE(support::agrees(after(skewed(flat), 20), direct, 1e-12));
+}
+
+TEST(BarycentricMapping, KineticEnergyCountsThePoints) {
+  scene::Scene scene = read_and_init(skewed("<BarycentricMapping/><UniformMass vertexMass='3'/>", "<SparseLDLSolver/>",
+                                            "<ConstantForceField forces='1 0 0'/>"));
+  scene.step();
+  const double expected = at<scene::MechanicalState>(scene, "nodes").velocities().squaredNorm() / 2 +
+                          3 * at<scene::MechanicalState>(scene, "skin/points").velocities().squaredNorm() / 2;
+  EXPECT_NEAR(at<scene::OdeSolver>(scene, "euler").kinetic_energy(), expected, 1e-15);
+}
+
+TEST(BarycentricMapping, SaysHowManyPointsLieOutside) {
+  scene::Scene scene =
+      read_and_init(skewed("<Node name='far'><MechanicalObject name='far' position='.5 .5 5  .5 .5 .5  4 0 0'/>"
+                           "<BarycentricMapping input='@/nodes'/></Node><BarycentricMapping/>"));
+  const auto warnings = scene.diagnostics().take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(scene::format(warnings[0]).find("BarycentricMapping: 2 of 3 points lie outside the hexahedra, up to "),
+            std::string::npos);
+}
+
+TEST(Mapping, ToAVisualModelIsLeftAlone) {
+  scene::Scene scene = read_and_init(
+      "<Node><EulerImplicitSolver/><CGLinearSolver/><RegularGridTopology/><MechanicalObject/><UniformMass "
+      "totalMass='1'/>"
+      "<Node><OglModel name='visual' src='@none'/><BarycentricMapping input='@..' output='@visual'/>"
+      "<IdentityMapping/></Node></Node>");
+  EXPECT_EQ(scene.diagnostics().take_warnings().size(), 4u);  // no loop, a model and two mappings: notes
+  EXPECT_NO_THROW(scene.step());
+}
+
+TEST(Mapping, RefusesWhatDoesNotFit) {
+  EXPECT_EQ(errors_of(skewed("<IdentityMapping/>")),
+            "test.scn:1: error: IdentityMapping: 2 nodes follow 16, must be as many");
+  EXPECT_EQ(errors_of(skewed("<IdentityMapping input='@.' />")),
+            "test.scn:1: error: IdentityMapping.input: leads to the state that follows: must be another one");
+  EXPECT_EQ(errors_of(skewed("<BarycentricMapping/><FixedProjectiveConstraint/>")),
+            "test.scn:1: error: FixedProjectiveConstraint: constrains a state that follows another one");
+  EXPECT_EQ(errors_of(skewed("")),
+            "test.scn:1: error: EulerImplicitSolver: 2 mechanical states in its node and below, must be one");
+}
+
+}  // namespace
