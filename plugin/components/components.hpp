@@ -18,6 +18,7 @@ void add_engines(scene::Factory& factory);         // BoxROI, SphereROI
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
+void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
 
 }  // namespace hexaplast::components

@@ -16,4 +16,5 @@ HEXAPLAST_PLUGIN(factory) {
   add_loads(factory);
   add_bodies(factory);
   add_mappings(factory);
+  add_exporters(factory);
 }

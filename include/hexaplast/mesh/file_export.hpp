@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// Numbers that belong to the points or cells of a mesh, `components` of them to each.
+struct ExportedField {
+  std::string name;
+  int components = 1;
+  std::span<const double> values;
+};
+
+/// What is written: all spans must outlive it. Cells stand in the file in the order of the members.
+struct ExportedMesh {
+  std::span<const double> points;  ///< [m] three per point
+  std::span<const Edge> edges = {};
+  std::span<const Triangle> triangles = {};
+  std::span<const Quad> quads = {};
+  std::span<const Hexahedron> hexahedra = {};
+  std::vector<ExportedField> point_fields = {}, cell_fields = {};
+};
+
+/// The mesh as a VTK unstructured grid (.vtu), as text, every number with as many digits as it takes to read it back.
+/// Names of fields are escaped where XML demands it.
+std::string vtu_text(const ExportedMesh& mesh);
+
+}  // namespace hexaplast
