@@ -33,7 +33,10 @@ inline std::string place_of(const std::string& class_name, const std::map<std::s
 inline std::string pasted(const std::string& scene, const std::string& example,
                           const std::map<std::string, std::string>& category_of) {
   std::set<std::string> taken;
-  for (const std::string& class_name : classes_in(example)) taken.insert(place_of(class_name, category_of));
+  std::istringstream example_lines(example);  // what is indented stands in a node of its own and takes no place here
+  for (std::string line; std::getline(example_lines, line);)
+    if (line.starts_with('<'))
+      for (const std::string& class_name : classes_in(line)) taken.insert(place_of(class_name, category_of));
   taken.erase("");
   std::string result;
   bool is_pasted = false;
