@@ -66,8 +66,10 @@ Json json_of(const Descriptions& components) {
 }
 
 std::string_view first_sentence(std::string_view text) {
-  const std::size_t end = std::min(text.find_first_of(".:"), text.size());
-  return text.substr(0, end);
+  for (std::size_t at = 0; at < text.size(); ++at)
+    if ((text[at] == '.' || text[at] == ':') && (at + 1 == text.size() || text[at + 1] == ' '))
+      return text.substr(0, at);
+  return text;
 }
 
 void print(const Description& component) {

@@ -9,6 +9,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/simd.hpp"
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
@@ -145,6 +146,7 @@ void print_summary(Stage& stage, const Progression& done, const path& scene_file
   if (done.step > 0)
     fmt::print("  step                {:.3f} ms, {:.1f} solver iterations\n", per_step,
                static_cast<double>(done.iterations) / static_cast<double>(done.step));
+  fmt::print("  instruction set     {}\n", simd_target());
   fmt::print("  state hash          {}\n",
              output::state_hash(done.step, stage.state->positions(), stage.state->velocities(),
                                 field ? field->body() : nullptr));
