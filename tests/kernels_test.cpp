@@ -2,6 +2,8 @@
 // The kernels against the scalar functions that state the same laws, on every instruction set of this machine.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
@@ -29,6 +31,56 @@ class OnEverySet : public testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Simd, OnEverySet, testing::ValuesIn(simd_targets()),
                          [](const auto& test) { return test.param; });
+
+/// Gradients of every kind: any, small strains, singular ones, inside out, with equal and nearly equal stretches, of
+/// all sizes.
+Mat3 gradient_of_kind(int kind, Random& random) {
+  const Mat3 any = random.field(3, 1), turn = random.rotation(), other = random.rotation();
+  const Vec3 d = random.field(1, 1).row(0).transpose();
+  switch (kind) {
+    case 0:
+      return any;
+    case 1:
+      return turn * (Mat3::Identity() + 0.1 * any);
+    case 2:
+      return turn * Vec3(d[0], d[1], 0).asDiagonal() * other;
+    case 3:
+      return turn * Vec3(d[0], 0, 0).asDiagonal() * other;
+    case 4:
+      return turn * Vec3(1, 1, -std::abs(d[0])).asDiagonal() * other;
+    case 5:
+      return turn * Vec3(1, 1 + 1e-9 * d[1], 1 - 1e-12 * d[2]).asDiagonal() * other;
+    case 6:
+      return any * std::pow(10.0, 150 * d[0]);
+    default:
+      return Mat3::Zero();
+  }
+}
+
+TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
+  constexpr int kKinds = 8;
+  const int count = GetParam() == simd_targets().front() ? 1000000 : 40000;
+  Random random(96);
+  std::vector<Mat3> F(count), R(count);
+  for (int k = 0; k < count; ++k) F[k] = gradient_of_kind(k % kKinds, random);
+  rotations(F, R);
+  double orthogonal = 0, determinant = 0, different = 0;
+  int num_unique = 0;
+  for (int k = 0; k < count; ++k) {
+    ASSERT_TRUE(R[k].allFinite()) << F[k];
+    orthogonal = std::max(orthogonal, support::max_abs(R[k].transpose() * R[k] - Mat3::Identity()));
+    determinant = std::max(determinant, std::abs(R[k].determinant() - 1));
+    if (count > 100000 && k % 10 > 0) continue;  // the comparison is the slow part
+    const SignedSvd svd = signed_svd(F[k]);
+    if (!(svd.d[1] + svd.d[2] > 1e-3 * svd.d[0])) continue;  // not unique, or barely
+    ++num_unique;
+    different = std::max(different, support::max_abs(R[k] - polar(svd).R));
+  }
+  EXPECT_LE(orthogonal, 1e-12);
+  EXPECT_LE(determinant, 1e-12);
+  EXPECT_LE(different, 1e-10);
+  EXPECT_GT(num_unique, count / 100);
+}
 
 /// f and -K p element by element, as section 4 of the theory states them.
 struct Plain {

@@ -87,12 +87,13 @@ template <class V>
 HWY_INLINE PolarLanes<V> polar(const Mat<V>& given) {
   using T = typename V::Scalar;
   constexpr int kNewtonSteps = sizeof(T) == 8 ? 6 : 5;
-  constexpr T kLeastDenominator = T(2e-3);                      // of I^3
-  constexpr T kConverged = sizeof(T) == 8 ? T(1e-7) : T(1e-3);  // of I, in the last step: the one after squares it
+  constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);  // entries are brought to 1, unless all are smaller
+  constexpr T kLeastDenominator = T(2e-3);                        // of I^3
+  constexpr T kConverged = sizeof(T) == 8 ? T(1e-7) : T(1e-3);    // of I, in the last step: the one after squares it
 
   V size = abs(given(0, 0));
   for (int k = 1; k < 9; ++k) size = max(size, abs(given(k / 3, k % 3)));
-  const V scale = V(T(1)) / max(size, V(T(1e-30)));
+  const V scale = V(T(1)) / max(size, V(kSmallest));
   Mat<V> F;
   for (int k = 0; k < 9; ++k) F.m[k / 3][k % 3] = scale * given.m[k / 3][k % 3];
 
@@ -113,7 +114,8 @@ HWY_INLINE PolarLanes<V> polar(const Mat<V>& given) {
   const V denominator = I * II - det;
   const V cube = I * I * I;
   // written so that NaN is doubtful
-  const auto fine = hn::And(denominator > V(kLeastDenominator) * cube, abs(step) < V(kConverged) * I);
+  const auto fine =
+      hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kLeastDenominator) * cube, abs(step) < V(kConverged) * I));
   PolarLanes<V> out;
   out.doubtful = bits<T>(hn::Not(fine));
 
