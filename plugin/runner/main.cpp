@@ -13,6 +13,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "output/recorder.hpp"
+#include "runner/bench.hpp"
 #include "runner/check.hpp"
 #include "runner/element.hpp"
 #include "runner/exit_code.hpp"
@@ -122,6 +123,47 @@ void add_list(CLI::App& app, ListOptions& options) {
   add_plugin_options(*list, options.plugins, options.plugin_path);
 }
 
+void add_bench(CLI::App& app, BenchOptions& options) {
+  CLI::App* bench = app.add_subcommand(
+      "bench", "Measure implicit steps of a soft bar, or of a scene, beside a dense peer; check that threads agree");
+  bench->footer(kExitCodes);
+  bench->add_option("--json", options.json, "Write the records as JSON; - for standard output, without the table")
+      ->type_name("FILE|-");
+  CLI::Option* sizes =
+      bench->add_option("--sizes", options.sizes, "Hexahedra of the bars; k for a thousand. Default 1k,10k,100k")
+          ->type_name("N,N,...")
+          ->delimiter(',');
+  bench->add_option("--threads", options.threads, "Numbers of threads, which must agree bit for bit. Default 1,2")
+      ->type_name("N,N,...")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1024));
+  CLI::Option* quick = bench->add_flag("--quick", options.quick, "One iteration count, one solver, few repetitions");
+  CLI::Option* young =
+      bench->add_option("--young", options.young_modulus, "Young's modulus of the bars [Pa]. Default 5000")
+          ->type_name("E")
+          ->check(CLI::Range(1.0, 1e12));
+  CLI::Option* distorted =
+      bench->add_flag("--distorted", options.distorted, "Bars of which no hexahedron is a parallelepiped");
+  bench->add_option("--simd", options.simd, "Instruction set of the kernels; otherwise the machine's best")
+      ->type_name("TARGET");
+  CLI::Option* baseline =
+      bench->add_option("--baseline", options.baseline, "Fail where records fall behind those of an earlier --json")
+          ->type_name("FILE");
+  bench
+      ->add_option("--ratio", options.ratio,
+                   "How much of the baseline's lead over the dense peer must be left. Default 0.5")
+      ->type_name("R")
+      ->check(CLI::Range(0.0, 10.0))
+      ->needs(baseline);
+  bench->add_option("--scene", options.scene.file, "Measure a scene instead of the bars")
+      ->type_name("SCENE")
+      ->excludes(sizes)
+      ->excludes(quick)
+      ->excludes(young)
+      ->excludes(distorted);
+  add_plugin_options(*bench, options.scene.plugins, options.scene.plugin_path);
+}
+
 int report(ExitCode code, const std::string& message) {
   spdlog::error("{}", message);
   return code;
@@ -215,6 +257,8 @@ int main(int argc, char** argv) {
   add_check(app, check_options);
   ListOptions list_options;
   add_list(app, list_options);
+  BenchOptions bench_options;
+  add_bench(app, bench_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -236,6 +280,13 @@ int main(int argc, char** argv) {
       check(check_options);
       return kOk;
     });
+  if (app.got_subcommand("bench")) {
+    const bool has_scene = !bench_options.scene.file.empty();
+    return report_errors(has_scene ? bench_options.scene.file.string() : "hexaplast", [&] {
+      bench(bench_options);
+      return kOk;
+    });
+  }
   if (app.got_subcommand("list"))
     return report_errors("hexaplast", [&] {
       list(list_options);

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "bench/bar.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
+
+namespace hexaplast::bench {
+
+namespace {
+
+constexpr double kDensity = 1000;  // [kg/m^3]
+
+HexMesh make_mesh(const BarSettings& settings) {
+  const std::array<int, 3> cells = cells_for(settings.size);
+  const double h = kBarLength / cells[2];
+  HexMesh grid = regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * h, cells[1] * h, kBarLength));
+  if (!settings.distorted) return grid;
+
+  PointArray X = grid.positions();
+  std::minstd_rand random(1);
+  for (int n = 0; n < X.rows(); ++n)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double unit = static_cast<double>(random()) / std::minstd_rand::max();
+      if (axis < 2 || (X(n, 2) > 0 && X(n, 2) < kBarLength)) X(n, axis) += 0.1 * h * (2 * unit - 1);
+    }
+  return HexMesh(X, grid.hexahedra());
+}
+
+Material make_material(const BarSettings& settings) {
+  Material material{.young_modulus = settings.young_modulus, .poisson_ratio = 0.45};
+  if (settings.mode == Mode::kElastic) return material;
+  material.flow_rate = 2;
+  material.hardening = 0.2;
+  // no stress gets near the one, every stress is above the other
+  material.yield_stress = settings.mode == Mode::kPlasticIdle ? 1e12 : 1e-6;
+  return material;
+}
+
+Settings make_settings(const BarSettings& settings) {
+  Settings made;
+  made.precision = settings.precision;
+  return made;
+}
+
+}  // namespace
+
+std::string_view name(Mode mode) {
+  switch (mode) {
+    case Mode::kElastic:
+      return "elastic";
+    case Mode::kPlasticIdle:
+      return "plastic_idle";
+    case Mode::kPlastic:
+      return "plastic";
+  }
+  return "";
+}
+
+std::array<int, 3> cells_for(int size) {
+  // a cross-section of a bit more than half the length
+  const double even_length = std::cbrt(size / 0.35);
+  const int length = std::max(2, static_cast<int>(16 * std::exp2(std::round(std::log2(even_length / 16)))));
+  const int width = std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(size) / length))));
+  return {width, width, length};
+}
+
+Bar::Bar(const BarSettings& settings)
+    : body_(make_mesh(settings), {make_material(settings)}, make_settings(settings)),
+      masses_(kDensity * nodal_volumes(body_.mesh().positions(), body_.mesh().hexahedra())),
+      x_(body_.mesh().positions()),
+      v_(PointArray::Zero(x_.rows(), 3)) {
+  for (int n = 0; n < num_nodes(); ++n)
+    if (x_(n, 2) == 0) fixed_.push_back(n);
+}
+
+Bar::Step Bar::step(LinearSolver& solver) {
+  Step done;
+  const auto begin = std::chrono::steady_clock::now();
+  done.solve = euler_.step(*this, solver, 0, kBarDt, x_, v_);
+  done.flow = body_.flow(x_, kBarDt);
+  done.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  ++num_steps_;
+  return done;
+}
+
+PointArray Bar::increment(LinearSolver& solver) {
+  PointArray x = x_, v = v_;
+  euler_.step(*this, solver, 0, kBarDt, x, v);
+  return v - v_;
+}
+
+std::string Bar::hash() const {
+  StateHash hash;
+  const std::int64_t steps = num_steps_;
+  hash.add(&steps, sizeof steps);
+  hash.add(x_.data(), x_.size() * sizeof(double));
+  hash.add(v_.data(), v_.size() * sizeof(double));
+  body_.add_to(hash);
+  return hash.text();
+}
+
+void Bar::place(const PointArray& x, const PointArray& v) {
+  x_ = x;
+  v_ = v;
+}
+
+void Bar::compute_force(double, ConstPoints x, ConstPoints, Points f) {
+  body_.linearize(x);
+  f.setZero();
+  add_gravity(masses_, gravity(), f);
+  body_.add_force(f);
+}
+
+void Bar::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  if (factors.mass != 0) df += factors.mass * masses_.asDiagonal() * dx;
+  if (factors.stiffness != 0) body_.add_stiffness_product(factors.stiffness, dx, df);
+}
+
+void Bar::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
+  for (int n = 0; n < num_nodes(); ++n) A.add(n, n, factors.mass * masses_[n] * Mat3::Identity());
+  body_.add_stiffness_blocks(factors.stiffness, A);
+}
+
+bool Bar::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
+  system.diagonal.colwise() += factors.mass * masses_;
+  body_.to_kernels(factors.stiffness, system);
+  return true;
+}
+
+void Bar::project(Points field) const {
+  for (const int n : fixed_) field.row(n).setZero();
+}
+
+void Bar::pin(BlockMatrix& A) const {
+  for (const int n : fixed_)
+    for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
+}
+
+double relative_error(const Eigen::VectorXd& masses, const PointArray& a, const PointArray& b) {
+  const auto squared = [&](const PointArray& v) { return v.rowwise().squaredNorm().dot(masses); };
+  return std::sqrt(squared(a - b) / squared(b));
+}
+
+}  // namespace hexaplast::bench

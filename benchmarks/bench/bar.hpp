@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/solve/implicit_euler.hpp"
+
+namespace hexaplast::bench {
+
+/// What the body of a measurement does.
+enum class Mode {
+  kElastic,      ///< no plasticity at all
+  kPlasticIdle,  ///< every corner is checked, none yields
+  kPlastic       ///< every hexahedron yields in every step
+};
+std::string_view name(Mode mode);
+
+struct BarSettings {
+  int size = 1000;  ///< hexahedra asked for; see cells_for
+  Mode mode = Mode::kElastic;
+  Precision precision = Precision::kDouble;
+  double young_modulus = 5000;  ///< [Pa]
+  bool distorted = false;       ///< nodes shaken by a tenth of an edge, so that no hexahedron is a parallelepiped
+};
+
+inline constexpr double kBarLength = 0.2;  ///< [m]
+inline constexpr double kBarDt = 0.01;     ///< [s]
+
+/// Cells of a bar of about `size` cubes, its length 16 2^k of them: 8 x 8 x 16, 18 x 18 x 32, 40 x 40 x 64 for 1, 10
+/// and 100 thousand.
+std::array<int, 3> cells_for(int size);
+
+/// The body that everything is measured on: a soft-tissue bar of .2 m (nu = .45, 1000 kg/m^3), clamped at one end,
+/// under gravity across its length. Lumped masses, implicit Euler without damping.
+class Bar final : public MechanicalSystem {
+ public:
+  explicit Bar(const BarSettings& settings);
+
+  struct Step {
+    double ms = 0;  ///< wall time of everything: forces, solve, plastic step
+    SolveReport solve;
+    FlowReport flow;
+  };
+  Step step(LinearSolver& solver);
+
+  /// The velocity increment [m/s] of the next step, which is not taken.
+  PointArray increment(LinearSolver& solver);
+
+  /// State hash: step count, positions, velocities, history.
+  std::string hash() const;
+
+  const Body& body() const { return body_; }
+  Body& body() { return body_; }
+  int num_elements() const { return body_.mesh().num_elements(); }
+  const Eigen::VectorXd& masses() const { return masses_; }
+  const std::vector<int>& fixed() const { return fixed_; }
+  const PointArray& positions() const { return x_; }
+  const PointArray& velocities() const { return v_; }
+
+  /// To where another bar of the same mesh is.
+  void place(const PointArray& x, const PointArray& v);
+
+  /// [m/s^2] A tenth of the earth's: so soft a bar would collapse, and a collapsed one is no measure of speed.
+  static Vec3 gravity() { return {1, 0, 0}; }
+
+  int num_nodes() const override { return body_.mesh().num_nodes(); }
+  void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
+  void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
+  void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
+  bool to_kernels(const OperatorFactors& factors, KernelSystem& system) const override;
+  void project(Points field) const override;
+  void pin(BlockMatrix& A) const override;
+
+ private:
+  Body body_;
+  Eigen::VectorXd masses_;  // [kg]
+  std::vector<int> fixed_;  // nodes
+  PointArray x_, v_;
+  long num_steps_ = 0;
+  ImplicitEuler euler_{EulerSettings{}};
+};
+
+/// |a - b| / |b| in the norm of kinetic energy.
+double relative_error(const Eigen::VectorXd& masses, const PointArray& a, const PointArray& b);
+
+}  // namespace hexaplast::bench

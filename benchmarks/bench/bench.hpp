@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/machine.hpp"
+#include "bench/record.hpp"
+#include "hexaplast/state/model.hpp"
+
+namespace hexaplast::bench {
+
+struct Options {
+  std::vector<int> sizes{1000, 10000, 100000};  ///< hexahedra
+  std::vector<int> threads{1, 2};
+  bool quick = false;           ///< 25 iterations and one converged solver only, few repetitions
+  double young_modulus = 5000;  ///< [Pa]
+  bool distorted = false;       ///< no hexahedron a parallelepiped
+};
+
+struct Outcome {
+  std::vector<Record> records;
+  std::vector<std::string> failures;  ///< what must not be: hashes that differ, solvers that stall, bodies that do not
+                                      ///< do what their mode says
+};
+
+/// Measures the bar in every size, mode, precision, solver and number of threads, with the dense peer in between.
+/// `on_size` is given the records of each size as soon as they are complete.
+Outcome run(const Options& options, const MachineLimits& limits,
+            const std::function<void(const std::vector<Record>&)>& on_size);
+
+/// Times of steps [ms], of any body: the fastest, the median and the one that only a hundredth exceeds.
+struct StepTimes {
+  double least, p50, p99;
+  explicit StepTimes(std::vector<double> ms);
+};
+
+/// [ms] of a step of the dense peer on a body of that mesh and elasticity, under gravity, with so many iterations.
+double time_peer(const Model& model, double iterations);
+
+/// A sentence for each record whose state hash differs from that of the same body with another number of threads.
+std::vector<std::string> differing_hashes(const std::vector<Record>& records);
+
+}  // namespace hexaplast::bench

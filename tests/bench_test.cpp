@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "bench/bench.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "bench/bar.hpp"
+#include "bench/stages.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+
+namespace hexaplast::bench {
+namespace {
+
+TEST(BenchBar, SizesAreTheGridsThatAreNamed) {
+  EXPECT_EQ(cells_for(1000), (std::array{8, 8, 16}));
+  EXPECT_EQ(cells_for(10000), (std::array{18, 18, 32}));
+  EXPECT_EQ(cells_for(12800), (std::array{20, 20, 32}));
+  EXPECT_EQ(cells_for(100000), (std::array{40, 40, 64}));
+}
+
+TEST(BenchBar, ModesDoWhatTheyAreCalled) {
+  for (const auto& [mode, yields] :
+       {std::pair(Mode::kElastic, false), std::pair(Mode::kPlasticIdle, false), std::pair(Mode::kPlastic, true)}) {
+    Bar bar({.size = 100, .mode = mode});
+    PreconditionedConjugateGradients solver(1e-6, 500);
+    for (int step = 0; step < 3; ++step)
+      EXPECT_EQ(bar.step(solver).flow.yielded, yields ? bar.num_elements() : 0) << name(mode) << ", step " << step;
+  }
+}
+
+TEST(BenchBar, DistortionLeavesNoParallelepiped) {
+  for (const bool distorted : {false, true}) {
+    Bar bar({.size = 300, .distorted = distorted});
+    bar.body().linearize(bar.positions());
+    for (const unsigned char is_general : bar.body().linearization().is_general) EXPECT_EQ(is_general != 0, distorted);
+  }
+}
+
+TEST(BenchBar, IncrementIsTheNextStepsAndLeavesTheBarAlone) {
+  Bar bar({.size = 100, .mode = Mode::kPlastic});
+  PreconditionedConjugateGradients solver(1e-8, 500);
+  bar.step(solver);
+  const std::string hash = bar.hash();
+  const PointArray v = bar.velocities(), dv = bar.increment(solver);
+  EXPECT_EQ(bar.hash(), hash);
+  bar.step(solver);
+  EXPECT_LT((bar.velocities() - v - dv).norm(), 1e-12 * dv.norm());
+  EXPECT_NE(bar.hash(), hash);
+}
+
+TEST(BenchStages, MeasuringLeavesTheBarAlone) {
+  Bar bar({.size = 300, .mode = Mode::kPlastic});
+  PreconditionedConjugateGradients solver(1e-6, 500);
+  bar.step(solver);
+  const std::string hash = bar.hash();
+  const Stages stages = measure_stages(bar, 2);
+  EXPECT_EQ(bar.hash(), hash);
+  for (const double ns : {stages.linearize_ns, stages.operator_ns, stages.flow_ns, stages.averaging_ns})
+    EXPECT_GT(ns, 0);
+}
+
+TEST(BenchStages, RelativeErrorIsTheNormOfKineticEnergy) {
+  const Eigen::VectorXd masses = (Eigen::VectorXd(2) << 4, 1).finished();
+  const PointArray exact = (PointArray(2, 3) << 0, 3, 0, 0, 0, 8).finished();  // norm squared 4 * 9 + 64 = 100
+  PointArray found = exact;
+  found(0, 0) = 1;  // 4 * 1
+  EXPECT_NEAR(relative_error(masses, found, exact), .2, 1e-15);
+}
+
+TEST(BenchTimes, AreLeastMedianAndHundredth) {
+  std::vector<double> ms(200);
+  for (int k = 0; k < 200; ++k) ms[k] = 200 - k;
+  const StepTimes times(ms);
+  EXPECT_EQ(times.least, 1);
+  EXPECT_EQ(times.p50, 100);
+  EXPECT_EQ(times.p99, 198);
+}
+
+TEST(BenchMachine, HasPeaks) {
+  const MachineLimits limits({1});
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+    EXPECT_GT(limits.peak_gflops(precision, 1), 0.1);
+  EXPECT_GT(limits.read_gbs(1u << 20, 1), 0.1);
+}
+
+Record record_of(double ratio, double residual) {
+  Record record;
+  record.size = 72;
+  record.mode = "plastic";
+  record.precision = "mixed";
+  record.solver = "cg";
+  record.target = "25 its";
+  record.ratio_to_dense_peer = ratio;
+  record.residual = residual;
+  record.state_hash = "00";
+  return record;
+}
+
+TEST(BenchRecords, ComeBackFromTheirFile) {
+  Record record = record_of(12.5, 1e-3);
+  record.threads = 2;
+  record.operator_ns = 17.25;
+  const auto file = std::filesystem::path(testing::TempDir()) / "hexaplast_bench_records.json";
+  std::ofstream(file) << to_json({record, record_of(1, 1)});
+  const std::vector<Record> read = read_json(file);
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[0].threads, 2);
+  EXPECT_EQ(read[0].mode, "plastic");
+  EXPECT_EQ(read[0].operator_ns, 17.25);
+  EXPECT_EQ(read[0].ratio_to_dense_peer, 12.5);
+  EXPECT_TRUE(std::isnan(read[0].flow_ns)) << "what was not measured is null";
+  EXPECT_EQ(to_json(read), to_json({record, record_of(1, 1)}));
+
+  std::ofstream(file) << R"([{"size": 3}])";
+  EXPECT_THROW(read_json(file), InputError);
+  EXPECT_THROW(read_json(file.string() + ".none"), InputError);
+}
+
+TEST(BenchRecords, FallBehindByRatioAndResidualOnly) {
+  const std::vector<Record> baseline{record_of(10, 1e-3)};
+  EXPECT_TRUE(compare({record_of(5.1, 1.05e-3)}, baseline, .5).empty());
+  EXPECT_EQ(compare({record_of(4.9, 1e-3)}, baseline, .5).size(), 1u);
+  EXPECT_EQ(compare({record_of(10, 1.2e-3)}, baseline, .5).size(), 1u);
+  EXPECT_EQ(compare({record_of(4.9, 1.2e-3)}, baseline, .5).size(), 2u);
+
+  Record other = record_of(1, 1);
+  other.simd = "AVX2";
+  EXPECT_EQ(compare({other}, baseline, .5).size(), 1u) << "nothing to compare with must not pass";
+}
+
+TEST(BenchRecords, HashesMustAgreeBetweenThreads) {
+  Record one = record_of(1, 1), two = one;
+  two.threads = 2;
+  EXPECT_TRUE(differing_hashes({one, two}).empty());
+  two.state_hash = "01";
+  EXPECT_EQ(differing_hashes({one, two}).size(), 1u);
+  two.mode = "elastic";
+  EXPECT_TRUE(differing_hashes({one, two}).empty());
+}
+
+TEST(BenchRun, MeasuresEveryCellAndFindsNothingWrong) {
+  Options options;
+  options.sizes = {300};
+  options.quick = true;
+  const int before = num_threads();
+  const MachineLimits limits(options.threads);
+  std::size_t reported = 0;
+  const Outcome outcome = run(options, limits, [&](const std::vector<Record>& records) { reported += records.size(); });
+  set_num_threads(before);
+
+  EXPECT_EQ(outcome.failures, std::vector<std::string>());
+  EXPECT_EQ(outcome.records.size(), 2u * 3 * 2 * 2);  // solvers, modes, precisions, threads
+  EXPECT_EQ(reported, outcome.records.size());
+  for (const Record& record : outcome.records) {
+    EXPECT_GT(record.hex_per_ms, 0);
+    EXPECT_GT(record.ratio_to_dense_peer, 0);
+    EXPECT_GT(record.bytes_per_hex, 300);
+    EXPECT_LT(record.bytes_per_hex, 30000);
+    EXPECT_LE(record.p50_ms, record.p99_ms);
+    if (record.target == "1 %") {
+      EXPECT_LE(record.velocity_error, .01);
+    } else {
+      EXPECT_EQ(record.iterations, 25);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast::bench
