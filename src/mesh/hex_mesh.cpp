@@ -2,40 +2,19 @@
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/offenders.hpp"
 
 namespace hexaplast {
 
 namespace {
-
-constexpr std::size_t kNamedElements = 10;  // how many offenders a message lists
-
-/// Collects offending ids; throws one message that names the first ten.
-class Offenders {
- public:
-  void add(int id) {
-    if (first_.size() < kNamedElements) first_.push_back(id);
-    ++count_;
-  }
-  void refuse(const char* what, const char* allowed) const {
-    if (count_ == 0) return;
-    throw InputError(fmt::format("{} {}: {}{}; {}", count_, what, fmt::join(first_, ", "),
-                                 count_ > static_cast<int>(kNamedElements) ? ", ..." : "", allowed));
-  }
-
- private:
-  std::vector<int> first_;
-  int count_ = 0;
-};
 
 constexpr double kFlatCorner = 1e-6;  // of the mean Jacobian: a corner this flat has no gradient to speak of
 

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/offset.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/coarsening.hpp"
+#include "support/compare.hpp"
+#include "support/surfaces.hpp"
+
+namespace hexaplast {
+namespace {
+
+using std::numbers::pi;
+using support::refuses;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The sheet z = 0 of 3 x 2 unit quads, seen from above.
+QuadSurface sheet() {
+  return support::patch(3, 2, [](double u, double v) { return Vec3(3 * u, 2 * v, 0); });
+}
+
+/// Least and greatest distance from the origin (or, axes = 2, from the z axis) of the nodes of a layer.
+std::pair<double, double> radii(const Shell& shell, int layers, int layer, int axes) {
+  double least = kInfinity, most = 0;
+  for (int n = layer; n < shell.mesh.num_nodes(); n += layers + 1) {
+    const double r = shell.mesh.positions().row(n).head(axes).norm();
+    least = std::min(least, r);
+    most = std::max(most, r);
+  }
+  return {least, most};
+}
+
+/// Every face belongs to one hexahedron or to two that see it from either side; returns how many belong to one.
+int num_free_faces(const HexMesh& mesh) {
+  std::map<Quad, int> count;
+  for (const Hexahedron& hexahedron : mesh.hexahedra())
+    for (const auto& local : kFaces) {
+      Quad face;
+      for (int k = 0; k < 4; ++k) face[k] = hexahedron[local[k]];
+      std::ranges::sort(face);
+      ++count[face];
+    }
+  int free = 0;
+  for (const auto& [face, times] : count) {
+    EXPECT_LE(times, 2);
+    free += times == 1;
+  }
+  return free;
+}
+
+TEST(Offset, OfAPlaneIsABlock) {
+  const Shell shell = offset(sheet(), {0.25, 1, 5});
+  EXPECT_EQ(shell.mesh.num_elements(), 6 * 5);
+  EXPECT_EQ(shell.mesh.num_nodes(), 12 * 6);
+  EXPECT_NEAR(shell.volume, 6 * 1.25, 1e-14);
+  EXPECT_NEAR(shell.quality.least_scaled_jacobian, 1, 1e-14);
+  // vertex 5 = (1, 1), layer by layer outward
+  for (int l = 0; l <= 5; ++l)
+    EXPECT_TRUE(shell.mesh.positions().row(5 * 6 + l).isApprox(Eigen::RowVector3d(1, 1, -0.25 + 0.25 * l), 1e-14));
+  EXPECT_EQ(shell.mesh.hexahedra()[1], (Hexahedron{1, 7, 31, 25, 2, 8, 32, 26}));
+  EXPECT_EQ(num_free_faces(shell.mesh), 2 * 6 + 10 * 5);
+  EXPECT_EQ(shell.limits.inward, kInfinity);
+}
+
+TEST(Offset, MayLieOffTheSurfaceAndOnEitherSide) {
+  const Shell above = offset(sheet(), {-0.5, 0.75, 1}), below = offset(sheet(), {0, -0.75, 2});
+  EXPECT_DOUBLE_EQ(above.mesh.positions().col(2).minCoeff(), 0.5);
+  EXPECT_DOUBLE_EQ(above.mesh.positions().col(2).maxCoeff(), 0.75);
+  EXPECT_NEAR(above.volume, 1.5, 1e-14);
+  EXPECT_DOUBLE_EQ(below.mesh.positions().col(2).minCoeff(), -0.75);
+  EXPECT_NEAR(below.volume, 4.5, 1e-14);
+}
+
+// The sides of a prism stay planes at the distance asked for, so that its shell is the difference of two prisms.
+TEST(Offset, OfAPrismKeepsItsThicknessExactly) {
+  for (const int around : {4, 5, 12, 48}) {
+    const double radius = 0.5, thickness = 0.2, length = 2;
+    const Shell shell = offset(support::prism(around, 3, radius, length), {0, thickness, 2});
+    const double apothem = radius * std::cos(pi / around);  // distance of the sides from the axis
+    const auto section = [&](double a) { return around * a * a * std::tan(pi / around); };
+    EXPECT_NEAR(shell.volume, length * (section(apothem + thickness) - section(apothem)), 1e-13);
+    const auto [least, most] = radii(shell, 2, 2, 2);
+    EXPECT_NEAR(least, (apothem + thickness) / std::cos(pi / around), 1e-14);
+    EXPECT_NEAR(most, least, 1e-14);
+    EXPECT_EQ(num_free_faces(shell.mesh), 2 * around * 3 + 2 * around * 2);
+  }
+}
+
+// The exact volume of the tube and sphere that the surfaces approach, with an error of the second order.
+TEST(Offset, ConvergesToCylindersAndSpheres) {
+  const auto tube_error = [](int around) {
+    const Shell shell = offset(support::prism(around, 2, 1, 1), {0.3, 0.2, 2});
+    return std::abs(shell.volume / (pi * (1.2 * 1.2 - 0.7 * 0.7)) - 1);
+  };
+  EXPECT_LT(tube_error(24), 0.012);
+  EXPECT_NEAR(std::log2(tube_error(24) / tube_error(48)), 2, 0.05);
+
+  const auto ball_error = [](int n, double inward, double outward) {
+    const Shell shell = offset(support::sphere(n, 1), {inward, outward, 2});
+    const double outer = 1 + outward, inner = 1 - inward;
+    EXPECT_EQ(num_free_faces(shell.mesh), 2 * 6 * n * n) << "closed";
+    return std::abs(shell.volume / (4 * pi / 3 * (std::pow(outer, 3) - std::pow(inner, 3))) - 1);
+  };
+  for (const auto& [inward, outward] : {std::pair(0., 0.3), std::pair(0.3, 0.), std::pair(0.1, 0.1)}) {
+    EXPECT_LT(ball_error(16, inward, outward), 0.012);
+    EXPECT_NEAR(std::log2(ball_error(8, inward, outward) / ball_error(16, inward, outward)), 2, 0.15);
+  }
+  // the nodes' distance from the centre, also at the eight corners of three quads
+  const auto thickness_error = [](int n) {
+    const auto [least, most] = radii(offset(support::sphere(n, 1), {0, 0.3, 1}), 1, 1, 3);
+    return std::max(std::abs(least - 1.3), std::abs(most - 1.3));
+  };
+  EXPECT_LT(thickness_error(16), 0.005);
+  EXPECT_GT(thickness_error(8) / thickness_error(16), 3);
+}
+
+// However the sphere is cut into quads.
+TEST(Offset, LeadsAlongTheRadiusOfASphere) {
+  support::Random random(17);
+  const QuadSurface ball = support::box(
+      {7, 8, 9}, [&](const Vec3& p) { return Vec3((p - Vec3(3.5, 4, 4.5) + random.vector(0.1)).normalized() * 0.7); });
+  const PointArray u = offset_directions(ball);
+  for (int n = 0; n < ball.num_vertices(); ++n) {
+    const Vec3 radius = ball.positions().row(n).transpose() / 0.7;
+    EXPECT_NEAR(u.row(n).normalized().dot(radius), 1, 1e-12) << n;
+    EXPECT_GT(u.row(n).dot(radius), 1);
+  }
+}
+
+// At the boundary the quads inside decide alone: the rim stands normal to them, not to the sphere, an error of the
+// first order. The thickness over every quad is that of the sphere's own normals all the same.
+TEST(Offset, OfAPatchOfASphereApproachesItsVolume) {
+  const double half = pi / 6;
+  const auto on_sphere = [&](double u, double v) {
+    return Vec3(Vec3(std::tan(half * (2 * u - 1)), std::tan(half * (2 * v - 1)), 1).normalized());
+  };
+  const double sine_squared = std::pow(std::tan(half), 2) / (1 + std::pow(std::tan(half), 2));
+  const double solid_angle = 4 * std::asin(sine_squared);  // of a pyramid whose faces open by the angle 2 half
+  const auto error = [&](int n) {
+    const Shell shell = offset(support::patch(n, n, on_sphere), {0, 0.25, 3});
+    const auto [least, most] = radii(shell, 3, 3, 3);
+    EXPECT_NEAR(least, 1.25, 0.3 / (n * n));
+    EXPECT_NEAR(most, 1.25, 0.3 / (n * n));
+    return std::abs(shell.volume / (solid_angle * (std::pow(1.25, 3) - 1) / 3) - 1);
+  };
+  EXPECT_LT(error(16), 0.015);
+  EXPECT_GT(error(8) / error(16), 1.9);
+  EXPECT_GT(error(16) / error(32), 1.9);
+}
+
+// Twelve planes of a box without right angles, all moved by the same distance: another such box, larger by what the
+// three widths gain.
+TEST(Offset, MovesThePlanesOfABoxByTheThickness) {
+  Mat3 edges;
+  edges.col(0) << 1, 0.1, 0;
+  edges.col(1) << -0.3, 0.8, 0.2;
+  edges.col(2) << 0.2, 0.1, 0.7;
+  for (const std::array<int, 3> cells : {std::array{1, 1, 1}, std::array{3, 2, 4}}) {
+    const QuadSurface surface = support::box(
+        cells, [&](const Vec3& p) { return Vec3(edges * p.cwiseQuotient(Vec3(cells[0], cells[1], cells[2]))); });
+    EXPECT_TRUE(surface.is_closed());
+    const double thickness = 0.05;
+    double larger = edges.determinant();
+    for (int d = 0; d < 3; ++d) {
+      const double width = edges.determinant() / edges.col((d + 1) % 3).cross(edges.col((d + 2) % 3)).norm();
+      larger *= 1 + 2 * thickness / width;
+    }
+    EXPECT_NEAR(offset(surface, {0, thickness, 2}).volume, larger - edges.determinant(), 1e-12);
+  }
+}
+
+// The thickness does not depend on how the planes beside an edge are cut into quads.
+TEST(Offset, LeansOnAnglesNotOnTheNumberOfQuads) {
+  PointArray x(8, 3);
+  // a roof: the ridge from vertex 0 to 1 belongs to one quad on the left; on the right its end 1 has two
+  x << 0, 0, 0, 2, 0, 0, 2, -1, -1, 0, -1, -1, 0, 1, -1, 2, 1, -1, 4, 1, -1, 4, 0, 0;
+  const QuadSurface roof(x, {{0, 3, 2, 1}, {1, 5, 4, 0}, {1, 7, 6, 5}});
+  const PointArray u = offset_directions(roof);
+  EXPECT_TRUE(u.row(1).isApprox(Eigen::RowVector3d(0, 0, std::sqrt(2)), 1e-12)) << u.row(1);
+  EXPECT_TRUE(u.row(0).isApprox(u.row(1), 1e-12)) << u.row(0);
+}
+
+// 1 m of radius: the limit is the radius of curvature, of the sides for a prism.
+TEST(Offset, KnowsHowFarItCanGo) {
+  const QuadSurface prism = support::prism(16, 2, 1, 1);
+  const OffsetLimits tube = offset_limits(prism, offset_directions(prism));
+  EXPECT_NEAR(tube.inward, std::cos(pi / 16), 1e-12);
+  EXPECT_EQ(tube.outward, kInfinity);
+  const QuadSurface ball = support::sphere(12, 1);
+  EXPECT_NEAR(offset_limits(ball, offset_directions(ball)).inward, 1, 0.01);
+  // a saddle, z = (x^2 - y^2) / 2 r, folds on both sides
+  const QuadSurface saddle = support::patch(20, 20, [](double u, double v) {
+    const double x = u - 0.5, y = v - 0.5;
+    return Vec3(x, y, (x * x - y * y) / (2 * 0.8));
+  });
+  const OffsetLimits both = offset_limits(saddle, offset_directions(saddle));
+  EXPECT_NEAR(both.inward, 0.8, 0.03);
+  EXPECT_NEAR(both.outward, 0.8, 0.03);
+}
+
+TEST(Offset, RefusesToFold) {
+  const QuadSurface prism = support::prism(16, 2, 1, 1);
+  EXPECT_GT(offset(prism, {0.95, 0, 4}).quality.least_scaled_jacobian, 0);
+  EXPECT_TRUE(refuses<InputError>(
+      [&] {
+        offset(prism, {1.1, 0, 4});
+      },
+      {"32 quads fold", "1.1 inward", "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, ...", "the worst is", "scaled Jacobian of -",
+       "less than 0.9808 (quad ", "any distance outward"}));
+  // through the centre of a sphere both directions turn over, and every corner of the hexahedra looks sound
+  const QuadSurface ball = support::sphere(4, 1);
+  EXPECT_TRUE(refuses<InputError>([&] { offset(ball, {2.5, 0, 1}); }, {"96 quads fold"}));
+  EXPECT_TRUE(refuses<InputError>([&] { offset(ball, {2.5, -2, 1}); }, {"96 quads fold"}));
+}
+
+TEST(Offset, RefusesNumbersThatMeanNothing) {
+  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, 0, 1}); }, {"0 inward and 0 outward"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0.5, -0.5, 1}); }, {"their sum not 0"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, kInfinity, 1}); }, {"inf outward", "must be finite"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, 1, 0}); }, {"0 layers: at least 1"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, 1, std::numeric_limits<int>::max()}); }, {"more nodes"}));
+}
+
+// A corner of a cube pulled out to a needle, and a roof whose two sides all but touch.
+TEST(Offset, RefusesVerticesThatAreTooSharp) {
+  const auto pulled = [](double length) {
+    return support::box({1, 1, 1}, [&](const Vec3& p) { return Vec3(p.isOnes(0) ? length * p : p); });
+  };
+  const auto roof = [](double width) {
+    return support::patch(2, 1, [&](double u, double v) { return Vec3(v, width * (2 * u - 1), -std::abs(2 * u - 1)); });
+  };
+  EXPECT_GT(offset_directions(pulled(3)).rowwise().norm().maxCoeff(), 2);
+  EXPECT_TRUE(refuses<InputError>([&] { offset_directions(pulled(20)); }, {"1 vertices are too sharp", ": 7;"}));
+  EXPECT_NEAR(offset_directions(roof(0.2)).rowwise().norm().maxCoeff(), std::sqrt(1 + 1 / 0.04), 1e-12);
+  EXPECT_TRUE(refuses<InputError>([&] { offset_directions(roof(0.05)); }, {"2 vertices are too sharp", "1, 4;"}));
+}
+
+TEST(Offset, NamesTheWorstQuadsFirst) {
+  const Shell shell = offset(
+      support::box({3, 3, 3},
+                   [](const Vec3& p) { return Vec3(p + (p == Vec3(1, 1, 3) ? Vec3(0.5, 0.4, 0) : Vec3(0, 0, 0))); }),
+      {0, 0.2, 2});
+  ASSERT_EQ(shell.worst_quads.size(), 5u);
+  EXPECT_EQ(shell.quality.worst_element / 2, shell.worst_quads.front());
+  std::vector<double> shapes;
+  for (const int q : shell.worst_quads)
+    shapes.push_back(scaled_jacobian(gather(shell.mesh.positions(), shell.mesh.hexahedra()[2 * q])));
+  EXPECT_TRUE(std::ranges::is_sorted(shapes));
+  EXPECT_LT(shapes.front(), 0.8);
+}
+
+// What multigrid rests on: neighbours across faces form lattices, around a closed tube too, and in the six parts of a
+// sphere.
+TEST(Offset, MakesShellsThatCoarsen) {
+  const auto cells_after = [](const QuadSurface& surface, int layers) {
+    const HexMesh mesh = offset(surface, {0, 0.1, layers}).mesh;
+    const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+    return coarse ? static_cast<double>(mesh.num_elements()) / static_cast<double>(coarse->cells.size()) : 0;
+  };
+  EXPECT_EQ(cells_after(support::prism(24, 16, 1, 3), 2), 8);
+  EXPECT_EQ(cells_after(support::patch(16, 12, [](double u, double v) { return Vec3(u, v, u * v); }), 2), 8);
+  EXPECT_EQ(cells_after(support::patch(16, 12, [](double u, double v) { return Vec3(u, v, u * v); }), 1), 4);
+  EXPECT_GT(cells_after(support::sphere(8, 1), 2), 6);
+}
+
+// ---- the surface ----------------------------------------------------------------------------------------------------
+
+TEST(QuadSurface, KnowsItsNeighboursAndWhetherItIsClosed) {
+  const QuadSurface open = sheet();
+  EXPECT_FALSE(open.is_closed());
+  EXPECT_EQ(open.incident(5).size(), 4u);
+  EXPECT_EQ(open.incident(0).size(), 1u);
+  EXPECT_TRUE(support::sphere(2, 1).is_closed());
+}
+
+TEST(QuadSurface, RefusesWhatIsNoSurface) {
+  const QuadSurface good = sheet();
+  const auto made = [&](const std::function<void(PointArray&, std::vector<Quad>&)>& change) {
+    return [&, change] {
+      PointArray x = good.positions();
+      std::vector<Quad> quads = good.quads();
+      change(x, quads);
+      QuadSurface(x, quads);
+    };
+  };
+  EXPECT_TRUE(refuses<InputError>(made([](auto&, auto& quads) { quads.clear(); }), {"without quads"}));
+  EXPECT_TRUE(refuses<InputError>(made([](auto& x, auto&) { x(7, 1) = std::nan(""); }), {"1 vertices", "finite: 7;"}));
+  EXPECT_TRUE(refuses<InputError>(made([](auto&, auto& quads) { quads[2][1] = 12; }), {"range: 2;", "[0, 12)"}));
+  EXPECT_TRUE(refuses<InputError>(made([](auto&, auto& quads) { quads[2][1] = -1; }), {"range: 2;"}));
+  EXPECT_TRUE(refuses<InputError>(made([](auto&, auto& quads) { quads[4][1] = quads[4][3]; }), {"twice: 4;"}));
+  EXPECT_TRUE(
+      refuses<InputError>(made([](auto&, auto& quads) { quads.erase(quads.begin()); }), {"without a quad: 0;"}));
+  EXPECT_TRUE(refuses<InputError>(made([](auto& x, auto&) { x.row(3) = x.row(8); }), {"another one: 3, 8;"}));
+}
+
+// A seam: neighbours with vertices of their own at the same places.
+TEST(QuadSurface, RefusesSeams) {
+  PointArray x(8, 3);
+  x << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1 + 1e-12, 0;
+  EXPECT_TRUE(refuses<InputError>(
+      [&] {
+        QuadSurface(x, {{0, 1, 2, 3}, {4, 5, 6, 7}});
+      },
+      {"4 vertices at the place of another one: 1, 2, 4, 7;", "must share"}));
+}
+
+TEST(QuadSurface, RefusesEdgesAndVerticesThatAreNoManifold) {
+  PointArray x(8, 3);
+  x << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 2, 0, 0, 2, 1, 0, 1, 0, 1, 1, 1, 1;
+  // three quads at the edge from 1 to 2
+  EXPECT_TRUE(refuses<InputError>(
+      [&] {
+        QuadSurface(x, {{0, 1, 2, 3}, {1, 4, 5, 2}, {1, 6, 7, 2}});
+      },
+      {"3 quads meet more than one other quad", "0, 1, 2;"}));
+  EXPECT_TRUE(refuses<InputError>(
+      [&] {
+        QuadSurface(x.topRows(6), {{0, 1, 2, 3}, {2, 5, 4, 1}});
+      },
+      {"2 quads have a neighbour of the other orientation: 0, 1;"}));
+  EXPECT_TRUE(refuses<InputError>([&] { QuadSurface(x.topRows(4), {{0, 1, 2, 3}, {0, 1, 2, 3}}); }, {"orientation"}));
+  // two quads that meet in vertex 2 only
+  PointArray tip(7, 3);
+  tip << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 2, 1, 0, 2, 2, 0, 1, 2, 0;
+  EXPECT_TRUE(refuses<InputError>(
+      [&] {
+        QuadSurface(tip, {{0, 1, 2, 3}, {2, 4, 5, 6}});
+      },
+      {"1 vertices join quads that share no edge there: 2;"}));
+}
+
+// A closed surface pinched in a vertex, where one full fan of quads touches another.
+TEST(QuadSurface, RefusesClosedFansThatTouch) {
+  const QuadSurface cube = support::box({2, 2, 2}, [](const Vec3& p) { return p; });
+  const int n = cube.num_vertices();
+  int tip = 0;
+  while (!cube.positions().row(tip).isApprox(Eigen::RowVector3d(2, 2, 2))) ++tip;
+  PointArray x(2 * n, 3);
+  x << cube.positions(), (-cube.positions()).rowwise() + Eigen::RowVector3d(4, 4, 4);
+  std::vector<Quad> quads = cube.quads();
+  for (Quad quad : cube.quads()) {
+    std::ranges::reverse(quad);
+    for (int& vertex : quad) vertex = vertex == tip ? tip : vertex + n - (vertex > tip);
+    quads.push_back(quad);
+  }
+  PointArray without_twin(2 * n - 1, 3);
+  without_twin << x.topRows(n + tip), x.bottomRows(n - tip - 1);
+  EXPECT_TRUE(refuses<InputError>([&] { QuadSurface(without_twin, quads); }, {"1 vertices join", std::to_string(tip)}));
+}
+
+TEST(QuadSurface, RefusesQuadsOfNoShape) {
+  const auto single = [](const Vec3& last) {
+    return [=] {
+      PointArray x(4, 3);
+      x << 0, 0, 0, 1, 0, 0, 1, 1, 0, last.transpose();
+      QuadSurface(x, {{0, 1, 2, 3}});
+    };
+  };
+  single({0, 1, 0.9})();
+  EXPECT_TRUE(refuses<InputError>(single({0.5, 0.5, 0}), {"flat, concave or twisted at a corner: 0;"}));
+  EXPECT_TRUE(refuses<InputError>(single({0.8, 0.4, 0}), {"flat, concave"}));
+  EXPECT_TRUE(refuses<InputError>(single({1.5, 0.5, 0}), {"flat, concave"}));
+  EXPECT_TRUE(refuses<InputError>(single({2, 0.5, 9}), {"flat, concave"}));
+}
+
+TEST(QuadSurface, IsWhatAMeshFileHolds) {
+  const std::string plane = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3 4\n";
+  EXPECT_EQ(surface_of(parse_obj(plane + "f 2 5 6 3\n", "a.obj")).num_quads(), 2);
+  EXPECT_TRUE(refuses<InputError>([&] { surface_of(parse_obj(plane + "f 2 5 6\n", "a.obj")); },
+                                  {"1 triangles", "1 quads", "vertices 1, 4, 5", "must be quads"}));
+  EXPECT_TRUE(refuses<InputError>([&] { surface_of(parse_obj(plane, "a.obj")); }, {"without a quad: 4, 5;"}));
+}
+
+}  // namespace
+}  // namespace hexaplast
