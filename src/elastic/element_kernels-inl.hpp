@@ -48,6 +48,12 @@ HWY_INLINE void store_mat(const Mat<V>& M, V scale, hwy::float16_t* to) {
   for (int k = 0; k < 9; ++k) store_as(M.m[k / 3][k % 3] * scale, to + k * kBlock);
 }
 
+/// Whether a corner has a smaller number than the other end of its edge of direction d.
+template <int kCorner, int kDirection>
+constexpr bool comes_first() {
+  return kCorner < kEdgeNeighbour[kCorner][kDirection];
+}
+
 /// u <- L u, L = - df/dx with the rotations held fixed, of elements with a coefficient layout of kind kGeneral or not.
 ///
 ///   Z_i = dF~_i R_i^T,   dP_i R_i^T = 2 mu sym Z_i + lambda tr(Z_i) I                                       eq. 52
@@ -64,14 +70,14 @@ HWY_INLINE void apply_stiffness(const Coef* coef, const typename V::Scalar* weig
   const Coef* shared = rotation + 9 * kCorners * kBlock;
   if constexpr (kGeneral) {
     CornerLanes<V> h;
-    for (int k = 0; k < 3 * kCorners; ++k) h.at[k / 3][k % 3] = load_as(shared + k * kBlock);
+    for (int a = 0; a < kCorners; ++a)
+      for (int j = 0; j < 3; ++j) h.at[a][j] = load_as(shared + (3 * a + j) * kBlock);
     H = outer_sum(u, h);
     for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(T(0));
-    for (int k = 0; k < 36; ++k) e.at[k / 12][k / 3 % 4][k % 3] *= share;
+    scale(share, e);
   } else {
     blend(share, e);
   }
-  for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] = V(T(0));
 
   V mu = factor * load(weight), lambda = factor * load(weight + kBlock);
   unrolled<kCorners>([&](auto i) __attribute__((always_inline)) {
@@ -96,9 +102,13 @@ HWY_INLINE void apply_stiffness(const Coef* coef, const typename V::Scalar* weig
       P(r, r) = twice * Z(r, r) + trace;
       for (int c = 0; c < r; ++c) P(r, c) = P(c, r) = mu * (Z(r, c) + Z(c, r));
     }
-    for (int d = 0; d < 3; ++d)
-      for (int r = 0; r < 3; ++r)
-        q.at[d][kEdgeAt[i][d]][r] += P(r, 0) * C(d, 0) + P(r, 1) * C(d, 1) + P(r, 2) * C(d, 2);
+    unrolled<3>([&](auto d) __attribute__((always_inline)) {
+      for (int r = 0; r < 3; ++r) {
+        V& to = q.at[d][kEdgeAt[i][d]][r];
+        const V part = P(r, 0) * C(d, 0) + P(r, 1) * C(d, 1) + P(r, 2) * C(d, 2);
+        to = comes_first<i, d>() ? part : to + part;
+      }
+    });
     if constexpr (kGeneral)
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) Q(r, c) += P(r, 0) * R(0, c) + P(r, 1) * R(1, c) + P(r, 2) * R(2, c);
@@ -110,9 +120,9 @@ HWY_INLINE void apply_stiffness(const Coef* coef, const typename V::Scalar* weig
         u.at[a][r] = Q(r, 0) * load_as(shared + (3 * a) * kBlock) + Q(r, 1) * load_as(shared + (3 * a + 1) * kBlock) +
                      Q(r, 2) * load_as(shared + (3 * a + 2) * kBlock);
       }
-    for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] *= share;
+    scale(share, q);
   } else {
-    for (int k = 0; k < 24; ++k) u.at[k / 3][k % 3] = V(T(0));
+    set_zero(u);
     blend(share, q);
   }
   add_edges_transpose(q, u);

@@ -18,17 +18,16 @@ void add_product(const ElementOperator<T, Coef>& op, int chunk, T factor, const 
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     const auto* coef = stored(op, block);
     const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights;
-    const int* slots = partition.corners(block);
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       CornerLanes<V> u;
-      gather(p, slots + lane, u);
+      gather(partition, block, lane, p, u);
       if (op.per_sample)
         apply_stiffness<true, true>(coef + lane, weight + lane, share, f, u);
       else if (op.is_general[block])
         apply_stiffness<true, false>(coef + lane, weight + lane, share, f, u);
       else
         apply_stiffness<false, false>(coef + lane, weight + lane, share, f, u);
-      scatter_add(u, Ap, slots + lane);
+      scatter_add(u, partition, block, lane, Ap);
     }
   }
 }
@@ -74,7 +73,7 @@ void add_diagonal(const ElementOperator<T, Coef>& op, int chunk, T factor, T* di
           for (int c = 0; c < 3; ++c) sum.at[a][c] += squared + both * r[c] * r[c];
         }
       }
-      scatter_add(sum, diagonal, partition.corners(block) + lane);
+      scatter_add(sum, partition, block, lane, diagonal);
     }
   }
 }

@@ -14,11 +14,10 @@ namespace hexaplast::HWY_NAMESPACE {
 template <bool kGeneral, class T, class Coef>
 HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
   using V = Lanes<double>;
-  const int* slots = pass.partition.corners(block) + lane;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   CornerLanes<V> x, u;
-  gather(pass.material, slots, x);
-  gather(pass.world, slots, u);
+  gather(pass.partition, block, lane, pass.material, x);
+  gather(pass.partition, block, lane, pass.world, u);
   replace_absent(present, x);
   replace_absent(present, u);
   RestLanes<kGeneral, V> rest;
@@ -34,9 +33,9 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
   float* watch = pass.watch + static_cast<std::size_t>(block) * Watch::kQuantities * kBlock + lane;
   auto* coef = reinterpret_cast<typename Stored<Coef>::type*>(pass.op.coef.data() + pass.op.offset[block]) + lane;
   T* weight = pass.op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  const V scale = V(1 / (kCorners * pass.length * pass.length)) * volume;
-  store_as(scale * mu, weight);
-  store_as(scale * lambda, weight + kBlock);
+  const V per_sample = V(1 / (kCorners * pass.length * pass.length)) * volume;
+  store_as(per_sample * mu, weight);
+  store_as(per_sample * lambda, weight + kBlock);
   const V length(pass.length);
 
   Mat<V> R_centre = rest.inverse[0];  // overwritten where it is wanted
@@ -45,7 +44,7 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
   EdgeLanes<V> q;
   Mat<V> Q;
   V least_det(1e300);
-  for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] = V(0.0);
+  set_zero(q);
   for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
   for (int i = 0; i < kCorners; ++i) {
     const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
@@ -73,19 +72,19 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
 
   CornerLanes<V> f;
   if constexpr (kGeneral) {
-    for (int k = 0; k < 3 * kCorners; ++k)
-      store_as(length * rest.h.at[k / 3][k % 3], coef + (18 * kCorners + k) * kBlock);
+    for (int a = 0; a < kCorners; ++a)
+      for (int j = 0; j < 3; ++j) store_as(length * rest.h.at[a][j], coef + (18 * kCorners + 3 * a + j) * kBlock);
     for (int a = 0; a < kCorners; ++a)
       for (int r = 0; r < 3; ++r)
         f.at[a][r] = eighth * (Q(r, 0) * rest.h.at[a][0] + Q(r, 1) * rest.h.at[a][1] + Q(r, 2) * rest.h.at[a][2]);
-    for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] *= eighth * share;
+    scale(eighth * share, q);
   } else {
-    for (int k = 0; k < 24; ++k) f.at[k / 3][k % 3] = V(0.0);
+    set_zero(f);
     blend(share, q);
-    for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] *= eighth;
+    scale(eighth, q);
   }
   add_edges_transpose(q, f);
-  scatter_add(f, pass.force, slots);
+  scatter_add(f, pass.partition, block, lane, pass.force);
 }
 
 template <class T, class Coef>
@@ -102,12 +101,12 @@ template <bool kGeneral>
 HWY_INLINE void exact_lanes(const Model& model, const Linearization& at, int block, int lane, double factor,
                             const double* p, double* Ap) {
   using V = Lanes<double>;
-  const int* slots = model.partition->corners(block) + lane;
+  const Partition& partition = *model.partition;
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u, du;
-  gather(at.material.data(), slots, x);
-  gather(at.world.data(), slots, u);
-  gather(p, slots, du);
+  gather(partition, block, lane, at.material.data(), x);
+  gather(partition, block, lane, at.world.data(), u);
+  gather(partition, block, lane, p, du);
   replace_absent(present, x);
   replace_absent(present, u);
   RestLanes<kGeneral, V> rest;
@@ -119,7 +118,7 @@ HWY_INLINE void exact_lanes(const Model& model, const Linearization& at, int blo
 
   EdgeLanes<V> q;
   Mat<V> Q;
-  for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] = V(0.0);
+  set_zero(q);
   for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
   for (int i = 0; i < kCorners; ++i) {
     const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
@@ -137,17 +136,17 @@ HWY_INLINE void exact_lanes(const Model& model, const Linearization& at, int blo
     if constexpr (kGeneral)
       for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] += P.m[k / 3][k % 3];
   }
-  for (int k = 0; k < 24; ++k) u.at[k / 3][k % 3] = V(0.0);
+  set_zero(u);
   if constexpr (kGeneral) {
     for (int a = 0; a < kCorners; ++a)
       for (int r = 0; r < 3; ++r)
         u.at[a][r] = Q(r, 0) * rest.h.at[a][0] + Q(r, 1) * rest.h.at[a][1] + Q(r, 2) * rest.h.at[a][2];
-    for (int k = 0; k < 36; ++k) q.at[k / 12][k / 3 % 4][k % 3] *= rest.share;
+    scale(rest.share, q);
   } else {
     blend(rest.share, q);
   }
   add_edges_transpose(q, u);
-  scatter_add(u, Ap, slots);
+  scatter_add(u, partition, block, lane, Ap);
 }
 
 void exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p, double* Ap) {
@@ -164,12 +163,11 @@ void linearize_coarse(const Partition& partition, const double* material, const 
   using V = Lanes<double>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      const int* slots = partition.corners(block) + lane;
       std::uint32_t present = 0;
       for (int k = 0; k < V::kCount; ++k) present |= (partition.element(block, lane + k) >= 0 ? 1u : 0u) << k;
       CornerLanes<V> x, u;
-      gather(material, slots, x);
-      gather(world, slots, u);
+      gather(partition, block, lane, material, x);
+      gather(partition, block, lane, world, u);
       RestLanes<true, V> rest;
       // corners beyond the mesh may lie anywhere: cells that they turn inside out do not help
       for (int attempt = 0; attempt < 2; ++attempt) {
@@ -203,7 +201,7 @@ void find_general(const Partition& partition, const double* material, const std:
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       CornerLanes<V> x;
       EdgeLanes<V> e;
-      gather(material, partition.corners(block) + lane, x);
+      gather(partition, block, lane, material, x);
       replace_absent(static_cast<std::uint32_t>(present[block]) >> lane, x);
       edges(x, e);
       V longest(0.0), difference(0.0);

@@ -44,6 +44,7 @@ void place(const NodalMap& map, const Partition& partition, const AlignedVector<
 template <class Finer>
 void gather_weights(const std::vector<std::array<int, kCorners>>& children, const Finer& finer,
                     ElementOperator<float, float>& op) {
+  const std::vector<int>&fine_place = finer.partition().place_of_element, &place = op.partition().place_of_element;
   const int samples = finer.per_sample ? kCorners : 1;
   const float each = finer.per_sample ? 1.0f : static_cast<float>(kCorners);
   parallel_for(static_cast<int>(children.size()), [&](int cell) {
@@ -52,11 +53,11 @@ void gather_weights(const std::vector<std::array<int, kCorners>>& children, cons
         const int child = children[cell][i];
         float sum = 0;
         for (int s = 0; child >= 0 && s < samples; ++s) {
-          const std::size_t at = (static_cast<std::size_t>(child / kBlock) * samples + s) * 2 + which;
-          sum += each * static_cast<float>(finer.weight[at * kBlock + child % kBlock]);
+          const std::size_t at = (static_cast<std::size_t>(fine_place[child] / kBlock) * samples + s) * 2 + which;
+          sum += each * static_cast<float>(finer.weight[at * kBlock + fine_place[child] % kBlock]);
         }
-        const std::size_t at = (static_cast<std::size_t>(cell / kBlock) * kCorners + i) * 2 + which;
-        op.weight[at * kBlock + cell % kBlock] = sum;
+        const std::size_t at = (static_cast<std::size_t>(place[cell] / kBlock) * kCorners + i) * 2 + which;
+        op.weight[at * kBlock + place[cell] % kBlock] = sum;
       }
   });
 }

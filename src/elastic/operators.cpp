@@ -166,7 +166,8 @@ void add_stiffness_product(const Model&, const Linearization& at, double factor,
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K) {
   const Partition& partition = *model.partition;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    if (!(at.present[e / kBlock] >> e % kBlock & 1)) continue;
+    const int place = partition.place_of_element[e];
+    if (!(at.present[place / kBlock] >> place % kBlock & 1)) continue;
     const Lame& k = model.lame[e];
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const RestOperator rest = rest_operator(corner_points(partition, at.material, corners), model.settings.gradient);

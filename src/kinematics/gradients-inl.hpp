@@ -28,6 +28,19 @@ struct EdgeLanes {
 };
 
 template <class V>
+HWY_INLINE void set_zero(EdgeLanes<V>& e) {
+  for (auto& direction : e.at)
+    for (auto& edge : direction)
+      for (V& entry : edge) entry = V(typename V::Scalar(0));
+}
+template <class V>
+HWY_INLINE void scale(V factor, EdgeLanes<V>& e) {
+  for (auto& direction : e.at)
+    for (auto& edge : direction)
+      for (V& entry : edge) entry *= factor;
+}
+
+template <class V>
 HWY_INLINE void edges(const CornerLanes<V>& x, EdgeLanes<V>& e) {
   unrolled<12>([&](auto k) __attribute__((always_inline)) {
     constexpr int d = k / 4, m = k % 4;
@@ -87,16 +100,14 @@ HWY_INLINE void mean_gradients(const EdgeLanes<V>& e, CornerLanes<V>& mean, V& v
     }
   }
 
-  V moment[3][4][3];  // of cof(2 J)_d: sums over the points near the four edges of direction d
-  for (auto& direction : moment)
-    for (auto& line : direction)
-      for (V& m : line) m = V(T(0));
+  EdgeLanes<V> moment;  // of cof(2 J)_d: sums over the points near the four edges of direction d
+  set_zero(moment);
   V det_sum(T(0));
   unrolled<kCorners>([&](auto a) __attribute__((always_inline)) {
     const Mat<V> J = edges_at(at, a), cof = cofactor(J);
     det_sum += J(0, 0) * cof(0, 0) + J(0, 1) * cof(0, 1) + J(0, 2) * cof(0, 2);
     for (int d = 0; d < 3; ++d)
-      for (int i = 0; i < 3; ++i) moment[d][kEdgeAt[a][d]][i] += cof(d, i);
+      for (int i = 0; i < 3; ++i) moment.at[d][kEdgeAt[a][d]][i] += cof(d, i);
   });
   volume = V(T(0.125)) * det_sum;
 
@@ -105,11 +116,10 @@ HWY_INLINE void mean_gradients(const EdgeLanes<V>& e, CornerLanes<V>& mean, V& v
   for (int d = 0; d < 3; ++d)
     for (int i = 0; i < 3; ++i) {
       V half[4];
-      for (int m = 0; m < 4; ++m) half[m] = V(kNear) * moment[d][m][i] + V(kFar) * moment[d][m ^ 1][i];
+      for (int m = 0; m < 4; ++m) half[m] = V(kNear) * moment.at[d][m][i] + V(kFar) * moment.at[d][m ^ 1][i];
       for (int m = 0; m < 4; ++m) at.at[d][m][i] = scale * (V(kNear) * half[m] + V(kFar) * half[m ^ 2]);
     }
-  for (auto& corner : mean.at)
-    for (V& g : corner) g = V(T(0));
+  set_zero(mean);
   add_edges_transpose(at, mean);
 }
 
@@ -162,8 +172,7 @@ HWY_INLINE void rest_operator(const CornerLanes<V>& x, GradientScheme scheme, Re
                 V(T(-0.5 / kCorners)) * (rest.inverse[kEdgeFrom[d][m]](d, j) + rest.inverse[kEdgeTo[d][m]](d, j));
       add_edges_transpose(mean, rest.h);
     } else {
-      for (auto& corner : rest.h.at)
-        for (V& g : corner) g = V(T(0));
+      set_zero(rest.h);
       if (scheme == GradientScheme::kCentre) {
         EdgeLanes<V> mean = e;
         blend(V(T(0)), mean);
@@ -185,7 +194,7 @@ class GradientLanes {
     edges(u, e_);
     if constexpr (kGeneral) {
       shared_ = outer_sum(u, rest.h);
-      for (int k = 0; k < 36; ++k) e_.at[k / 12][k / 3 % 4][k % 3] *= rest.share;
+      scale(rest.share, e_);
     } else {
       blend(rest.share, e_);
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "hexaplast/base/parallel.hpp"
+#include "mesh/runs.hpp"
 
 namespace hexaplast {
 
@@ -12,11 +13,29 @@ namespace {
 // Small enough to keep several threads busy, large enough that the copies between chunks stay a fraction of the nodes.
 constexpr int kElementsPerChunk = 1024, kMostChunks = 16;
 
+std::size_t corner_index(int place, int corner) {
+  return (static_cast<std::size_t>(place / kBlock) * kCorners + corner) * kBlock + place % kBlock;
+}
+
+/// Whether the corners of each run lie in slots side by side.
+bool lies_in_runs(const int* corner) {
+  constexpr int kRuns = kBlock / kRun;
+  for (int a = 0; a < kCorners; ++a)
+    for (int place = kRuns; place < kBlock; ++place)
+      if (corner[a * kBlock + place] != corner[a * kBlock + place - kRuns] + 1) return false;
+  return true;
+}
+
 }  // namespace
 
 Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
     : num_nodes(count), num_elements(static_cast<int>(hexahedra.size())) {
-  num_blocks = (num_elements + kBlock - 1) / kBlock;
+  RunOrder order = order_by_runs(num_nodes, hexahedra);
+  element_of_place = std::move(order.element_of_place);
+  place_of_element.resize(num_elements);
+  for (std::size_t place = 0; place < element_of_place.size(); ++place)
+    if (element_of_place[place] >= 0) place_of_element[element_of_place[place]] = static_cast<int>(place);
+  num_blocks = static_cast<int>(element_of_place.size()) / kBlock;
   num_chunks = std::clamp(num_elements / kElementsPerChunk, 1, kMostChunks);
   first_block.resize(num_chunks + 1);
   for (int c = 0; c <= num_chunks; ++c)
@@ -24,9 +43,9 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
 
   // a node belongs to the first chunk that touches it; one without element to the first chunk
   const auto for_each_corner = [&](int chunk, const auto& visit) {
-    const int last = std::min(first_block[chunk + 1] * kBlock, num_elements);
-    for (int e = first_block[chunk] * kBlock; e < last; ++e)
-      for (int a = 0; a < kCorners; ++a) visit(e, a, hexahedra[e][a]);
+    for (int place = first_block[chunk] * kBlock; place < first_block[chunk + 1] * kBlock; ++place)
+      for (int a = 0; a < kCorners && element_of_place[place] >= 0; ++a)
+        visit(place, a, hexahedra[element_of_place[place]][a]);
   };
   std::vector<int> chunk_of_node(num_nodes, -1);
   for (int c = 0; c < num_chunks; ++c)
@@ -35,15 +54,22 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
     });
   for (int& c : chunk_of_node) c = std::max(c, 0);
 
+  // the nodes of a chunk along the runs
+  slot_of_node.assign(num_nodes, -1);
   first_node.assign(num_chunks + 1, 0);
-  for (const int c : chunk_of_node) ++first_node[c + 1];
-  for (int c = 0; c < num_chunks; ++c) first_node[c + 1] += first_node[c];
-  slot_of_node.resize(num_nodes);
-  node_of_slot.resize(num_nodes);
-  std::vector<int> next = first_node;
-  for (int node = 0; node < num_nodes; ++node) {
-    slot_of_node[node] = next[chunk_of_node[node]]++;
-    node_of_slot[slot_of_node[node]] = node;
+  for (int c = 0; c < num_chunks; ++c) {
+    const auto number = [&](int node) {
+      for (; node >= 0 && chunk_of_node[node] == c && slot_of_node[node] < 0; node = order.next_node[node]) {
+        slot_of_node[node] = static_cast<int>(node_of_slot.size());
+        node_of_slot.push_back(node);
+      }
+    };
+    for (const bool starts_runs : {true, false})
+      for_each_corner(c, [&](int, int a, int node) {
+        if ((kCornerSign[a][order.axis] < 0) == starts_runs) number(node);
+      });
+    for (int node = 0; c == 0 && node < num_nodes; ++node) number(node);
+    first_node[c + 1] = static_cast<int>(node_of_slot.size());
   }
 
   // copies, in ascending order of the node's slot within each chunk
@@ -62,15 +88,16 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
       original.push_back(slot);
     }
     first_copy[c + 1] = num_nodes + static_cast<int>(original.size());
-    for_each_corner(c, [&](int e, int a, int node) {
-      const std::size_t at = (static_cast<std::size_t>(e / kBlock) * kCorners + a) * kBlock + e % kBlock;
-      corner[at] = chunk_of_node[node] == c ? slot_of_node[node] : slot_here[node];
+    for_each_corner(c, [&](int place, int a, int node) {
+      corner[corner_index(place, a)] = chunk_of_node[node] == c ? slot_of_node[node] : slot_here[node];
     });
   }
   num_slots = num_nodes + static_cast<int>(original.size()) + kCorners;
-  for (int e = num_elements; e < num_blocks * kBlock; ++e)
-    for (int a = 0; a < kCorners; ++a)
-      corner[(static_cast<std::size_t>(e / kBlock) * kCorners + a) * kBlock + e % kBlock] = absent_slot() + a;
+  for (int place = 0; place < num_blocks * kBlock; ++place)
+    for (int a = 0; a < kCorners && element_of_place[place] < 0; ++a)
+      corner[corner_index(place, a)] = absent_slot() + a;
+  is_run.resize(num_blocks);
+  for (int block = 0; block < num_blocks; ++block) is_run[block] = lies_in_runs(corners(block));
 
   // each owner receives its copies back in the order of its nodes, and of the chunks for one node
   returned_copy.resize(original.size());

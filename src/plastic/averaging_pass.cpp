@@ -37,9 +37,8 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
     if (!op.present[block]) continue;
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       const T* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
-      const int* slots = partition.corners(block) + lane;
       CornerLanes<V> u;
-      gather(p, slots, u);
+      gather(partition, block, lane, p, u);
       take_mean_out(u);
       const V weight = select_bits(static_cast<std::uint32_t>(op.present[block]) >> lane, V(factor), V(T(0)));
       if (op.projects) {
@@ -65,7 +64,7 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
       } else {
         for (int k = 0; k < 3 * kCorners; ++k) u.at[k / 3][k % 3] *= weight;
       }
-      scatter_add(u, Ap, slots);
+      scatter_add(u, partition, block, lane, Ap);
     }
   }
 }
@@ -82,7 +81,7 @@ void add_diagonal(const AveragingOperator<T>& op, int chunk, T factor, T* diagon
                                 V(factor * T(1 - 1.0 / kCorners)), V(T(0)));
       for (auto& corner : share.at)
         for (V& entry : corner) entry = one;
-      scatter_add(share, diagonal, partition.corners(block) + lane);
+      scatter_add(share, partition, block, lane, diagonal);
     }
 }
 
@@ -91,9 +90,9 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   using V = Lanes<double>;
   using Op = AveragingOperator<T>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
-  const int* slots = pass.partition.corners(block) + lane;
+  const int* elements = pass.partition.element_of_place.data() + block * kBlock + lane;
   CornerLanes<V> x, t;
-  gather(pass.material, slots, x);
+  gather(pass.partition, block, lane, pass.material, x);
   replace_absent(present, x);
   take_mean_out(x);
 
@@ -101,7 +100,7 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   alignas(64) double numbers[3 * kCorners][kBlock];
   for (int k = 0; k < V::kCount; ++k) {
     const bool there = present >> k & 1;
-    const double* y = there ? pass.rest_shape[block * kBlock + lane + k].data() : nullptr;
+    const double* y = there ? pass.rest_shape[elements[k]].data() : nullptr;
     for (int n = 0; n < 3 * kCorners; ++n) numbers[n][k] = there ? y[n] : 0.5 * kCornerSign[n % kCorners][n / kCorners];
   }
   CornerLanes<V> y;
@@ -113,7 +112,7 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
       for (int k = 0; k < V::kCount; ++k) {
         const bool there = present >> k & 1;
         for (int n = 0; n < 9; ++n)
-          map[n][k] = there ? pass.fixed_map[(block * kBlock + lane + k) * kCorners + a](n / 3, n % 3) : n % 4 == 0;
+          map[n][k] = there ? pass.fixed_map[elements[k] * kCorners + a](n / 3, n % 3) : n % 4 == 0;
       }
       for (int i = 0; i < 3; ++i)
         t.at[a][i] =
@@ -129,7 +128,7 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
       for (int n = 0; n < 9; ++n) store(R.m[n / 3][n % 3], map[n]);
       for (int k = 0; k < V::kCount; ++k)
         if (present >> k & 1)
-          for (int n = 0; n < 9; ++n) pass.rotation_map[block * kBlock + lane + k](n / 3, n % 3) = map[n][k];
+          for (int n = 0; n < 9; ++n) pass.rotation_map[elements[k]](n / 3, n % 3) = map[n][k];
     }
   }
 
@@ -144,7 +143,7 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
     }
   misfit += hn::GetLane(hn::SumOfLanes(V::Tag(), misfits.raw()));
   size += hn::GetLane(hn::SumOfLanes(V::Tag(), (one * t_t).raw()));
-  if (pass.gradient) scatter_add(difference, pass.gradient, slots);
+  if (pass.gradient) scatter_add(difference, pass.partition, block, lane, pass.gradient);
 
   if (pass.coef) {
     T* coef = pass.coef + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;

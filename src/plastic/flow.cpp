@@ -42,8 +42,9 @@ constexpr double kSinglePrecision = 1e-5;  // the watch may be wrong by this sha
 /// Whether the plastic step would leave an element as it is, as far as single precision can tell. Errs on the safe
 /// side.
 bool is_idle(const Model& model, const Linearization& at, int e, const History& history) {
+  const int place = model.partition->place_of_element[e];
   const float* watch =
-      at.watch.data() + static_cast<std::size_t>(e / kBlock) * Watch::kQuantities * kBlock + e % kBlock;
+      at.watch.data() + static_cast<std::size_t>(place / kBlock) * Watch::kQuantities * kBlock + place % kBlock;
   const Material& material = model.material(e);
   const CornerValues &yield_stress = history.yield_stress[e], &rotation_yield = history.rotation_yield[e];
   for (int i = 0; i < kCorners; ++i) {
@@ -56,7 +57,7 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
   const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
   const double largest = *std::max_element(model.corner_jacobian[e].begin(), model.corner_jacobian[e].end());
   return watch[Watch::kLeastDet * kBlock] > guard && watch[Watch::kLeastJacobian * kBlock] > guard * largest &&
-         std::abs(at.volume[e] / model.volume[e] - 1) < kVolumeAtRest;
+         std::abs(at.volume[place] / model.volume[e] - 1) < kVolumeAtRest;
 }
 
 /// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then
@@ -100,16 +101,17 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
   };
 
   parallel_for(model.partition->num_blocks, [&](int block) {
-    const int first = block * kBlock, last = std::min(first + kBlock, model.mesh.num_elements());
     bool any = false;
-    for (int e = first; e < last; ++e) {
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = model.partition->element(block, place);
+      if (e < 0) continue;
       if (work.flows[e].idle) work.trial.set_element(e, history.element(e));
       any = any || !work.flows[e].idle;
     }
     if (!any) return;
     const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
-    for (int e = first; e < last; ++e)
-      if (left >> (e - first) & 1) flow_alone(e);
+    for (int place = 0; place < kBlock; ++place)
+      if (left >> place & 1) flow_alone(model.partition->element(block, place));
   });
   return true;
 }

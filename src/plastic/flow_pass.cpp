@@ -104,11 +104,10 @@ template <bool kGeneral>
 HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, int block, int lane,
                                     BlockHistory& h, std::uint32_t& yielded) {
   const Settings& settings = model.settings;
-  const int* slots = model.partition->corners(block) + lane;
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u;
-  gather(at.material.data(), slots, x);
-  gather(at.world.data(), slots, u);
+  gather(*model.partition, block, lane, at.material.data(), x);
+  gather(*model.partition, block, lane, at.world.data(), u);
   replace_absent(present, x);
   replace_absent(present, u);
   RestLanes<kGeneral, V> rest;
@@ -210,7 +209,8 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
   std::uint32_t wanted = 0, left = 0;
   const double threshold = model.settings.inversion_threshold;
   for (int place = 0; place < kBlock; ++place) {
-    const int given = model.partition->element(block, place), e = given < 0 ? block * kBlock : given;
+    const int given = model.partition->element(block, place);
+    const int e = given < 0 ? model.partition->element(block, 0) : given;
     const Material& material = model.material(e);
     const ElementPoints& y = history.rest_shape[e];
     for (int k = 0; k < 3 * kCorners; ++k) h.rest_shape[k].at[place] = y.data()[k];
@@ -242,7 +242,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
 
   for (int place = 0; place < kBlock; ++place) {
     if (!(wanted & ~left & 1u << place)) continue;
-    const int e = block * kBlock + place;
+    const int e = model.partition->element(block, place);
     for (int k = 0; k < 3 * kCorners; ++k) trial.rest_shape[e].data()[k] = h.rest_shape[k].at[place];
     trial.rotation_map[e] = history.rotation_map[e];
     for (int i = 0; i < kCorners; ++i) {

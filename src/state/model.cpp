@@ -43,7 +43,8 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
   lame_blocks.assign(static_cast<std::size_t>(partition->num_blocks) * 2 * kBlock, 0.0);
   double total_volume = 0;
   for (int e = 0; e < num_elements; ++e) {
-    double* at = lame_blocks.data() + static_cast<std::size_t>(e / kBlock) * 2 * kBlock + e % kBlock;
+    const int place = partition->place_of_element[e];
+    double* at = lame_blocks.data() + static_cast<std::size_t>(place / kBlock) * 2 * kBlock + place % kBlock;
     at[0] = lame[e].mu;
     at[kBlock] = lame[e].lambda;
     total_volume += volume[e];

@@ -11,6 +11,9 @@ namespace hexaplast {
 /// How a mesh is cut for the kernels: elements in blocks of kBlock, blocks in chunks that threads work on
 /// independently, nodes in slots.
 ///
+/// Elements have places, [block][element of the block]. Where the mesh has rows of four elements, a block holds four of
+/// them, and the nodes along them lie in slots side by side: the kernels load these together.
+///
 /// A nodal vector of the kernels has four numbers per slot (x, y, z, unused). Slots [0, num_nodes) are the nodes, those
 /// of one chunk side by side; a node that several chunks touch belongs to the first of them, and each of the others has
 /// a copy of it in a slot of its own behind, so that no two chunks write the same slot. The cut depends on the mesh
@@ -23,22 +26,22 @@ struct Partition {
   int num_nodes = 0;
   int num_blocks = 0;
   int num_chunks = 0;
-  int num_slots = 0;               ///< nodes, copies, and the eight slots of elements that are not there
-  std::vector<int> first_block;    ///< per chunk, and one more
-  std::vector<int> first_node;     ///< per chunk, and one more: slots of the nodes that it owns
-  std::vector<int> first_copy;     ///< per chunk, and one more: slots of its copies
-  std::vector<int> original;       ///< per copy: slot of the node; index: slot - num_nodes
-  std::vector<int> first_return;   ///< per chunk, and one more: into returned_copy
-  std::vector<int> returned_copy;  ///< slots of the copies of nodes that a chunk owns, by ascending node
-  std::vector<int> node_of_slot;   ///< per slot below num_nodes
-  std::vector<int> slot_of_node;   ///< the inverse
-  AlignedVector<int> corner;       ///< slots, [block][corner][element of the block]
+  int num_slots = 0;                  ///< nodes, copies, and the eight slots of elements that are not there
+  std::vector<int> first_block;       ///< per chunk, and one more
+  std::vector<int> first_node;        ///< per chunk, and one more: slots of the nodes that it owns
+  std::vector<int> first_copy;        ///< per chunk, and one more: slots of its copies
+  std::vector<int> original;          ///< per copy: slot of the node; index: slot - num_nodes
+  std::vector<int> first_return;      ///< per chunk, and one more: into returned_copy
+  std::vector<int> returned_copy;     ///< slots of the copies of nodes that a chunk owns, by ascending node
+  std::vector<int> node_of_slot;      ///< per slot below num_nodes
+  std::vector<int> slot_of_node;      ///< the inverse
+  AlignedVector<int> corner;          ///< slots, [block][corner][element of the block]
+  std::vector<unsigned char> is_run;  ///< per block: corner[place + 4] is the slot after corner[place], all corners
+  std::vector<int> element_of_place;  ///< -1 where there is none, which is in the last block only
+  std::vector<int> place_of_element;  ///< the inverse
 
-  /// Element of the mesh at a place of a block, or -1.
-  int element(int block, int place) const {
-    const int e = block * kBlock + place;
-    return e < num_elements ? e : -1;
-  }
+  /// Element of the mesh in a block, or -1.
+  int element(int block, int place) const { return element_of_place[block * kBlock + place]; }
   const int* corners(int block) const { return corner.data() + static_cast<std::size_t>(block) * kCorners * kBlock; }
   int absent_slot() const { return num_slots - kCorners; }  ///< first corner of the elements that are not there
 

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/partition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+/// The node that a slot stands for.
+int node(const Partition& partition, int slot) {
+  return partition.node_of_slot[slot < partition.num_nodes ? slot : partition.original[slot - partition.num_nodes]];
+}
+
+/// Every element has one place, and its corners there are the mesh's; blocks that are called runs are runs.
+void expect_whole(const Partition& partition, const std::vector<Hexahedron>& hexahedra) {
+  std::vector<int> found(hexahedra.size(), 0);
+  for (int block = 0; block < partition.num_blocks; ++block)
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = partition.element(block, place);
+      const int* corners = partition.corners(block) + place;
+      for (int a = 0; a < kCorners; ++a) {
+        if (e >= 0) {
+          EXPECT_EQ(node(partition, corners[a * kBlock]), hexahedra[e][a]);
+        } else {
+          EXPECT_EQ(corners[a * kBlock], partition.absent_slot() + a);
+        }
+        if (partition.is_run[block] && place >= 4) {
+          EXPECT_EQ(corners[a * kBlock], corners[a * kBlock - 4] + 1);
+        }
+      }
+      if (e < 0) {
+        EXPECT_EQ(block, partition.num_blocks - 1);
+      } else {
+        ++found[e];
+        EXPECT_EQ(partition.place_of_element[e], block * kBlock + place);
+      }
+    }
+  EXPECT_TRUE(std::all_of(found.begin(), found.end(), [](int times) { return times == 1; }));
+  for (int n = 0; n < partition.num_nodes; ++n) EXPECT_EQ(partition.node_of_slot[partition.slot_of_node[n]], n);
+}
+
+int num_runs(const Partition& partition) {
+  return static_cast<int>(std::count(partition.is_run.begin(), partition.is_run.end(), 1));
+}
+
+TEST(Partition, GridsLieInRunsAlongTheAxisThatHasThem) {
+  for (const std::array<int, 3> cells : {std::array{8, 3, 4}, std::array{3, 8, 2}, std::array{2, 3, 16}}) {
+    const HexMesh mesh = support::block(cells, 0.1);
+    const Partition partition(mesh);
+    expect_whole(partition, mesh.hexahedra());
+    EXPECT_EQ(num_runs(partition), partition.num_blocks);
+    EXPECT_EQ(partition.num_blocks, mesh.num_elements() / kBlock);
+  }
+}
+
+TEST(Partition, WhatIsLeftOfTheLinesComesLast) {
+  const HexMesh mesh = support::block({5, 3, 7}, 0.1);  // 21 runs along x; 15 along z
+  const Partition partition(mesh);
+  expect_whole(partition, mesh.hexahedra());
+  EXPECT_EQ(num_runs(partition), 5);
+  EXPECT_EQ(partition.num_blocks, (mesh.num_elements() + kBlock - 1) / kBlock);
+}
+
+TEST(Partition, ChunksKeepMostRuns) {
+  const HexMesh mesh = support::block({16, 16, 32}, 0.1);
+  const Partition partition(mesh);
+  expect_whole(partition, mesh.hexahedra());
+  EXPECT_GT(partition.num_chunks, 4);
+  EXPECT_GT(num_runs(partition), 0.9 * partition.num_blocks);
+}
+
+TEST(Partition, RingsAreRunsButForTheirSeam) {
+  // a tube of 16 cells around, 3 along and 2 through
+  constexpr int kAround = 16;
+  const auto at = [](int around, int along, int through) { return (through * 4 + along) * kAround + around % kAround; };
+  std::vector<Hexahedron> hexahedra;
+  for (int through = 0; through < 2; ++through)
+    for (int along = 0; along < 3; ++along)
+      for (int around = 0; around < kAround; ++around) {
+        Hexahedron hexahedron;
+        for (int a = 0; a < kCorners; ++a)
+          hexahedron[a] =
+              at(around + (kCornerSign[a][0] > 0), along + (kCornerSign[a][1] > 0), through + (kCornerSign[a][2] > 0));
+        hexahedra.push_back(hexahedron);
+      }
+  const Partition partition(3 * 4 * kAround, hexahedra);
+  expect_whole(partition, hexahedra);
+  EXPECT_EQ(num_runs(partition), 4);  // six rings of three runs each, four of which fill a block
+}
+
+TEST(Partition, TurnedElementsAreInNobodysRun) {
+  // every element in an orientation of its own: no common axis, no order
+  const HexMesh mesh = support::block({4, 5, 6}, 0.1);
+  constexpr std::array<std::array<int, kCorners>, 3> kTurns{
+      {{0, 1, 2, 3, 4, 5, 6, 7}, {1, 2, 3, 0, 5, 6, 7, 4}, {0, 3, 7, 4, 1, 2, 6, 5}}};
+  support::Random random(7);
+  std::vector<Hexahedron> hexahedra = mesh.hexahedra();
+  for (Hexahedron& hexahedron : hexahedra) {
+    const Hexahedron before = hexahedron;
+    const auto& turn = kTurns[static_cast<int>(1.5 + 1.5 * random.field(1, 0.999)(0, 0))];
+    for (int a = 0; a < kCorners; ++a) hexahedron[a] = before[turn[a]];
+  }
+  expect_whole(Partition(mesh.num_nodes(), hexahedra), hexahedra);
+}
+
+TEST(Partition, ThreeElementsOnOneFaceAndNodesWithoutElementHavePlaces) {
+  std::vector<Hexahedron> hexahedra{{0, 1, 2, 3, 4, 5, 6, 7}};
+  for (int copy = 0; copy < 3; ++copy) {
+    const int first = 8 + 4 * copy;
+    hexahedra.push_back({1, first, first + 1, 2, 5, first + 2, first + 3, 6});
+  }
+  expect_whole(Partition(22, hexahedra), hexahedra);  // two nodes more than elements touch
+}
+
+}  // namespace
+}  // namespace hexaplast
