@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
 #include "hexaplast/base/blocks.hpp"
 
 namespace hexaplast {
 
 namespace {
+
+constexpr double kEnoughRuns = 0.75;  // of the most that any axis gives
 
 /// Elements in a row along a local axis. A ring is cut somewhere, and no run reaches across: its nodes are not in order
 /// there.
@@ -57,10 +60,30 @@ std::vector<Line> lines_along(const std::vector<Hexahedron>& hexahedra, const st
   return found;
 }
 
-std::size_t num_runs(const std::vector<Line>& lines) {
-  std::size_t sum = 0;
-  for (const Line& line : lines) sum += line.num_runs();
-  return sum;
+struct LinesOfAxis {
+  int axis;
+  std::vector<Line> lines;
+  std::size_t num_runs = 0;
+  long stride = 0;  // sum over neighbours in a line of how far apart they are in the mesh
+
+  LinesOfAxis(int of, std::vector<Line> all) : axis(of), lines(std::move(all)) {
+    for (const Line& line : lines) {
+      num_runs += line.num_runs();
+      for (std::size_t k = 1; k < line.elements.size(); ++k)
+        stride += std::abs(line.elements[k] - line.elements[k - 1]);
+    }
+  }
+};
+
+/// The axis along which the order of the mesh is kept best, of those that give not much fewer runs than any: what is
+/// stored by element lies together then.
+LinesOfAxis choose(std::array<LinesOfAxis, 3> axes) {
+  std::size_t most = 0;
+  for (const LinesOfAxis& each : axes) most = std::max(most, each.num_runs);
+  LinesOfAxis* best = nullptr;
+  for (LinesOfAxis& each : axes)
+    if (each.num_runs >= kEnoughRuns * static_cast<double>(most) && (!best || each.stride < best->stride)) best = &each;
+  return std::move(*best);
 }
 
 /// Fills blocks with runs, and others with what is left of the lines.
@@ -108,17 +131,12 @@ RunOrder order_by_runs(int num_nodes, const std::vector<Hexahedron>& hexahedra) 
   std::vector<int> first_at(num_nodes, -1);
   for (std::size_t e = hexahedra.size(); e-- > 0;) first_at[hexahedra[e][0]] = static_cast<int>(e);
 
-  RunOrder order{{}, 0, std::vector<int>(num_nodes, -1)};
-  std::vector<Line> best = lines_along(hexahedra, first_at, 0);
-  for (int other = 1; other < 3; ++other) {
-    std::vector<Line> lines = lines_along(hexahedra, first_at, other);
-    if (num_runs(lines) <= num_runs(best)) continue;
-    best = std::move(lines);
-    order.axis = other;
-  }
-
+  const LinesOfAxis chosen =
+      choose({LinesOfAxis(0, lines_along(hexahedra, first_at, 0)), LinesOfAxis(1, lines_along(hexahedra, first_at, 1)),
+              LinesOfAxis(2, lines_along(hexahedra, first_at, 2))});
+  RunOrder order{{}, chosen.axis, std::vector<int>(num_nodes, -1)};
   Blocks blocks;
-  for (const Line& line : best) blocks.add(line);
+  for (const Line& line : chosen.lines) blocks.add(line);
   order.element_of_place = blocks.finish();
   for (const Hexahedron& corners : hexahedra)
     for (int a = 0; a < kCorners; ++a)

@@ -22,7 +22,8 @@ struct RunOrder {
   std::vector<int> next_node;  ///< per node: the next one along the runs, or -1
 };
 
-/// Runs along the local axis that gives the most of them. Elements without are put together in blocks of their own.
+/// Runs along one local axis: of those that give nearly the most, the one that the mesh is numbered along. Elements
+/// without are put together in blocks of their own.
 RunOrder order_by_runs(int num_nodes, const std::vector<Hexahedron>& hexahedra);
 
 }  // namespace hexaplast
