@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
@@ -136,7 +137,7 @@ struct PreconditionedConjugateGradients::Spaces {
   Multigrid<double> multigrid_double;
   Multigrid<float> multigrid_single;
   ExactResidual exact;
-  PointArray residual, correction;
+  PointArray start, residual, correction;
 
   bool refines() const { return knows_kernels && system.single_operator && system.exact_operator; }
 
@@ -154,6 +155,7 @@ struct PreconditionedConjugateGradients::Spaces {
 
  private:
   bool knows_kernels = false;
+  std::tuple<AlignedVector<double>, AlignedVector<float>> scratch_;
 
   template <class T>
   CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, bool cycles) {
@@ -168,7 +170,8 @@ struct PreconditionedConjugateGradients::Spaces {
     constexpr double kBreakEven = 40;
     const auto ratio = [&]<class T>(const ChunkedOperator<T>& op) {
       const Partition& partition = op.partition();
-      AlignedVector<T> stiffness = slot_vector<T>(partition);
+      AlignedVector<T>& stiffness = std::get<AlignedVector<T>>(scratch_);
+      stiffness.assign(4 * static_cast<std::size_t>(partition.num_slots), T(0));
       for (int chunk = 0; chunk < partition.num_chunks; ++chunk)
         op.add_diagonal(chunk, static_cast<T>(system.factor), stiffness.data());
       double sum = 0;
@@ -194,8 +197,8 @@ SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, Const
 }
 
 SolveReport PreconditionedConjugateGradients::improve(const LinearSystem& A, ConstPoints b, Points x) {
-  const PointArray start = x;
-  return iterate(A, b, &start, x);
+  spaces_->start = x;
+  return iterate(A, b, &spaces_->start, x);
 }
 
 namespace {

@@ -133,7 +133,8 @@ void Multigrid<T>::refer_to(const KernelSystem& system) {
     if (k == 0) {
       descend(fine_, is_fixed, 0);
     } else {
-      std::vector<unsigned char> mask(4 * static_cast<std::size_t>(coarse_[k - 1].op->partition().num_nodes), 0);
+      std::vector<unsigned char>& mask = coarse_[k - 1].is_fixed;
+      mask.assign(4 * static_cast<std::size_t>(coarse_[k - 1].op->partition().num_nodes), 0);
       for (const std::size_t number : coarse_[k - 1].fixed.number) mask[number] = 1;
       descend(
           coarse_[k - 1], [&](int slot, int axis) { return mask[4 * static_cast<std::size_t>(slot) + axis] != 0; },

@@ -12,6 +12,7 @@ struct MultigridLevel {
   T factor = 0;
   AlignedVector<T> diagonal, inverse;  ///< D, and 1 / diag(A)
   FixedNumbers fixed;
+  std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
   AlignedVector<T> x, r, d, Ad;
 
   void resize();

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// No step may allocate: a haptic loop has no time for it. This program counts every call of the allocator.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "hexaplast/base/parallel.hpp"
+#include "support/shapes.hpp"
+#include "support/simulation.hpp"
+
+namespace {
+
+std::atomic<long> num_allocations{0};
+
+template <class Function>
+Function next(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+// In place of the C library's; operator new and Eigen end in them.
+extern "C" {
+void* malloc(std::size_t size) {
+  static const auto allocate = next<void* (*)(std::size_t)>("malloc");
+  ++num_allocations;
+  return allocate(size);
+}
+void* realloc(void* at, std::size_t size) {
+  static const auto allocate = next<void* (*)(void*, std::size_t)>("realloc");
+  ++num_allocations;
+  return allocate(at, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  static const auto allocate = next<void* (*)(std::size_t, std::size_t)>("aligned_alloc");
+  ++num_allocations;
+  return allocate(alignment, size);
+}
+int posix_memalign(void** at, std::size_t alignment, std::size_t size) {
+  static const auto allocate = next<int (*)(void**, std::size_t, std::size_t)>("posix_memalign");
+  ++num_allocations;
+  return allocate(at, alignment, size);
+}
+}
+
+namespace hexaplast {
+namespace {
+
+enum class Does { kNothing, kIdles, kFlows };
+
+struct Case {
+  const char* name;
+  Precision precision;
+  Does plasticity;
+  std::unique_ptr<LinearSolver> (*solver)();
+};
+
+template <Preconditioner kPreconditioner>
+std::unique_ptr<LinearSolver> preconditioned() {
+  return std::make_unique<PreconditionedConjugateGradients>(1e-2, 500, kPreconditioner);
+}
+std::unique_ptr<LinearSolver> tight() { return std::make_unique<PreconditionedConjugateGradients>(1e-6, 500); }
+std::unique_ptr<LinearSolver> plain() {
+  return std::make_unique<ConjugateGradients>(ConjugateGradientSettings{.iterations = 10, .tolerance = 0});
+}
+std::unique_ptr<LinearSolver> warm() {
+  return std::make_unique<ConjugateGradients>(
+      ConjugateGradientSettings{.iterations = 10, .tolerance = 0, .warm_start = true});
+}
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class Allocations : public testing::TestWithParam<Case> {};
+
+TEST_P(Allocations, AStepHasNone) {
+  Material material{.young_modulus = 5000, .poisson_ratio = 0.45};
+  if (GetParam().plasticity != Does::kNothing) {
+    material.flow_rate = 2;
+    material.hardening = 0.2;
+    material.yield_stress = GetParam().plasticity == Does::kFlows ? 1e-3 : 1e9;
+  }
+  Settings settings;
+  settings.precision = GetParam().precision;
+  Body body(support::block({8, 8, 32}, 0.01), {material}, settings);
+  support::SimulationSetup setup;
+  for (int n = 0; n < body.mesh().num_nodes(); ++n)
+    if (body.mesh().positions()(n, 2) == 0) setup.fixed.push_back(n);
+  setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; };
+  support::Simulation simulation(std::move(body), setup, GetParam().solver());
+
+  const int before = num_threads();
+  set_num_threads(2);
+  for (int step = 0; step < 4; ++step) simulation.step();
+  const long allocated = num_allocations;
+  FlowReport flow;
+  for (int step = 0; step < 3; ++step) flow = simulation.step();
+  EXPECT_EQ(num_allocations - allocated, 0);
+  EXPECT_EQ(flow.yielded > 0, GetParam().plasticity == Does::kFlows);
+  set_num_threads(before);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Steps, Allocations,
+    testing::Values(
+        Case{"plain_double", Precision::kDouble, Does::kNothing, plain},
+        Case{"plain_mixed", Precision::kMixed, Does::kNothing, plain},
+        Case{"warm_mixed", Precision::kMixed, Does::kIdles, warm},
+        Case{"diagonal_mixed", Precision::kMixed, Does::kIdles, preconditioned<Preconditioner::kDiagonal>},
+        Case{"multigrid_mixed", Precision::kMixed, Does::kNothing, preconditioned<Preconditioner::kMultigrid>},
+        Case{"multigrid_double", Precision::kDouble, Does::kNothing, preconditioned<Preconditioner::kMultigrid>},
+        Case{"auto_mixed", Precision::kMixed, Does::kNothing, preconditioned<Preconditioner::kAuto>},
+        Case{"tight_mixed", Precision::kMixed, Does::kNothing, tight},
+        Case{"flowing_double", Precision::kDouble, Does::kFlows, plain},
+        Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(Allocations, AreCounted) {
+  const long before = num_allocations;
+  PointArray field = PointArray::Zero(100, 3);
+  EXPECT_EQ(num_allocations - before, 1) << field.size();
+}
+
+}  // namespace
+}  // namespace hexaplast
