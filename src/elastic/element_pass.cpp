@@ -46,10 +46,16 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
   V least_det(1e300);
   set_zero(q);
   for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
+  Mat<V> gradients[kAtOnce];
+  PolarLanes<V> polars[kAtOnce];
   for (int i = 0; i < kCorners; ++i) {
+    if (i % kAtOnce == 0) {
+      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(i + m);
+      safe_polars<kAtOnce>(gradients, polars);
+    }
     const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
-    const Mat<V> F = gradient(i);
-    const PolarLanes<V> FRS = safe_polar(F);
+    const Mat<V>& F = gradients[i % kAtOnce];
+    const PolarLanes<V>& FRS = polars[i % kAtOnce];
     const Sym<V> s = stress(FRS.S, mu, lambda);
     const Mat<V> sigma{{{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}}};
     const Mat<V> P = FRS.R * sigma;
@@ -120,9 +126,15 @@ HWY_INLINE void exact_lanes(const Model& model, const Linearization& at, int blo
   Mat<V> Q;
   set_zero(q);
   for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
+  Mat<V> gradients[kAtOnce];
+  PolarLanes<V> polars[kAtOnce];
   for (int i = 0; i < kCorners; ++i) {
+    if (i % kAtOnce == 0) {
+      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(i + m);
+      safe_polars<kAtOnce>(gradients, polars);
+    }
     const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
-    const Mat<V> R = safe_polar(gradient(i)).R;
+    const Mat<V>& R = polars[i % kAtOnce].R;
     const Mat<V> Z = transposed_product(R, increment(i));  // R^T dF
     const V trace = lambda * (Z(0, 0) + Z(1, 1) + Z(2, 2));
     Mat<V> S;
@@ -182,8 +194,14 @@ void linearize_coarse(const Partition& partition, const double* material, const 
           for (int n = 0; n < 2 * kCorners; ++n) weight[n * kBlock + k] = 0;
       const GradientLanes<true, V> F(rest, u);
       float* coef = op.coef.data() + op.offset[block] + lane;
+      Mat<V> gradients[kAtOnce];
+      PolarLanes<V> polars[kAtOnce];
       for (int i = 0; i < kCorners; ++i) {
-        const Mat<V> R = safe_polar(F(i)).R;
+        if (i % kAtOnce == 0) {
+          for (int m = 0; m < kAtOnce; ++m) gradients[m] = F(i + m);
+          safe_polars<kAtOnce>(gradients, polars);
+        }
+        const Mat<V>& R = polars[i % kAtOnce].R;
         store_mat(product_transposed(rest.inverse[i], R), V(length), coef + 9 * i * kBlock);
         store_mat(R, V(1.0), coef + (9 * kCorners + 9 * i) * kBlock);
       }

@@ -83,63 +83,85 @@ struct PolarLanes {
 ///   R = [ I cof F + (I^2 - II) F - F F^T F ] / (I II - III).                                                eq. 51
 ///
 /// The denominator (s1 + s2)(s2 + s3)(s3 + s1) vanishes only where the rotation itself is not unique.
-template <class V>
-HWY_INLINE PolarLanes<V> polar(const Mat<V>& given) {
+///
+/// Of kCount matrices at once: the iteration for I is a chain of divisions, and one chain alone would leave the
+/// processor waiting.
+template <int kCount, class V>
+HWY_INLINE void polars(const Mat<V> (&given)[kCount], PolarLanes<V> (&out)[kCount]) {
   using T = typename V::Scalar;
-  constexpr int kNewtonSteps = sizeof(T) == 8 ? 6 : 5;
+  constexpr int kSteps = sizeof(T) == 8 ? 4 : 3;
   constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);  // entries are brought to 1, unless all are smaller
   constexpr T kLeastDenominator = T(2e-3);                        // of I^3
-  constexpr T kConverged = sizeof(T) == 8 ? T(1e-7) : T(1e-3);    // of I, in the last step: the one after squares it
+  constexpr T kConverged = sizeof(T) == 8 ? T(1e-6) : T(1e-3);    // of I, in the last step: the one after cubes it
 
-  V size = abs(given(0, 0));
-  for (int k = 1; k < 9; ++k) size = max(size, abs(given(k / 3, k % 3)));
-  const V scale = V(T(1)) / max(size, V(kSmallest));
-  Mat<V> F;
-  for (int k = 0; k < 9; ++k) F.m[k / 3][k % 3] = scale * given.m[k / 3][k % 3];
-
-  const Mat<V> cof = cofactor(F);
-  const V n2 = dot(F, F), c2 = dot(cof, cof);
-  const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
-  const V constant = n2 * n2 - V(T(4)) * c2;
-  V I = sqrt(V(T(3)) * n2);
-  V step = I;
-  for (int k = 0; k < kNewtonSteps; ++k) {
-    const V I2 = I * I;
-    const V value = (I2 - (n2 + n2)) * I2 - V(T(8)) * det * I + constant;
-    const V slope = V(T(4)) * ((I2 - n2) * I - (det + det));
-    step = value / slope;
-    I -= step;
+  struct Invariants {
+    V n2, det, constant;
+    V I, step;
+  } of[kCount];
+  Mat<V> F[kCount], cof[kCount];
+  for (int m = 0; m < kCount; ++m) {
+    V size = abs(given[m](0, 0));
+    for (int k = 1; k < 9; ++k) size = max(size, abs(given[m](k / 3, k % 3)));
+    const V scale = V(T(1)) / max(size, V(kSmallest));
+    for (int k = 0; k < 9; ++k) F[m].m[k / 3][k % 3] = scale * given[m].m[k / 3][k % 3];
+    cof[m] = cofactor(F[m]);
+    of[m].n2 = dot(F[m], F[m]);
+    of[m].det = F[m](0, 0) * cof[m](0, 0) + F[m](0, 1) * cof[m](0, 1) + F[m](0, 2) * cof[m](0, 2);
+    of[m].constant = of[m].n2 * of[m].n2 - V(T(4)) * dot(cof[m], cof[m]);
+    of[m].I = sqrt(V(T(3)) * of[m].n2);
+    of[m].step = of[m].I;
   }
-  const V II = V(T(0.5)) * (I * I - n2);
-  const V denominator = I * II - det;
-  const V cube = I * I * I;
-  // written so that NaN is doubtful
-  const auto fine =
-      hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kLeastDenominator) * cube, abs(step) < V(kConverged) * I));
-  PolarLanes<V> out;
-  out.doubtful = bits<T>(hn::Not(fine));
 
-  const Mat<V> FtF = transposed_product(F, F), FFtF = F * FtF;
-  const V share = V(T(1)) / denominator, linear = I * I - II;
-  Mat<V> R;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) R(i, j) = share * (I * cof(i, j) + linear * F(i, j) - FFtF(i, j));
+  // Halley's method: all roots are real, so that it comes down to the largest one without passing it
+  for (int k = 0; k < kSteps; ++k)
+    for (Invariants& at : of) {
+      const V I2 = at.I * at.I, difference = I2 - at.n2;
+      const V value = (difference - at.n2) * I2 - V(T(8)) * at.det * at.I + at.constant;
+      const V slope = V(T(4)) * (difference * at.I - (at.det + at.det));
+      const V half_bend = V(T(6)) * I2 - (at.n2 + at.n2);
+      at.step = value * slope / (slope * slope - value * half_bend);
+      at.I -= at.step;
+    }
 
-  // one Newton-Schulz step makes R orthogonal to rounding: R <- R + R (I - R^T R) / 2
-  const Mat<V> RtR = transposed_product(R, R);
-  Mat<V> half;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) half(i, j) = V(T(i == j ? 1.5 : 0)) - V(T(0.5)) * RtR(i, j);
-  out.R = R * half;
+  for (int m = 0; m < kCount; ++m) {
+    const auto& [n2, det, constant, I, step] = of[m];
+    const V II = V(T(0.5)) * (I * I - n2);
+    const V denominator = I * II - det;
+    const V cube = I * I * I;
+    // written so that NaN is doubtful
+    const auto fine =
+        hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kLeastDenominator) * cube, abs(step) < V(kConverged) * I));
+    out[m].doubtful = bits<T>(hn::Not(fine));
 
-  const Mat<V> S = transposed_product(out.R, given);
-  out.S = {S(0, 0),
-           S(1, 1),
-           S(2, 2),
-           V(T(0.5)) * (S(1, 2) + S(2, 1)),
-           V(T(0.5)) * (S(2, 0) + S(0, 2)),
-           V(T(0.5)) * (S(0, 1) + S(1, 0))};
-  return out;
+    const Mat<V> FtF = transposed_product(F[m], F[m]), FFtF = F[m] * FtF;
+    const V share = V(T(1)) / denominator, linear = I * I - II;
+    Mat<V> R;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) R(i, j) = share * (I * cof[m](i, j) + linear * F[m](i, j) - FFtF(i, j));
+
+    // one Newton-Schulz step makes R orthogonal to rounding: R <- R + R (I - R^T R) / 2
+    const Mat<V> RtR = transposed_product(R, R);
+    Mat<V> half;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) half(i, j) = V(T(i == j ? 1.5 : 0)) - V(T(0.5)) * RtR(i, j);
+    out[m].R = R * half;
+
+    const Mat<V> S = transposed_product(out[m].R, given[m]);
+    out[m].S = {S(0, 0),
+                S(1, 1),
+                S(2, 2),
+                V(T(0.5)) * (S(1, 2) + S(2, 1)),
+                V(T(0.5)) * (S(2, 0) + S(0, 2)),
+                V(T(0.5)) * (S(0, 1) + S(1, 0))};
+  }
+}
+inline constexpr int kAtOnce = 4;
+
+template <class V>
+HWY_INLINE PolarLanes<V> polar(const Mat<V>& F) {
+  PolarLanes<V> out[1];
+  polars<1>({F}, out);
+  return out[0];
 }
 
 /// The lanes that the closed form leaves open, by the singular value decomposition.
@@ -168,11 +190,17 @@ HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
   for (int k = 0; k < 6; ++k) *sym[k] = load(s[k]);
 }
 
+template <int kCount, class V>
+HWY_INLINE void safe_polars(const Mat<V> (&F)[kCount], PolarLanes<V> (&out)[kCount]) {
+  polars<kCount>(F, out);
+  for (int m = 0; m < kCount; ++m)
+    if (HWY_UNLIKELY(out[m].doubtful != 0)) polar_by_svd(F[m], out[m]);
+}
 template <class V>
 HWY_INLINE PolarLanes<V> safe_polar(const Mat<V>& F) {
-  PolarLanes<V> found = polar(F);
-  if (HWY_UNLIKELY(found.doubtful != 0)) polar_by_svd(F, found);
-  return found;
+  PolarLanes<V> out[1];
+  safe_polars<1>({F}, out);
+  return out[0];
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE
