@@ -367,5 +367,15 @@ TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
   }
 }
 
+TEST(Flow, FineBodiesAreAtRestInSpiteOfRounding) {
+  // edges of 2 mm, 2 m away from the origin: positions, and with them volumes, are rounded to 1e-13 of an edge
+  HexMesh mesh = support::block({2, 2, 100}, 0.002);
+  const PointArray X = mesh.positions().rowwise() + Eigen::RowVector3d(2.1, -1.7, 0.3);
+  Body body(HexMesh(X, mesh.hexahedra()), {Material{.yield_stress = 1e9, .flow_rate = 1}}, Settings{});
+  const FlowReport report = body.flow(X, 0.01);
+  EXPECT_TRUE(report.averaging.skipped);
+  EXPECT_EQ(report.worst_volume_error, 0) << "some element was not passed over";
+}
+
 }  // namespace
 }  // namespace hexaplast

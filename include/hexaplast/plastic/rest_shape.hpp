@@ -11,7 +11,7 @@ namespace hexaplast {
 /// What happens to the isolated rest shape y of one element: eight rows about their own mean [m].  theory.md
 /// section 5.3
 
-inline constexpr double kVolumeAtRest = 1e-14;  ///< a relative volume error below is rounding
+inline constexpr double kVolumeAtRest = 1e-12;  ///< a relative volume error below is rounding
 
 // lengths may not change more by restitution in one step, whatever beta
 inline constexpr double kLeastScale = 0.5, kGreatestScale = 2.0;
