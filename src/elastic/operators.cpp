@@ -163,33 +163,30 @@ void add_stiffness_product(const Model&, const Linearization& at, double factor,
 }
 
 //   K_ab = - sum_i V/8 [ mu (g_a . g_b) I + mu r_b r_a^T + lambda r_a r_b^T ],   r_a = R_i g~_ia              eq. 17
+//        = - V/8 [ mu tr(P_ab) I + mu P_ab^T + lambda P_ab ],                    P_ab = sum_i r_a r_b^T
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K) {
   const Partition& partition = *model.partition;
+  std::array<Mat3, kCorners> R;
+  Eigen::Matrix<double, 3 * kCorners, kCorners> r;  // a column per sample
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     const int place = partition.place_of_element[e];
     if (!(at.present[place / kBlock] >> place % kBlock & 1)) continue;
     const Lame& k = model.lame[e];
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const RestOperator rest = rest_operator(corner_points(partition, at.material, corners), model.settings.gradient);
-    const std::array<Mat3, kCorners> F = deformation_gradients(rest, gather(at.x, corners));
-    const double weight = -factor * rest.volume / kCorners;
-
-    std::array<ElementPoints, kCorners> gradient, turned;
+    rotations(deformation_gradients(rest, gather(at.x, corners)), R);
     for (int i = 0; i < kCorners; ++i) {
-      gradient[i] = sample_gradient(rest, i);
-      turned[i] = gradient[i] * polar(F[i]).R.transpose();
+      const ElementPoints turned = sample_gradient(rest, i) * R[i].transpose();
+      for (int a = 0; a < kCorners; ++a) r.col(i).segment<3>(3 * a) = turned.row(a);
     }
-    for (int a = 0; a < kCorners; ++a) {
+    const Eigen::Matrix<double, 3 * kCorners, 3 * kCorners> P = r * r.transpose();
+    const double weight = -factor * rest.volume / kCorners;
+    for (int a = 0; a < kCorners; ++a)
       for (int b = 0; b < kCorners; ++b) {
-        Mat3 block = Mat3::Zero();
-        for (int i = 0; i < kCorners; ++i) {
-          const Eigen::RowVector3d ra = turned[i].row(a), rb = turned[i].row(b);
-          block += k.mu * gradient[i].row(a).dot(gradient[i].row(b)) * Mat3::Identity() + k.mu * rb.transpose() * ra +
-                   k.lambda * ra.transpose() * rb;
-        }
-        K.add(corners[a], corners[b], weight * block);
+        const Mat3 P_ab = P.block<3, 3>(3 * a, 3 * b);
+        K.add(corners[a], corners[b],
+              weight * (k.mu * (P_ab.trace() * Mat3::Identity() + P_ab.transpose()) + k.lambda * P_ab));
       }
-    }
   }
 }
 
