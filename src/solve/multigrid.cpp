@@ -13,7 +13,7 @@ namespace hexaplast {
 namespace {
 
 constexpr int kSmoothing = 2;            // degree of the Chebyshev polynomial before and after a coarse correction
-constexpr double kSmoothedShare = 0.12;  // of the spectrum's upper end: what the smoother is to reduce
+constexpr double kSmoothedShare = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
 constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a direct solution
 constexpr double kCoarsestShare = 0.02;
 constexpr int kPowerSteps = 10;
