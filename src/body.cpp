@@ -22,13 +22,21 @@ void add_array(StateHash& hash, const std::vector<T>& array) {
 
 }  // namespace
 
+PreconditionedConjugateGradients averaging_solver(const Model& model) {
+  // to one per cent, from the previous increment, small bodies need fewer iterations than a cycle costs
+  constexpr int kFewElements = 10000;
+  if (model.settings.precision == Precision::kDouble)
+    return {kAveragingTolerance, kAveragingIterations, Preconditioner::kMultigrid};
+  return {kMixedAveragingTolerance, kAveragingIterations,
+          model.mesh.num_elements() < kFewElements ? Preconditioner::kDiagonal : Preconditioner::kMultigrid};
+}
+
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
     : model_(std::move(mesh), std::move(materials), settings),
       history_(model_),
       at_(model_),
       flow_(model_),
-      averaging_solver_(settings.precision == Precision::kDouble ? kAveragingTolerance : kMixedAveragingTolerance,
-                        kAveragingIterations) {}
+      averaging_solver_(averaging_solver(model_)) {}
 
 void Body::linearize(ConstPoints x) { hexaplast::linearize(model_, history_, x, at_); }
 
@@ -47,6 +55,8 @@ void Body::to_kernels(double factor, KernelSystem& system) const {
   system.double_operator = std::get_if<ElementOperator<double, double>>(&at_.op);
   system.single_operator = nullptr;
   system.exact_operator = nullptr;
+  system.diagonal_version = 0;
+  system.spectral_radius = 0;
   if (const auto* half = std::get_if<ElementOperator<float, Half>>(&at_.op)) system.single_operator = half;
   if (const auto* single = std::get_if<ElementOperator<float, float>>(&at_.op)) system.single_operator = single;
   if (system.single_operator) {

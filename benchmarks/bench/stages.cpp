@@ -71,9 +71,7 @@ double time_iteration(Bar& bar, int repetitions) {
 void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
   const Model& model = bar.body().model();
   Linearization at = bar.body().linearization();
-  const bool is_double = model.settings.precision == Precision::kDouble;
-  PreconditionedConjugateGradients solver(is_double ? kAveragingTolerance : kMixedAveragingTolerance,
-                                          kAveragingIterations);
+  PreconditionedConjugateGradients solver = averaging_solver(model);
   FlowWorkspace work(model);
   Averaging averaging(model);
 

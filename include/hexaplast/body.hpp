@@ -23,6 +23,9 @@ struct ElementFields {
   std::vector<double> strain;          ///< [-] greatest |D - 1| of the corners
 };
 
+/// What a body solves its averaging with.
+PreconditionedConjugateGradients averaging_solver(const Model& model);
+
 /// A deformable, plastically flowing body: Model, History and Linearization behind a few verbs. The one place that
 /// knows the order of the stages (docs/architecture.md).
 ///
@@ -53,8 +56,8 @@ class Body {
   double energy(ConstPoints x) const;
 
   /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. The linearization is void
-  /// afterwards. Throws InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is
-  /// not finite; the history is then as before.
+  /// afterwards. Throws InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result
+  /// is not finite; the history is then as before.
   FlowReport flow(ConstPoints x, double dt);
 
   /// Back to the virgin state.
@@ -84,7 +87,7 @@ class Body {
   bool mostly_flows_ = false;                          // in the latest plastic step: looking first would be in vain
   double checked_dt_ = 0;                              // time step that passed check_time_step
   mutable ProductWorkspace product_;                   // of add_stiffness_product
-  mutable ExactOperator exact_;       // of mixed precision
+  mutable ExactOperator exact_;                        // of mixed precision
   mutable std::optional<ElementHierarchy> hierarchy_;  // made when a solver first asks for coarse operators
 };
 

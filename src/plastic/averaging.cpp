@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/plastic/averaging.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <variant>
 
 #include "hexaplast/base/parallel.hpp"
@@ -14,12 +17,45 @@ namespace {
 
 constexpr double kFitted = 1e-26;  // E below this share of sum |t|^2 is rounding
 
+// a linear field over the 2 x 2 x 2 children of a cell costs as much in them as in the cell, of twice their edges, with
+// weight 2
+constexpr float kShareOfChild = 0.25;
+
+// H_k <= P_k <= I, and the diagonal of P_k is 7/8
+constexpr double kSpectralRadius = 8.0 / 7 * (1 + kRegularisation);
+
+long next_version() {
+  static std::atomic<long> latest = 0;
+  return ++latest;
+}
+
+/// The averaging on a coarse mesh.
+struct CoarseAveraging {
+  explicit CoarseAveraging(const CoarseMesh& mesh)
+      : position(slot_vector<double>(*mesh.partition)), weight(mesh.children.size()), op(mesh.partition) {}
+
+  /// weight_of(element of the finer mesh)
+  template <class Weight>
+  void gather_weights(const CoarseMesh& mesh, const Weight& weight_of) {
+    parallel_for(static_cast<int>(weight.size()), [&](int cell) {
+      weight[cell] = 0;
+      for (const int child : mesh.children[cell])
+        if (child >= 0) weight[cell] += kShareOfChild * weight_of(child);
+    });
+  }
+
+  AlignedVector<double> position;  // [m] slots
+  std::vector<float> weight;       // per cell
+  AveragingOperator<float> op;
+};
+
 }  // namespace
 
 struct Averaging::Kernels {
   explicit Kernels(const Model& model)
       : op(model.settings.precision == Precision::kDouble ? Operator(AveragingOperator<double>(model.partition))
                                                           : Operator(AveragingOperator<float>(model.partition))),
+        present(model.partition->num_blocks),
         material(slot_vector<double>(*model.partition)),
         gradient(slot_vector<double>(*model.partition)),
         misfit(model.partition->num_blocks),
@@ -36,7 +72,7 @@ struct Averaging::Kernels {
         [&]<class T>(AveragingOperator<T>& of) {
           const FitPass<T> pass{.partition = partition,
                                 .material = material.data(),
-                                .present = of.present.data(),
+                                .present = present.data(),
                                 .rest_shape = history.rest_shape.data(),
                                 .rotation_map = has_own_maps ? nullptr : history.rotation_map.data(),
                                 .fixed_map = has_own_maps ? history.rotation_map.data() : nullptr,
@@ -52,16 +88,86 @@ struct Averaging::Kernels {
     return std::accumulate(misfit.begin(), misfit.end(), 0.0);
   }
 
+  /// Takes the elements whose entry is not 0.
+  void refer_to(const Model& model, const std::vector<unsigned char>& elements) {
+    const Partition& partition = *model.partition;
+    std::visit(
+        [&]<class T>(AveragingOperator<T>& of) {
+          using Op = AveragingOperator<T>;
+          for (int block = 0; block < partition.num_blocks; ++block) {
+            T* weight = of.coef.data() + (static_cast<std::size_t>(block) * Op::kComponents + Op::kWeight) * kBlock;
+            present[block] = 0;
+            for (int place = 0; place < kBlock; ++place) {
+              const int e = partition.element(block, place);
+              const bool counts = e >= 0 && elements[e];
+              weight[place] = counts ? T(1) : T(0);
+              if (counts) present[block] |= static_cast<std::uint16_t>(1u << place);
+            }
+          }
+        },
+        op);
+    chosen = elements;
+    version = next_version();
+    if (!coarse.empty()) gather_weights(model);
+  }
+
+  /// The operator in single precision.
+  const AveragingOperator<float>& narrow(bool projects) {
+    const auto& wide = std::get<AveragingOperator<double>>(op);
+    if (!single) single.emplace(wide.shared_partition());
+    single->projects = projects;
+    constexpr int kNumbers = AveragingOperator<double>::kComponents * kBlock;
+    parallel_for(wide.partition().num_blocks, [&](int block) {
+      const double* from = wide.coef.data() + static_cast<std::size_t>(block) * kNumbers;
+      float* to = single->coef.data() + static_cast<std::size_t>(block) * kNumbers;
+      for (int n = 0; n < kNumbers; ++n) to[n] = static_cast<float>(from[n]);
+    });
+    return *single;
+  }
+
+  void gather_weights(const Model& model) {
+    const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
+    for (std::size_t k = 0; k < coarse.size(); ++k)
+      coarse[k].gather_weights(meshes[k], [&](int child) {
+        return k > 0 ? coarse[k - 1].weight[child] : static_cast<float>(chosen[child]);
+      });
+  }
+
+  /// The operators on the coarse meshes at the positions of the latest fit.
+  void coarsen(const Model& model, bool projects, KernelSystem& system) {
+    const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
+    if (coarse.empty() && !meshes.empty()) {
+      for (const CoarseMesh& mesh : meshes) coarse.emplace_back(mesh);
+      gather_weights(model);
+    }
+    const AlignedVector<double>* finer = &material;
+    for (std::size_t k = 0; k < coarse.size(); ++k) {
+      CoarseAveraging& level = coarse[k];
+      meshes[k].place(*finer, level.position);
+      level.op.projects = projects;
+      parallel_for(meshes[k].partition->num_chunks,
+                   [&](int chunk) { fit_cells(level.position.data(), level.weight.data(), chunk, level.op); });
+      system.coarse.push_back({&level.op, &meshes[k]});
+      finer = &level.position;
+    }
+  }
+
   using Operator = std::variant<AveragingOperator<double>, AveragingOperator<float>>;
   Operator op;
-  AlignedVector<double> material, gradient;  // [m] slots
-  std::vector<double> misfit, size;          // [m^2] per block
+  std::optional<AveragingOperator<float>> single;  // beside one in double, where coarse meshes are worked on
+  long version = 0;                                // KernelSystem::diagonal_version: no two sets of elements share one
+  std::vector<unsigned char> chosen;               // the elements that count
+  std::vector<std::uint16_t> present;              // the same, per block a bit per element
+  std::vector<CoarseAveraging> coarse;             // of Model::coarse_meshes, made when a solver first asks for them
+  AlignedVector<double> material, gradient;        // [m] slots
+  std::vector<double> misfit, size;                // [m^2] per block
 };
 
 /// P or H of eq. 31 as a linear system.
 class Averaging::System final : public LinearSystem {
  public:
-  System(const Model& model, const Averaging& averaging, bool projects) : model_(model), averaging_(averaging) {
+  System(const Model& model, const Averaging& averaging, bool projects)
+      : model_(model), averaging_(averaging), projects_(projects) {
     std::visit([&](auto& op) { op.projects = projects; }, averaging.kernels_->op);
   }
 
@@ -116,12 +222,20 @@ class Averaging::System final : public LinearSystem {
   }
 
   bool to_kernels(KernelSystem& system) const override {
+    Kernels& kernels = *averaging_.kernels_;
     system.factor = 1;
+    system.spectral_radius = kSpectralRadius;
+    if (system.diagonal_version != kernels.version) {
+      system.diagonal_version = kernels.version;
+      system.diagonal.setZero(num_nodes(), 3);
+      system.free.setOnes(num_nodes(), 3);
+    }
+    system.coarse.clear();
+    if (system.wants_coarse) kernels.coarsen(model_, projects_, system);
+    system.double_operator = std::get_if<AveragingOperator<double>>(&kernels.op);
+    system.single_operator = std::get_if<AveragingOperator<float>>(&kernels.op);
     system.exact_operator = nullptr;
-    system.double_operator = std::get_if<AveragingOperator<double>>(&averaging_.kernels_->op);
-    system.single_operator = std::get_if<AveragingOperator<float>>(&averaging_.kernels_->op);
-    system.diagonal.setZero(num_nodes(), 3);
-    system.free.setOnes(num_nodes(), 3);
+    if (system.double_operator && !system.coarse.empty()) system.single_operator = &kernels.narrow(projects_);
     return true;
   }
 
@@ -131,6 +245,7 @@ class Averaging::System final : public LinearSystem {
  private:
   const Model& model_;
   const Averaging& averaging_;
+  bool projects_;
 };
 
 Averaging::Averaging(const Model& model)
@@ -146,6 +261,8 @@ Averaging::Averaging(const Averaging& other)
       num_removed_(other.num_removed_),
       node_weight_(other.node_weight_),
       shift_(other.shift_),
+      part_moves_(other.part_moves_),
+      chosen_(other.chosen_),
       gradient_(other.gradient_),
       increment_(other.increment_),
       before_(other.before_),
@@ -156,6 +273,8 @@ Averaging& Averaging::operator=(Averaging other) noexcept {
   std::swap(num_removed_, other.num_removed_);
   std::swap(node_weight_, other.node_weight_);
   std::swap(shift_, other.shift_);
+  std::swap(part_moves_, other.part_moves_);
+  std::swap(chosen_, other.chosen_);
   std::swap(gradient_, other.gradient_);
   std::swap(increment_, other.increment_);
   std::swap(before_, other.before_);
@@ -242,19 +361,27 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
   }
 }
 
-AveragingReport Averaging::advance(const Model& model, LinearSolver& solver, History& history) {
+/// The elements of the parts that move; the others have no part in E, nor in the increment to start from.
+void Averaging::choose_elements(const Model& model, History& history, std::span<const unsigned char> changed) {
+  const auto part_of = [&](int e) { return parts_.part_of_node[model.mesh.hexahedra()[e][0]]; };
+  part_moves_.assign(parts_.count, changed.empty());
+  for (std::size_t e = 0; e < changed.size(); ++e)
+    if (changed[e] && history.alive[e]) part_moves_[part_of(static_cast<int>(e))] = 1;
+  chosen_ = history.alive;
+  if (std::find(part_moves_.begin(), part_moves_.end(), 0) != part_moves_.end()) {
+    for (int e = 0; e < model.mesh.num_elements(); ++e)
+      if (chosen_[e]) chosen_[e] = part_moves_[part_of(e)];
+    for (int n = 0; n < history.averaging_increment.rows(); ++n)
+      if (parts_.part_of_node[n] < 0 || !part_moves_[parts_.part_of_node[n]])
+        history.averaging_increment.row(n).setZero();
+  }
+  if (kernels_->chosen != chosen_) kernels_->refer_to(model, chosen_);
+}
+
+AveragingReport Averaging::advance(const Model& model, LinearSolver& solver, History& history,
+                                   std::span<const unsigned char> changed) {
   parts(model, history);
-  std::visit(
-      [&](auto& op) {
-        for (int block = 0; block < model.partition->num_blocks; ++block) {
-          op.present[block] = 0;
-          for (int place = 0; place < kBlock; ++place) {
-            const int e = model.partition->element(block, place);
-            if (e >= 0 && history.alive[e]) op.present[block] |= static_cast<std::uint16_t>(1u << place);
-          }
-        }
-      },
-      kernels_->op);
+  choose_elements(model, history, changed);
   AveragingReport report;
   for (int step_number = 0; step_number < model.settings.averaging_steps; ++step_number)
     step(model, solver, history, report);

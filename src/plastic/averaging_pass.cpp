@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "plastic/averaging_pass.cpp"
 #include "hwy/foreach_target.h"
 //
+#include "base/transpose-inl.hpp"
 #include "kinematics/gradients-inl.hpp"
 #include "plastic/averaging_pass.hpp"
 
@@ -34,13 +35,13 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
   using Op = AveragingOperator<T>;
   const Partition& partition = op.partition();
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
-    if (!op.present[block]) continue;
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       const T* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
+      const V share = load(coef + Op::kWeight * kBlock), weight = V(factor) * share;
+      if (!bits<T>(share > V(T(0)))) continue;
       CornerLanes<V> u;
       gather(partition, block, lane, p, u);
       take_mean_out(u);
-      const V weight = select_bits(static_cast<std::uint32_t>(op.present[block]) >> lane, V(factor), V(T(0)));
       if (op.projects) {
         V moment[3] = {V(T(0)), V(T(0)), V(T(0))};
         for (int a = 0; a < kCorners; ++a) {
@@ -73,22 +74,68 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
 template <class T>
 void add_diagonal(const AveragingOperator<T>& op, int chunk, T factor, T* diagonal) {
   using V = Lanes<T>;
+  using Op = AveragingOperator<T>;
   const Partition& partition = op.partition();
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       CornerLanes<V> share;
-      const V one = select_bits(static_cast<std::uint32_t>(op.present[block]) >> lane,
-                                V(factor * T(1 - 1.0 / kCorners)), V(T(0)));
+      const T* weight = op.coef.data() + (static_cast<std::size_t>(block) * Op::kComponents + Op::kWeight) * kBlock;
+      const V one = V(factor * T(1 - 1.0 / kCorners)) * load(weight + lane);
       for (auto& corner : share.at)
         for (V& entry : corner) entry = one;
       scatter_add(share, partition, block, lane, diagonal);
     }
 }
 
+/// t and (B^T B)^-1 = (sum |t|^2 I - t t^T)^-1; a shape flattened to a line keeps its free turn out by the floor.
+template <class T>
+HWY_INLINE void store_target(const CornerLanes<Lanes<double>>& t, Lanes<double> t_t, T* coef) {
+  using V = Lanes<double>;
+  for (int k = 0; k < 3 * kCorners; ++k) store_as(t.at[k / 3][k % 3], coef + k * kBlock);
+  const Mat<V> outer = outer_sum(t, t);
+  Mat<V> inertia;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) inertia(i, j) = V(0.0) - outer(i, j);
+  for (int i = 0; i < 3; ++i) inertia(i, i) += t_t * V(1 + 1e-14);
+  V det;
+  const Mat<V> inverse = reciprocal(inertia, det);
+  const V J[6] = {inverse(0, 0), inverse(1, 1), inverse(2, 2), inverse(1, 2), inverse(2, 0), inverse(0, 1)};
+  for (int k = 0; k < 6; ++k) store_as(J[k], coef + (AveragingOperator<T>::kInertia + k) * kBlock);
+}
+
+void fit_coarse(const double* position, const float* weight, int chunk, AveragingOperator<float>& op) {
+  using V = Lanes<double>;
+  using Op = AveragingOperator<float>;
+  const Partition& partition = op.partition();
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock; lane += V::kCount) {
+      float* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
+      std::uint32_t present = 0;
+      for (int k = 0; k < V::kCount; ++k) {
+        const int cell = partition.element(block, lane + k);
+        coef[Op::kWeight * kBlock + k] = cell < 0 ? 0 : weight[cell];
+        present |= (cell < 0 ? 0u : 1u) << k;
+      }
+      CornerLanes<V> t;
+      gather(partition, block, lane, position, t);
+      replace_absent(present, t);
+      take_mean_out(t);
+      V t_t(0.0);
+      for (int k = 0; k < 3 * kCorners; ++k) t_t += t.at[k / 3][k % 3] * t.at[k / 3][k % 3];
+      store_target(t, t_t, coef);
+    }
+}
+
+/// A rest shape for elements that are not there: [axis][corner].
+constexpr std::array<double, 3 * kCorners> kCube = [] {
+  std::array<double, 3 * kCorners> cube{};
+  for (int n = 0; n < 3 * kCorners; ++n) cube[n] = 0.5 * kCornerSign[n % kCorners][n / kCorners];
+  return cube;
+}();
+
 template <class T>
 HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& misfit, double& size) {
   using V = Lanes<double>;
-  using Op = AveragingOperator<T>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   const int* elements = pass.partition.element_of_place.data() + block * kBlock + lane;
   CornerLanes<V> x, t;
@@ -96,15 +143,13 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   replace_absent(present, x);
   take_mean_out(x);
 
-  // rest shapes of the elements that are there, the unit cube for the others
-  alignas(64) double numbers[3 * kCorners][kBlock];
-  for (int k = 0; k < V::kCount; ++k) {
-    const bool there = present >> k & 1;
-    const double* y = there ? pass.rest_shape[elements[k]].data() : nullptr;
-    for (int n = 0; n < 3 * kCorners; ++n) numbers[n][k] = there ? y[n] : 0.5 * kCornerSign[n % kCorners][n / kCorners];
-  }
+  // rest shapes of the elements that are there, a cube for the others
+  std::array<const double*, kBlock> shapes;
+  for (int k = 0; k < V::kCount; ++k) shapes[k] = present >> k & 1 ? pass.rest_shape[elements[k]].data() : kCube.data();
+  V numbers[3 * kCorners];
+  load_elements<3 * kCorners>(shapes, numbers);
   CornerLanes<V> y;
-  for (int n = 0; n < 3 * kCorners; ++n) y.at[n % kCorners][n / kCorners] = load(numbers[n]);
+  for (int n = 0; n < 3 * kCorners; ++n) y.at[n % kCorners][n / kCorners] = numbers[n];
 
   if (pass.fixed_map) {
     alignas(64) double map[9][kBlock];
@@ -124,11 +169,11 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
     for (int a = 0; a < kCorners; ++a)
       for (int i = 0; i < 3; ++i) t.at[a][i] = R(i, 0) * y.at[a][0] + R(i, 1) * y.at[a][1] + R(i, 2) * y.at[a][2];
     if (pass.rotation_map) {
-      alignas(64) double map[9][kBlock];
-      for (int n = 0; n < 9; ++n) store(R.m[n / 3][n % 3], map[n]);
-      for (int k = 0; k < V::kCount; ++k)
-        if (present >> k & 1)
-          for (int n = 0; n < 9; ++n) pass.rotation_map[elements[k]](n / 3, n % 3) = map[n][k];
+      V map[9];
+      for (int n = 0; n < 9; ++n) map[n] = R(n % 3, n / 3);
+      store_elements<9>(map, present, addresses<double>(elements, [&](int e) {
+                          return e < 0 ? nullptr : pass.rotation_map[e].data();
+                        }));
     }
   }
 
@@ -146,18 +191,8 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   if (pass.gradient) scatter_add(difference, pass.partition, block, lane, pass.gradient);
 
   if (pass.coef) {
-    T* coef = pass.coef + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
-    for (int k = 0; k < 3 * kCorners; ++k) store_as(t.at[k / 3][k % 3], coef + k * kBlock);
-    // (B^T B)^-1 = (sum |t|^2 I - t t^T)^-1; a shape flattened to a line keeps its free turn out by the floor
-    const Mat<V> outer = outer_sum(t, t);
-    Mat<V> inertia;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) inertia(i, j) = V(0.0) - outer(i, j);
-    for (int i = 0; i < 3; ++i) inertia(i, i) += t_t * V(1 + 1e-14);
-    V det;
-    const Mat<V> inverse = reciprocal(inertia, det);
-    const V J[6] = {inverse(0, 0), inverse(1, 1), inverse(2, 2), inverse(1, 2), inverse(2, 0), inverse(0, 1)};
-    for (int k = 0; k < 6; ++k) store_as(J[k], coef + (Op::kInertia + k) * kBlock);
+    store_target(t, t_t,
+                 pass.coef + static_cast<std::size_t>(block) * AveragingOperator<T>::kComponents * kBlock + lane);
   }
 }
 
@@ -165,7 +200,8 @@ template <class T>
 void fit(const FitPass<T>& pass, int chunk) {
   for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block) {
     double misfit = 0, size = 0;
-    for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount) fit_lanes(pass, block, lane, misfit, size);
+    for (int lane = 0; lane < kBlock && pass.present[block]; lane += Lanes<double>::kCount)
+      fit_lanes(pass, block, lane, misfit, size);
     pass.misfit[block] = misfit;
     if (pass.size) pass.size[block] = size;
   }
@@ -190,8 +226,7 @@ namespace hexaplast {
 
 template <class T>
 AveragingOperator<T>::AveragingOperator(std::shared_ptr<const Partition> partition)
-    : coef(static_cast<std::size_t>(partition->num_blocks) * kComponents * kBlock),
-      present(partition->num_blocks),
+    : coef(static_cast<std::size_t>(partition->num_blocks) * kComponents * kBlock, T(0)),
       partition_(std::move(partition)) {}
 template class AveragingOperator<double>;
 template class AveragingOperator<float>;
@@ -214,6 +249,11 @@ template class AveragingOperator<float>;
   }
 HEXAPLAST_EXPORT_AVERAGING_KERNELS(double)
 HEXAPLAST_EXPORT_AVERAGING_KERNELS(float)
+
+HWY_EXPORT(fit_coarse);
+void fit_cells(const double* position, const float* weight, int chunk, AveragingOperator<float>& op) {
+  HWY_DYNAMIC_DISPATCH(fit_coarse)(position, weight, chunk, op);
+}
 
 }  // namespace hexaplast
 #endif

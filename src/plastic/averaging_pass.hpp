@@ -6,23 +6,24 @@
 
 namespace hexaplast {
 
-/// H + 1e-7 P of theory.md eq. 31, or P alone, element by element: targets t and the inverse of their inertia, per
-/// block [component][element of the block].
+/// H + 1e-7 P of theory.md eq. 31, or P alone, element by element: targets t, the inverse of their inertia and a
+/// weight, per block [component][element of the block].
 template <class T>
 class AveragingOperator final : public ChunkedOperator<T> {
  public:
   explicit AveragingOperator(std::shared_ptr<const Partition> partition);
 
   const Partition& partition() const override { return *partition_; }
+  const std::shared_ptr<const Partition>& shared_partition() const { return partition_; }
   void add_product(int chunk, T factor, const T* p, T* Ap) const override;
   void add_diagonal(int chunk, T factor, T* diagonal) const override;
 
   static constexpr int kTarget = 0;              ///< t: [corner][axis]
   static constexpr int kInertia = 3 * kCorners;  ///< xx yy zz yz zx xy of (B^T B)^-1
-  static constexpr int kComponents = kInertia + 6;
-  bool projects = true;                ///< H; otherwise P
-  AlignedVector<T> coef;               ///< [block][component][element]
-  std::vector<std::uint16_t> present;  ///< per block: a bit per element that counts
+  static constexpr int kWeight = kInertia + 6;   ///< of the element: 1, or that of the elements that a cell stands for
+  static constexpr int kComponents = kWeight + 1;
+  bool projects = true;   ///< H; otherwise P
+  AlignedVector<T> coef;  ///< [block][component][element]
 
  private:
   std::shared_ptr<const Partition> partition_;
@@ -37,7 +38,7 @@ struct FitPass {
   const ElementPoints* rest_shape;  ///< y, per element
   Mat3* rotation_map;               ///< Pi, per element: written, unless null
   const Mat3* fixed_map;            ///< per element and corner: taken instead of fitted ones, unless null
-  T* coef;                          ///< AveragingOperator::coef: written, unless null
+  T* coef;                          ///< AveragingOperator::coef: written but for the weights, unless null
   double* gradient;                 ///< [m] slots: t - (x - c) added, unless null
   double* misfit;                   ///< [m^2] per block: sum |t - (x - c)|^2
   double* size;                     ///< [m^2] per block: sum |t|^2, unless null
@@ -46,5 +47,8 @@ struct FitPass {
 /// Best rotations, targets and misfits of the elements of a chunk.                                           eq. 30
 template <class T>
 void fit_elements(const FitPass<T>& pass, int chunk);
+
+/// The same on the cells of a coarse mesh: their own shapes as targets. position: [m] slots; weight: per cell.
+void fit_cells(const double* position, const float* weight, int chunk, AveragingOperator<float>& op);
 
 }  // namespace hexaplast

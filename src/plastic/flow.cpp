@@ -60,6 +60,17 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
          std::abs(at.volume[place] / model.volume[e] - 1) < kVolumeAtRest;
 }
 
+/// One element of a history into another, bit for bit.
+void copy_element(const History& from, int e, History& to) {
+  to.rest_shape[e] = from.rest_shape[e];
+  const std::size_t maps = from.rotation_map.size() / from.rest_shape.size();
+  std::copy_n(from.rotation_map.begin() + e * maps, maps, to.rotation_map.begin() + e * maps);
+  to.yield_stress[e] = from.yield_stress[e];
+  to.rotation_yield[e] = from.rotation_yield[e];
+  to.plastic_strain[e] = from.plastic_strain[e];
+  if (!from.plastic_stretch.empty()) to.plastic_stretch[e] = from.plastic_stretch[e];
+}
+
 /// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then
 /// not made.
 bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
@@ -105,7 +116,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e < 0) continue;
-      if (work.flows[e].idle) work.trial.set_element(e, history.element(e));
+      if (work.flows[e].idle) copy_element(history, e, work.trial);
       any = any || !work.flows[e].idle;
     }
     if (!any) return;
@@ -128,14 +139,20 @@ void adopt_material_shape(const Model& model, int e, const History& history, Flo
 
 /// Marks elements that the averaging pressed towards inversion; returns how many.
 int mark_collapsing(const Model& model, const History& history, FlowWorkspace& work) {
-  parallel_for(model.mesh.num_elements(), [&](int e) {
-    work.flows[e].collapsing = false;
-    if (!history.alive[e]) return;
+  to_slots(*model.partition, work.trial.material, work.material);
+  const auto is_collapsing = [&](int e) {
     const auto ratio = [&](const History& of) {
       return least_jacobian_ratio(model.corner_jacobian[e], gather(of.material, model.mesh.hexahedra()[e]));
     };
     const double now = ratio(work.trial);
-    work.flows[e].collapsing = now < kCollapsedJacobian && now < ratio(history);
+    return now < kCollapsedJacobian && now < ratio(history);
+  };
+  parallel_for(model.partition->num_blocks, [&](int block) {
+    const std::uint32_t near = nearly_collapsed(model, work.material.data(), kCollapsedJacobian, block);
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = model.partition->element(block, place);
+      if (e >= 0) work.flows[e].collapsing = (near >> place & 1) && history.alive[e] && is_collapsing(e);
+    }
   });
   return static_cast<int>(
       std::count_if(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.collapsing; }));
@@ -143,13 +160,17 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
 
 /// Rest-to-material averaging that never presses an element inside out.
 AveragingReport average_safely(const Model& model, LinearSolver& solver, const History& history, FlowWorkspace& work) {
-  AveragingReport report = work.averaging.advance(model, solver, work.trial);
+  for (std::size_t e = 0; e < work.flows.size(); ++e) {
+    const ElementFlow& f = work.flows[e];
+    work.changed[e] = f.yielded || f.repaired || f.volume_error >= kVolumeAtRest;
+  }
+  AveragingReport report = work.averaging.advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     if (work.flows[e].collapsing) adopt_material_shape(model, e, history, work);
   work.trial.material = history.material;
-  report = work.averaging.advance(model, solver, work.trial);
+  report = work.averaging.advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
@@ -159,11 +180,12 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
 }
 
 /// Whether hardening or plastic stretch has carried an element past its limits at some corner.
-bool is_broken(const Material& material, const ElementHistory& element) {
-  const auto& tau = element.yield_stress;
+bool is_broken(const Material& material, const History& history, int e) {
+  const CornerValues& tau = history.yield_stress[e];
   if (*std::max_element(tau.begin(), tau.end()) > material.fracture_stress) return true;
   if (!std::isfinite(material.fracture_stretch)) return false;
-  return std::any_of(element.plastic_stretch.begin(), element.plastic_stretch.end(), [&](const Mat3& Fp) {
+  const CornerTensors& stretch = history.plastic_stretch[e];
+  return std::any_of(stretch.begin(), stretch.end(), [&](const Mat3& Fp) {
     return Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch;
   });
 }
@@ -172,7 +194,7 @@ bool is_broken(const Material& material, const ElementHistory& element) {
 int remove_broken(const Model& model, FlowWorkspace& work) {
   int count = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    if (!work.flows[e].yielded || !is_broken(model.material(e), work.trial.element(e))) continue;
+    if (!work.flows[e].yielded || !is_broken(model.material(e), work.trial, e)) continue;
     work.trial.alive[e] = 0;
     work.trial.removed.push_back(e);
     ++count;
@@ -182,7 +204,12 @@ int remove_broken(const Model& model, FlowWorkspace& work) {
 
 }  // namespace
 
-FlowWorkspace::FlowWorkspace(const Model& model) : trial(model), averaging(model), flows(model.mesh.num_elements()) {}
+FlowWorkspace::FlowWorkspace(const Model& model)
+    : trial(model),
+      averaging(model),
+      flows(model.mesh.num_elements()),
+      changed(model.mesh.num_elements()),
+      material(slot_vector<double>(*model.partition)) {}
 
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
                 FlowWorkspace& work) {

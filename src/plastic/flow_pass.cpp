@@ -6,7 +6,9 @@
 //
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "base/transpose-inl.hpp"
 #include "hexaplast/plastic/rest_shape.hpp"
 #include "kinematics/gradients-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
@@ -18,19 +20,19 @@ namespace hexaplast::HWY_NAMESPACE {
 
 using V = Lanes<double>;
 
-/// One number per element of a block.
-struct alignas(64) BlockNumbers {
-  double at[kBlock];
+/// How many terms of a power series leave out less than rounding, by the size of its argument.
+struct SeriesLength {
+  double size;  ///< the largest for which the terms suffice
+  int terms;
 };
 
-/// What the kernel reads and writes of the histories of a block, and its material.
-struct BlockHistory {
-  BlockNumbers rest_shape[3 * kCorners];  ///< y, [axis][corner]
-  BlockNumbers map[9];                    ///< Pi, row by row
-  BlockNumbers yield_stress[kCorners], rotation_yield[kCorners], plastic_strain[kCorners];
-  BlockNumbers flow_rate, rotation_rate, hardening, original_volume, least_jacobian;
-  BlockNumbers volume, dissipated;
-};
+template <std::size_t kLengths>
+HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
+  const double largest = hn::GetLane(hn::MaxOfLanes(V::Tag(), size.raw()));
+  for (const SeriesLength& length : lengths)
+    if (largest <= length.size) return length.terms;
+  return lengths[kLengths - 1].terms;
+}
 
 HWY_INLINE Mat<V> matrix(const Sym<V>& S) { return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}}; }
 
@@ -40,8 +42,8 @@ HWY_INLINE Mat<V> matrix(const Sym<V>& S) { return {{{S.xx, S.xy, S.zx}, {S.xy, 
 ///
 /// Powers of Z^2 beyond the second are taken down by its characteristic equation: three numbers per term.
 HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
-  constexpr int kTerms = 13;
-  constexpr double kLargest = 0.07;  // of |Z|^2: the first term left out is below 1e-17
+  constexpr SeriesLength kLengths[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}};  // x^n / (2 n + 1) < 2e-17
+  constexpr double kLargest = kLengths[3].size;                                          // of |Z|^2
   const V m = V(1.0 / 3) * (S.xx + S.yy + S.zz);
   const Mat<V> minus = matrix({S.xx - m, S.yy - m, S.zz - m, S.yz, S.zx, S.xy});
   const Mat<V> plus = matrix({S.xx + m, S.yy + m, S.zz + m, S.yz, S.zx, S.xy});
@@ -55,8 +57,9 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   const V i2 = V(0.5) * (i1 * i1 - dot(W, W));
   const Mat<V> cof = cofactor(W);
   const V i3 = W(0, 0) * cof(0, 0) + W(0, 1) * cof(0, 1) + W(0, 2) * cof(0, 2);
-  V a(1.0 / (2 * kTerms + 1)), b(0.0), c(0.0);  // a + b W + c W^2
-  for (int k = kTerms - 1; k >= 0; --k) {
+  const int terms = terms_for(size, kLengths);
+  V a(1.0 / (2 * terms + 1)), b(0.0), c(0.0);  // a + b W + c W^2
+  for (int k = terms - 1; k >= 0; --k) {
     const V above = c;
     c = b + above * i1;
     b = a - above * i2;
@@ -75,12 +78,13 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
 
 /// exp M of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d.                  eq. 54
 HWY_INLINE Mat<V> exponential(const Mat<V>& M) {
-  constexpr int kTerms = 15;  // |M| < 0.7: the first term left out is below 1e-15
-  const V j = V(0.5) * dot(M, M);
+  constexpr SeriesLength kLengths[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}};
+  const V size = dot(M, M);  // |M|^2 < 0.5: the first term left out is below 2e-16, the others 2e-17
+  const V j = V(0.5) * size;
   const Mat<V> cof = cofactor(M);
   const V d = M(0, 0) * cof(0, 0) + M(0, 1) * cof(0, 1) + M(0, 2) * cof(0, 2);
   V a(1.0), b(0.0), c(0.0);  // Horner: 1 + M (1 + M / 2 (1 + M / 3 (...)))
-  for (int k = kTerms; k >= 1; --k) {
+  for (int k = terms_for(size, kLengths); k >= 1; --k) {
     const V share(1.0 / k), above = c;
     c = share * b;
     b = share * (a + above * j);
@@ -99,10 +103,38 @@ HWY_INLINE V flow_share(V value, V threshold, V rate_dt) {
   return select(value > threshold, share, V(0.0));
 }
 
-/// The elements of one register. Returns those that it cannot do; the trial numbers of these are not valid.
+/// The elements of one register; in the place of those that are not there the first one of the block.
+struct LaneElements {
+  LaneElements(const Model& model, int block, int lane) {
+    for (int k = 0; k < V::kCount; ++k) {
+      const int e = model.partition->element(block, lane + k);
+      number[k] = e < 0 ? model.partition->element(block, 0) : e;
+    }
+  }
+  int number[V::kCount];
+};
+
+/// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
+/// cannot do.
 template <bool kGeneral>
-HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, int block, int lane,
-                                    BlockHistory& h, std::uint32_t& yielded) {
+HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
+                                    int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
+  const LaneElements here(model, block, lane);
+  const int* const elements = here.number;
+  const auto load_corners = [&](const auto& values, V* numbers) {
+    load_elements<kCorners>(addresses<const double>(elements, [&](int e) { return values[e].data(); }), numbers);
+  };
+  V rest_shape[3 * kCorners], map[9], yield_stress[kCorners], rotation_yield[kCorners], plastic_strain[kCorners],
+      corner_jacobian[kCorners];
+  const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
+  const auto map_of = [](auto& of) { return [&of](int e) { return of.rotation_map[e].data(); }; };
+  load_elements<3 * kCorners>(addresses<const double>(elements, y_of(history)), rest_shape);
+  load_elements<9>(addresses<const double>(elements, map_of(history)), map);
+  load_corners(history.yield_stress, yield_stress);
+  load_corners(history.rotation_yield, rotation_yield);
+  load_corners(history.plastic_strain, plastic_strain);
+  load_corners(model.corner_jacobian, corner_jacobian);
+
   const Settings& settings = model.settings;
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u;
@@ -115,11 +147,18 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   const GradientLanes<kGeneral, V> gradient(rest, u);
   const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   const V mu = load(lame), lambda = load(lame + kBlock), step(dt);
-  const V rate = step * load(h.flow_rate.at + lane), rotation_rate = step * load(h.rotation_rate.at + lane),
-          hardening = load(h.hardening.at + lane);
+  const auto material = [&](double Material::*constant) {
+    if (model.materials.size() == 1) return V(model.materials[0].*constant);
+    return gather_numbers(elements, [&](int e) { return model.materials[e].*constant; });
+  };
+  const V rate = step * material(&Material::flow_rate), rotation_rate = step * material(&Material::rotation_flow_rate),
+          hardening = material(&Material::hardening);
 
   // near the guard of the material shape the exact ratios decide
-  std::uint32_t fails = bits<double>(hn::Not(rest.least_jacobian > load(h.least_jacobian.at + lane)));
+  V largest_jacobian = corner_jacobian[0];
+  for (int i = 1; i < kCorners; ++i) largest_jacobian = max(largest_jacobian, corner_jacobian[i]);
+  std::uint32_t fails =
+      bits<double>(hn::Not(rest.least_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
   Mat<V> R_centre;
   if (model.can_rotate) {
     const PolarLanes<V> centre = polar(centre_gradient(x, u));
@@ -127,7 +166,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
     R_centre = centre.R;
   }
   Mat<V> Pi;
-  for (int k = 0; k < 9; ++k) Pi.m[k / 3][k % 3] = load(h.map[k].at + lane);
+  for (int k = 0; k < 9; ++k) Pi(k % 3, k / 3) = map[k];
 
   V dissipated(0.0), flowing(0.0);
   V y[kCorners][3], mean[3] = {V(0.0), V(0.0), V(0.0)};
@@ -140,7 +179,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
     fails |= bits<double>(hn::Not(det > V(settings.inversion_threshold)));
 
     V at_corner[3];
-    for (int a = 0; a < 3; ++a) at_corner[a] = load(h.rest_shape[a * kCorners + i].at + lane);
+    for (int a = 0; a < 3; ++a) at_corner[a] = rest_shape[a * kCorners + i];
     const auto turn = [&](const Mat<V>& M, bool transposed) {
       V turned[3];
       for (int a = 0; a < 3; ++a)
@@ -153,7 +192,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
     if (model.can_stretch) {
       const Sym<V> sigma = stress(FRS.S, mu, lambda);
       const V norm = stress_norm_bound(sigma, settings.yield_norm);
-      const V tau = load(h.yield_stress[i].at + lane);
+      const V tau = yield_stress[i];
       const V share = flow_share(norm, tau, rate);  // gamma
       if (bits<double>(share > V(0.0))) {
         Mat<V> flow = deviatoric_log(FRS.S, fails);
@@ -161,22 +200,20 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
         turn(exponential(flow), false);  // S^p                                                              eq. 22
         flowing = max(flowing, share);
         dissipated += dot(matrix(sigma), flow);
-        store(load(h.plastic_strain[i].at + lane) + V(std::sqrt(2.0 / 3.0)) * sqrt(dot(flow, flow)),
-              h.plastic_strain[i].at + lane);
+        plastic_strain[i] += V(std::sqrt(2.0 / 3.0)) * sqrt(dot(flow, flow));
         // select: a threshold of infinity times a share of zero is no number
-        store(select(share > V(0.0), max(V(0.0), tau + hardening * share * norm), tau),
-              h.yield_stress[i].at + lane);  // eq. 23
+        yield_stress[i] = select(share > V(0.0), max(V(0.0), tau + hardening * share * norm), tau);  // eq. 23
       }
     }
     if (model.can_rotate) {
       const RotationVectorLanes<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
       fails |= Q.near_half_turn;
-      const V tau = load(h.rotation_yield[i].at + lane);
+      const V tau = rotation_yield[i];
       const V share = flow_share(Q.angle, tau, rotation_rate);  // eta
       if (bits<double>(share > V(0.0))) {
         turn(rotation_exp(Q, share), false);  // R^p                                                         eq. 26
         flowing = max(flowing, share);
-        store(max(V(0.0), tau + hardening * share * Q.angle), h.rotation_yield[i].at + lane);  // eq. 25
+        rotation_yield[i] = max(V(0.0), tau + hardening * share * Q.angle);  // eq. 25
       }
     }
     turn(Pi, true);
@@ -186,75 +223,82 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
     }
   }
 
-  const V beta = rest.volume / load(h.original_volume.at + lane);
+  const V beta = rest.volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
   const V c(settings.volume_restitution * dt);
   const V scale = select(abs(beta - V(1.0)) < V(kVolumeAtRest), V(1.0),
                          min(max(V(1.0) + c * (V(1.0) - beta), V(kLeastScale)), V(kGreatestScale)));  // eq. 28
   // what did not flow keeps its bits
-  const auto flows = flowing > V(0.0);
+  const auto has_flowed = flowing > V(0.0);
   for (int i = 0; i < kCorners; ++i)
     for (int a = 0; a < 3; ++a) {
-      double* const to = h.rest_shape[a * kCorners + i].at + lane;
-      store(scale * select(flows, y[i][a] - mean[a], load(to)), to);
+      V& to = rest_shape[a * kCorners + i];
+      to = scale * select(has_flowed, y[i][a] - mean[a], to);
     }
-  store(V(1.0 / kCorners) * rest.volume * dissipated, h.dissipated.at + lane);
-  store(rest.volume, h.volume.at + lane);
-  yielded |= bits<double>(flows) << lane;
-  return fails;
+
+  const std::uint32_t done = wanted & ~fails;
+  const auto store_corners = [&](auto& values, const V* numbers) {
+    store_elements<kCorners>(numbers, done, addresses<double>(elements, [&](int e) { return values[e].data(); }));
+  };
+  store_elements<3 * kCorners>(rest_shape, done, addresses<double>(elements, y_of(trial)));
+  store_elements<9>(map, done, addresses<double>(elements, map_of(trial)));
+  store_corners(trial.yield_stress, yield_stress);
+  store_corners(trial.rotation_yield, rotation_yield);
+  store_corners(trial.plastic_strain, plastic_strain);
+
+  const std::uint32_t yielded = bits<double>(has_flowed);
+  alignas(64) double volume_error[V::kCount], work[V::kCount];
+  store(abs(beta - V(1.0)), volume_error);
+  store(V(1.0 / kCorners) * rest.volume * dissipated, work);
+  for (int k = 0; k < V::kCount; ++k)
+    if (done >> k & 1)
+      flows[elements[k]] = {.yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
+  return wanted & fails;
 }
 
 std::uint32_t flow(const Model& model, const Linearization& at, double dt, const History& history, int block,
                    History& trial, ElementFlow* flows) {
-  BlockHistory h;
-  std::uint32_t wanted = 0, left = 0;
-  const double threshold = model.settings.inversion_threshold;
+  std::uint32_t wanted = 0;
   for (int place = 0; place < kBlock; ++place) {
-    const int given = model.partition->element(block, place);
-    const int e = given < 0 ? model.partition->element(block, 0) : given;
-    const Material& material = model.material(e);
-    const ElementPoints& y = history.rest_shape[e];
-    for (int k = 0; k < 3 * kCorners; ++k) h.rest_shape[k].at[place] = y.data()[k];
-    for (int k = 0; k < 9; ++k) h.map[k].at[place] = history.rotation_map[e](k / 3, k % 3);
-    for (int i = 0; i < kCorners; ++i) {
-      h.yield_stress[i].at[place] = history.yield_stress[e][i];
-      h.rotation_yield[i].at[place] = history.rotation_yield[e][i];
-      h.plastic_strain[i].at[place] = history.plastic_strain[e][i];
-    }
-    h.flow_rate.at[place] = material.flow_rate;
-    h.rotation_rate.at[place] = material.rotation_flow_rate;
-    h.hardening.at[place] = material.hardening;
-    h.original_volume.at[place] = model.volume[e];
-    h.least_jacobian.at[place] =
-        1.01 * threshold * *std::max_element(model.corner_jacobian[e].begin(), model.corner_jacobian[e].end());
-    if (given < 0 || flows[e].idle) continue;
-    wanted |= 1u << place;
-    if (model.tracks_plastic_stretch) left |= 1u << place;
-  }
-  if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1) return wanted;
-
-  std::uint32_t yielded = 0;
-  for (int lane = 0; lane < kBlock; lane += V::kCount) {
-    if (!(wanted >> lane & ((1u << V::kCount) - 1))) continue;
-    const std::uint32_t fails = at.is_general[block] ? flow_lanes<true>(model, at, dt, block, lane, h, yielded)
-                                                     : flow_lanes<false>(model, at, dt, block, lane, h, yielded);
-    left |= fails << lane;
-  }
-
-  for (int place = 0; place < kBlock; ++place) {
-    if (!(wanted & ~left & 1u << place)) continue;
     const int e = model.partition->element(block, place);
-    for (int k = 0; k < 3 * kCorners; ++k) trial.rest_shape[e].data()[k] = h.rest_shape[k].at[place];
-    trial.rotation_map[e] = history.rotation_map[e];
-    for (int i = 0; i < kCorners; ++i) {
-      trial.yield_stress[e][i] = h.yield_stress[i].at[place];
-      trial.rotation_yield[e][i] = h.rotation_yield[i].at[place];
-      trial.plastic_strain[e][i] = h.plastic_strain[i].at[place];
-    }
-    flows[e] = {.yielded = (yielded >> place & 1) != 0,
-                .volume_error = std::abs(h.volume.at[place] / model.volume[e] - 1),
-                .dissipated = h.dissipated.at[place]};
+    if (e >= 0 && !flows[e].idle) wanted |= 1u << place;
   }
-  return wanted & left;
+  if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1 || model.tracks_plastic_stretch)
+    return wanted;
+
+  std::uint32_t left = 0;
+  for (int lane = 0; lane < kBlock; lane += V::kCount) {
+    const std::uint32_t here = wanted >> lane & ((1u << V::kCount) - 1);
+    if (!here) continue;
+    left |= (at.is_general[block] ? flow_lanes<true>(model, at, dt, history, block, lane, here, trial, flows)
+                                  : flow_lanes<false>(model, at, dt, history, block, lane, here, trial, flows))
+            << lane;
+  }
+  return left;
+}
+
+std::uint32_t collapsed(const Model& model, const double* positions, double ratio, int block) {
+  std::uint32_t near = 0, present = 0;
+  for (int place = 0; place < kBlock; ++place)
+    if (model.partition->element(block, place) >= 0) present |= 1u << place;
+  for (int lane = 0; lane < kBlock; lane += V::kCount) {
+    const LaneElements elements(model, block, lane);
+    CornerLanes<V> x;
+    gather(*model.partition, block, lane, positions, x);
+    EdgeLanes<V> e;
+    edges(x, e);
+    V original[kCorners];
+    load_elements<kCorners>(
+        addresses<const double>(elements.number, [&](int n) { return model.corner_jacobian[n].data(); }), original);
+    V least(std::numeric_limits<double>::infinity()), largest(0.0);
+    for (int i = 0; i < kCorners; ++i) {
+      V det;
+      reciprocal(edges_at(e, i), det);
+      least = min(least, V(0.125) * det);
+      largest = max(largest, original[i]);
+    }
+    near |= bits<double>(hn::Not(least > V(ratio) * largest)) << lane;
+  }
+  return near & present;
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE
@@ -268,6 +312,12 @@ HWY_EXPORT(flow);
 std::uint32_t flow_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
                          History& trial, ElementFlow* flows) {
   return HWY_DYNAMIC_DISPATCH(flow)(model, at, dt, history, block, trial, flows);
+}
+
+HWY_EXPORT(collapsed);
+
+std::uint32_t nearly_collapsed(const Model& model, const double* positions, double ratio, int block) {
+  return HWY_DYNAMIC_DISPATCH(collapsed)(model, positions, ratio, block);
 }
 
 }  // namespace hexaplast

@@ -9,7 +9,7 @@
 
 namespace hexaplast {
 
-CgSpace::Norms NodalCgSpace::begin(ConstPoints b, const PointArray* start) {
+double NodalCgSpace::begin(ConstPoints b, const PointArray* start) {
   p_.setZero(b.rows(), 3);
   Ap_.resize(b.rows(), 3);
   if (start) {
@@ -20,15 +20,14 @@ CgSpace::Norms NodalCgSpace::begin(ConstPoints b, const PointArray* start) {
     x_.setZero(b.rows(), 3);
     r_ = b;
   }
-  return norms();
+  return dot(r_, r_);
 }
 
-CgSpace::Norms NodalCgSpace::norms() {
-  const double r_r = dot(r_, r_);
-  if (!preconditioned_) return {r_r, r_r};
+double NodalCgSpace::precondition() {
+  if (!preconditioned_) return dot(r_, r_);
   z_.resize(r_.rows(), 3);
   A_->precondition(r_, z_);
-  return {r_r, dot(r_, z_)};
+  return dot(r_, z_);
 }
 
 double NodalCgSpace::product(double beta) {
@@ -37,10 +36,10 @@ double NodalCgSpace::product(double beta) {
   return dot(p_, Ap_);
 }
 
-CgSpace::Norms NodalCgSpace::advance(double alpha) {
+double NodalCgSpace::advance(double alpha) {
   x_ += alpha * p_;
   r_ -= alpha * Ap_;
-  return norms();
+  return dot(r_, r_);
 }
 
 template <class T>
@@ -79,8 +78,12 @@ void SlotCgSpace<T>::refer_to(const KernelSystem& system, bool scaled, SlotPreco
   partition_ = &op_->partition();
   const Partition& partition = *partition_;
   factor_ = static_cast<T>(system.factor);
-  scaled_ = scaled;
   preconditioner_ = preconditioner;
+  const bool knows_diagonal =
+      system.diagonal_version != 0 && system.diagonal_version == diagonal_version_ && scaled == scaled_;
+  scaled_ = scaled;
+  diagonal_version_ = system.diagonal_version;
+  if (knows_diagonal) return;
 
   const std::size_t size = 4 * static_cast<std::size_t>(partition.num_slots);
   for (AlignedVector<T>* vector : {&x_, &r_, &p_, &Ap_, &diagonal_}) vector->resize(size, T(0));
@@ -94,20 +97,20 @@ void SlotCgSpace<T>::refer_to(const KernelSystem& system, bool scaled, SlotPreco
 }
 
 template <class T>
-void SlotCgSpace<T>::precondition(Norms& norms) {
-  if (!preconditioner_) return;
+double SlotCgSpace<T>::precondition() {
+  if (!preconditioner_) return sum().r_z;
   preconditioner_->apply(r_, z_);
   parallel_for(partition_->num_chunks, [&](int chunk) {
     const OwnNumbers own(*partition_, chunk);
     partial_[chunk].r_z = slot_dot(own.size, r_.data() + own.first, z_.data() + own.first);
   });
-  norms.r_z = sum().r_z;
+  return sum().r_z;
 }
 
 template <class T>
-CgSpace::Norms SlotCgSpace<T>::sum() const {
-  Norms all;
-  for (const Norms& part : partial_) {
+typename SlotCgSpace<T>::Partial SlotCgSpace<T>::sum() const {
+  Partial all;
+  for (const Partial& part : partial_) {
     all.r_r += part.r_r;
     all.r_z += part.r_z;
   }
@@ -115,7 +118,7 @@ CgSpace::Norms SlotCgSpace<T>::sum() const {
 }
 
 template <class T>
-CgSpace::Norms SlotCgSpace<T>::begin(ConstPoints b, const PointArray* start) {
+double SlotCgSpace<T>::begin(ConstPoints b, const PointArray* start) {
   const Partition& partition = *partition_;
   std::fill(x_.begin(), x_.end(), T(0));
   std::fill(p_.begin(), p_.end(), T(0));
@@ -156,7 +159,7 @@ double SlotCgSpace<T>::product(double beta) {
 }
 
 template <class T>
-CgSpace::Norms SlotCgSpace<T>::advance(double alpha) {
+double SlotCgSpace<T>::advance(double alpha) {
   const Partition& partition = *partition_;
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnNumbers(partition, chunk);
@@ -164,9 +167,7 @@ CgSpace::Norms SlotCgSpace<T>::advance(double alpha) {
                                              scaled_ ? inverse_.data() + first : nullptr, x_.data() + first,
                                              r_.data() + first, partial_[chunk].r_z);
   });
-  Norms norms = sum();
-  precondition(norms);
-  return norms;
+  return sum().r_r;
 }
 
 template <class T>

@@ -11,19 +11,17 @@ class CgSpace {
  public:
   virtual ~CgSpace() = default;
 
-  struct Norms {
-    double r_r = 0;  ///< r.r
-    double r_z = 0;  ///< r.z, z the preconditioned r
-  };
+  /// x = start, or 0 when null; r = b - A x. Returns r.r.
+  virtual double begin(ConstPoints b, const PointArray* start) = 0;
 
-  /// x = start, or 0 when null; r = b - A x.
-  virtual Norms begin(ConstPoints b, const PointArray* start) = 0;
+  /// z, the preconditioned r. Returns r.z.
+  virtual double precondition() = 0;
 
   /// p = z + beta p (beta 0: p = z); Ap = A p. Returns p.Ap.
   virtual double product(double beta) = 0;
 
-  /// x += alpha p, r -= alpha Ap, z anew.
-  virtual Norms advance(double alpha) = 0;
+  /// x += alpha p, r -= alpha Ap. Returns r.r.
+  virtual double advance(double alpha) = 0;
 
   virtual void end(Points x) const = 0;
 };
@@ -35,14 +33,13 @@ class NodalCgSpace final : public CgSpace {
     A_ = &A;
     preconditioned_ = preconditioned;
   }
-  Norms begin(ConstPoints b, const PointArray* start) override;
+  double begin(ConstPoints b, const PointArray* start) override;
+  double precondition() override;
   double product(double beta) override;
-  Norms advance(double alpha) override;
+  double advance(double alpha) override;
   void end(Points x) const override { x = x_; }
 
  private:
-  Norms norms();
-
   const LinearSystem* A_ = nullptr;
   bool preconditioned_ = false;
   PointArray x_, r_, p_, Ap_, z_;
@@ -102,14 +99,17 @@ class SlotCgSpace final : public CgSpace {
  public:
   /// Divides by the diagonal of A where `scaled`, or applies `preconditioner` where that is not null.
   void refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner = nullptr);
-  Norms begin(ConstPoints b, const PointArray* start) override;
+  double begin(ConstPoints b, const PointArray* start) override;
+  double precondition() override;
   double product(double beta) override;
-  Norms advance(double alpha) override;
+  double advance(double alpha) override;
   void end(Points x) const override;
 
  private:
-  void precondition(Norms& norms);
-  Norms sum() const;
+  struct Partial {
+    double r_r = 0, r_z = 0;
+  };
+  Partial sum() const;
 
   const ChunkedOperator<T>* op_ = nullptr;
   const Partition* partition_ = nullptr;
@@ -118,7 +118,8 @@ class SlotCgSpace final : public CgSpace {
   SlotPreconditioner<T>* preconditioner_ = nullptr;
   AlignedVector<T> x_, r_, p_, Ap_, z_, diagonal_, inverse_;
   FixedNumbers fixed_;
-  std::vector<Norms> partial_;  // per chunk
+  long diagonal_version_ = 0;     // KernelSystem::diagonal_version of the system that it refers to
+  std::vector<Partial> partial_;  // per chunk
 };
 
 /// r = b - A x of a KernelSystem by its exact operator, in double precision.

@@ -51,7 +51,7 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
 
   CgSpace& space = spaces_->choose(A);
   const bool warm = settings_.warm_start && previous_.rows() == b.rows();
-  double rho = space.begin(b, warm ? &previous_ : nullptr).r_r, rho_before = 0;
+  double rho = space.begin(b, warm ? &previous_ : nullptr), rho_before = 0;
   report.converged = false;
   for (int iteration = 1; iteration <= settings_.iterations; ++iteration) {
     const bool must_go_on = first_solve && iteration == 1;
@@ -71,7 +71,7 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
 
     report.iterations = iteration;
     rho_before = rho;
-    rho = space.advance(rho / curvature).r_r;
+    rho = space.advance(rho / curvature);
   }
   space.end(x);
   report.residual = std::sqrt(rho) / norm_b;
@@ -128,6 +128,27 @@ void SolverPreconditionedConjugateGradients::reset() {
   if (preconditioner_) preconditioner_->reset();
 }
 
+namespace {
+
+/// A cycle in single precision as a preconditioner of a system in double.
+class Narrowed final : public SlotPreconditioner<double> {
+ public:
+  explicit Narrowed(Multigrid<float>& multigrid) : multigrid_(multigrid) {}
+  void apply(const AlignedVector<double>& r, AlignedVector<double>& z) override {
+    r_.resize(r.size());
+    z_.resize(r.size());
+    std::transform(r.begin(), r.end(), r_.begin(), [](double entry) { return static_cast<float>(entry); });
+    multigrid_.apply(r_, z_);
+    std::copy(z_.begin(), z_.end(), z.begin());
+  }
+
+ private:
+  Multigrid<float>& multigrid_;
+  AlignedVector<float> r_, z_;
+};
+
+}  // namespace
+
 /// With the system's own preconditioner where the kernels do not know it.
 struct PreconditionedConjugateGradients::Spaces {
   KernelSystem system;
@@ -136,6 +157,7 @@ struct PreconditionedConjugateGradients::Spaces {
   SlotCgSpace<float> in_single;
   Multigrid<double> multigrid_double;
   Multigrid<float> multigrid_single;
+  Narrowed narrowed{multigrid_single};
   ExactResidual exact;
   PointArray start, residual, correction;
 
@@ -149,8 +171,11 @@ struct PreconditionedConjugateGradients::Spaces {
       return nodal;
     }
     const bool cycles = !system.coarse.empty() && (preconditioner == Preconditioner::kMultigrid || is_stiff());
-    if (system.single_operator) return refer(in_single, multigrid_single, cycles);
-    return refer(in_double, multigrid_double, cycles);
+    if (!system.double_operator) return refer(in_single, multigrid_single, cycles);
+    if (!system.single_operator || !cycles) return refer(in_double, multigrid_double, cycles);
+    multigrid_single.refer_to(system);
+    in_double.refer_to(system, false, &narrowed);
+    return in_double;
   }
 
  private:
@@ -178,7 +203,7 @@ struct PreconditionedConjugateGradients::Spaces {
       for (const T entry : stiffness) sum += static_cast<double>(entry);
       return sum / system.diagonal.sum();
     };
-    return (system.single_operator ? ratio(*system.single_operator) : ratio(*system.double_operator)) > kBreakEven;
+    return (system.double_operator ? ratio(*system.double_operator) : ratio(*system.single_operator)) > kBreakEven;
   }
 };
 
@@ -211,19 +236,18 @@ constexpr int kMostCorrections = 50;
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
 void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, double enough, int most_iterations,
          SolveReport& report) {
-  const CgSpace::Norms norms_at_start = space.begin(b, start);
-  double rho = norms_at_start.r_z, rho_before = 0;
+  report.residual = std::sqrt(space.begin(b, start)) / norm_b;
+  double rho_before = 0;
   bool first = true;
-  report.residual = std::sqrt(norms_at_start.r_r) / norm_b;
   while (report.residual > enough && report.iterations < most_iterations) {
+    const double rho = space.precondition();
     const double curvature = space.product(first ? 0 : rho / rho_before);
     first = false;
     if (!(curvature > 0)) break;  // what is left of b lies outside the range of a semi-definite A: rounding
 
-    const CgSpace::Norms norms = space.advance(rho / curvature);
+    report.residual = std::sqrt(space.advance(rho / curvature)) / norm_b;
     ++report.iterations;
-    report.residual = std::sqrt(norms.r_r) / norm_b;
-    rho_before = std::exchange(rho, norms.r_z);
+    rho_before = rho;
   }
   report.converged = report.residual <= enough;
 }

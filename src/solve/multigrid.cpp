@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/mesh/coarsening.hpp"
+#include "hexaplast/mesh/coarse_mesh.hpp"
 #include "solve/slot_kernels.hpp"
 
 namespace hexaplast {
@@ -37,11 +37,16 @@ void apply(MultigridLevel<T>& level) {
 /// r -= A d.
 template <class T>
 void subtract_product(MultigridLevel<T>& level) {
-  apply(level);
   const Partition& partition = level.op->partition();
+  if (level.has_diagonal)
+    parallel_for(partition.num_chunks, [&](int chunk) {
+      const auto [first, size] = OwnNumbers(partition, chunk);
+      for (std::size_t i = first; i < first + size; ++i) level.r[i] -= level.diagonal[i] * level.d[i];
+    });
+  multiply(*level.op, -level.factor, level.d, level.r);
   parallel_for(partition.num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnNumbers(partition, chunk);
-    for (std::size_t i = first; i < first + size; ++i) level.r[i] -= level.Ad[i];
+    add_returns(partition, chunk, level.r.data());
+    level.fixed.clear(chunk, level.r);
   });
 }
 
@@ -92,9 +97,13 @@ void Multigrid<T>::refer_to(const KernelSystem& system) {
   else
     fine_.op = system.single_operator;
   const Partition& partition = fine_.op->partition();
+  for (std::size_t k = 0; k < coarse_.size() && k < system.coarse.size(); ++k) coarse_[k].op = system.coarse[k].op;
+  if (system.diagonal_version != 0 && system.diagonal_version == diagonal_version_) return;
+  diagonal_version_ = system.diagonal_version;
   fine_.factor = static_cast<T>(system.factor);
   fine_.resize();
   to_slots(partition, system.diagonal, fine_.diagonal);
+  fine_.has_diagonal = !system.diagonal.isZero(0);
   invert_diagonal(*fine_.op, fine_.factor, fine_.diagonal, fine_.inverse);
   const auto is_fixed = [&](int slot, int axis) { return system.free(partition.node_of_slot[slot], axis) == 0; };
   fine_.fixed.find(partition, is_fixed);
@@ -102,22 +111,22 @@ void Multigrid<T>::refer_to(const KernelSystem& system) {
   coarse_.resize(system.coarse.size());
   const auto descend = [&](auto& finer, const auto& finer_is_fixed, int k) {
     MultigridLevel<float>& level = coarse_[k];
-    const CoarseOperator& with = system.coarse[k];
-    level.op = with.op;
+    const CoarseMesh& mesh = *system.coarse[k].mesh;
+    level.op = system.coarse[k].op;
     level.factor = static_cast<float>(system.factor);
     level.resize();
     const Partition& cells = level.op->partition();
     // a corner beyond the mesh is fixed where a node that hangs on it alone is; the others where their own node is
     level.fixed.find(cells, [&](int slot, int axis) {
-      return with.finer_slot[slot] >= 0 && finer_is_fixed(with.finer_slot[slot], axis);
+      return mesh.finer_slot[slot] >= 0 && finer_is_fixed(mesh.finer_slot[slot], axis);
     });
     // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its share of the stiffness
     parallel_for(cells.num_nodes, [&](int slot) {
       for (int axis = 0; axis < 3; ++axis) {
         double sum = 0;
-        for (int n = with.restriction->first[slot]; n < with.restriction->first[slot + 1]; ++n) {
-          const int fine = with.restriction->column[n];
-          const double weight = static_cast<double>(with.restriction->weight[n]);
+        for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n) {
+          const int fine = mesh.restriction.column[n];
+          const double weight = static_cast<double>(mesh.restriction.weight[n]);
           const std::size_t at = 4 * static_cast<std::size_t>(fine) + axis;
           if (finer_is_fixed(fine, axis))
             sum += finer.inverse[at] > 0 ? weight * weight / static_cast<double>(finer.inverse[at]) : 0;
@@ -127,6 +136,7 @@ void Multigrid<T>::refer_to(const KernelSystem& system) {
         level.diagonal[4 * static_cast<std::size_t>(slot) + axis] = static_cast<float>(sum);
       }
     });
+    level.has_diagonal = fine_.has_diagonal || !level.fixed.number.empty();
     invert_diagonal(*level.op, level.factor, level.diagonal, level.inverse);
   };
   for (std::size_t k = 0; k < coarse_.size(); ++k) {
@@ -141,7 +151,8 @@ void Multigrid<T>::refer_to(const KernelSystem& system) {
           static_cast<int>(k));
     }
   }
-  radius_ = kSafety * (coarse_.empty() ? spectral_radius(fine_) : spectral_radius(coarse_.front()));
+  radius_ = system.spectral_radius;
+  if (radius_ == 0) radius_ = kSafety * (coarse_.empty() ? spectral_radius(fine_) : spectral_radius(coarse_.front()));
 }
 
 /// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
@@ -173,7 +184,7 @@ template <class T>
 template <class Finer>
 void Multigrid<T>::restrict_to(const MultigridLevel<Finer>& finer, int coarse) {
   MultigridLevel<float>& level = coarse_[coarse];
-  const NodalMap& map = *system_->coarse[coarse].restriction;
+  const NodalMap& map = system_->coarse[coarse].mesh->restriction;
   const Partition& partition = level.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
@@ -196,7 +207,7 @@ template <class T>
 template <class Finer>
 void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
   const MultigridLevel<float>& level = coarse_[coarse];
-  const NodalMap& map = *system_->coarse[coarse].prolongation;
+  const NodalMap& map = system_->coarse[coarse].mesh->prolongation;
   const Partition& partition = finer.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {

@@ -11,6 +11,7 @@ struct MultigridLevel {
   const ChunkedOperator<T>* op = nullptr;
   T factor = 0;
   AlignedVector<T> diagonal, inverse;  ///< D, and 1 / diag(A)
+  bool has_diagonal = false;           ///< some of `diagonal` is not 0
   FixedNumbers fixed;
   std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
   AlignedVector<T> x, r, d, Ad;
@@ -39,7 +40,8 @@ class Multigrid final : public SlotPreconditioner<T> {
   MultigridLevel<T> fine_;
   std::vector<MultigridLevel<float>> coarse_;
   const KernelSystem* system_ = nullptr;
-  double radius_ = 1;  // of D^-1 A
+  double radius_ = 1;          // of D^-1 A
+  long diagonal_version_ = 0;  // KernelSystem::diagonal_version of the system that it refers to
 };
 
 }  // namespace hexaplast

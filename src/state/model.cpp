@@ -52,4 +52,9 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
   if (num_elements > 0) length = std::exp2(std::round(std::log2(total_volume / num_elements) / 3));
 }
 
+const std::vector<CoarseMesh>& Model::coarse_meshes() const {
+  std::call_once(coarse_->found, [&] { coarse_->levels = hexaplast::coarse_meshes(mesh, *partition); });
+  return coarse_->levels;
+}
+
 }  // namespace hexaplast

@@ -6,7 +6,7 @@
 namespace hexaplast {
 
 struct Partition;
-struct NodalMap;
+struct CoarseMesh;
 
 /// A symmetric positive semi-definite operator on nodal vectors of the kernels (Partition), applied chunk by chunk.
 template <class T>
@@ -26,9 +26,7 @@ class ChunkedOperator {
 /// The same operator on a mesh of twice the edge length.
 struct CoarseOperator {
   const ChunkedOperator<float>* op = nullptr;
-  const NodalMap* prolongation = nullptr;  ///< slots of this level to nodes of the finer one
-  const NodalMap* restriction = nullptr;   ///< its transpose
-  const int* finer_slot = nullptr;         ///< per node of this level: the finer one at the same place, or -1
+  const CoarseMesh* mesh = nullptr;
 };
 
 }  // namespace hexaplast

@@ -11,11 +11,15 @@ namespace hexaplast {
 /// slots, P zeroing the degrees of freedom that are not free.
 struct KernelSystem {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
-  const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null
+  const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null; beside
+                                                             ///< double_operator it serves multigrid cycles alone
   const ChunkedOperator<double>* exact_operator = nullptr;   ///< beside single_operator: L in double, slower
   double factor = 0;                                         ///< of L
   PointArray diagonal;                                       ///< num_nodes x 3
   PointArray free;                                           ///< num_nodes x 3: 1 where free, 0 where fixed
+
+  long diagonal_version = 0;   ///< not 0: diagonal, free and diag(L) are those of every other system of this version
+  double spectral_radius = 0;  ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
 
   bool wants_coarse = false;           ///< asks for the operators on coarser meshes as well
   std::vector<CoarseOperator> coarse;  ///< from fine to coarse; empty where the mesh has no lattice

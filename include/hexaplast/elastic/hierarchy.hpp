@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hexaplast/base/linear_system.hpp"
-#include "hexaplast/mesh/coarsening.hpp"
+#include "hexaplast/mesh/coarse_mesh.hpp"
 #include "hexaplast/state/linearization.hpp"
 
 namespace hexaplast {
@@ -19,22 +19,16 @@ class ElementHierarchy {
   /// The operators at the positions that `at` holds, into system.coarse; computed anew when these have changed.
   void update(const Model& model, const Linearization& at, KernelSystem& system);
 
-  std::size_t bytes() const;
-
  private:
   struct Level {
-    Level(const Coarsening& coarsening, const Partition& finer);
+    explicit Level(const CoarseMesh& mesh);
 
-    std::shared_ptr<const Partition> partition;
-    std::vector<std::array<int, kCorners>> children;
-    NodalMap prolongation, restriction, placement;  // between slots
-    std::vector<int> finer_slot;                    // per slot below num_nodes
-    AlignedVector<double> material, world;          // [m] slots
+    AlignedVector<double> material, world;  // [m] slots
     ElementOperator<float, float> op;
   };
 
-  std::vector<Level> levels_;
-  long revision_ = -1;  // Linearization::revision that the operators belong to
+  std::vector<Level> levels_;  // of Model::coarse_meshes
+  long revision_ = -1;         // Linearization::revision that the operators belong to
 };
 
 }  // namespace hexaplast

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "hexaplast/base/linear_system.hpp"
@@ -44,8 +45,10 @@ class Averaging {
   Averaging& operator=(Averaging) noexcept;
 
   /// Moves history.material by settings.averaging_steps steps. history.rotation_map becomes the best rotations at the
-  /// new positions; a local/global step keeps those that it started from.
-  AveragingReport advance(const Model& model, LinearSolver& solver, History& history);
+  /// new positions; a local/global step keeps those that it started from. changed: per element, not 0 where the rest
+  /// shape is another than before; parts without such an element keep their bits. Empty: all parts move.
+  AveragingReport advance(const Model& model, LinearSolver& solver, History& history,
+                          std::span<const unsigned char> changed = {});
 
   /// Connected parts of the elements that are alive in `history`, found anew when some were removed since the last
   /// call.
@@ -62,11 +65,14 @@ class Averaging {
 
   void step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report);
   void take_means_out(PointArray& field);  // of each connected part
+  void choose_elements(const Model& model, History& history, std::span<const unsigned char> changed);
 
   ConnectedParts parts_;
   std::size_t num_removed_ = 0;               // length of History::removed that parts_ and node_weight_ belong to
   std::vector<double> node_weight_;           // number of live elements around a node: diagonal of P but for 7/8
   std::vector<Shift> shift_;                  // per connected part
+  std::vector<unsigned char> part_moves_;     // per connected part
+  std::vector<unsigned char> chosen_;         // per element: it is left, and its part moves
   PointArray gradient_, increment_, before_;  // gradient_ holds -g
   std::unique_ptr<Kernels> kernels_;
 };

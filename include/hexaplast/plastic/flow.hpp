@@ -42,8 +42,10 @@ struct FlowWorkspace {
 
   History trial;  ///< the history being made; taken over when the step is complete
   Averaging averaging;
-  std::vector<ElementFlow> flows;  ///< per element
-  std::vector<PartFrame> frames;   ///< per connected part; empty unless the mode needs them
+  std::vector<ElementFlow> flows;      ///< per element
+  std::vector<PartFrame> frames;       ///< per connected part; empty unless the mode needs them
+  std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
+  AlignedVector<double> material;      ///< [m] slots: where the averaging has brought the nodes
 };
 
 /// One plastic step at the accepted world positions that `at` holds (theory.md section 5). Where `at` is current,

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "hexaplast/material/material.hpp"
+#include "hexaplast/mesh/coarse_mesh.hpp"
 #include "hexaplast/mesh/partition.hpp"
 
 namespace hexaplast {
@@ -40,6 +42,16 @@ struct Model {
   }
 
   const Material& material(int element) const { return materials[materials.size() == 1 ? 0 : element]; }
+
+  /// The meshes below `mesh` for multigrid, found when they are first asked for.
+  const std::vector<CoarseMesh>& coarse_meshes() const;
+
+ private:
+  struct CoarseMeshes {
+    std::once_flag found;
+    std::vector<CoarseMesh> levels;
+  };
+  std::shared_ptr<CoarseMeshes> coarse_ = std::make_shared<CoarseMeshes>();  // of this model and its copies
 };
 
 }  // namespace hexaplast
