@@ -51,6 +51,15 @@ void expect_the_two_hexahedra(const ImportedMesh& mesh) {
   EXPECT_EQ(mesh.num_skipped, 1);
 }
 
+TEST(MeshFile, TheEndingOfTheNameTellsTheFormat) {
+  for (const std::string& file : kVolumeFiles) {
+    SCOPED_TRACE(file);
+    expect_the_two_hexahedra(read_mesh(kFolder + file));
+  }
+  EXPECT_EQ(read_mesh(kFolder + "surface.obj").positions.rows(), read_obj(kFolder + "surface.obj").positions.rows());
+  EXPECT_TRUE(refuses<InputError>([] { read_mesh("organ.stl"); }, {"organ.stl", ".msh, .vtk, .vtu or .obj"}));
+}
+
 TEST(MeshFile, HoldsWhatMeshioWrote) {
   for (const std::string& file : kVolumeFiles) {
     SCOPED_TRACE(file);

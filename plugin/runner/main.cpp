@@ -18,6 +18,7 @@
 #include "runner/element.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/list.hpp"
+#include "runner/mesh_cage.hpp"
 #include "runner/mesh_export.hpp"
 #include "runner/run.hpp"
 #include "scene/reader.hpp"
@@ -40,6 +41,12 @@ void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
       ->type_name("DIR")
       ->allow_extra_args(false);
 }
+
+/// What the subcommands of `mesh` take.
+struct MeshOptions {
+  MeshExportOptions scene_export;
+  MeshCageOptions cage;
+};
 
 /// What every command that reads a scene takes.
 void add_scene(CLI::App& command, SceneOptions& options) {
@@ -86,10 +93,8 @@ void add_element(CLI::App& app, ElementOptions& options) {
       ->type_name("FILE.csv");
 }
 
-void add_mesh(CLI::App& app, MeshExportOptions& options) {
-  CLI::App* mesh = app.add_subcommand("mesh", "Work on the mesh of a scene");
-  mesh->require_subcommand(1);
-  CLI::App* command = mesh->add_subcommand("export", "Write the scene's body for other programs");
+void add_mesh_export(CLI::App& mesh, MeshExportOptions& options) {
+  CLI::App* command = mesh.add_subcommand("export", "Write the scene's body for other programs");
   add_scene(*command, options.scene);
   command
       ->add_option(
@@ -105,6 +110,29 @@ void add_mesh(CLI::App& app, MeshExportOptions& options) {
                    "Loads of this time [s]; otherwise of the first step of the run at which they are greatest")
       ->type_name("T")
       ->check(CLI::NonNegativeNumber);
+}
+
+void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
+  CLI::App* command = mesh.add_subcommand("cage", "Lay coarse hexahedra around a surface of triangles or quads");
+  command->footer(kExitCodes);
+  command->add_option("surface", options.surface, "Mesh file: .obj, .vtk, .vtu or .msh")
+      ->type_name("SURFACE")
+      ->required();
+  command->add_option("--cells", options.cells, "Number of cubes along the longest side of the surface's box")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1'000'000))
+      ->required();
+  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
+      ->type_name("FILE")
+      ->required();
+  command->add_flag("--allow-parts", options.allow_parts, "Accept a cage that falls into parts");
+}
+
+void add_mesh(CLI::App& app, MeshOptions& options) {
+  CLI::App* mesh = app.add_subcommand("mesh", "Make meshes, and write those of scenes");
+  mesh->require_subcommand(1);
+  add_mesh_export(*mesh, options.scene_export);
+  add_mesh_cage(*mesh, options.cage);
 }
 
 void add_check(CLI::App& app, CheckOptions& options) {
@@ -235,6 +263,18 @@ int report_errors(const std::string& subject, const Action& action) {
   }
 }
 
+int run_mesh(const CLI::App& mesh, const MeshOptions& options) {
+  if (mesh.got_subcommand("cage"))
+    return report_errors(options.cage.surface.string(), [&] {
+      make_cage(options.cage);
+      return kOk;
+    });
+  return report_errors(options.scene_export.scene.file.string(), [&] {
+    export_mesh(options.scene_export);
+    return kOk;
+  });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -251,8 +291,8 @@ int main(int argc, char** argv) {
   add_run(app, run_options);
   ElementOptions element_options;
   add_element(app, element_options);
-  MeshExportOptions export_options;
-  add_mesh(app, export_options);
+  MeshOptions mesh_options;
+  add_mesh(app, mesh_options);
   CheckOptions check_options;
   add_check(app, check_options);
   ListOptions list_options;
@@ -270,11 +310,7 @@ int main(int argc, char** argv) {
       run_element(element_options);
       return kOk;
     });
-  if (app.got_subcommand("mesh"))
-    return report_errors(export_options.scene.file.string(), [&] {
-      export_mesh(export_options);
-      return kOk;
-    });
+  if (app.got_subcommand("mesh")) return run_mesh(*app.get_subcommand("mesh"), mesh_options);
   if (app.got_subcommand("check"))
     return report_errors(check_options.scene.file.string(), [&] {
       check(check_options);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/mesh/file_import.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
+
+#include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 namespace {
@@ -35,6 +39,14 @@ void add_edges_of(const std::array<int, N>& face, WithoutTwins<Edge>& edges) {
 }
 
 }  // namespace
+
+ImportedMesh read_mesh(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  if (ending == ".msh") return read_gmsh(file);
+  if (ending == ".vtk" || ending == ".vtu") return read_vtk(file);
+  if (ending == ".obj") return read_obj(file);
+  throw InputError(fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu or .obj", file.string()));
+}
 
 void triangulate(ImportedMesh& mesh) {
   for (const Quad& quad : mesh.quads) {

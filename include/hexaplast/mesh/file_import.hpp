@@ -33,6 +33,9 @@ ImportedMesh read_vtk(const std::filesystem::path& file);
 /// first corner.
 ImportedMesh read_obj(const std::filesystem::path& file);
 
+/// Whichever of these the ending of the file's name stands for: .msh, .vtk, .vtu or .obj.
+ImportedMesh read_mesh(const std::filesystem::path& file);
+
 /// All of these throw InputError: "FILE:LINE: what" where the file is text, "FILE: byte N: what" in binary data, for
 /// files that are missing, not regular, truncated or inconsistent. Nothing is allocated by a number in a file before
 /// that number has been compared with the file's size.

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/cage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "hexaplast/base/error.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kTouch = 1e-9;  // of a cell's size: a surface this near to a cell touches it
+
+enum class Kind : unsigned char { kUntouched, kTouched, kOutside };
+
+using Cell = std::array<int, 3>;
+
+/// The cells of a grid, and what is known of each.
+class Cells {
+ public:
+  explicit Cells(const CageGrid& grid)
+      : grid_(grid), width_((grid.most - grid.least).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]))) {
+    kind_.assign(static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2], Kind::kUntouched);
+  }
+
+  Kind& kind(const Cell& c) { return kind_[index(c)]; }
+  const Vec3& width() const { return width_; }
+  bool contains(const Cell& c) const {
+    for (int d = 0; d < 3; ++d)
+      if (c[d] < 0 || c[d] >= grid_.cells[d]) return false;
+    return true;
+  }
+
+  /// The cell of a point, or the one next to it where it lies outside.
+  Cell cell_at(const Vec3& point) const {
+    Cell c;
+    for (int d = 0; d < 3; ++d)
+      c[d] = static_cast<int>(std::clamp(std::floor((point[d] - grid_.least[d]) / width_[d]), 0., grid_.cells[d] - 1.));
+    return c;
+  }
+  Vec3 centre(const Cell& c) const {
+    return grid_.least + width_.cwiseProduct(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
+  }
+
+  /// In the order of the grid: x fastest.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for_each_in({0, 0, 0}, {grid_.cells[0] - 1, grid_.cells[1] - 1, grid_.cells[2] - 1}, visit);
+  }
+  template <class Visit>
+  static void for_each_in(const Cell& least, const Cell& most, const Visit& visit) {
+    for (int k = least[2]; k <= most[2]; ++k)
+      for (int j = least[1]; j <= most[1]; ++j)
+        for (int i = least[0]; i <= most[0]; ++i) visit(Cell{i, j, k});
+  }
+
+  /// The six cells across the faces of one, where the grid has them.
+  template <class Visit>
+  void for_each_neighbour(const Cell& c, const Visit& visit) const {
+    for (int d = 0; d < 3; ++d)
+      for (const int step : {-1, 1}) {
+        Cell other = c;
+        other[d] += step;
+        if (contains(other)) visit(other);
+      }
+  }
+
+ private:
+  std::size_t index(const Cell& c) const {
+    return static_cast<std::size_t>(c[0]) +
+           static_cast<std::size_t>(grid_.cells[0]) * (c[1] + static_cast<std::size_t>(grid_.cells[1]) * c[2]);
+  }
+
+  CageGrid grid_;
+  Vec3 width_;
+  std::vector<Kind> kind_;
+};
+
+/// Whether a triangle and the box |p| <= half have a point in common: none of the thirteen axes that can separate the
+/// two does. Corners are relative to the centre of the box.
+bool touches(const std::array<Vec3, 3>& corners, const Vec3& half) {
+  const auto separates = [&](const Vec3& axis) {
+    const double a = axis.dot(corners[0]), b = axis.dot(corners[1]), c = axis.dot(corners[2]);
+    const double reach = half.dot(axis.cwiseAbs());
+    return std::min({a, b, c}) > reach || std::max({a, b, c}) < -reach;
+  };
+  for (int d = 0; d < 3; ++d)
+    if (separates(Vec3::Unit(d))) return false;
+  const std::array<Vec3, 3> edges{corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
+  if (separates(edges[0].cross(edges[1]))) return false;
+  for (const Vec3& edge : edges)
+    for (int d = 0; d < 3; ++d)
+      if (separates(edge.cross(Vec3::Unit(d)))) return false;
+  return true;
+}
+
+void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
+  const Vec3 half = (0.5 + kTouch) * cells.width();
+  const Vec3 least = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
+             most = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]), reach = kTouch * cells.width();
+  Cells::for_each_in(cells.cell_at(least - reach), cells.cell_at(most + reach), [&](const Cell& c) {
+    if (cells.kind(c) == Kind::kTouched) return;
+    const Vec3 centre = cells.centre(c);
+    if (touches({corners[0] - centre, corners[1] - centre, corners[2] - centre}, half)) cells.kind(c) = Kind::kTouched;
+  });
+}
+
+/// From the cells at the border of the grid through all that the surface does not touch.
+void mark_outside(const CageGrid& grid, Cells& cells) {
+  std::vector<Cell> waiting;
+  const auto reach = [&](const Cell& c) {
+    if (cells.kind(c) != Kind::kUntouched) return;
+    cells.kind(c) = Kind::kOutside;
+    waiting.push_back(c);
+  };
+  cells.for_each([&](const Cell& c) {
+    for (int d = 0; d < 3; ++d)
+      if (c[d] == 0 || c[d] == grid.cells[d] - 1) return reach(c);
+  });
+  while (!waiting.empty()) {
+    const Cell c = waiting.back();
+    waiting.pop_back();
+    cells.for_each_neighbour(c, reach);
+  }
+}
+
+/// Nodes of the kept cells, numbered by x, then y, then z.
+HexMesh mesh_of(const std::vector<Cell>& kept, const CageGrid& grid) {
+  const std::int64_t ny = grid.cells[1] + 1, nz = grid.cells[2] + 1;
+  const auto key = [&](const Cell& c, int corner) {
+    std::array<std::int64_t, 3> at;
+    for (int d = 0; d < 3; ++d) at[d] = c[d] + (kCornerSign[corner][d] > 0 ? 1 : 0);
+    return (at[0] * ny + at[1]) * nz + at[2];
+  };
+  std::vector<std::int64_t> keys;
+  keys.reserve(kCorners * kept.size());
+  for (const Cell& c : kept)
+    for (int a = 0; a < kCorners; ++a) keys.push_back(key(c, a));
+  std::ranges::sort(keys);
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+
+  const Vec3 spacing = (grid.most - grid.least).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
+  PointArray positions(static_cast<Eigen::Index>(keys.size()), 3);
+  for (std::size_t n = 0; n < keys.size(); ++n) {
+    const Vec3 at(static_cast<double>(keys[n] / (ny * nz)), static_cast<double>(keys[n] / nz % ny),
+                  static_cast<double>(keys[n] % nz));
+    positions.row(static_cast<Eigen::Index>(n)) = (grid.least + at.cwiseProduct(spacing)).transpose();
+  }
+
+  std::vector<Hexahedron> hexahedra;
+  hexahedra.reserve(kept.size());
+  for (const Cell& c : kept) {
+    Hexahedron& corners = hexahedra.emplace_back();
+    for (int a = 0; a < kCorners; ++a)
+      corners[a] = static_cast<int>(std::ranges::lower_bound(keys, key(c, a)) - keys.begin());
+  }
+  return HexMesh(std::move(positions), std::move(hexahedra));
+}
+
+/// Sets that grow together.
+class DisjointSets {
+ public:
+  explicit DisjointSets(int count) : parent_(static_cast<std::size_t>(count)), num_sets_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  void join(int a, int b) {
+    const int of_a = representative(a), of_b = representative(b);
+    if (of_a == of_b) return;
+    parent_[of_b] = of_a;
+    --num_sets_;
+  }
+  int num_sets() const { return num_sets_; }
+
+ private:
+  int representative(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  std::vector<int> parent_;
+  int num_sets_;
+};
+
+bool share_a_face(const Hexahedron& a, const Hexahedron& b) {
+  return std::ranges::count_if(a, [&](int node) { return std::ranges::count(b, node) > 0; }) == 4;
+}
+
+/// Fills in num_parts and num_hinges. Two cells of a grid that share four nodes share a face.
+void judge_connection(Cage& cage) {
+  const HexMesh& mesh = cage.mesh;
+  DisjointSets parts(mesh.num_elements());
+  for (int n = 0; n < mesh.num_nodes(); ++n) {
+    const std::span<const HexMesh::Incidence> around = mesh.incident(n);
+    const int count = static_cast<int>(around.size());
+    DisjointSets here(count);
+    for (int i = 0; i < count; ++i)
+      for (int j = i + 1; j < count; ++j) {
+        const int a = around[i].element, b = around[j].element;
+        if (!share_a_face(mesh.hexahedra()[a], mesh.hexahedra()[b])) continue;
+        parts.join(a, b);
+        here.join(i, j);
+      }
+    cage.num_hinges += here.num_sets() > 1;
+  }
+  cage.num_parts = parts.num_sets();
+}
+
+void require_grid(const CageGrid& grid) {
+  double count = 1;
+  for (int d = 0; d < 3; ++d) {
+    if (grid.cells[d] < 1)
+      throw InputError(fmt::format("a cage of {} cells in direction {}: at least 1 needed", grid.cells[d], d));
+    if (!(grid.least[d] < grid.most[d]))
+      throw InputError(
+          fmt::format("a cage from {} to {} in direction {}: the box is empty", grid.least[d], grid.most[d], d));
+    count *= grid.cells[d];
+  }
+  if (count > kMostCageCells)
+    throw InputError(fmt::format("a cage cut out of {} x {} x {} cells: at most {:.10g} are possible", grid.cells[0],
+                                 grid.cells[1], grid.cells[2], kMostCageCells));
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d box_around(ConstPoints points) {
+  const Vec3 least = points.colwise().minCoeff().transpose(), most = points.colwise().maxCoeff().transpose();
+  const Vec3 margin = kCageMargin * (most - least);
+  return {Vec3(least - margin), Vec3(most + margin)};
+}
+
+CageGrid cubes_around(ConstPoints points, int cells) {
+  if (cells < 1) throw InputError(fmt::format("a cage of {} cells: at least 1 needed", cells));
+  const Vec3 extent = points.rows() > 0 ? box_around(points).sizes().eval() : Vec3::Zero().eval();
+  const double longest = extent.maxCoeff();
+  if (!(longest > 0 && std::isfinite(longest)))
+    throw InputError("the points have no extent around which cells could be laid");
+
+  // as many as cover the box in each direction, the box in their middle
+  const double width = longest / cells;
+  CageGrid grid;
+  Vec3 size;
+  for (int d = 0; d < 3; ++d) {
+    grid.cells[d] = std::clamp(static_cast<int>(std::ceil(extent[d] / width * (1 - kTouch))), 1, cells);
+    size[d] = grid.cells[d] * width;
+  }
+  const Vec3 centre = box_around(points).center();
+  grid.least = centre - size / 2;
+  grid.most = centre + size / 2;
+  return grid;
+}
+
+Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
+                 CageCells kept) {
+  if (triangles.empty() && quads.empty()) throw InputError("the surface has neither triangles nor quads");
+  require_grid(grid);
+  Cells cells(grid);
+  const Eigen::AlignedBox3d box(Vec3(grid.least - kTouch * cells.width()), Vec3(grid.most + kTouch * cells.width()));
+  const auto corner = [&](int node) -> Vec3 {
+    if (node < 0 || node >= x.rows())
+      throw InputError(fmt::format("a face of the surface has node {}: must lie in [0, {})", node, x.rows()));
+    const Vec3 p = x.row(node).transpose();
+    if (!box.contains(p))  // nor does it contain what is not a number
+      throw InputError(fmt::format(
+          "node {} of the surface, at ({:.6g}, {:.6g}, {:.6g}), lies outside the box from ({:.6g}, {:.6g}, {:.6g}) to "
+          "({:.6g}, {:.6g}, {:.6g})",
+          node, p[0], p[1], p[2], grid.least[0], grid.least[1], grid.least[2], grid.most[0], grid.most[1],
+          grid.most[2]));
+    return p;
+  };
+  const auto mark = [&](int a, int b, int c) { mark_touched({corner(a), corner(b), corner(c)}, cells); };
+  for (const Triangle& face : triangles) mark(face[0], face[1], face[2]);
+  for (const Quad& face : quads) {
+    mark(face[0], face[1], face[2]);
+    mark(face[0], face[2], face[3]);
+  }
+  mark_outside(grid, cells);
+
+  std::vector<Cell> chosen;
+  const auto choose = [&](Kind kind) {
+    cells.for_each([&](const Cell& c) {
+      if (cells.kind(c) == kind) chosen.push_back(c);
+    });
+  };
+  if (kept == CageCells::kTouchedOrEnclosed) choose(Kind::kTouched);
+  const int num_touched = static_cast<int>(chosen.size());
+  choose(Kind::kUntouched);
+  if (chosen.empty()) throw InputError("the surface encloses no cell: it is open, or the cells are too large");
+
+  Cage cage{.mesh = mesh_of(chosen, grid), .num_touched = num_touched};
+  judge_connection(cage);
+  return cage;
+}
+
+}  // namespace hexaplast

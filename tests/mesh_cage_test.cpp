@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <string>
+
+#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/mesh/file_import.hpp"
+#include "support/command.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::Outcome;
+
+/// The faces of an axis-aligned box as OBJ, its vertices numbered from `first` on.
+std::string box(const Vec3& least, const Vec3& most, int first = 1) {
+  std::ostringstream text;
+  for (int n = 0; n < 8; ++n)
+    text << "v " << (n & 1 ? most : least)[0] << ' ' << (n & 2 ? most : least)[1] << ' ' << (n & 4 ? most : least)[2]
+         << '\n';
+  for (const auto& [a, b, c, d] :
+       {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+    text << "f " << first + a << ' ' << first + b << ' ' << first + c << ' ' << first + d << '\n';
+  return text.str();
+}
+
+class MeshCage : public support::Command {
+ protected:
+  ImportedMesh written() { return read_vtk(directory_ / "cage.vtu"); }
+};
+
+// A plate of 2 x 1 x 0.6 m in cubes of 0.204 m: 10 x 5 x 3, of which 8 x 3 x 1 are inside.
+TEST_F(MeshCage, LaysCubesAroundASurface) {
+  write("plate.obj", box(Vec3(0, 0, 0), Vec3(2, 1, 0.6)));
+  const Outcome outcome = hexaplast("mesh cage plate.obj --cells 10 -o cage.vtu");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.out,
+            "plate: cage of cubes of 0.204 m\n  nodes               264\n"
+            "  hexahedra           150  (126 touched by the surface, 24 enclosed)\n  parts               1\n");
+  const ImportedMesh cage = written();
+  EXPECT_EQ(cage.positions.rows(), 264);
+  EXPECT_EQ(cage.hexahedra.size(), 150u);
+  const ImportedMesh surface = read_obj(directory_ / "plate.obj");
+  EXPECT_EQ(Embedding(cage.positions, cage.hexahedra, surface.positions).num_outside(), 0);
+  EXPECT_NE(support::content(directory_ / "cage.vtu").find("Name=\"enclosed\""), std::string::npos);
+}
+
+TEST_F(MeshCage, RefusesPartsUnlessAskedFor) {
+  write("two.obj", box(Vec3(0, 0, 0), Vec3(1, 1, 1)) + box(Vec3(4, 0, 0), Vec3(5, 1, 1), 9));
+  const Outcome refused = hexaplast("mesh cage two.obj --cells 10 -o cage.vtu");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_EQ(refused.err,
+            "two.obj: error: the cage falls into 2 parts that share no face: take fewer cells, which are larger, or "
+            "--allow-parts\n");
+  EXPECT_FALSE(std::filesystem::exists(directory_ / "cage.vtu"));
+  EXPECT_EQ(hexaplast("mesh cage two.obj --cells 10 -o cage.vtu --allow-parts").code, 0);
+  EXPECT_EQ(hexaplast("mesh cage two.obj --cells 1 -o cage.vtu").code, 0);
+  EXPECT_EQ(written().hexahedra.size(), 1u);
+}
+
+TEST_F(MeshCage, SaysWhereHexahedraAreHinged) {
+  write("two.obj", box(Vec3(.1, .1, .1), Vec3(.9, .9, .9)) + box(Vec3(1.1, 1.1, .1), Vec3(1.9, 1.9, .9), 9));
+  const Outcome outcome = hexaplast("mesh cage two.obj --cells 2 -o cage.vtu --allow-parts");
+  EXPECT_EQ(outcome.err,
+            "warning: hexahedra meet at 2 nodes without sharing a face there: they fold freely about them\n");
+}
+
+TEST_F(MeshCage, RefusesWhatItCannotDo) {
+  write("plate.obj", box(Vec3(0, 0, 0), Vec3(2, 1, 0.6)));
+  write("broken.obj", "v 0 0 0\nv 1 0\n");
+  write("points.obj", "v 0 0 0\nv 1 0 0\n");
+  write("plate.stl", "");
+  write("good.vtu", "good");
+  const auto refusal = [&](const std::string& arguments) {
+    const Outcome outcome = hexaplast("mesh cage " + arguments);
+    return std::pair(outcome.code, outcome.err.substr(0, outcome.err.find('\n')));
+  };
+  EXPECT_EQ(refusal("absent.obj --cells 3 -o good.vtu"), std::pair(5, std::string("absent.obj: error: no such file")));
+  EXPECT_EQ(refusal("broken.obj --cells 3 -o good.vtu"),
+            std::pair(3, std::string("hexaplast: error: broken.obj:2: '' is not a coordinate: must be a finite "
+                                     "number")));
+  EXPECT_EQ(refusal("points.obj --cells 3 -o good.vtu"),
+            std::pair(3, std::string("points.obj: error: the surface has neither triangles nor quads")));
+  EXPECT_EQ(refusal("plate.stl --cells 3 -o good.vtu").first, 3);
+  EXPECT_EQ(refusal("plate.obj --cells 100000 -o good.vtu").first, 3);
+  EXPECT_EQ(support::content(directory_ / "good.vtu"), "good");
+  EXPECT_EQ(refusal("plate.obj --cells 0 -o good.vtu").first, 2);
+  EXPECT_EQ(refusal("plate.obj -o good.vtu").first, 2);
+  EXPECT_EQ(refusal("plate.obj --cells 3 -o cage.obj"),
+            std::pair(2, std::string("hexaplast: error: --out cage.obj: the name must end in .vtu")));
+  EXPECT_EQ(refusal("plate.obj --cells 3 -o nowhere/cage.vtu").first, 5);
+}
+
+}  // namespace
