@@ -3,46 +3,25 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
-#include <limits>
-
 #include "hexaplast/base/error.hpp"
+#include "mesh/lattice.hpp"
 
 namespace hexaplast {
 
 HexMesh regular_grid(std::array<int, 3> cells, const Vec3& least, const Vec3& most) {
-  std::int64_t num_nodes = 1;
-  for (int d = 0; d < 3; ++d) {
-    if (cells[d] < 1)
-      throw InputError(fmt::format("a grid of {} cells in direction {}: at least 1 needed", cells[d], d));
+  const NodeLattice lattice{cells};
+  lattice.check();
+  for (int d = 0; d < 3; ++d)
     if (!(least[d] < most[d]))
       throw InputError(fmt::format("a grid from {} to {} in direction {}: the box is empty", least[d], most[d], d));
-    // checked in each factor, so that the product of the three cannot overflow 64 bits
-    num_nodes *= std::int64_t{cells[d]} + 1;
-    if (num_nodes > std::numeric_limits<int>::max())
-      throw InputError(fmt::format("a grid of {} x {} x {} cells has more nodes than can be counted ({})", cells[0],
-                                   cells[1], cells[2], std::numeric_limits<int>::max()));
-  }
 
-  const int nx = cells[0] + 1, ny = cells[1] + 1, nz = cells[2] + 1;
   const Vec3 spacing = (most - least).cwiseQuotient(Vec3(cells[0], cells[1], cells[2]));
-  const auto index = [&](int i, int j, int k) { return i + nx * (j + ny * k); };
-
-  PointArray positions(num_nodes, 3);
-  for (int k = 0; k < nz; ++k)
-    for (int j = 0; j < ny; ++j)
-      for (int i = 0; i < nx; ++i)
-        positions.row(index(i, j, k)) = (least + Vec3(i, j, k).cwiseProduct(spacing)).transpose();
-
-  std::vector<Hexahedron> hexahedra;
-  hexahedra.reserve(std::size_t(cells[0]) * cells[1] * cells[2]);
-  for (int k = 0; k < cells[2]; ++k)
-    for (int j = 0; j < cells[1]; ++j)
-      for (int i = 0; i < cells[0]; ++i)
-        hexahedra.push_back({index(i, j, k), index(i + 1, j, k), index(i + 1, j + 1, k), index(i, j + 1, k),
-                             index(i, j, k + 1), index(i + 1, j, k + 1), index(i + 1, j + 1, k + 1),
-                             index(i, j + 1, k + 1)});
-  return HexMesh(std::move(positions), std::move(hexahedra));
+  PointArray positions(lattice.num_nodes(), 3);
+  for (int k = 0; k <= cells[2]; ++k)
+    for (int j = 0; j <= cells[1]; ++j)
+      for (int i = 0; i <= cells[0]; ++i)
+        positions.row(lattice.node(i, j, k)) = (least + Vec3(i, j, k).cwiseProduct(spacing)).transpose();
+  return HexMesh(std::move(positions), lattice.hexahedra());
 }
 
 namespace {
