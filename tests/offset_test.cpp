@@ -56,7 +56,7 @@ TEST(Offset, OfAPlaneIsABlock) {
   const Shell shell = offset(sheet(), {0.25, 1, 5});
   EXPECT_EQ(shell.mesh.num_elements(), 6 * 5);
   EXPECT_EQ(shell.mesh.num_nodes(), 12 * 6);
-  EXPECT_NEAR(shell.volume, 6 * 1.25, 1e-14);
+  EXPECT_NEAR(shell.quality.volume, 6 * 1.25, 1e-14);
   EXPECT_NEAR(shell.quality.least_scaled_jacobian, 1, 1e-14);
   // vertex 5 = (1, 1), layer by layer outward
   for (int l = 0; l <= 5; ++l)
@@ -70,9 +70,9 @@ TEST(Offset, MayLieOffTheSurfaceAndOnEitherSide) {
   const Shell above = offset(sheet(), {-0.5, 0.75, 1}), below = offset(sheet(), {0, -0.75, 2});
   EXPECT_DOUBLE_EQ(above.mesh.positions().col(2).minCoeff(), 0.5);
   EXPECT_DOUBLE_EQ(above.mesh.positions().col(2).maxCoeff(), 0.75);
-  EXPECT_NEAR(above.volume, 1.5, 1e-14);
+  EXPECT_NEAR(above.quality.volume, 1.5, 1e-14);
   EXPECT_DOUBLE_EQ(below.mesh.positions().col(2).minCoeff(), -0.75);
-  EXPECT_NEAR(below.volume, 4.5, 1e-14);
+  EXPECT_NEAR(below.quality.volume, 4.5, 1e-14);
 }
 
 // The sides of a prism stay planes at the distance asked for, so that its shell is the difference of two prisms.
@@ -82,7 +82,7 @@ TEST(Offset, OfAPrismKeepsItsThicknessExactly) {
     const Shell shell = offset(support::prism(around, 3, radius, length), {0, thickness, 2});
     const double apothem = radius * std::cos(pi / around);  // distance of the sides from the axis
     const auto section = [&](double a) { return around * a * a * std::tan(pi / around); };
-    EXPECT_NEAR(shell.volume, length * (section(apothem + thickness) - section(apothem)), 1e-13);
+    EXPECT_NEAR(shell.quality.volume, length * (section(apothem + thickness) - section(apothem)), 1e-13);
     const auto [least, most] = radii(shell, 2, 2, 2);
     EXPECT_NEAR(least, (apothem + thickness) / std::cos(pi / around), 1e-14);
     EXPECT_NEAR(most, least, 1e-14);
@@ -94,7 +94,7 @@ TEST(Offset, OfAPrismKeepsItsThicknessExactly) {
 TEST(Offset, ConvergesToCylindersAndSpheres) {
   const auto tube_error = [](int around) {
     const Shell shell = offset(support::prism(around, 2, 1, 1), {0.3, 0.2, 2});
-    return std::abs(shell.volume / (pi * (1.2 * 1.2 - 0.7 * 0.7)) - 1);
+    return std::abs(shell.quality.volume / (pi * (1.2 * 1.2 - 0.7 * 0.7)) - 1);
   };
   EXPECT_LT(tube_error(24), 0.012);
   EXPECT_NEAR(std::log2(tube_error(24) / tube_error(48)), 2, 0.05);
@@ -103,7 +103,7 @@ TEST(Offset, ConvergesToCylindersAndSpheres) {
     const Shell shell = offset(support::sphere(n, 1), {inward, outward, 2});
     const double outer = 1 + outward, inner = 1 - inward;
     EXPECT_EQ(num_free_faces(shell.mesh), 2 * 6 * n * n) << "closed";
-    return std::abs(shell.volume / (4 * pi / 3 * (std::pow(outer, 3) - std::pow(inner, 3))) - 1);
+    return std::abs(shell.quality.volume / (4 * pi / 3 * (std::pow(outer, 3) - std::pow(inner, 3))) - 1);
   };
   for (const auto& [inward, outward] : {std::pair(0., 0.3), std::pair(0.3, 0.), std::pair(0.1, 0.1)}) {
     EXPECT_LT(ball_error(16, inward, outward), 0.012);
@@ -145,7 +145,7 @@ TEST(Offset, OfAPatchOfASphereApproachesItsVolume) {
     const auto [least, most] = radii(shell, 3, 3, 3);
     EXPECT_NEAR(least, 1.25, 0.3 / (n * n));
     EXPECT_NEAR(most, 1.25, 0.3 / (n * n));
-    return std::abs(shell.volume / (solid_angle * (std::pow(1.25, 3) - 1) / 3) - 1);
+    return std::abs(shell.quality.volume / (solid_angle * (std::pow(1.25, 3) - 1) / 3) - 1);
   };
   EXPECT_LT(error(16), 0.015);
   EXPECT_GT(error(8) / error(16), 1.9);
@@ -169,7 +169,7 @@ TEST(Offset, MovesThePlanesOfABoxByTheThickness) {
       const double width = edges.determinant() / edges.col((d + 1) % 3).cross(edges.col((d + 2) % 3)).norm();
       larger *= 1 + 2 * thickness / width;
     }
-    EXPECT_NEAR(offset(surface, {0, thickness, 2}).volume, larger - edges.determinant(), 1e-12);
+    EXPECT_NEAR(offset(surface, {0, thickness, 2}).quality.volume, larger - edges.determinant(), 1e-12);
   }
 }
 

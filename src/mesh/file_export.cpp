@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <utility>
 
 namespace hexaplast {
 namespace {
@@ -81,6 +82,20 @@ void add_fields(Text& text, const char* element, const std::vector<ExportedField
   text.add("</{}>\n", element);
 }
 
+/// As many digits as fit into what CalculiX reads of a number.
+std::string short_number(double value) {
+  constexpr std::size_t kLongest = 20;
+  std::string text = fmt::format("{}", value);
+  for (int digits = 16; text.size() > kLongest; --digits) text = fmt::format("{:.{}g}", value, digits);
+  return text;
+}
+
+std::string joined_from_1(std::span<const int> nodes, const char* separator) {
+  std::string text;
+  for (const int node : nodes) text += fmt::format("{}{}", text.empty() ? "" : separator, node + 1);
+  return text;
+}
+
 }  // namespace
 
 std::string vtu_text(const ExportedMesh& mesh) {
@@ -99,6 +114,44 @@ std::string vtu_text(const ExportedMesh& mesh) {
   add_fields(text, "PointData", mesh.point_fields);
   add_fields(text, "CellData", mesh.cell_fields);
   text.add("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+  return text.take();
+}
+
+std::string gmsh_text(const ExportedMesh& mesh) {
+  Text text;
+  text.add("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.points.size() / 3);
+  for (std::size_t n = 0; n < mesh.points.size() / 3; ++n)
+    text.add("{} {} {} {}\n", n + 1, mesh.points[3 * n], mesh.points[3 * n + 1], mesh.points[3 * n + 2]);
+
+  std::size_t num_cells = 0;
+  for_each_kind(mesh, [&](const auto& cells, int) { num_cells += cells.size(); });
+  text.add("$EndNodes\n$Elements\n{}\n", num_cells);
+  std::size_t number = 0;
+  for_each_kind(mesh, [&](const auto& cells, int kind) {
+    const int type = kind == 3 ? 1 : kind == 5 ? 2 : kind == 9 ? 3 : 5;
+    // two tags, as Gmsh demands: physical and elementary entity, one of each for a kind of cell
+    for (const auto& cell : cells) text.add("{} {} 2 {} {} {}\n", ++number, type, type, type, joined_from_1(cell, " "));
+  });
+  text.add("$EndElements\n");
+  return text.take();
+}
+
+std::string abaqus_text(const ExportedMesh& mesh) {
+  Text text;
+  text.add("*NODE, NSET=ALL\n");
+  for (std::size_t n = 0; n < mesh.points.size() / 3; ++n)
+    text.add("{}, {}, {}, {}\n", n + 1, short_number(mesh.points[3 * n]), short_number(mesh.points[3 * n + 1]),
+             short_number(mesh.points[3 * n + 2]));
+  std::size_t number = 0;
+  for_each_kind(mesh, [&](const auto& cells, int kind) {
+    if (cells.empty()) return;
+    const auto [type, set] = kind == 3   ? std::pair("T3D2", "EDGES")
+                             : kind == 5 ? std::pair("S3", "TRIANGLES")
+                             : kind == 9 ? std::pair("S4", "QUADS")
+                                         : std::pair("C3D8", "BODY");
+    text.add("*ELEMENT, TYPE={}, ELSET={}\n", type, set);
+    for (const auto& cell : cells) text.add("{}, {}\n", ++number, joined_from_1(cell, ", "));
+  });
   return text.take();
 }
 

@@ -45,7 +45,8 @@ ImportedMesh read_mesh(const std::filesystem::path& file) {
   if (ending == ".msh") return read_gmsh(file);
   if (ending == ".vtk" || ending == ".vtu") return read_vtk(file);
   if (ending == ".obj") return read_obj(file);
-  throw InputError(fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu or .obj", file.string()));
+  if (ending == ".inp") return read_abaqus(file);
+  throw InputError(fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu, .obj or .inp", file.string()));
 }
 
 void triangulate(ImportedMesh& mesh) {

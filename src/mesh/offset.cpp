@@ -219,9 +219,7 @@ Shell offset(const QuadSurface& surface, const ShellThickness& thickness) {
         described(limits.inward, limits.inward_quad), described(limits.outward, limits.outward_quad)));
 
   order.resize(std::min(order.size(), kWorstQuads));
-  Shell shell{HexMesh(std::move(x), std::move(hexahedra)), 0, {}, std::move(order), limits};
-  for (const Hexahedron& corners : shell.mesh.hexahedra())
-    shell.volume += volume(gather(shell.mesh.positions(), corners));
+  Shell shell{HexMesh(std::move(x), std::move(hexahedra)), {}, std::move(order), limits};
   shell.quality = quality(shell.mesh);
   return shell;
 }

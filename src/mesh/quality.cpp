@@ -25,6 +25,7 @@ MeshQuality quality(const HexMesh& mesh) {
   found.least_scaled_jacobian = found.shortest_edge = std::numeric_limits<double>::infinity();
   for (int e = 0; e < mesh.num_elements(); ++e) {
     const ElementPoints x = gather(mesh.positions(), mesh.hexahedra()[e]);
+    found.volume += volume(x);
     for (int a = 0; a < kCorners; ++a) {
       const Eigen::RowVector3d edges = 2 * corner_jacobian(x, a).colwise().norm();  // its columns are half edges
       found.shortest_edge = std::min(found.shortest_edge, edges.minCoeff());

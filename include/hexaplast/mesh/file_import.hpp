@@ -33,7 +33,12 @@ ImportedMesh read_vtk(const std::filesystem::path& file);
 /// first corner.
 ImportedMesh read_obj(const std::filesystem::path& file);
 
-/// Whichever of these the ending of the file's name stands for: .msh, .vtk, .vtu or .obj.
+/// Abaqus input decks (.inp): the data of *NODE and *ELEMENT (solid, shell, membrane and truss elements of the first
+/// order), as they are: decks of parts and instances, or with *INCLUDE, are refused. The format has no end mark, so
+/// that a file that is cut off between two lines is read as far as it goes.
+ImportedMesh read_abaqus(const std::filesystem::path& file);
+
+/// Whichever of these the ending of the file's name stands for: .msh, .vtk, .vtu, .obj or .inp.
 ImportedMesh read_mesh(const std::filesystem::path& file);
 
 /// All of these throw InputError: "FILE:LINE: what" where the file is text, "FILE: byte N: what" in binary data, for
@@ -44,6 +49,7 @@ ImportedMesh read_mesh(const std::filesystem::path& file);
 ImportedMesh parse_gmsh(std::string_view content, const std::string& name);
 ImportedMesh parse_vtk(std::string_view content, const std::string& name);
 ImportedMesh parse_obj(std::string_view content, const std::string& name);
+ImportedMesh parse_abaqus(std::string_view content, const std::string& name);
 
 /// Cuts every quad into two triangles, (0, 1, 2) and (0, 2, 3).
 void triangulate(ImportedMesh& mesh);

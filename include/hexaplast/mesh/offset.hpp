@@ -51,7 +51,6 @@ OffsetLimits offset_limits(const QuadSurface& surface, const PointArray& directi
 struct Shell {
   HexMesh mesh;         ///< node: vertex * (layers + 1) + layer, layers counted outward from the inner surface;
                         ///< hexahedron: quad * layers + layer, its corner 0 at the inner surface, below corner 4
-  double volume = 0;    ///< [m^3]
   MeshQuality quality;  ///< of `mesh`
   std::vector<int> worst_quads;  ///< up to five, those over which the scaled Jacobian is least first
   OffsetLimits limits;           ///< of the surface

@@ -9,12 +9,13 @@ namespace hexaplast {
 /// relative to a box of these edges. 1 for a box, 0 where a corner is flat, negative where it is inside out.
 double scaled_jacobian(const ElementPoints& x);
 
-/// How well the elements of a mesh are shaped.
+/// How large the elements of a mesh are, and how well they are shaped.
 struct MeshQuality {
   double least_scaled_jacobian = 1;
   int worst_element = -1;    ///< the first one with that value; -1: no elements
   double shortest_edge = 0;  ///< [m]
   double longest_edge = 0;   ///< [m]
+  double volume = 0;         ///< [m^3]
   int num_unused_nodes = 0;  ///< nodes without element
 };
 
