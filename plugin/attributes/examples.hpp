@@ -50,6 +50,18 @@ inline constexpr std::array kExamples = {
     Example{"SparseLDLSolver", R"xml(<SparseLDLSolver template="CompressedRowSparseMatrixMat3x3d"/>)xml"},
     Example{"RegularGridTopology",
             R"xml(<RegularGridTopology name="grid" n="5 5 17" min="0 0 0" max="0.1 0.1 0.4"/>)xml"},
+    Example{"TubeGridTopology",
+            R"xml(<TubeGridTopology name="grid" cells="2 16 12" innerRadius="0.03" outerRadius="0.05"
+    centreline="0 0 0  0 0 0.1  0.05 0 0.2  0.15 0 0.3"/>)xml"},
+    Example{"SheetGridTopology",
+            R"xml(<SheetGridTopology name="grid" cells="8 8 2" size="0.1 0.1" thickness="0.01" curvature="3"/>)xml"},
+    Example{"SpherePatchGridTopology", R"xml(<SpherePatchGridTopology name="grid" cells="6 6 2" innerRadius="0.1"
+    outerRadius="0.12" angle="60"/>
+<MechanicalObject name="nodes" translation="0 0 -0.1"/>)xml"},
+    Example{"ExtrudeQuadsAndGenerateHexas",
+            R"xml(<ExtrudeQuadsAndGenerateHexas name="shell" thicknessOut="0.02" numberOfSlices="2"
+    surfaceVertices="0 0 0  0.1 0 0  0.1 0.1 0  0 0.1 0  0.1 0 0.05  0.1 0.1 0.05" surfaceQuads="0 1 2 3  1 4 5 2"/>
+<HexahedronSetTopologyContainer name="grid" position="@shell.extrudedVertices" hexahedra="@shell.extrudedHexas"/>)xml"},
     Example{"MechanicalObject", R"xml(<MechanicalObject name="nodes" template="Vec3d" scale3d="1 1 0.5"/>)xml"},
     Example{"UniformMass", R"xml(<UniformMass totalMass="4"/>)xml"},
     Example{"DiagonalMass", R"xml(<DiagonalMass massDensity="1050"/>)xml"},

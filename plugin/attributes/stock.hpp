@@ -5,6 +5,7 @@
 #include "attributes/stock/bodies.hpp"
 #include "attributes/stock/constraints.hpp"
 #include "attributes/stock/exporters.hpp"
+#include "attributes/stock/extrusion.hpp"
 #include "attributes/stock/geometry.hpp"
 #include "attributes/stock/ignored.hpp"
 #include "attributes/stock/loads.hpp"

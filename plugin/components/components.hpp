@@ -12,9 +12,11 @@ void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop
 void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver and theirs
 void add_loaders(scene::Factory& factory);         // MeshGmshLoader, MeshVTKLoader, MeshOBJLoader
 void add_topologies(scene::Factory& factory);      // RegularGridTopology, MeshTopology and its like
+void add_shapes(scene::Factory& factory);          // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology
 void add_states(scene::Factory& factory);          // MechanicalObject
 void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass, MeshMatrixMass
 void add_engines(scene::Factory& factory);         // BoxROI, SphereROI
+void add_extrusion(scene::Factory& factory);       // ExtrudeQuadsAndGenerateHexas
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping

@@ -9,9 +9,11 @@ HEXAPLAST_PLUGIN(factory) {
   add_solvers(factory);
   add_loaders(factory);
   add_topologies(factory);
+  add_shapes(factory);
   add_states(factory);
   add_masses(factory);
   add_engines(factory);
+  add_extrusion(factory);
   add_constraints(factory);
   add_loads(factory);
   add_bodies(factory);

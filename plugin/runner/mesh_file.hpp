@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "hexaplast/mesh/file_export.hpp"
 #include "hexaplast/mesh/file_import.hpp"
 
 namespace hexaplast::runner {
@@ -8,5 +9,12 @@ namespace hexaplast::runner {
 /// A mesh file that the command line names. Throws scene::FileError where there is no such file, and SceneError with
 /// the place in the file where its content is wrong.
 ImportedMesh load_mesh(const std::filesystem::path& file);
+
+/// Throws UsageError unless the file's name ends in .vtu, .msh or .inp: to be asked before anything is computed.
+void require_writable_format(const std::filesystem::path& file);
+
+/// Writes a mesh in the format that the name stands for; an older file stays until the new one is whole. Throws
+/// OutputError.
+void save_mesh(const std::filesystem::path& file, const ExportedMesh& mesh);
 
 }  // namespace hexaplast::runner

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// hexaplast mesh grid, sheet, tube, sphere-patch, offset, info and convert.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hexaplast/mesh/file_import.hpp"
+#include "support/command.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::Outcome;
+using Json = nlohmann::json;
+
+class MeshMake : public support::Command {
+ protected:
+  Json info(const std::string& file) {
+    const Outcome outcome = hexaplast("mesh info " + file + " --json");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return Json::parse(outcome.out, nullptr, false);
+  }
+
+  /// What a command that must succeed prints.
+  std::string made(const std::string& words) {
+    const Outcome outcome = hexaplast("mesh " + words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    return outcome.out;
+  }
+
+  /// Exit code of a command that must fail and leave no file behind, and the message without its last line.
+  void expect_refused(int code, const std::string& words, const std::string& message) {
+    const Outcome outcome = hexaplast("mesh " + words + " -o made.vtu");
+    EXPECT_EQ(outcome.code, code) << words;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(directory_ / "made.vtu"));
+  }
+};
+
+// Two quads at a right angle, counter-clockwise seen from above and from +x.
+const std::string kCorner = "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 1 0 -1\nv 1 2 -1\nf 1 2 3 4\nf 2 5 6 3\n";
+
+TEST_F(MeshMake, OffsetsAnOpenSurface) {
+  write("corner.obj", kCorner);
+  EXPECT_EQ(made("offset corner.obj --thickness 0.1 --layers 2 -o shell.vtu"),
+            "shell: shell over 2 quads of an open surface\n"
+            "  nodes               18\n"
+            "  hexahedra           4 in 1 part, 16 faces outside\n"
+            "  size                1.1 x 2 x 1.1 m, 0.42 m^3\n"
+            "  shape               least scaled Jacobian 0.707 (hexahedron 0), edges 0.05 to 2 m\n"
+            "  worst shaped over   quads 0, 1\n");
+  EXPECT_NEAR(info("shell.vtu")["body"]["volume"].get<double>(), 2 * (1.1 * 1.1 - 1), 1e-14);
+  // the corner of the walls is mitred: 1 x 1 without .9 x .9, and half a layer on either side of both
+  made("offset corner.obj --thickness 0.1 --direction inward -o shell.vtu");
+  EXPECT_NEAR(info("shell.vtu")["body"]["volume"].get<double>(), 2 * (1 - 0.9 * 0.9), 1e-14);
+  made("offset corner.obj --thickness 0.1 --direction both -o shell.vtu");
+  EXPECT_NEAR(info("shell.vtu")["body"]["volume"].get<double>(), 2 * (1.05 * 1.05 - 0.95 * 0.95), 1e-14);
+}
+
+TEST_F(MeshMake, OffsetRefusesWhatFoldsOrIsNoSurface) {
+  write("corner.obj", kCorner);
+  expect_refused(3, "offset corner.obj --thickness 1.5 --direction inward",
+                 "corner.obj: error: 2 quads fold when offset by 1.5 inward and 0 outward: 0, 1; the worst is ");
+  expect_refused(3, "offset corner.obj --thickness 1.5 --direction inward", "less than 1 (quad 0) inward");
+  write("turned.obj", kCorner + "v 2 0 0\nv 2 2 0\nf 2 3 8 7\n");
+  expect_refused(3, "offset turned.obj --thickness 0.1", "turned.obj: error: 3 quads meet more than one other quad");
+  write("mixed.obj", kCorner + "f 5 6 1\n");
+  expect_refused(3, "offset mixed.obj --thickness 0.1", "mixed.obj: error: 1 triangles, or parts of polygons");
+  write("broken.obj", kCorner + "f 2 5 66 3\n");
+  expect_refused(3, "offset broken.obj --thickness 0.1", "hexaplast: error: broken.obj:9: '66' is none of the 6");
+  expect_refused(5, "offset absent.obj --thickness 0.1", "absent.obj: error: no such file");
+  expect_refused(2, "offset corner.obj --thickness -0.1", "-0.1: must be a finite number greater than 0");
+  expect_refused(2, "offset corner.obj --thickness 0.1 --layers 0", "--layers");
+  expect_refused(2, "offset corner.obj --thickness 0.1 --direction up", "--direction");
+  expect_refused(2, "offset corner.obj", "--thickness is required");
+  made("grid --cells 1 1 1 --size 1 1 1 -o cube.msh");
+  expect_refused(3, "offset cube.msh --thickness 0.1", "1 hexahedra, must be a surface of quads");
+}
+
+TEST_F(MeshMake, OffsetLeavesOutVerticesWithoutFaceAndSaysSo) {
+  write(
+      "corner.obj", "v 7 7 7\n" + [] {
+        std::string shifted = kCorner;
+        return shifted.substr(0, shifted.find('f')) + "f 2 3 4 5\nf 3 6 7 4\n";
+      }());
+  const Outcome outcome = hexaplast("mesh offset corner.obj --thickness 0.1 -o shell.vtu");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err,
+            "corner.obj: warning: 1 vertices without a face are left out, and the others numbered without them\n");
+  EXPECT_EQ(read_mesh(directory_ / "shell.vtu").positions.rows(), 12);
+}
+
+TEST_F(MeshMake, MakesShapes) {
+  made("grid --cells 3 2 4 --size 0.3 0.2 0.8 --origin -1 0 2 -o grid.vtu");
+  EXPECT_EQ(read_mesh(directory_ / "grid.vtu").positions.row(0), Eigen::RowVector3d(-1, 0, 2));
+  EXPECT_NEAR(info("grid.vtu")["body"]["volume"].get<double>(), 0.048, 1e-15);
+  made("sheet --cells 8 4 2 --size 0.2 0.1 --thickness 0.01 --curvature 4 -o sheet.msh");
+  EXPECT_NEAR(info("sheet.msh")["body"]["volume"].get<double>(), 2e-4 * std::sin(0.1) / 0.1, 1e-15);
+  made("tube --cells 2 12 5 --inner 0.1 --outer 0.15 --length 0.7 -o tube.inp");
+  EXPECT_NEAR(info("tube.inp")["body"]["volume"].get<double>(), 3 * (0.0225 - 0.01) * 0.7, 1e-12);
+  EXPECT_EQ(info("tube.inp")["body"]["boundary_faces"], 2 * 12 * 5 + 2 * 12 * 2);
+  made("sphere-patch --cells 4 4 2 --inner 0.1 --outer 0.12 --angle 60 -o patch.vtu");
+  EXPECT_EQ(info("patch.vtu")["hexahedra"], 32);
+}
+
+TEST_F(MeshMake, TubesFollowArcsAndCurves) {
+  made("tube --cells 1 8 10 --inner 0.1 --outer 0.15 --length 1 --bend 90 -o bent.vtu");
+  const ImportedMesh bent = read_mesh(directory_ / "bent.vtu");
+  const double radius = 2 / std::acos(-1);  // the last section lies in the plane x = radius
+  EXPECT_NEAR(bent.positions.bottomRows(16).col(0).minCoeff(), radius, 1e-14);
+  EXPECT_NEAR(bent.positions.col(0).maxCoeff(), radius, 1e-14);
+
+  write("curve.obj", "v 0 0 0\nv 0 0 1\nv 0 0 3\nl 1 2 3\n");
+  made("tube --cells 1 8 6 --inner 0.1 --outer 0.15 --along curve.obj -o along.vtu");
+  made("tube --cells 1 8 6 --inner 0.1 --outer 0.15 --length 3 -o straight.vtu");
+  EXPECT_LT((read_mesh(directory_ / "along.vtu").positions - read_mesh(directory_ / "straight.vtu").positions)
+                .cwiseAbs()
+                .maxCoeff(),
+            0.01);
+}
+
+TEST_F(MeshMake, ShapesRefuseWhatMeansNothing) {
+  expect_refused(2, "tube --cells 1 8 6 --inner 0.1 --outer 0.15", "either --length or --along must be given");
+  expect_refused(2, "tube --cells 1 8 6 --inner 0.1 --outer 0.15 --bend 90", "--bend requires --length");
+  expect_refused(2, "tube --cells 1 8 --inner 0.1 --outer 0.15 --length 1", "hexaplast tube: error: ");
+  expect_refused(3, "tube --cells 1 2 6 --inner 0.1 --outer 0.15 --length 1",
+                 "hexaplast mesh tube: error: a grid of 2 cells in direction 1: at least 3 needed");
+  expect_refused(3, "tube --cells 1 8 6 --inner 0.2 --outer 0.15 --length 1", "an inner radius of 0.2 m");
+  expect_refused(3, "tube --cells 1 8 6 --inner 0.2 --outer 0.4 --length 0.5 --bend 90", "folds between sections");
+  expect_refused(3, "sheet --cells 4 4 1 --size 1 1 --thickness 0.5 --curvature 5", "folds a sheet 0.5 m thick");
+  expect_refused(3, "grid --cells 100000 100000 100000 --size 1 1 1", "1e+15 hexahedra, must be at most 16777216");
+  expect_refused(2, "grid --cells 1 1 1 --size 1 0 1", "0: must be a finite number");
+  expect_refused(2, "grid --cells 1 1 1 --size 1 inf 1", "inf: must be a finite number");
+  EXPECT_EQ(hexaplast("mesh grid --cells 1 1 1 --size 1 1 1 -o cube.stl").code, 2);
+  EXPECT_EQ(hexaplast("mesh grid --cells 1 1 1 --size 1 1 1 -o nowhere/cube.vtu").code, 5);
+}
+
+TEST_F(MeshMake, ConvertsThereAndBack) {
+  made("tube --cells 1 7 6 --inner 0.1 --outer 0.15 --length 1 --bend 33 -o tube.vtu");
+  std::string before = "tube.vtu";
+  const ImportedMesh first = read_mesh(directory_ / before);
+  for (const std::string file : {"a.msh", "b.inp", "c.vtu", "d.inp", "e.msh"}) {
+    EXPECT_EQ(made("convert " + before + " -o " + file), "");
+    const ImportedMesh mesh = read_mesh(directory_ / file);
+    EXPECT_EQ(mesh.hexahedra, first.hexahedra);
+    EXPECT_LT((mesh.positions - first.positions).cwiseAbs().maxCoeff(), 1e-15) << "decks hold sixteen digits";
+    before = file;
+  }
+}
+
+TEST_F(MeshMake, ConvertsEveryKindOfCellAndSaysWhatItLeavesOut) {
+  const std::string two = std::string("'") + HEXAPLAST_TEST_DATA + "/meshes/two_41_binary.msh'";
+  const Outcome outcome = hexaplast("mesh convert " + two + " -o two.vtu");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.err.find("warning: 1 cells are left out"), std::string::npos) << outcome.err;
+  const ImportedMesh mesh = read_mesh(directory_ / "two.vtu");
+  EXPECT_EQ(mesh.hexahedra.size(), 2u);
+  EXPECT_EQ(mesh.quads.size(), 1u);
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.edges.size(), 1u);
+  write("old.vtu", "precious");
+  EXPECT_EQ(hexaplast("mesh convert old.vtu -o two.vtu").code, 3);
+  EXPECT_EQ(read_mesh(directory_ / "two.vtu").hexahedra.size(), 2u) << "a good file stays";
+}
+
+// The commands of the README, on copies of the files that it names: the sheet stays longer by some percent.
+TEST_F(MeshMake, TheSheetOfTheReadmeIsGrownAndPulled) {
+  for (const char* file : {"sheet.obj", "sheet.scn"})
+    write(file, support::content(std::string(HEXAPLAST_SOURCE_DIR) + "/docs/examples/sheet/" + file));
+  made("offset sheet.obj --thickness 0.004 --layers 2 -o sheet.vtu");
+  const Outcome check = hexaplast("check sheet.scn");
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_EQ(check.err, "");
+  EXPECT_NE(check.out.find("351, of which 27 are held"), std::string::npos) << check.out;
+  const Outcome run = hexaplast("run sheet.scn --steps 110 --final final.json");
+  EXPECT_EQ(run.code, 0) << run.err;
+  const double elongation = std::stod(run.out.substr(run.out.find("plastic elongation") + 18));
+  EXPECT_GT(elongation, 3) << run.out;
+  EXPECT_LT(elongation, 6) << run.out;
+}
+
+TEST_F(MeshMake, InfoTellsSurfacesFromBodies) {
+  write("corner.obj", kCorner);
+  EXPECT_EQ(made("info corner.obj"),
+            "corner\n  nodes               6\n  quads               2\n  size                1 x 2 x 1 m\n"
+            "  surface             open; can be offset less than 1 m inward, any way outward\n");
+  const Json surface = info("corner.obj");
+  EXPECT_EQ(surface["body"], nullptr);
+  EXPECT_EQ(surface["surface"], Json::parse(R"({"closed": false, "most_inward": 1.0, "most_outward": null})"));
+  write("mixed.obj", kCorner + "f 5 6 1\n");
+  EXPECT_NE(made("info mixed.obj").find("cannot be offset: 1 triangles"), std::string::npos);
+  EXPECT_EQ(hexaplast("mesh info absent.vtu").code, 5);
+  EXPECT_EQ(hexaplast("mesh info corner.stl").code, 5);
+}
+
+}  // namespace
