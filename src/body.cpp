@@ -35,8 +35,9 @@ Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
     : model_(std::move(mesh), std::move(materials), settings),
       history_(model_),
       at_(model_),
-      flow_(model_),
-      averaging_solver_(averaging_solver(model_)) {}
+      averaging_solver_(averaging_solver(model_)) {
+  if (model_.can_flow()) flow_.emplace(model_);
+}
 
 void Body::linearize(ConstPoints x) { hexaplast::linearize(model_, history_, x, at_); }
 
@@ -74,7 +75,7 @@ double Body::energy(ConstPoints x) const { return hexaplast::energy(model_, hist
 FlowReport Body::flow(ConstPoints x, double dt) {
   if (dt != checked_dt_) {
     // a body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it
-    if (model_.can_stretch || model_.can_rotate) check_time_step(model_.materials, model_.settings, dt);
+    if (model_.can_flow()) check_time_step(model_.materials, model_.settings, dt);
     checked_dt_ = dt;
   }
   require_finite(x, "position");
@@ -82,7 +83,8 @@ FlowReport Body::flow(ConstPoints x, double dt) {
     set_positions(model_, history_, x, at_);
   else
     hexaplast::linearize(model_, history_, x, at_);
-  const FlowReport report = hexaplast::flow(model_, at_, dt, averaging_solver_, history_, flow_);
+  if (!flow_) return count_inverted(model_, at_);
+  const FlowReport report = hexaplast::flow(model_, at_, dt, averaging_solver_, history_, *flow_);
   mostly_flows_ = 2 * report.yielded > model_.mesh.num_elements();
   return report;
 }

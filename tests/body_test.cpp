@@ -197,5 +197,20 @@ TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
   EXPECT_EQ(loose.history().material.row(8), positions.row(8));
 }
 
+TEST(Body, WithoutPlasticityReportsInvertedElementsAndKeepsItsHistory) {
+  Body body(support::block({2, 1, 1}, 0.1), {Material{}}, Settings{});
+  const long version = body.history().version;
+  EXPECT_EQ(body.flow(body.mesh().positions(), 0.01).inverted, 0);
+  PointArray x = body.mesh().positions();
+  for (int n = 0; n < x.rows(); ++n)
+    if (x(n, 0) == 0) x(n, 0) = 0.15;  // through the face to the second element
+  const FlowReport report = body.flow(x, 0.01);
+  EXPECT_EQ(report.inverted, 1);
+  EXPECT_EQ(report.guarded, 1);
+  EXPECT_EQ(report.yielded, 0);
+  EXPECT_EQ(body.history().version, version);
+  EXPECT_EQ(body.history().material, body.mesh().positions());
+}
+
 }  // namespace
 }  // namespace hexaplast

@@ -82,7 +82,7 @@ class Body {
   Model model_;
   History history_;
   Linearization at_;
-  FlowWorkspace flow_;
+  std::optional<FlowWorkspace> flow_;  // of bodies that can flow
   PreconditionedConjugateGradients averaging_solver_;
   bool mostly_flows_ = false;                          // in the latest plastic step: looking first would be in vain
   double checked_dt_ = 0;                              // time step that passed check_time_step

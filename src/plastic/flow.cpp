@@ -55,8 +55,8 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
       return false;
   }
   const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
-  const double largest = *std::max_element(model.corner_jacobian[e].begin(), model.corner_jacobian[e].end());
-  return watch[Watch::kLeastDet * kBlock] > guard && watch[Watch::kLeastJacobian * kBlock] > guard * largest &&
+  return watch[Watch::kLeastDet * kBlock] > guard &&
+         watch[Watch::kLeastJacobian * kBlock] > guard * model.largest_jacobian[e] &&
          std::abs(at.volume[place] / model.volume[e] - 1) < kVolumeAtRest;
 }
 
@@ -94,8 +94,8 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     const ElementMoment moment{.material = model.material(e),
                                .lame = model.lame[e],
                                .settings = model.settings,
-                               .original_shape = model.original_shape[e],
-                               .corner_jacobian = model.corner_jacobian[e],
+                               .original_shape = model.original_shape(e),
+                               .corner_jacobian = model.corner_jacobian(e),
                                .original_volume = model.volume[e],
                                .x = material,
                                .rest = rest,
@@ -142,7 +142,7 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
   to_slots(*model.partition, work.trial.material, work.material);
   const auto is_collapsing = [&](int e) {
     const auto ratio = [&](const History& of) {
-      return least_jacobian_ratio(model.corner_jacobian[e], gather(of.material, model.mesh.hexahedra()[e]));
+      return least_jacobian_ratio(model.corner_jacobian(e), gather(of.material, model.mesh.hexahedra()[e]));
     };
     const double now = ratio(work.trial);
     return now < kCollapsedJacobian && now < ratio(history);
@@ -210,6 +210,20 @@ FlowWorkspace::FlowWorkspace(const Model& model)
       flows(model.mesh.num_elements()),
       changed(model.mesh.num_elements()),
       material(slot_vector<double>(*model.partition)) {}
+
+FlowReport count_inverted(const Model& model, const Linearization& at) {
+  FlowReport report;
+  for (int block = 0; block < model.partition->num_blocks; ++block) {
+    const float* least_det =
+        at.watch.data() + (static_cast<std::size_t>(block) * Watch::kQuantities + Watch::kLeastDet) * kBlock;
+    for (int place = 0; place < kBlock; ++place) {
+      if (!(at.present[block] >> place & 1)) continue;
+      report.inverted += least_det[place] < 0;
+      report.guarded += least_det[place] < model.settings.inversion_threshold;
+    }
+  }
+  return report;
+}
 
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
                 FlowWorkspace& work) {

@@ -124,8 +124,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   const auto load_corners = [&](const auto& values, V* numbers) {
     load_elements<kCorners>(addresses<const double>(elements, [&](int e) { return values[e].data(); }), numbers);
   };
-  V rest_shape[3 * kCorners], map[9], yield_stress[kCorners], rotation_yield[kCorners], plastic_strain[kCorners],
-      corner_jacobian[kCorners];
+  V rest_shape[3 * kCorners], map[9], yield_stress[kCorners], rotation_yield[kCorners], plastic_strain[kCorners];
   const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
   const auto map_of = [](auto& of) { return [&of](int e) { return of.rotation_map[e].data(); }; };
   load_elements<3 * kCorners>(addresses<const double>(elements, y_of(history)), rest_shape);
@@ -133,7 +132,6 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   load_corners(history.yield_stress, yield_stress);
   load_corners(history.rotation_yield, rotation_yield);
   load_corners(history.plastic_strain, plastic_strain);
-  load_corners(model.corner_jacobian, corner_jacobian);
 
   const Settings& settings = model.settings;
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
@@ -155,8 +153,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
           hardening = material(&Material::hardening);
 
   // near the guard of the material shape the exact ratios decide
-  V largest_jacobian = corner_jacobian[0];
-  for (int i = 1; i < kCorners; ++i) largest_jacobian = max(largest_jacobian, corner_jacobian[i]);
+  const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
   std::uint32_t fails =
       bits<double>(hn::Not(rest.least_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
   Mat<V> R_centre;
@@ -170,9 +167,15 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
 
   V dissipated(0.0), flowing(0.0);
   V y[kCorners][3], mean[3] = {V(0.0), V(0.0), V(0.0)};
+  Mat<V> gradients[kAtOnce];
+  PolarLanes<V> rotations[kAtOnce];
   for (int i = 0; i < kCorners; ++i) {
-    const Mat<V> F = gradient(i);
-    const PolarLanes<V> FRS = polar(F);
+    if (i % kAtOnce == 0) {
+      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(i + m);
+      polars<kAtOnce>(gradients, rotations);
+    }
+    const Mat<V>& F = gradients[i % kAtOnce];
+    const PolarLanes<V>& FRS = rotations[i % kAtOnce];
     fails |= FRS.doubtful;
     const Mat<V> cof = cofactor(F);
     const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
@@ -286,16 +289,13 @@ std::uint32_t collapsed(const Model& model, const double* positions, double rati
     gather(*model.partition, block, lane, positions, x);
     EdgeLanes<V> e;
     edges(x, e);
-    V original[kCorners];
-    load_elements<kCorners>(
-        addresses<const double>(elements.number, [&](int n) { return model.corner_jacobian[n].data(); }), original);
-    V least(std::numeric_limits<double>::infinity()), largest(0.0);
+    V least(std::numeric_limits<double>::infinity());
     for (int i = 0; i < kCorners; ++i) {
       V det;
       reciprocal(edges_at(e, i), det);
       least = min(least, V(0.125) * det);
-      largest = max(largest, original[i]);
     }
+    const V largest = gather_numbers(elements.number, [&](int n) { return model.largest_jacobian[n]; });
     near |= bits<double>(hn::Not(least > V(ratio) * largest)) << lane;
   }
   return near & present;

@@ -16,7 +16,7 @@ CornerTensors identities() {
 }  // namespace
 
 History::History(const Model& model)
-    : rest_shape(model.original_shape),
+    : rest_shape(model.mesh.num_elements()),
       rotation_map(static_cast<std::size_t>(model.mesh.num_elements()) * model.maps_per_element(), Mat3::Identity()),
       yield_stress(model.mesh.num_elements()),
       rotation_yield(model.mesh.num_elements()),
@@ -26,6 +26,7 @@ History::History(const Model& model)
       alive(model.mesh.num_elements(), 1) {
   if (model.settings.precision == Precision::kMixed) averaging_increment.setZero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    rest_shape[e] = model.original_shape(e);
     yield_stress[e].fill(model.material(e).yield_stress);
     rotation_yield[e].fill(model.material(e).rotation_yield);
   }

@@ -29,14 +29,13 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
       std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.rotation_flow_rate > 0; });
   lame.resize(num_elements);
   volume.resize(num_elements);
-  corner_jacobian.resize(num_elements);
-  original_shape.resize(num_elements);
+  largest_jacobian.resize(num_elements);
   for (int e = 0; e < num_elements; ++e) {
     const ElementPoints X = gather(mesh.positions(), mesh.hexahedra()[e]);
     lame[e] = hexaplast::lame(material(e).young_modulus, material(e).poisson_ratio);
     volume[e] = hexaplast::volume(X);
-    for (int a = 0; a < kCorners; ++a) corner_jacobian[e][a] = hexaplast::corner_jacobian(X, a).determinant();
-    original_shape[e] = X.rowwise() - X.colwise().mean();
+    const std::array<double, kCorners> jacobian = corner_jacobian(e);
+    largest_jacobian[e] = *std::max_element(jacobian.begin(), jacobian.end());
   }
 
   partition = std::make_shared<const Partition>(mesh);
@@ -50,6 +49,18 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
     total_volume += volume[e];
   }
   if (num_elements > 0) length = std::exp2(std::round(std::log2(total_volume / num_elements) / 3));
+}
+
+ElementPoints Model::original_shape(int element) const {
+  const ElementPoints X = gather(mesh.positions(), mesh.hexahedra()[element]);
+  return X.rowwise() - X.colwise().mean();
+}
+
+std::array<double, kCorners> Model::corner_jacobian(int element) const {
+  const ElementPoints X = gather(mesh.positions(), mesh.hexahedra()[element]);
+  std::array<double, kCorners> jacobian;
+  for (int a = 0; a < kCorners; ++a) jacobian[a] = hexaplast::corner_jacobian(X, a).determinant();
+  return jacobian;
 }
 
 const std::vector<CoarseMesh>& Model::coarse_meshes() const {

@@ -14,13 +14,13 @@ struct ElementMoment {
   const Material& material;
   const Lame& lame;
   const Settings& settings;
-  const ElementPoints& original_shape;  ///< [m] corners of the original mesh about their mean
-  const CornerValues& corner_jacobian;  ///< [m^3] det J_i of the original mesh
-  double original_volume;               ///< [m^3] V0
-  const ElementPoints& x;               ///< [m] material corners
-  const RestOperator& rest;             ///< of x
-  const ElementPoints& world;           ///< [m] world corners
-  const Mat3& frame;                    ///< B: what the paper's rotation modes are measured against
+  ElementPoints original_shape;  ///< [m] corners of the original mesh about their mean
+  CornerValues corner_jacobian;  ///< [m^3] det J_i of the original mesh
+  double original_volume;        ///< [m^3] V0
+  const ElementPoints& x;        ///< [m] material corners
+  const RestOperator& rest;      ///< of x
+  const ElementPoints& world;    ///< [m] world corners
+  const Mat3& frame;             ///< B: what the paper's rotation modes are measured against
 };
 
 /// One plastic step of one element, with every intermediate.                        theory.md sections 5.1 to 5.4

@@ -48,6 +48,10 @@ struct FlowWorkspace {
   AlignedVector<double> material;      ///< [m] slots: where the averaging has brought the nodes
 };
 
+/// What the plastic step reports of a body that cannot flow, whose history never changes: the elements inside out and
+/// nearly so at the positions that `at` holds, as its watch sees them in single precision.
+FlowReport count_inverted(const Model& model, const Linearization& at);
+
 /// One plastic step at the accepted world positions that `at` holds (theory.md section 5). Where `at` is current,
 /// elements that its watch finds at rest are passed over; without, all are looked at, to the same result: stretch and
 /// rotation flow at every corner, rest shapes, volume restitution, hardening, rest-to-material averaging. Throws

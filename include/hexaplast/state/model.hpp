@@ -17,10 +17,9 @@ struct Model {
   HexMesh mesh;
   std::vector<Material> materials;  ///< one, or one per element
   Settings settings;
-  std::vector<Lame> lame;                                     ///< [Pa] per element
-  std::vector<double> volume;                                 ///< [m^3] V0, original volume per element
-  std::vector<std::array<double, kCorners>> corner_jacobian;  ///< [m^3] det J_i(X) per element and corner
-  std::vector<ElementPoints> original_shape;                  ///< [m] corners about their mean, per element
+  std::vector<Lame> lame;                ///< [Pa] per element
+  std::vector<double> volume;            ///< [m^3] V0, original volume per element
+  std::vector<double> largest_jacobian;  ///< [m^3] greatest det J_i(X) of the corners, per element
 
   std::shared_ptr<const Partition> partition;  ///< of the mesh, for the kernels
   AlignedVector<double> lame_blocks;           ///< [Pa] [block][mu, lambda][element]
@@ -40,6 +39,11 @@ struct Model {
                ? kCorners
                : 1;
   }
+
+  bool can_flow() const { return can_stretch || can_rotate; }
+
+  ElementPoints original_shape(int element) const;                  ///< [m] corners about their mean
+  std::array<double, kCorners> corner_jacobian(int element) const;  ///< [m^3] det J_i(X)
 
   const Material& material(int element) const { return materials[materials.size() == 1 ? 0 : element]; }
 
