@@ -82,12 +82,13 @@ TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
   EXPECT_GT(num_unique, count / 100);
 }
 
-/// f and -K p element by element, as section 4 of the theory states them.
+/// f, -K p and the energy element by element, as section 4 of the theory states them.
 struct Plain {
   PointArray force, product;
+  double energy = 0;
 };
 Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
-  Plain sum{PointArray::Zero(x.rows(), 3), PointArray::Zero(x.rows(), 3)};
+  Plain sum{PointArray::Zero(x.rows(), 3), PointArray::Zero(x.rows(), 3), 0};
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const RestOperator rest = rest_operator(gather(model.mesh.positions(), corners), model.settings.gradient);
@@ -97,6 +98,7 @@ Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
     for (int i = 0; i < kCorners; ++i) {
       const Polar at = polar(F[i]);
       P[i] = at.R * stress(at.S, model.lame[e]);
+      sum.energy += rest.volume / kCorners * energy_density(at.S, model.lame[e]);
       dP[i] = stress_increment(at.R, dF[i], model.lame[e]);
     }
     const ElementPoints f = -rest.volume / kCorners * gradient_transpose(rest, P),
@@ -109,7 +111,7 @@ Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
   return sum;
 }
 
-TEST_P(OnEverySet, ForceAndProductAreThoseOfTheElements) {
+TEST_P(OnEverySet, ForceProductAndEnergyAreThoseOfTheElements) {
   for (const GradientScheme scheme : {GradientScheme::kBlended, GradientScheme::kVertex, GradientScheme::kCentre})
     for (const double distortion : {0.0, 0.15}) {
       Settings settings;
@@ -127,6 +129,7 @@ TEST_P(OnEverySet, ForceAndProductAreThoseOfTheElements) {
         body.add_force(f);
         body.add_stiffness_product(-1, p, k);
         EXPECT_LE(support::max_abs(f - expected.force), 1e-12 * support::max_abs(expected.force));
+        EXPECT_NEAR(body.energy(x), expected.energy, 1e-13 * expected.energy);
         EXPECT_LE(support::max_abs(k - expected.product),
                   (precision == Precision::kDouble ? 1e-13 : 5e-4) * support::max_abs(expected.product));
       }

@@ -170,6 +170,35 @@ void exact_product(const Model& model, const Linearization& at, int chunk, doubl
         exact_lanes<false>(model, at, block, lane, factor, p, Ap);
 }
 
+//   sum_i V/8 psi(S_i)                                                                                       eq. 18
+double energy_of(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
+  using V = Lanes<double>;
+  V sum(0.0);
+  for (int lane = 0; lane < kBlock; lane += V::kCount) {
+    CornerLanes<V> x, u;
+    gather(*model.partition, block, lane, material, x);
+    gather(*model.partition, block, lane, world, u);
+    const std::uint32_t here = static_cast<std::uint32_t>(present) >> lane;
+    replace_absent(here, x);
+    replace_absent(here, u);
+    RestLanes<true, V> rest;
+    rest_operator(x, model.settings.gradient, rest);
+    const GradientLanes<true, V> gradient(rest, u);
+    const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+    const V mu = load(lame), lambda = load(lame + kBlock);
+    V density(0.0);
+    Mat<V> gradients[kAtOnce];
+    PolarLanes<V> polars[kAtOnce];
+    for (int first = 0; first < kCorners; first += kAtOnce) {
+      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(first + m);
+      safe_polars<kAtOnce>(gradients, polars);
+      for (const PolarLanes<V>& polar : polars) density += energy_density(polar.S, mu, lambda);
+    }
+    sum += select_bits(here, V(1.0 / kCorners) * rest.volume * density, V(0.0));
+  }
+  return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
+}
+
 void linearize_coarse(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
                       double length, int chunk, ElementOperator<float, float>& op) {
   using V = Lanes<double>;
@@ -250,6 +279,7 @@ HWY_EXPORT(linearize_half);
 HWY_EXPORT(find_general);
 HWY_EXPORT(linearize_coarse);
 HWY_EXPORT(exact_product);
+HWY_EXPORT(energy_of);
 
 template <>
 void linearize_elements(const ElementPass<double, double>& pass, int chunk) {
@@ -266,6 +296,9 @@ void linearize_elements(const ElementPass<float, Half>& pass, int chunk) {
 void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
                        double* Ap) {
   HWY_DYNAMIC_DISPATCH(exact_product)(model, at, chunk, factor, p, Ap);
+}
+double block_energy(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
+  return HWY_DYNAMIC_DISPATCH(energy_of)(model, material, world, present, block);
 }
 void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
                      double length, int chunk, ElementOperator<float, float>& op) {

@@ -31,6 +31,9 @@ void linearize_elements(const ElementPass<T, Coef>& pass, int chunk);
 void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
                        double* Ap);
 
+/// Elastic energy [J] of the elements of a block that are present, at material and world positions [m] in slots.
+double block_energy(const Model& model, const double* material, const double* world, std::uint16_t present, int block);
+
 /// Coefficients of cells of a coarse mesh; the weights of `op` are there already.
 void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
                      double length, int chunk, ElementOperator<float, float>& op);

@@ -2,12 +2,12 @@
 #include "hexaplast/elastic/operators.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "elastic/element_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/kinematics/gradients.hpp"
 #include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/material/corotated.hpp"
 
 namespace hexaplast {
 
@@ -28,6 +28,16 @@ void add_slots(const Partition& partition, double factor, const AlignedVector<T>
   for_each_node(partition, [&](int node, int slot) {
     for (int i = 0; i < 3; ++i) nodal(node, i) += factor * slots[4 * static_cast<std::size_t>(slot) + i];
   });
+}
+
+/// A bit per element of a block that is there and alive.
+std::uint16_t present(const Partition& partition, const History& history, int block) {
+  std::uint32_t bits = 0;
+  for (int place = 0; place < kBlock; ++place) {
+    const int e = partition.element(block, place);
+    if (e >= 0 && history.alive[e]) bits |= 1u << place;
+  }
+  return static_cast<std::uint16_t>(bits);
 }
 
 double corner_share(GradientScheme scheme) {
@@ -70,13 +80,7 @@ void update_material(const Model& model, const History& history, Linearization& 
   if (at.material_version == history.version) return;
   const Partition& partition = *model.partition;
   to_slots(partition, history.material, at.material);
-  for (int block = 0; block < partition.num_blocks; ++block) {
-    at.present[block] = 0;
-    for (int place = 0; place < kBlock; ++place) {
-      const int e = partition.element(block, place);
-      if (e >= 0 && history.alive[e]) at.present[block] |= static_cast<std::uint16_t>(1u << place);
-    }
-  }
+  for (int block = 0; block < partition.num_blocks; ++block) at.present[block] = present(partition, history, block);
   // an original shape that is off by rounding is a box; what plastic flow made is taken as it is
   const double alike = history.material == model.mesh.positions() ? 1e-12 : 1e-15;
   parallel_for(partition.num_chunks, [&](int chunk) {
@@ -191,17 +195,15 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
 }
 
 double energy(const Model& model, const History& history, ConstPoints x) {
-  double sum = 0;
-  for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    if (!history.alive[e]) continue;
-    const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const RestOperator rest = rest_operator(gather(history.material, corners), model.settings.gradient);
-    double density = 0;
-    for (const Mat3& F : deformation_gradients(rest, gather(x, corners)))
-      density += energy_density(polar(F).S, model.lame[e]);
-    sum += rest.volume / kCorners * density;  // eq. 18
-  }
-  return sum;
+  const Partition& partition = *model.partition;
+  AlignedVector<double> material = slot_vector<double>(partition), world = material;
+  to_slots(partition, history.material, material);
+  to_slots(partition, x, world);
+  std::vector<double> of_block(partition.num_blocks);
+  parallel_for(partition.num_blocks, [&](int block) {
+    of_block[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
+  });
+  return std::accumulate(of_block.begin(), of_block.end(), 0.0);
 }
 
 }  // namespace hexaplast

@@ -13,6 +13,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
+/// mu |S - I|^2 + lambda / 2 tr(S - I)^2.                                                                   eq. 11
+template <class V>
+HWY_INLINE V energy_density(const Sym<V>& S, V mu, V lambda) {
+  const V one(1.0), xx = S.xx - one, yy = S.yy - one, zz = S.zz - one, trace = xx + yy + zz;
+  const V squared = xx * xx + yy * yy + zz * zz + V(2.0) * (S.yz * S.yz + S.zx * S.zx + S.xy * S.xy);
+  return mu * squared + V(0.5) * lambda * trace * trace;
+}
+
 /// sigma = 2 mu (S - I) + lambda tr(S - I) I.                                                               eq. 12
 template <class V>
 HWY_INLINE Sym<V> stress(const Sym<V>& S, V mu, V lambda) {
