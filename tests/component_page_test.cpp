@@ -50,6 +50,7 @@ TEST_F(Command, EveryExampleOfTheComponentPageRunsWithoutComplaint) {
   write("block.msh", content(HEXAPLAST_TEST_DATA "/meshes/block.msh"));
   write("block.vtk", content(HEXAPLAST_TEST_DATA "/meshes/block.vtk"));
   write("skin.obj", content(HEXAPLAST_TEST_DATA "/meshes/surface.obj"));
+  write("organ.obj", content(HEXAPLAST_TEST_DATA "/meshes/organ.obj"));
 
   const std::vector<std::string> blocks = xml_blocks(hexaplast("list --markdown").out);
   ASSERT_EQ(blocks.size(), wanted.size() + 1);

@@ -83,6 +83,83 @@ TEST(MeshLoader, FeedsABody) {
   EXPECT_EQ(field.flow_report()->yielded, 0);
 }
 
+// Walls of 0.1 and 0.4 m in cells of 0.034 and 0.0816 m.
+const std::string kOrgan = "<SparseGridTopology name='cage' fileTopology='" + kFolder + "organ.obj' ";
+
+TEST(SparseGrid, HoldsTheCellsOfASurface) {
+  const auto cage = [](const std::string& attributes) {
+    scene::Scene scene = read_and_init("<Node><DefaultAnimationLoop/>" + kOrgan + attributes + "/></Node>");
+    EXPECT_TRUE(scene.diagnostics().take_warnings().empty()) << attributes;
+    auto& topology = at<scene::Topology>(scene, "cage");
+    return std::tuple(PointArray(topology.positions()), topology.hexahedra(),
+                      std::vector<double>(topology.fill().begin(), topology.fill().end()));
+  };
+  const auto& [x, hexahedra, fill] = cage("n='4 4 6'");
+  EXPECT_EQ(hexahedra.size(), 45u);  // 3 x 3 x 5
+  EXPECT_TRUE(x.row(0).isApprox(Eigen::RowVector3d(-0.001, -0.001, -0.004), 1e-13));
+  EXPECT_TRUE(x.row(1).isApprox(Eigen::RowVector3d(-0.001, -0.001, 0.0776), 1e-13));  // z fastest
+  EXPECT_EQ(std::count(fill.begin(), fill.end(), 0.5), 42);
+  EXPECT_TRUE(std::ranges::all_of(fill.end() - 3, fill.end(), [](double share) { return share == 1; }));
+
+  EXPECT_EQ(std::get<1>(cage("n='4 4 6' onlyInsideCells='true'")).size(), 3u);
+  EXPECT_TRUE(std::get<2>(cage("n='4 4 6' fillWeighted='false'")).empty());
+  EXPECT_EQ(std::get<1>(cage("cellWidth='0.06'")).size(), 2u * 2u * 7u);
+  EXPECT_EQ(std::get<0>(cage("n='2 2 5' min='-1 -1 -1' max='1 1 1'")).row(0), Eigen::RowVector3d(-1, -1, -0.5));
+  EXPECT_EQ(std::get<1>(cage("n='2 2 5' min='-1 -1 -1' max='1 1 1'")).size(), 2u);
+
+  scene::Scene scene = read_and_init("<Node>" + kOrgan + "n='2 2 3'/></Node>");
+  EXPECT_EQ(at<scene::Topology>(scene, "cage").integers("hexahedra").size(), 16u);
+  EXPECT_EQ(at<scene::Topology>(scene, "cage").integers("quads").size(), 4u * 11u);
+  EXPECT_EQ(at<scene::Topology>(scene, "cage").integers("edges").size(), 2u * 20u);
+  EXPECT_EQ(at<scene::Topology>(scene, "cage").reals("position").size(), 36u);
+}
+
+// Half full everywhere: half the force at the same strain, and yield at the same strain.
+TEST(SparseGrid, HalfFullHexahedraCarryHalf) {
+  const auto force = [](const std::string& attributes, double factor) {
+    const auto times = [&](double value) { return std::to_string(factor * value); };
+    scene::Scene scene = read_and_init(
+        in_root("dt='0.1'", kOrgan + "n='3 3 3' " + attributes +
+                                "/><MechanicalObject name='nodes' translation2='0 0 0'/><UniformMass totalMass='1'/>"
+                                "<HexahedronElastoplasticFEMForceField name='body' youngModulus='" +
+                                times(1000) + "' yieldStress='" + times(50) + "' fractureStress='" + times(52) +
+                                "' plasticFlowRate='5' hardening='1' volumeRestitution='0'/>"));
+    auto& body = at<scene::ForceField>(scene, "body");
+    PointArray x = at<scene::MechanicalState>(scene, "nodes").rest_positions();
+    x.col(2) *= 1.2;
+    at<scene::MechanicalState>(scene, "nodes").positions() = x;
+    const PointArray zero = PointArray::Zero(x.rows(), 3);
+    PointArray f = zero;
+    body.add_force(0, x, zero, f);
+    at<scene::Component>(scene, "body").end_step(0.1);
+    EXPECT_GT(body.flow_report()->yielded, 0);
+    PointArray relaxed = zero;
+    body.add_force(0, x, zero, relaxed);
+    EXPECT_GT(support::max_abs(relaxed - f), 0.01 * support::max_abs(f));
+    return std::tuple(f, relaxed, body.flow_report()->removed);
+  };
+  const auto& [f, relaxed, removed] = force("", 2);
+  const auto& [expected, expected_relaxed, expected_removed] = force("fillWeighted='false'", 1);
+  EXPECT_TRUE(support::agrees(f, expected, 1e-12));
+  EXPECT_TRUE(support::agrees(relaxed, expected_relaxed, 1e-12));
+  EXPECT_EQ(removed, expected_removed);
+}
+
+TEST(SparseGrid, SaysWhatIsWrong) {
+  const std::string made = "<Node><SparseGridTopology name='cage' ";
+  EXPECT_EQ(errors_of(made + "/></Node>"),
+            "test.scn:1: error: SparseGridTopology.fileTopology: is not given, must name a mesh file");
+  EXPECT_EQ(errors_of(made + "filename='none.obj'/></Node>"),
+            "test.scn:1: error: SparseGridTopology.fileTopology: none.obj: no such file");
+  EXPECT_EQ(errors_of("<Node>" + kOrgan + "n='3 3'/></Node>"),
+            "test.scn:1: error: SparseGridTopology.n: 2 numbers given, must be three");
+  EXPECT_EQ(errors_of("<Node>" + kOrgan + "cellWidth='1e-9'/></Node>"),
+            "test.scn:1: error: SparseGridTopology.n: 4.245e+24 cells, must be at most 16777216");
+  EXPECT_NE(errors_of("<Node>" + kOrgan + "max='1 1 0.2'/></Node>").find("lies outside the box from (0, 0, 0)"),
+            std::string::npos);
+  EXPECT_NE(errors_of("<Node>" + kOrgan + "nbVirtualFinerLevels='1'/></Node>"), "");
+}
+
 // The elastic case of our own field, with the same bits.
 TEST(HexahedronFEM, IsTheElasticCase) {
   const auto end = [](const std::string& field) {

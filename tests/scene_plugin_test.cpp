@@ -104,8 +104,8 @@ TEST_F(PluginFiles, AnotherAbiIsRefusedBeforeAnyCodeRuns) {
   };
   scene::AbiTag changed = tag;
   changed.interface_number = 7;
-  EXPECT_EQ(refusal(with(changed)),
-            prefix() + "it was built for another component interface: 7, must be 1" + search_path());
+  EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another component interface: 7, must be " +
+                                        std::to_string(scene::kInterfaceNumber) + search_path());
   changed = tag;
   changed.scalar_size = 4;
   EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another scalar size: 4, must be 8" + search_path());

@@ -62,6 +62,12 @@ inline constexpr std::array kExamples = {
             R"xml(<ExtrudeQuadsAndGenerateHexas name="shell" thicknessOut="0.02" numberOfSlices="2"
     surfaceVertices="0 0 0  0.1 0 0  0.1 0.1 0  0 0.1 0  0.1 0 0.05  0.1 0.1 0.05" surfaceQuads="0 1 2 3  1 4 5 2"/>
 <HexahedronSetTopologyContainer name="grid" position="@shell.extrudedVertices" hexahedra="@shell.extrudedHexas"/>)xml"},
+    Example{"SparseGridTopology", R"xml(<SparseGridTopology name="cage" fileTopology="organ.obj" n="4 4 13"/>
+<Node name="skin">
+  <MeshOBJLoader name="loader" filename="organ.obj"/>
+  <MechanicalObject position="@loader.position"/>
+  <BarycentricMapping/>
+</Node>)xml"},
     Example{"MechanicalObject", R"xml(<MechanicalObject name="nodes" template="Vec3d" scale3d="1 1 0.5"/>)xml"},
     Example{"UniformMass", R"xml(<UniformMass totalMass="4"/>)xml"},
     Example{"DiagonalMass", R"xml(<DiagonalMass massDensity="1050"/>)xml"},

@@ -9,6 +9,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/material/filling.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
@@ -31,9 +32,9 @@ class HexahedronField : public scene::ForceField {
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
-    const std::vector<Hexahedron>& hexahedra =
-        hexahedra_on(*this, linked<scene::Topology>("topology"), state_->num_nodes());
-    const std::vector<Material> materials = given_materials(hexahedra.size());
+    scene::Topology& topology = linked<scene::Topology>("topology");
+    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, topology, state_->num_nodes());
+    const std::vector<Material> materials = given_materials(hexahedra.size(), topology.fill());
     const Settings settings = given_settings();
     for (const std::string& advice : check_time_step(materials, settings, node().clock().dt))
       remark(scene::Severity::kWarning, {}, advice);
@@ -71,13 +72,16 @@ class HexahedronField : public scene::ForceField {
   virtual Settings given_settings() { return {}; }
 
  private:
-  std::vector<Material> given_materials(std::size_t num_elements) {
+  /// One for all hexahedra, or one for each.
+  std::vector<Material> given_materials(std::size_t num_elements, std::span<const double> fill) {
     const std::vector<double>&young = one_or_per_element("youngModulus", num_elements),
           &poisson = one_or_per_element("poissonRatio", num_elements);
-    std::vector<Material> materials(std::max(young.size(), poisson.size()), common_material());
+    std::vector<Material> materials(std::max({young.size(), poisson.size(), fill.empty() ? 1 : fill.size()}),
+                                    common_material());
     for (std::size_t e = 0; e < materials.size(); ++e) {
       materials[e].young_modulus = young[young.size() == 1 ? 0 : e];
       materials[e].poisson_ratio = poisson[poisson.size() == 1 ? 0 : e];
+      if (!fill.empty()) materials[e] = filled(materials[e], fill[e]);
     }
     return materials;
   }

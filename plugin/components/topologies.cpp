@@ -2,23 +2,47 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "components/made_topology.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/cage.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "hexaplast/mesh/file_import.hpp"
 #include "hexaplast/mesh/grid.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-constexpr double kMostCells = 16'777'216;  // some 40 GB of body: refused before anything is allocated
-
-class RegularGridTopology final : public scene::Topology {
+/// Cells of a grid, as many as n or cellWidth says.
+class GridTopology : public MadeTopology {
  public:
-  RegularGridTopology() : Topology(attributes::kRegularGridTopology) {}
+  using MadeTopology::MadeTopology;
+
+ protected:
+  void require_few(const Vec3& count) {
+    if (count.prod() > kMostCells)
+      reject("n", fmt::format("{:.4g} cells, must be at most {:.10g}", count.prod(), kMostCells));
+  }
+
+  /// In each direction, as reals: their product may be too large for any whole number.
+  Vec3 num_cells(const Vec3& size) {
+    const double width = real("cellWidth");
+    if (width > 0) return (size / width).array().ceil();
+    const std::vector<std::int64_t>& n = integers("n");
+    if (n.size() != 3) reject("n", fmt::format("{} numbers given, must be three", n.size()));
+    return Vec3(static_cast<double>(n[0] - 1), static_cast<double>(n[1] - 1), static_cast<double>(n[2] - 1));
+  }
+};
+
+class RegularGridTopology final : public GridTopology {
+ public:
+  RegularGridTopology() : GridTopology(attributes::kRegularGridTopology) {}
 
   void init() override { grid(); }
 
@@ -33,27 +57,14 @@ class RegularGridTopology final : public scene::Topology {
     return *edges_;
   }
 
-  void provide(scene::Data& output) override {
-    const std::string_view name = output.attribute().name;
-    if (name == "position") {
-      const PointArray& x = positions();
-      output.set(std::vector<double>(x.data(), x.data() + x.size()));
-    }
-    if (name == "hexahedra") output.set(flattened<8>(hexahedra()));
-    if (name == "quads") output.set(flattened<4>(quads()));
-    if (name == "edges") output.set(flattened<2>(edges()));
-  }
-
  private:
-  // Made when it is first asked for, so that a grid may stand behind the components that use it.
   const HexMesh& grid() {
     if (!grid_) {
       const auto [least, most] = corners();
       if (!(least.array() < most.array()).all()) reject("max", "must be greater than min in every direction");
 
-      const Vec3 count = num_cells(most - least);
-      if (count.prod() > kMostCells)
-        reject("n", fmt::format("{:.4g} cells, must be at most {:.10g}", count.prod(), kMostCells));
+      const Vec3 count = real("cellWidth") > 0 ? num_cells(most - least) : one_by_one(num_cells(most - least));
+      require_few(count);
       for (int d = 0; d < 3; ++d) cells_[d] = static_cast<int>(count[d]);
       grid_ = regular_grid(cells_, least, most);
     }
@@ -69,14 +80,8 @@ class RegularGridTopology final : public scene::Topology {
     return {{real("xmin"), real("ymin"), real("zmin")}, {real("xmax"), real("ymax"), real("zmax")}};
   }
 
-  /// In each direction, as reals: their product may be too large for any whole number.
-  Vec3 num_cells(const Vec3& size) {
-    const double width = real("cellWidth");
-    if (width > 0) return (size / width).array().ceil();
-
-    const std::vector<std::int64_t>& n = integers("n");
-    if (n.size() != 3) reject("n", fmt::format("{} numbers given, must be three", n.size()));
-    Vec3 cells(static_cast<double>(n[0] - 1), static_cast<double>(n[1] - 1), static_cast<double>(n[2] - 1));
+  /// With nx, ny and nz in place of what n says, where they are given.
+  Vec3 one_by_one(Vec3 cells) {
     static constexpr const char* kNames[] = {"nx", "ny", "nz"};
     for (int d = 0; d < 3; ++d)
       if (is_given(kNames[d])) cells[d] = integer(kNames[d]) - 1;
@@ -85,6 +90,82 @@ class RegularGridTopology final : public scene::Topology {
 
   std::array<int, 3> cells_{};
   std::optional<HexMesh> grid_;
+  std::optional<std::vector<Quad>> quads_;
+  std::optional<std::vector<Edge>> edges_;
+};
+
+class SparseGridTopology final : public GridTopology {
+ public:
+  SparseGridTopology() : GridTopology(attributes::kSparseGridTopology) {}
+
+  void init() override {
+    if (cage().num_parts > 1)
+      remark(scene::Severity::kWarning, {}, fmt::format("falls into {} parts that share no face", cage().num_parts));
+    if (cage().num_hinges > 0)
+      remark(scene::Severity::kWarning, {},
+             fmt::format("hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
+                         cage().num_hinges));
+  }
+
+  const PointArray& positions() override { return cage().mesh.positions(); }
+  const std::vector<Hexahedron>& hexahedra() override { return cage().mesh.hexahedra(); }
+  const std::vector<Quad>& quads() override {
+    if (!quads_) quads_ = faces_of(hexahedra());
+    return *quads_;
+  }
+  const std::vector<Edge>& edges() override {
+    if (!edges_) edges_ = edges_of(hexahedra());
+    return *edges_;
+  }
+  std::span<const double> fill() override {
+    cage();
+    return fill_;
+  }
+
+ private:
+  const Cage& cage() {
+    if (stage() == Stage::kFailed || is_refused_) throw scene::Consequence();
+    if (cage_) return *cage_;
+    is_refused_ = true;  // until it is there: whoever asks again has no more to say
+    const ImportedMesh surface = loaded();
+    cage_ = cage_around(surface.positions, surface.triangles, surface.quads, given_grid(surface.positions),
+                        boolean("onlyInsideCells") ? CageCells::kEnclosed : CageCells::kTouchedOrEnclosed);
+    if (boolean("fillWeighted")) {
+      fill_.assign(cage_->mesh.hexahedra().size(), 1);
+      std::fill_n(fill_.begin(), cage_->num_touched, kTouchedFill);
+    }
+    is_refused_ = false;
+    return *cage_;
+  }
+
+  ImportedMesh loaded() {
+    const std::string& name = text("fileTopology");
+    if (name.empty()) reject("fileTopology", "is not given, must name a mesh file");
+    try {
+      return read_mesh(std::filesystem::path(place().file).parent_path() / name);
+    } catch (const InputError& error) {
+      reject("fileTopology", error.what());
+    }
+  }
+
+  CageGrid given_grid(ConstPoints surface) {
+    CageGrid grid{.least = vector3("min"), .most = vector3("max")};
+    if (grid.least.isZero(0) && grid.most.isZero(0)) {
+      const Eigen::AlignedBox3d box = box_around(surface);
+      grid.least = box.min();
+      grid.most = box.max();
+    }
+    const Vec3 count = num_cells(grid.most - grid.least);
+    require_few(count);
+    for (int d = 0; d < 3; ++d) grid.cells[d] = static_cast<int>(count[d]);
+    return grid;
+  }
+
+  static constexpr double kTouchedFill = 0.5;  // what SOFA takes for every cell that the surface passes through
+
+  std::optional<Cage> cage_;
+  std::vector<double> fill_;
+  bool is_refused_ = false;
   std::optional<std::vector<Quad>> quads_;
   std::optional<std::vector<Edge>> edges_;
 };
@@ -145,6 +226,7 @@ class GivenTopology final : public scene::Topology {
 
 void add_topologies(scene::Factory& factory) {
   factory.add<RegularGridTopology>(attributes::kRegularGridTopology);
+  factory.add<SparseGridTopology>(attributes::kSparseGridTopology);
   for (const attributes::Description* description :
        {&attributes::kMeshTopology, &attributes::kHexahedronSetTopologyContainer})
     factory.add(*description, [description] { return std::make_unique<GivenTopology>(*description); });

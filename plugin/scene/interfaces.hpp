@@ -30,6 +30,9 @@ class Topology : public Component {
   virtual const std::vector<Quad>& quads();
   virtual const std::vector<Triangle>& triangles();
   virtual const std::vector<Edge>& edges();
+
+  /// Share of matter in each hexahedron (0, 1]; empty: all are full.
+  virtual std::span<const double> fill() { return {}; }
 };
 
 class MechanicalState : public Component {

@@ -134,6 +134,78 @@ inline constexpr Description kRegularGridTopology{
         "once on each face.",
     .attributes = kRegularGridTopologyAttributes};
 
+inline constexpr Attribute kSparseGridTopologyAttributes[] = {
+    {.name = "fileTopology",
+     .type = Type::kText,
+     .aliases = "filename",
+     .help = "The surface: the triangles and quads of a mesh file, .obj, .vtk, .vtu or .msh; a relative path counts "
+             "from the scene file that names it. SOFA reads .obj of these."},
+    {.name = "n",
+     .type = Type::kIntegers,
+     .initial = "2 2 2",
+     .range = {.least = 2, .most = 2147483646},
+     .help = "Nodes (not cells) of the whole grid along x, y, z."},
+    {.name = "min",
+     .type = Type::kVector3,
+     .initial = "0 0 0",
+     .unit = "m",
+     .help =
+         "Lowest corner of the grid. Where min and max are both 0, it is the box around the surface, widened by 1 % "
+         "at either side."},
+    {.name = "max", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Highest corner of the grid."},
+    {.name = "cellWidth",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "m",
+     .range = kNotNegative,
+     .help = "If not 0, the number of cells is such that none is wider than this, and n does not count."},
+    {.name = "onlyInsideCells",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Leaves out the cells that the surface passes through."},
+    {.name = "fillWeighted",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Hexahedra that the surface passes through count as half full: at the same strain bodies carry half the "
+             "stress there (in SOFA HexahedronFEMForceField does). Masses do not feel it."},
+    {.name = "position",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .aliases = "points",
+     .access = Access::kOutput,
+     .help = "Nodes of the cells that are kept: x slowest, z fastest."},
+    {.name = "hexahedra",
+     .type = Type::kHexahedra,
+     .aliases = "hexas",
+     .access = Access::kOutput,
+     .help = "First the cells that the surface passes through, then those that it encloses; x fastest in both."},
+    kTopologyQuads,
+    kTopologyEdges,
+    {.name = "nbVirtualFinerLevels",
+     .type = Type::kInteger,
+     .initial = "0",
+     .range = {.least = 0, .most = 0},
+     .help = "Only 0 here."},
+    ignored_attribute("facets", "Ignored here: the surface comes from the file."),
+    ignored_attribute("dataResolution", "Ignored here: no voxel files are read."),
+    ignored_attribute("voxelSize", "Ignored here: no voxel files are read."),
+    ignored_attribute("marchingCubeStep", "Ignored here: no voxel files are read."),
+    ignored_attribute("convolutionSize", "Ignored here: no voxel files are read."),
+    visual_attribute("drawEdges"),
+    visual_attribute("drawTriangles"),
+    visual_attribute("drawQuads"),
+    visual_attribute("drawTetrahedra"),
+    visual_attribute("drawHexahedra"),
+};
+inline constexpr Description kSparseGridTopology{
+    .class_name = "SparseGridTopology",
+    .category = "Topology",
+    .help =
+        "A coarse cage around a surface: the cells of a grid that the surface touches or encloses. The surface itself "
+        "follows by a BarycentricMapping. What an open surface encloses is what cannot be reached from outside through "
+        "cells that it does not touch. Parts that share no face, and nodes about which hexahedra fold, are said.",
+    .attributes = kSparseGridTopologyAttributes};
+
 inline constexpr Attribute kMeshTopologyAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// Those of `candidates` that lie within `radius` [m] of a place, in their order. x: num_nodes x 3 [m].
+std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, const Vec3& place, double radius);
+
+/// An instrument's hold on n nodes. A spring ties each of them to the place that it had, relative to the tool, when the
+/// grip closed; it pulls ever harder up to a limit, and the node then lags behind:
+///
+///   g_i = tool + arm_i - x_i                           lag of node i [m]
+///   f_i = k g_i min(1, F / (k |g_i|))                  k = stiffness / n,  F = most_force / n
+///
+///   df_i/dx_i = -k I                                   |g_i| <= F / k
+///             = -F / |g_i| (I - g_i g_i^T / |g_i|^2)   beyond
+///
+/// The forces come from a convex potential, k |g|^2 / 2 and then F |g| - F^2 / 2k, so that minus their derivative is
+/// symmetric and positive semi-definite; their sum is never greater than most_force.
+struct Grip {
+  std::vector<int> nodes;                                       ///< empty: the grip is open
+  PointArray arms;                                              ///< [m] one row per node, from the tool
+  double stiffness = 0;                                         ///< [N/m] of all springs together
+  double most_force = std::numeric_limits<double>::infinity();  ///< [N] of all springs together
+
+  /// Closes on nodes where they are. x: num_nodes x 3 [m].
+  void close(std::vector<int> held, const Vec3& tool, ConstPoints x);
+  void open();
+
+  /// f += forces [N]. Returns the lags [m], one row per held node, to which the stiffness below refers.
+  PointArray add_force(const Vec3& tool, ConstPoints x, Points f) const;
+
+  /// Sum of the forces [N] at some lags: what the tool exerts on the body.
+  Vec3 total_force(ConstPoints lags) const;
+
+  void add_stiffness_product(ConstPoints lags, double factor, ConstPoints dx, Points df) const;
+  void add_stiffness_blocks(ConstPoints lags, double factor, BlockMatrix& A) const;
+
+  /// diagonal += that of factor K, if K has no other entries: false when a spring is at its limit.
+  bool add_stiffness_diagonal(ConstPoints lags, double factor, Points diagonal) const;
+
+ private:
+  double share(double of_all) const { return of_all / static_cast<double>(nodes.size()); }
+  bool is_at_limit(const Vec3& lag) const;
+  Vec3 force(const Vec3& lag) const;
+  Mat3 stiffness_at(const Vec3& lag) const;
+};
+
+}  // namespace hexaplast

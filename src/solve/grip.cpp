@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/grip.hpp"
+
+#include <utility>
+
+namespace hexaplast {
+
+std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, const Vec3& place, double radius) {
+  std::vector<int> near;
+  for (const int node : candidates)
+    if ((x.row(node).transpose() - place).squaredNorm() <= radius * radius) near.push_back(node);
+  return near;
+}
+
+void Grip::close(std::vector<int> held, const Vec3& tool, ConstPoints x) {
+  nodes = std::move(held);
+  arms.resize(static_cast<Eigen::Index>(nodes.size()), 3);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    arms.row(static_cast<Eigen::Index>(i)) = x.row(nodes[i]) - tool.transpose();
+}
+
+void Grip::open() {
+  nodes.clear();
+  arms.resize(0, 3);
+}
+
+bool Grip::is_at_limit(const Vec3& lag) const { return share(stiffness) * lag.norm() > share(most_force); }
+
+Vec3 Grip::force(const Vec3& lag) const {
+  return (is_at_limit(lag) ? share(most_force) / lag.norm() : share(stiffness)) * lag;
+}
+
+Mat3 Grip::stiffness_at(const Vec3& lag) const {
+  if (!is_at_limit(lag)) return -share(stiffness) * Mat3::Identity();
+  const Vec3 direction = lag.normalized();
+  return -share(most_force) / lag.norm() * (Mat3::Identity() - direction * direction.transpose());
+}
+
+PointArray Grip::add_force(const Vec3& tool, ConstPoints x, Points f) const {
+  PointArray lags(arms.rows(), 3);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    lags.row(row) = tool.transpose() + arms.row(row) - x.row(nodes[i]);
+    f.row(nodes[i]) += force(lags.row(row).transpose()).transpose();
+  }
+  return lags;
+}
+
+Vec3 Grip::total_force(ConstPoints lags) const {
+  Vec3 sum = Vec3::Zero();
+  for (Eigen::Index i = 0; i < lags.rows(); ++i) sum += force(lags.row(i).transpose());
+  return sum;
+}
+
+void Grip::add_stiffness_product(ConstPoints lags, double factor, ConstPoints dx, Points df) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    df.row(nodes[i]) +=
+        factor * dx.row(nodes[i]) * stiffness_at(lags.row(static_cast<Eigen::Index>(i)).transpose());  // symmetric
+}
+
+void Grip::add_stiffness_blocks(ConstPoints lags, double factor, BlockMatrix& A) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    A.add(nodes[i], nodes[i], factor * stiffness_at(lags.row(static_cast<Eigen::Index>(i)).transpose()));
+}
+
+bool Grip::add_stiffness_diagonal(ConstPoints lags, double factor, Points diagonal) const {
+  for (Eigen::Index i = 0; i < lags.rows(); ++i)
+    if (is_at_limit(lags.row(i).transpose())) return false;
+  for (const int node : nodes) diagonal.row(node).array() -= factor * share(stiffness);
+  return true;
+}
+
+}  // namespace hexaplast
