@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/mesh/embed.hpp"
 
+#include <limits>
+
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"
@@ -57,6 +60,81 @@ TEST(Embedding, CoordinatesAreTheExactTrilinearOnes) {
   EXPECT_LE(max_abs(found - expected), 1e-12);
 }
 
+// The same in hexahedra that are just not inside out: corners moved by up to a third of an edge.
+TEST(Embedding, FindsPlacesInTheWorstSoundHexahedra) {
+  support::Random random(61);
+  int num_sound = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const ElementPoints corners = support::distorted_hexahedron(1, 0.3, 1000 + trial);
+    bool is_sound = true;
+    for (int a = 0; a < kCorners; ++a) is_sound = is_sound && corner_jacobian(corners, a).determinant() > 0.005;
+    if (!is_sound) continue;
+    ++num_sound;
+    PointArray points(40, 3);
+    std::vector<Vec3> places;
+    for (int n = 0; n < 40; ++n) {
+      places.push_back(random.vector(1));
+      Vec3 p = Vec3::Zero();
+      for (int a = 0; a < kCorners; ++a) {
+        double N = 1;
+        for (int d = 0; d < 3; ++d) N *= (1 + kCornerSign[a][d] * places[n][d]) / 2;
+        p += N * corners.row(a).transpose();
+      }
+      points.row(n) = p.transpose();
+    }
+    const HexMesh mesh = support::single_element(corners);
+    const Embedding embedding(mesh.positions(), mesh.hexahedra(), points);
+    ASSERT_EQ(embedding.num_outside(), 0) << trial;
+    PointArray found(40, 3);
+    embedding.apply(PointArray(support::cube(2)), found);
+    for (int n = 0; n < 40; ++n) ASSERT_LE(max_abs(Vec3(found.row(n).transpose()) - places[n]), 1e-9) << trial;
+  }
+  EXPECT_GT(num_sound, 100);
+}
+
+// The distance of points outside against the nearest of many samples of the surface.
+TEST(Embedding, ContinuesFromTheNearestPlace) {
+  constexpr int kSamples = 40;
+  std::vector<Vec3> samples;
+  for (const Quad& face : kMesh.boundary_faces())
+    for (int i = 0; i <= kSamples; ++i)
+      for (int j = 0; j <= kSamples; ++j) {
+        const double u = double(i) / kSamples, v = double(j) / kSamples;
+        const auto corner = [&](int k) -> Vec3 { return kMesh.positions().row(face[k]).transpose(); };
+        samples.push_back((1 - v) * ((1 - u) * corner(0) + u * corner(1)) + v * ((1 - u) * corner(3) + u * corner(2)));
+      }
+  support::Random random(63);
+  for (int trial = 0; trial < 60; ++trial) {
+    const Vec3 p = Vec3(0.75, 0.5, 1) + 2 * random.direction();
+    const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), PointArray(p.transpose()));
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3& sample : samples) nearest = std::min(nearest, (sample - p).norm());
+    EXPECT_LE(embedding.greatest_distance(), nearest + 1e-12) << trial;
+    EXPECT_GE(embedding.greatest_distance(), nearest - 2e-4) << trial;  // samples are 0.013 apart, and 0.5 away
+  }
+}
+
+// A skin of many points over many hexahedra, half of them outside: looking at all hexahedra for each would take
+// minutes.
+TEST(Embedding, ManyPointsAreFoundQuickly) {
+  const HexMesh mesh = support::distorted_block({24, 24, 24}, 0.1, 0.15, 65);
+  support::Random random(67);
+  PointArray points = random.field(40000, 1.6);
+  points.array() += 1.2;
+  const Embedding embedding(mesh.positions(), mesh.hexahedra(), points);
+  EXPECT_GT(embedding.num_outside(), 10000);
+  EXPECT_LT(embedding.num_outside(), 30000);
+  PointArray found(points.rows(), 3);
+  embedding.apply(mesh.positions(), found);
+  EXPECT_LE(max_abs(found - points), 1e-11);
+  for (int n = 0; n < 40000; n += 101) {
+    const ElementPoints corners = gather(mesh.positions(), mesh.hexahedra()[embedding.hexahedron_of(n)]);
+    const Eigen::AlignedBox3d box(Vec3(corners.colwise().minCoeff().transpose()),
+                                  Vec3(corners.colwise().maxCoeff().transpose()));
+    EXPECT_LE(box.exteriorDistance(Vec3(points.row(n).transpose())), embedding.greatest_distance());
+  }
+}
+
 // Nodes, centres of faces and edges belong to several hexahedra: any of them will do.
 TEST(Embedding, PlacesOnBordersCountAsInside) {
   const Embedding nodes(kMesh.positions(), kMesh.hexahedra(), kMesh.positions());
@@ -106,6 +184,13 @@ TEST(Embedding, TransposedKeepsForceAndMoment) {
   embedding.apply(x, p);
   embedding.add_transposed(f, nodal);
   EXPECT_LE(max_abs(nodal.colwise().sum() - f.colwise().sum()), 1e-12);
+
+  // virtual work: what the points' forces do on any movement of the nodes
+  const PointArray dx = random.field(kMesh.num_nodes(), 1);
+  PointArray dp(60, 3);
+  embedding.apply(dx, dp);
+  EXPECT_NEAR(nodal.cwiseProduct(dx).sum(), f.cwiseProduct(dp).sum(), 1e-12);
+
   const auto moment = [](const PointArray& at, const PointArray& force) {
     Vec3 sum = Vec3::Zero();
     for (int n = 0; n < at.rows(); ++n) sum += Vec3(at.row(n).transpose()).cross(Vec3(force.row(n).transpose()));

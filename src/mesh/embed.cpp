@@ -4,17 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/finite.hpp"
+#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 
 namespace hexaplast {
 namespace {
 
-constexpr double kInside = 1e-9;     // of a hexahedron's size: a point this near to it lies in it
-constexpr int kMostIterations = 60;  // of Newton's method; inside a sound hexahedron it needs less than ten
+constexpr double kInside = 1e-9;        // of a hexahedron's size: a point this near to it lies in it
+constexpr double kExact = 1e-15;        // of its size, and in reference coordinates: as exact as doubles are
+constexpr double kShortestStep = 1e-6;  // share of a Gauss-Newton step
+constexpr int kMostIterations = 60;     // inside a sound hexahedron less than ten are needed
 
 Eigen::Matrix<double, kCorners, 1> shape_functions(const Vec3& s) {
   Eigen::Matrix<double, kCorners, 1> N;
@@ -29,104 +34,148 @@ struct Place {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// Newton's method on x(s) = p, held within the reference cube.
+/// Gauss-Newton steps on |x(s) - p|, held within the reference cube: a
+/// coordinate at a face stays there while the gap points out of the cube, and
+/// no step may lead farther away. Inside a sound hexahedron this is Newton's
+/// method.
 Place nearest_place(const ElementPoints& x, const Vec3& p, double size) {
-  Place best;
-  Vec3 s = Vec3::Zero();
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Vec3 gap = p - x.transpose() * shape_functions(s);
-    if (gap.norm() < best.distance) best = {s, gap.norm()};
-    if (best.distance <= 1e-15 * size) break;
+  const auto gap_at = [&](const Vec3& s) -> Vec3 { return p - x.transpose() * shape_functions(s); };
+  Vec3 s = Vec3::Zero(), gap = gap_at(s);
+  for (int iteration = 0; iteration < kMostIterations && gap.norm() > kExact * size; ++iteration) {
     const Mat3 J = x.transpose() * shape_derivatives(s);
-    const Vec3 next = (s + J.inverse() * gap).cwiseMin(1).cwiseMax(-1);
-    if (!next.allFinite() || next == s) break;
+    const Vec3 descent = J.transpose() * gap;
+    Mat3 A = J.transpose() * J;
+    Vec3 b = descent;
+    bool is_free = true;
+    for (int d = 0; d < 3; ++d) {
+      if (std::abs(s[d]) < 1 || s[d] * descent[d] <= 0) continue;
+      A.row(d).setZero();
+      A.col(d).setZero();
+      A(d, d) = 1;
+      b[d] = 0;
+      is_free = false;
+    }
+    Vec3 step = is_free ? J.inverse() * gap : A.inverse() * b;
+    if (!step.allFinite()) step = descent / J.squaredNorm();
+
+    Vec3 next = s, next_gap = gap;
+    for (double share = 1; share > kShortestStep; share /= 2) {
+      next = (s + share * step).cwiseMin(1).cwiseMax(-1);
+      next_gap = gap_at(next);
+      if (next_gap.squaredNorm() < gap.squaredNorm()) break;
+    }
+    if (!(next_gap.squaredNorm() < gap.squaredNorm())) break;
+    const double advance = (next - s).cwiseAbs().maxCoeff();
     s = next;
+    gap = next_gap;
+    if (advance < kExact) break;
   }
-  return best;
+  return {s, gap.norm()};
 }
 
 Eigen::AlignedBox3d box_of(const ElementPoints& x) {
   return {Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose())};
 }
 
-/// Finds hexahedra near a place: a regular grid of bins, each with the hexahedra whose boxes touch it, ascending.
-class Bins {
+/// Boxes within boxes: finds those near a point without looking at all of them.
+class BoxTree {
  public:
-  explicit Bins(const std::vector<Eigen::AlignedBox3d>& boxes) {
-    for (const auto& box : boxes) all_.extend(box);
-    const double edge = std::cbrt(all_.sizes().prod() / static_cast<double>(boxes.size()));
-    for (int d = 0; d < 3; ++d)
-      count_[d] = std::clamp(static_cast<int>(all_.sizes()[d] / std::max(edge, 1e-300)), 1, kMostBins);
-    content_.resize(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2]);
-    for (std::size_t e = 0; e < boxes.size(); ++e) {
-      const auto least = bin_of(boxes[e].min()), most = bin_of(boxes[e].max());
-      for (int k = least[2]; k <= most[2]; ++k)
-        for (int j = least[1]; j <= most[1]; ++j)
-          for (int i = least[0]; i <= most[0]; ++i) content_[index(i, j, k)].push_back(static_cast<int>(e));
-    }
+  explicit BoxTree(const std::vector<Eigen::AlignedBox3d>& boxes) {
+    std::vector<int> order(boxes.size());
+    std::iota(order.begin(), order.end(), 0);
+    branches_.reserve(2 * boxes.size());
+    grow(boxes, order);
   }
 
-  std::span<const int> at(const Vec3& point) const {
-    const auto [i, j, k] = bin_of(point);
-    return content_[index(i, j, k)];
+  /// Calls visit(e) for boxes e in about the order of their distance from the
+  /// point, as long as they are nearer than what visit returned last.
+  template <class Visit>
+  void for_each_nearer(const Vec3& point, const Visit& visit) const {
+    double reach = std::numeric_limits<double>::infinity();
+    descend(0, point, reach, visit);
   }
 
  private:
-  static constexpr int kMostBins = 256;  // in each direction
+  struct Branch {
+    Eigen::AlignedBox3d box;
+    int item = -1;    // of a leaf
+    int second = -1;  // the first child follows its parent
+  };
 
-  /// The bin of a point, or the one next to it where it lies outside.
-  std::array<int, 3> bin_of(const Vec3& point) const {
-    std::array<int, 3> bin;
-    for (int d = 0; d < 3; ++d) {
-      const double share = (point[d] - all_.min()[d]) / std::max(all_.sizes()[d], 1e-300);
-      bin[d] = static_cast<int>(std::clamp(share * count_[d], 0.0, count_[d] - 1.0));
+  void grow(const std::vector<Eigen::AlignedBox3d>& boxes, std::span<int> items) {
+    const std::size_t at = branches_.size();
+    Branch& branch = branches_.emplace_back();
+    Eigen::AlignedBox3d centres;
+    for (const int e : items) {
+      branch.box.extend(boxes[e]);
+      centres.extend(boxes[e].center());
     }
-    return bin;
-  }
-  std::size_t index(int i, int j, int k) const {
-    return static_cast<std::size_t>(i) +
-           static_cast<std::size_t>(count_[0]) * (j + static_cast<std::size_t>(count_[1]) * k);
+    if (items.size() == 1) {
+      branch.item = items[0];
+      return;
+    }
+    Eigen::Index axis = 0;
+    centres.sizes().maxCoeff(&axis);
+    const std::size_t half = items.size() / 2;
+    std::ranges::nth_element(items, items.begin() + static_cast<std::ptrdiff_t>(half), {},
+                             [&](int e) { return std::pair(boxes[e].center()[axis], e); });
+    grow(boxes, items.first(half));
+    branches_[at].second = static_cast<int>(branches_.size());
+    grow(boxes, items.subspan(half));
   }
 
-  Eigen::AlignedBox3d all_;
-  std::array<int, 3> count_{};
-  std::vector<std::vector<int>> content_;
+  template <class Visit>
+  void descend(int at, const Vec3& point, double& reach, const Visit& visit) const {
+    const Branch& branch = branches_[at];
+    if (branch.item >= 0) {
+      reach = visit(branch.item);
+      return;
+    }
+    std::array<std::pair<double, int>, 2> children{};
+    for (int k = 0; k < 2; ++k) {
+      const int child = k == 0 ? at + 1 : branch.second;
+      children[k] = {branches_[child].box.squaredExteriorDistance(point), child};
+    }
+    if (children[1].first < children[0].first) std::swap(children[0], children[1]);
+    for (const auto& [distance_squared, child] : children)
+      if (distance_squared < reach * reach) descend(child, point, reach, visit);
+  }
+
+  std::vector<Branch> branches_;
 };
 
 }  // namespace
 
 Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points) {
   if (hexahedra.empty()) throw InputError("there is no hexahedron in which points could be embedded");
+  require_finite(x, "position");
   require_finite(points, "embedded point");
 
   std::vector<Eigen::AlignedBox3d> boxes;
+  boxes.reserve(hexahedra.size());
   for (const Hexahedron& corners : hexahedra) boxes.push_back(box_of(gather(x, corners)));
-  const Bins bins(boxes);
-  const auto size_of = [&](int e) { return boxes[e].diagonal().norm(); };
+  const BoxTree tree(boxes);
 
-  anchors_.reserve(static_cast<std::size_t>(points.rows()));
-  for (Eigen::Index n = 0; n < points.rows(); ++n) {
+  const int count = static_cast<int>(points.rows());
+  anchors_.resize(static_cast<std::size_t>(count));
+  std::vector<double> distance(static_cast<std::size_t>(count),
+                               0);  // of those outside
+  parallel_for(count, [&](int n) {
     const Vec3 p = points.row(n).transpose();
     int element = -1;
     Place place;
-    const auto consider = [&](int e) {
-      const Place found = nearest_place(gather(x, hexahedra[e]), p, size_of(e));
-      if (found.distance >= place.distance) return;
-      element = e;
-      place = found;
-    };
-    const auto is_inside = [&] { return element >= 0 && place.distance <= kInside * size_of(element); };
-
-    for (const int e : bins.at(p)) {
-      if (boxes[e].exteriorDistance(p) <= kInside * size_of(e)) consider(e);
-      if (is_inside()) break;
-    }
-    if (!is_inside()) {
-      for (int e = 0; e < static_cast<int>(hexahedra.size()); ++e)
-        if (boxes[e].exteriorDistance(p) < place.distance) consider(e);
-      ++num_outside_;
-      greatest_distance_ = std::max(greatest_distance_, place.distance);
-    }
+    bool is_inside = false;
+    tree.for_each_nearer(p, [&](int e) -> double {
+      const double size = boxes[e].diagonal().norm();
+      const Place found = nearest_place(gather(x, hexahedra[e]), p, size);
+      if (found.distance < place.distance) {
+        element = e;
+        place = found;
+        is_inside = found.distance <= kInside * size;
+      }
+      return is_inside ? 0 : place.distance;
+    });
+    if (!is_inside) distance[n] = place.distance;
 
     // the weights of the nearest place, continued to the point itself
     const ElementPoints corners = gather(x, hexahedra[element]);
@@ -134,17 +183,19 @@ Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, Const
     const Eigen::Matrix<double, kCorners, 1> N = shape_functions(place.s);
     const Mat3 J = corners.transpose() * dN;
     const Eigen::Matrix<double, kCorners, 1> w = N + dN * (J.inverse() * (p - corners.transpose() * N));
-    Anchor& anchor = anchors_.emplace_back(Anchor{hexahedra[element], {}});
-    std::copy(w.begin(), w.end(), anchor.weight.begin());
-  }
+    anchors_[n] = {.hexahedron = element, .corners = hexahedra[element], .weight = {}};
+    std::copy(w.begin(), w.end(), anchors_[n].weight.begin());
+  });
+  num_outside_ = static_cast<int>(std::ranges::count_if(distance, [](double d) { return d > 0; }));
+  if (num_outside_ > 0) greatest_distance_ = std::ranges::max(distance);
 }
 
 void Embedding::apply(ConstPoints nodes, Points points) const {
-  for (std::size_t i = 0; i < anchors_.size(); ++i) {
+  parallel_for(num_points(), [&](int i) {
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
     for (int a = 0; a < kCorners; ++a) sum += anchors_[i].weight[a] * nodes.row(anchors_[i].corners[a]);
-    points.row(static_cast<Eigen::Index>(i)) = sum;
-  }
+    points.row(i) = sum;
+  });
 }
 
 void Embedding::add_transposed(ConstPoints points, Points nodes) const {

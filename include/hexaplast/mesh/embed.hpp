@@ -22,10 +22,14 @@ namespace hexaplast {
 class Embedding {
  public:
   /// x: num_nodes x 3 [m], hexahedra with corners in x, right side out; points: any number x 3 [m]. Throws InputError
-  /// when there is no hexahedron, NumericalError when a point is not finite.
+  /// when there is no hexahedron, NumericalError when a position or a point is not finite. Each point looks at the few
+  /// hexahedra around it, however many there are.
   Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points);
 
   int num_points() const { return static_cast<int>(anchors_.size()); }
+
+  /// The hexahedron that a point lies in, or the nearest one.
+  int hexahedron_of(int point) const { return anchors_[point].hexahedron; }
 
   /// How many points lie outside all hexahedra, and the greatest distance [m] of one from them.
   int num_outside() const { return num_outside_; }
@@ -39,6 +43,7 @@ class Embedding {
 
  private:
   struct Anchor {
+    int hexahedron;
     Hexahedron corners;
     std::array<double, kCorners> weight;
   };
