@@ -184,6 +184,74 @@ inline constexpr Description kTangentialForceField{
     .templates = kVec3Templates,
     .attributes = kTangentialForceAttributes};
 
+inline constexpr Attribute kGraspAttributes[] = {
+    {.name = "keyTimes", .type = Type::kReals, .unit = "s", .help = "Key times of the tool's path, ascending."},
+    {.name = "positions",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .help = "Where the tool is at each key time, linear in between; it stays at the first position before the first "
+             "time and at the last one after the last. Evaluated at the beginning of a step."},
+    {.name = "graspTime",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "s",
+     .range = kNotNegative,
+     .help = "The grip closes at the beginning of the first step from this time on."},
+    {.name = "releaseTime",
+     .type = Type::kReal,
+     .unit = "s",
+     .range = kPositive,
+     .help = "The grip opens at the beginning of the first step from this time on. Without it, never."},
+    {.name = "radius",
+     .type = Type::kReal,
+     .unit = "m",
+     .range = kPositive,
+     .help =
+         "The grip holds the nodes that are as near to the tool when it closes. Where there are none a warning says "
+         "so."},
+    {.name = "indices",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Nodes that can be held; all where not given."},
+    {.name = "stiffness",
+     .type = Type::kReal,
+     .initial = "1000",
+     .unit = "N/m",
+     .range = kPositive,
+     .help = "Of the grip as a whole: each of n held nodes is tied by a spring of 1/n of it to the place that it had, "
+             "relative to the tool, when the grip closed."},
+    {.name = "maxForce",
+     .type = Type::kReal,
+     .unit = "N",
+     .range = kPositive,
+     .help = "Limit of the grip as a whole: no spring pulls harder than 1/n of it, and its node then lags behind the "
+             "tool. Without it there is no limit."},
+    {.name = "rayleighStiffness",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "s",
+     .range = kNotNegative,
+     .help = "Stiffness-proportional damping in the system matrix alone, besides the solver's own."},
+    {.name = "grasped", .type = Type::kIntegers, .access = Access::kOutput, .help = "Nodes that the grip holds now."},
+    {.name = "force",
+     .type = Type::kVector3,
+     .unit = "N",
+     .access = Access::kOutput,
+     .help = "What the tool exerted on the body at the beginning of the latest step."},
+};
+inline constexpr Description kGraspForceField{
+    .class_name = "GraspForceField",
+    .category = "ForceField",
+    .help =
+        "An instrument: takes hold of the nodes around it, moves along a path and lets go, with a limited force. It "
+        "acts "
+        "on the nearest state, which may be one of embedded points. In SOFA, LinearMovementProjectiveConstraint moves "
+        "chosen nodes exactly and frees them at its last key time; RestShapeSpringsForceField, with "
+        "external_rest_shape "
+        "on points that such a constraint moves, ties them by springs, and AttachProjectiveConstraint rigidly; none of "
+        "them chooses nodes during the run or limits the force.",
+    .templates = kVec3Templates,
+    .attributes = kGraspAttributes};
 inline constexpr Attribute kRunSettingsAttributes[] = {
     {.name = "steps",
      .type = Type::kInteger,

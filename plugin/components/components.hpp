@@ -19,6 +19,7 @@ void add_engines(scene::Factory& factory);         // BoxROI, SphereROI
 void add_extrusion(scene::Factory& factory);       // ExtrudeQuadsAndGenerateHexas
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
+void add_instruments(scene::Factory& factory);     // GraspForceField
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
 void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField

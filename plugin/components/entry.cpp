@@ -16,6 +16,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_extrusion(factory);
   add_constraints(factory);
   add_loads(factory);
+  add_instruments(factory);
   add_bodies(factory);
   add_mappings(factory);
   add_exporters(factory);

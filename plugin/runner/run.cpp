@@ -182,6 +182,7 @@ int run(const RunOptions& options) {
                         stage.state->velocities(), *stage.body_field->body());
   if (!options.quiet) print_summary(stage, done, options.scene.file);
   if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  log_warnings(stage.scene);
   warn_of_stalls(done);
 
   const int signal = requested_signal();

@@ -16,13 +16,6 @@ path installed_plugins() {
       .lexically_normal();
 }
 
-void log_warnings(scene::Scene& scene) {
-  for (const scene::Message& message : scene.diagnostics().take_warnings()) {
-    const bool is_note = message.severity == scene::Severity::kNote;
-    spdlog::log(is_note ? spdlog::level::info : spdlog::level::warn, "{}", scene::format(message));
-  }
-}
-
 template <class T>
 T& only_one(scene::Scene& scene, const std::vector<T*>& all, const char* what) {
   if (all.size() != 1) {
@@ -69,6 +62,13 @@ scene::Scene load_scene(const SceneOptions& options) {
   scene.init();
   log_warnings(scene);
   return scene;
+}
+
+void log_warnings(scene::Scene& scene) {
+  for (const scene::Message& message : scene.diagnostics().take_warnings()) {
+    const bool is_note = message.severity == scene::Severity::kNote;
+    spdlog::log(is_note ? spdlog::level::info : spdlog::level::warn, "{}", scene::format(message));
+  }
 }
 
 scene::MechanicalState& only_state(scene::Scene& scene) {

@@ -27,6 +27,9 @@ scene::PluginLoader load_components(scene::Factory& factory, const std::vector<s
 /// Reads and initialises a scene, and logs its warnings. Throws what reading a scene throws (scene/reader.hpp).
 scene::Scene load_scene(const SceneOptions& options);
 
+/// Logs what components have remarked since the last time.
+void log_warnings(scene::Scene& scene);
+
 /// The parts of a scene that the command works on. Throw SceneError unless there is exactly one.
 scene::MechanicalState& only_state(scene::Scene& scene);
 scene::OdeSolver& only_solver(scene::Scene& scene);

@@ -25,8 +25,8 @@ std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, cons
 /// The forces come from a convex potential, k |g|^2 / 2 and then F |g| - F^2 / 2k, so that minus their derivative is
 /// symmetric and positive semi-definite; their sum is never greater than most_force.
 struct Grip {
-  std::vector<int> nodes;                                       ///< empty: the grip is open
-  PointArray arms;                                              ///< [m] one row per node, from the tool
+  std::vector<int> nodes = {};                                  ///< empty: the grip is open
+  PointArray arms = {};                                         ///< [m] one row per node, from the tool
   double stiffness = 0;                                         ///< [N/m] of all springs together
   double most_force = std::numeric_limits<double>::infinity();  ///< [N] of all springs together
 

@@ -138,8 +138,8 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
      .type = Type::kText,
      .aliases = "filename",
-     .help = "The surface: the triangles and quads of a mesh file, .obj, .vtk, .vtu or .msh; a relative path counts "
-             "from the scene file that names it. SOFA reads .obj of these."},
+     .help = "The surface: the triangles and quads of a mesh file, .obj, .vtk, .vtu, .msh or .inp; a relative path "
+             "counts from the scene file that names it. SOFA reads .obj of these."},
     {.name = "n",
      .type = Type::kIntegers,
      .initial = "2 2 2",

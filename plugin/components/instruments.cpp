@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "attributes/hexaplast.hpp"
+#include "components/components.hpp"
+#include "components/key_times.hpp"
+#include "hexaplast/solve/grip.hpp"
+#include "hexaplast/solve/loads.hpp"
+#include "scene/interfaces.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+class GraspForceField final : public scene::ForceField {
+ public:
+  GraspForceField() : ForceField(attributes::kGraspForceField) {}
+
+  void init() override {
+    state_ = &needed_ready<scene::MechanicalState>();
+    candidates_ = indices("indices", state_->num_nodes());
+    if (!is_given("indices")) {
+      candidates_.resize(state_->num_nodes());
+      std::iota(candidates_.begin(), candidates_.end(), 0);
+    }
+    positions_ = vectors3("positions");
+    times_ = key_times(*this, "keyTimes", "positions", static_cast<std::size_t>(positions_.rows()));
+    grasp_time_ = real("graspTime");
+    release_time_ = real_if_given("releaseTime").value_or(std::numeric_limits<double>::infinity());
+    if (!(grasp_time_ < release_time_))
+      reject("releaseTime", fmt::format("is {}, must be after graspTime {}", release_time_, grasp_time_));
+    radius_ = real("radius");
+    grip_ = {.stiffness = real("stiffness"),
+             .most_force = real_if_given("maxForce").value_or(std::numeric_limits<double>::infinity())};
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+
+  // The grip closes and opens on accepted positions, once per step; between two steps it is the same for everyone.
+  void begin_step() override {
+    const double time = node().clock().time;
+    if (!has_closed_ && time >= grasp_time_ && time < release_time_) close(time);
+    if (time >= release_time_) open();
+  }
+
+  void reset() override {
+    open();
+    has_closed_ = false;
+  }
+
+  void add_force(double time, ConstPoints x, ConstPoints, Points f) override {
+    lags_ = grip_.add_force(tool_at(time), x, f);
+  }
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
+    grip_.add_stiffness_product(lags_, factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
+    grip_.add_stiffness_blocks(lags_, factor, A);
+  }
+  bool to_kernels(double factor, KernelSystem& system) const override {
+    return grip_.add_stiffness_diagonal(lags_, factor, system.diagonal);
+  }
+  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+
+  void provide(scene::Data& output) override {
+    if (output.attribute().name == "grasped")
+      output.set(std::vector<std::int64_t>(grip_.nodes.begin(), grip_.nodes.end()));
+    if (output.attribute().name == "force") {
+      const Vec3 force = grip_.total_force(lags_);
+      output.set(std::vector<double>(force.begin(), force.end()));
+    }
+  }
+
+ private:
+  /// Before the first key time the tool waits where it begins.
+  Vec3 tool_at(double time) const {
+    return interpolate(phase_at(times_, std::max(time, times_.front())), positions_).transpose();
+  }
+
+  void close(double time) {
+    has_closed_ = true;
+    const Vec3 tool = tool_at(time);
+    std::vector<int> held = nodes_near(state_->positions(), candidates_, tool, radius_);
+    if (held.empty())
+      remark(
+          scene::Severity::kWarning, "radius",
+          fmt::format("the grip closes on nothing: no node within {:.6g} m of ({:.6g}, {:.6g}, {:.6g}) at t = {:.6g} s",
+                      radius_, tool[0], tool[1], tool[2], time));
+    grip_.close(std::move(held), tool, state_->positions());
+    lags_ = PointArray::Zero(grip_.arms.rows(), 3);
+  }
+
+  void open() {
+    grip_.open();
+    lags_.resize(0, 3);
+  }
+
+  scene::MechanicalState* state_ = nullptr;
+  std::vector<int> candidates_;
+  std::vector<double> times_;  // [s]
+  PointArray positions_;       // [m] of the tool, one row per time
+  double grasp_time_ = 0, release_time_ = 0, radius_ = 0;
+  double rayleigh_stiffness_ = 0;
+
+  Grip grip_;
+  bool has_closed_ = false;
+  PointArray lags_ = PointArray(0, 3);  // at the positions of the latest forces
+};
+
+}  // namespace
+
+void add_instruments(scene::Factory& factory) { factory.add<GraspForceField>(attributes::kGraspForceField); }
+
+}  // namespace hexaplast::components

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/grip.hpp"
+
+#include "support/compare.hpp"
+#include "support/random.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::agrees;
+
+const Vec3 kTool(1, 2, 3);
+
+/// Four nodes near the tool and two elsewhere, without symmetry.
+PointArray nodes() {
+  support::Random random(71);
+  PointArray x = random.field(6, 0.1);
+  x.rowwise() += kTool.transpose();
+  x.row(1) << 5, 5, 5;
+  x.row(4) << -1, 2, 3;
+  return x;
+}
+
+Grip closed(double most_force) {
+  Grip grip{.stiffness = 200, .most_force = most_force};
+  grip.close({5, 0, 2, 3}, kTool, nodes());
+  return grip;
+}
+
+PointArray force_at(const Grip& grip, const Vec3& tool, const PointArray& x) {
+  PointArray f = PointArray::Zero(x.rows(), 3);
+  grip.add_force(tool, x, f);
+  return f;
+}
+
+TEST(Grip, FindsTheNodesWithinItsReach) {
+  const std::vector<int> candidates{5, 4, 3, 2, 1};
+  EXPECT_EQ(nodes_near(nodes(), candidates, kTool, 0.2), (std::vector<int>{5, 3, 2}));
+  EXPECT_EQ(nodes_near(nodes(), candidates, kTool, 2), (std::vector<int>{5, 4, 3, 2}));  // on the border
+  EXPECT_TRUE(nodes_near(nodes(), candidates, kTool + Vec3(0, 9, 0), 2).empty());
+}
+
+// Nothing where it closed, and 200 N/m times the way of the tool afterwards, shared by four.
+TEST(Grip, PullsByItsStiffnessTimesTheWay) {
+  const Grip grip = closed(1000);
+  const PointArray x = nodes();
+  EXPECT_LE(support::max_abs(force_at(grip, kTool, x)), 1e-12);
+  const PointArray f = force_at(grip, kTool + Vec3(0.1, 0, -0.02), x);
+  for (const int node : {5, 0, 2, 3})
+    EXPECT_LE(support::max_abs(Vec3(f.row(node).transpose()) - Vec3(5, 0, -1)), 1e-12);
+  EXPECT_EQ(f.row(1), Eigen::RowVector3d(0, 0, 0));
+  EXPECT_EQ(f.row(4), Eigen::RowVector3d(0, 0, 0));
+}
+
+// 12 N at most: 3 N for each node, in the direction in which it lags.
+TEST(Grip, NeverPullsHarderThanItsLimit) {
+  const Grip grip = closed(12);
+  const PointArray x = nodes();
+  const PointArray f = force_at(grip, kTool + Vec3(0.3, 0, -0.4), x);
+  for (const int node : {5, 0, 2, 3})
+    EXPECT_LE(support::max_abs(Vec3(f.row(node).transpose()) - Vec3(1.8, 0, -2.4)), 1e-12);
+  EXPECT_NEAR(f.colwise().sum().norm(), 12, 1e-12);
+
+  PointArray moved = x + support::Random(73).field(6, 0.3);
+  PointArray g = PointArray::Zero(6, 3);
+  const PointArray lags = grip.add_force(kTool, moved, g);
+  EXPECT_LE(g.colwise().sum().norm(), 12);
+  EXPECT_LE(support::max_abs(grip.total_force(lags) - Vec3(g.colwise().sum().transpose())), 1e-12);
+}
+
+// The derivative of the forces, of springs on both sides of the limit, against difference quotients; product, blocks
+// and diagonal agree.
+TEST(Grip, StiffnessIsTheDerivativeOfTheForce) {
+  const Grip grip = closed(12);
+  support::Random random(79);
+  PointArray x = nodes() + random.field(6, 0.05);
+  x.row(0) += Eigen::RowVector3d(0.2, -0.1, 0.3);
+  const Vec3 tool = kTool + Vec3(0.01, 0.005, 0);
+  PointArray f = PointArray::Zero(6, 3);
+  const PointArray lags = grip.add_force(tool, x, f);
+  const Eigen::VectorXd length = lags.rowwise().norm();
+  EXPECT_GT(length.maxCoeff(), 0.06 * 1.5);
+  EXPECT_LT(length.minCoeff(), 0.06 * 0.9);
+
+  const PointArray dx = random.field(6, 1);
+  const double h = 1e-6;
+  const PointArray slope = (force_at(grip, tool, x + h * dx) - force_at(grip, tool, x - h * dx)) / (2 * h);
+  PointArray product = PointArray::Zero(6, 3), by_blocks = product, diagonal = product;
+  grip.add_stiffness_product(lags, 2, dx, product);
+  EXPECT_TRUE(agrees(product, 2 * slope, 1e-8));
+
+  BlockMatrix A(6);
+  grip.add_stiffness_blocks(lags, 2, A);
+  for (int n = 0; n < 6; ++n)
+    for (const auto& [m, block] : A.row(n)) by_blocks.row(n) += dx.row(m) * block.transpose();
+  EXPECT_TRUE(agrees(by_blocks, product, 1e-14));
+  EXPECT_FALSE(grip.add_stiffness_diagonal(lags, 2, diagonal));
+
+  const Grip strong = closed(1000);
+  product.setZero();
+  strong.add_stiffness_product(lags, 2, dx, product);
+  ASSERT_TRUE(strong.add_stiffness_diagonal(lags, 2, diagonal));
+  EXPECT_TRUE(agrees(PointArray(diagonal.cwiseProduct(dx)), product, 1e-14));
+}
+
+// The forces are the slope of the potential that the header names: no work is gained on a closed way.
+TEST(Grip, ForcesHaveAPotential) {
+  const Grip grip = closed(12);
+  const double k = 50, F = 3;
+  const auto potential = [&](const PointArray& x) {
+    PointArray f = PointArray::Zero(6, 3);
+    const PointArray lags = grip.add_force(kTool, x, f);
+    double sum = 0;
+    for (int i = 0; i < lags.rows(); ++i) {
+      const double g = lags.row(i).norm();
+      sum += k * g <= F ? k * g * g / 2 : F * g - F * F / (2 * k);
+    }
+    return sum;
+  };
+  support::Random random(83);
+  for (int trial = 0; trial < 10; ++trial) {
+    const PointArray x = nodes() + random.field(6, 0.08), dx = random.field(6, 1);
+    const double work = -force_at(grip, kTool, x).cwiseProduct(dx).sum();
+    EXPECT_NEAR(support::central_difference([&](double h) { return potential(x + h * dx); }, 1e-6), work,
+                1e-7 * std::abs(work) + 1e-7);
+  }
+}
+
+TEST(Grip, OpenItHoldsNothing) {
+  Grip grip = closed(12);
+  grip.open();
+  EXPECT_TRUE(force_at(grip, kTool + Vec3(1, 1, 1), nodes()).isZero(0));
+  PointArray diagonal = PointArray::Zero(6, 3);
+  EXPECT_TRUE(grip.add_stiffness_diagonal(PointArray(0, 3), 1, diagonal));
+  EXPECT_TRUE(diagonal.isZero(0));
+}
+
+}  // namespace
+}  // namespace hexaplast
