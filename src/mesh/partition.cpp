@@ -11,7 +11,7 @@ namespace hexaplast {
 namespace {
 
 // Small enough to keep several threads busy, large enough that the copies between chunks stay a fraction of the nodes.
-constexpr int kElementsPerChunk = 1024, kMostChunks = 16;
+constexpr int kElementsPerChunk = 512, kMostChunks = 16;
 
 std::size_t corner_index(int place, int corner) {
   return (static_cast<std::size_t>(place / kBlock) * kCorners + corner) * kBlock + place % kBlock;
