@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The six scenes that ship with the program, run as a user runs them: permanent shape and volume in their bands, twice
+// Scenes that ship with the program, run as a user runs them: permanent shape, volume and tears in their bands, twice
 // the same.
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -122,6 +123,91 @@ INSTANTIATE_TEST_SUITE_P(
                     SceneCase{"bar_stretch_low", true, 0.0307}, SceneCase{"bar_twist_high", false, 110.5},
                     SceneCase{"bar_twist_medium", false, 29.2}, SceneCase{"bar_twist_low", false, 4.5}),
     [](const auto& test) { return std::string(test.param.name); });
+
+/// What a torn scene leaves, after it ran twice, on one thread and on two, to the same state.
+struct TornScene {
+  explicit TornScene(const std::string& name) {
+    const fs::path folder = fs::temp_directory_path() / ("hexaplast_" + name + std::to_string(getpid()));
+    fs::create_directories(folder);
+    const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + name + ".scn";
+    const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
+    EXPECT_EQ(run_command({"run", scene, "--quiet", "--threads", "1", "--frames", "0", "--out", out, "--final", first}),
+              0);
+    EXPECT_EQ(run_command({"run", scene, "--quiet", "--threads", "2", "--final", second}), 0);
+    const Json final = read_json(first);
+    EXPECT_EQ(final["state_hash"], read_json(second)["state_hash"]);
+
+    material = support::matrix(final["material_positions"]);
+    for (const Json& ratio : final["volume_ratio"]) alive.push_back(ratio.get<double>() > 0);  // 0: removed
+    auto history = read_csv(out / "history.csv");
+    removed = history["removed"].back();
+    EXPECT_EQ(removed, std::count(alive.begin(), alive.end(), 0));
+    EXPECT_NEAR(history["material_volume_ratio"].back(), 1, 0.01);
+    EXPECT_EQ(history["inverted"].back(), 0);
+    fs::remove_all(folder);
+  }
+
+  PointArray material;               ///< [m]
+  std::vector<unsigned char> alive;  ///< per hexahedron
+  double removed = 0;                ///< hexahedra
+};
+
+TEST(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
+  const TornScene torn("peritoneum_tear");
+  const HexMesh mesh = regular_grid({24, 20, 1}, Vec3(-0.06, -0.05, -0.0005), Vec3(0.06, 0.05, 0.0005));
+  ASSERT_EQ(torn.material.rows(), mesh.num_nodes());
+  EXPECT_GE(torn.removed, 12);
+  EXPECT_LE(torn.removed, 30);
+
+  const ConnectedParts parts = connected_parts(mesh, torn.alive);
+  const auto node = [](int i, int j) { return i + 25 * j; };
+  EXPECT_GE(parts.count, 2);
+  const int held = parts.part_of_node[node(9, 10)];  // where the forceps closed
+  EXPECT_GE(held, 0);
+  EXPECT_NE(held, parts.part_of_node[node(0, 0)]);
+
+  // the strip behind the hole, from the border on, in the row through the forceps
+  const double stretch = (torn.material.row(node(5, 10)) - torn.material.row(node(0, 10))).norm() / 0.025;
+  EXPECT_GT(stretch, 1.05);
+  EXPECT_LT(stretch, 1.25);
+}
+
+TEST(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
+  const TornScene torn("vessel_mobilise");
+  const HexMesh grid = regular_grid({3, 5, 29}, Vec3(-0.006, 0, 0), Vec3(0.006, 0.02, 0.116));
+  ASSERT_EQ(torn.material.rows(), grid.num_nodes());
+  std::vector<Hexahedron> hexahedra;
+  std::vector<bool> is_strand;
+  for (int e = 0; e < grid.num_elements(); ++e) {
+    const int i = e % 3, j = e / 3 % 5, k = e / 15;
+    const bool strand = j < 2 && i == 1 && k % 4 == 2, wall = j >= 2 && !(i == 1 && j == 3);
+    if (!strand && !wall) continue;
+    hexahedra.push_back(grid.hexahedra()[e]);
+    is_strand.push_back(strand);
+  }
+  const HexMesh mesh(grid.positions(), hexahedra);
+  ASSERT_EQ(torn.alive.size(), hexahedra.size());
+  EXPECT_GE(torn.removed, 7);
+  EXPECT_LE(torn.removed, 14);
+  for (std::size_t e = 0; e < hexahedra.size(); ++e) EXPECT_TRUE(torn.alive[e] || is_strand[e]) << "hexahedron " << e;
+
+  const ConnectedParts parts = connected_parts(mesh, torn.alive);
+  const int vessel = parts.part_of_node[grid.num_nodes() - 1];
+  for (const int n : support::nodes_at(mesh, 1, 0)) EXPECT_NE(parts.part_of_node[n], vessel) << "node " << n;
+
+  int num_stumps = 0;
+  for (std::size_t e = 0; e < hexahedra.size(); ++e) {
+    const ElementPoints original = gather(mesh.positions(), hexahedra[e]), left = gather(torn.material, hexahedra[e]);
+    if (!is_strand[e] || !torn.alive[e] || original.col(1).minCoeff() > 1e-9) continue;
+    ++num_stumps;
+    // length from the middle of the lower face to that of the upper one
+    Vec3 length = Vec3::Zero();
+    for (int a = 0; a < kCorners; ++a) length += (original(a, 1) > 1e-9 ? 0.25 : -0.25) * left.row(a).transpose();
+    EXPECT_GT(length.norm(), 1.05 * 0.004) << "hexahedron " << e;
+    EXPECT_LT(length.norm(), 1.3 * 0.004) << "hexahedron " << e;
+  }
+  EXPECT_GT(num_stumps, 0);
+}
 
 }  // namespace
 }  // namespace hexaplast
