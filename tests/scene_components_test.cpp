@@ -318,7 +318,7 @@ std::string cube(const std::string& body, const std::string& more = "") {
 
 TEST(BodyField, HandsItsAttributesToTheBody) {
   scene::Scene scene = read_and_init(
-      cube("youngModulus='1000 2000' poissonRatio='0.3' yieldStress='70' yieldNorm='spectral' plasticFlowRate='2' "
+      cube("youngModulus='1000 2000' poissonRatio='0.3' yieldStress='50 70' yieldNorm='spectral' plasticFlowRate='2' "
            "rotationYield='0.1' rotationFlowRate='1.5' rotationPlasticity='none' hardening='0.3' volumeRestitution='4' "
            "inversionThreshold='0.2'"));
   const Body* body = at<scene::ForceField>(scene, "body").body();
@@ -329,6 +329,7 @@ TEST(BodyField, HandsItsAttributesToTheBody) {
   EXPECT_EQ(model.materials[0].young_modulus, 1000);
   EXPECT_EQ(second.young_modulus, 2000);
   EXPECT_EQ(second.poisson_ratio, 0.3);
+  EXPECT_EQ(model.materials[0].yield_stress, 50);
   EXPECT_EQ(second.yield_stress, 70);
   EXPECT_EQ(second.flow_rate, 2);
   EXPECT_EQ(second.rotation_yield, 0.1);
@@ -394,6 +395,8 @@ TEST(BodyField, RefusesWrongCountsAndUnstableRates) {
             field + ".youngModulus: 3 values given, must be one or 2 (one per hexahedron)");
   EXPECT_EQ(errors_of(cube("poissonRatio=''")),
             field + ".poissonRatio: 0 values given, must be one or 2 (one per hexahedron)");
+  EXPECT_EQ(errors_of(cube("yieldStress='1 2 3'")),
+            field + ".yieldStress: 3 values given, must be one or 2 (one per hexahedron)");
   EXPECT_NE(errors_of(cube("plasticFlowRate='51'")).find(field), std::string::npos);
   EXPECT_NE(errors_of(cube("volumeRestitution='34'")).find(field), std::string::npos);
 }

@@ -19,10 +19,11 @@ inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
      .range = {.least = 0, .most = 0.5, .without_most = true},
      .help = "Poisson's ratio: one value, or one per hexahedron."},
     {.name = "yieldStress",
-     .type = Type::kReal,
+     .type = Type::kReals,
      .unit = "Pa",
      .range = kNotNegative,
-     .help = "Size of the stress at which plastic flow begins. Without it the body never yields."},
+     .help = "Size of the stress at which plastic flow begins: one value, or one per hexahedron. Without it the body "
+             "never yields."},
     {.name = "yieldNorm",
      .type = Type::kWord,
      .initial = "vonMises",

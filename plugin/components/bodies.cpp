@@ -69,28 +69,31 @@ class HexahedronField : public scene::ForceField {
 
  protected:
   virtual Material common_material() { return {}; }
+  virtual std::vector<double> yield_stresses(std::size_t /*num_elements*/) { return {kNever}; }
   virtual Settings given_settings() { return {}; }
-
- private:
-  /// One for all hexahedra, or one for each.
-  std::vector<Material> given_materials(std::size_t num_elements, std::span<const double> fill) {
-    const std::vector<double>&young = one_or_per_element("youngModulus", num_elements),
-          &poisson = one_or_per_element("poissonRatio", num_elements);
-    std::vector<Material> materials(std::max({young.size(), poisson.size(), fill.empty() ? 1 : fill.size()}),
-                                    common_material());
-    for (std::size_t e = 0; e < materials.size(); ++e) {
-      materials[e].young_modulus = young[young.size() == 1 ? 0 : e];
-      materials[e].poisson_ratio = poisson[poisson.size() == 1 ? 0 : e];
-      if (!fill.empty()) materials[e] = filled(materials[e], fill[e]);
-    }
-    return materials;
-  }
 
   const std::vector<double>& one_or_per_element(std::string_view name, std::size_t num_elements) {
     const std::vector<double>& values = reals(name);
     if (values.size() != 1 && values.size() != num_elements)
       reject(name, fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_elements));
     return values;
+  }
+
+ private:
+  /// One for all hexahedra, or one for each.
+  std::vector<Material> given_materials(std::size_t num_elements, std::span<const double> fill) {
+    const std::vector<double>&young = one_or_per_element("youngModulus", num_elements),
+          &poisson = one_or_per_element("poissonRatio", num_elements);
+    const std::vector<double> yield = yield_stresses(num_elements);
+    std::vector<Material> materials(
+        std::max({young.size(), poisson.size(), yield.size(), fill.empty() ? 1 : fill.size()}), common_material());
+    for (std::size_t e = 0; e < materials.size(); ++e) {
+      materials[e].young_modulus = young[young.size() == 1 ? 0 : e];
+      materials[e].poisson_ratio = poisson[poisson.size() == 1 ? 0 : e];
+      materials[e].yield_stress = yield[yield.size() == 1 ? 0 : e];
+      if (!fill.empty()) materials[e] = filled(materials[e], fill[e]);
+    }
+    return materials;
   }
 
   scene::MechanicalState* state_ = nullptr;
@@ -106,7 +109,6 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
  private:
   Material common_material() override {
     Material common;
-    common.yield_stress = real_if_given("yieldStress").value_or(kNever);
     common.flow_rate = real("plasticFlowRate");
     common.rotation_yield = real("rotationYield");
     common.rotation_flow_rate = real("rotationFlowRate");
@@ -114,6 +116,11 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
     common.fracture_stress = real_if_given("fractureStress").value_or(kNever);
     common.fracture_stretch = real_if_given("fractureStretch").value_or(kNever);
     return common;
+  }
+
+  std::vector<double> yield_stresses(std::size_t num_elements) override {
+    if (!is_given("yieldStress")) return {kNever};
+    return one_or_per_element("yieldStress", num_elements);
   }
 
   Settings given_settings() override {
