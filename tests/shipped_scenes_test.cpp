@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/mesh/shapes.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"
 #include "support/shapes.hpp"
@@ -69,25 +70,34 @@ Json read_json(const fs::path& path) {
   return Json::parse(file);
 }
 
-class ShippedScene : public testing::TestWithParam<SceneCase> {
- protected:
-  ShippedScene() { fs::create_directories(folder); }
-  ~ShippedScene() override { fs::remove_all(folder); }
-
-  const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + GetParam().name + ".scn";
-  const fs::path folder =
-      fs::temp_directory_path() / ("hexaplast_" + std::string(GetParam().name) + std::to_string(getpid()));
+/// What a scene leaves behind.
+struct Outcome {
+  Json final;                                          ///< the final state
+  std::map<std::string, std::vector<double>> history;  ///< columns of history.csv
 };
 
-TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
+/// Runs a scene with one thread and with two, which must end alike.
+void run_twice(const std::string& name, Outcome& outcome) {
+  const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + name + ".scn";
+  const fs::path folder = fs::temp_directory_path() / ("hexaplast_" + name + std::to_string(getpid()));
   const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
+  fs::create_directories(folder);
   ASSERT_EQ(run_command({"run", scene, "--quiet", "--threads", "1", "--frames", "0", "--out", out, "--final", first}),
             0);
   ASSERT_EQ(run_command({"run", scene, "--quiet", "--threads", "2", "--final", second}), 0);
 
-  const Json final = read_json(first);
+  outcome = {read_json(first), read_csv(out / "history.csv")};
+  EXPECT_EQ(outcome.final["state_hash"], read_json(second)["state_hash"]);
+  fs::remove_all(folder);
+}
+
+class ShippedScene : public testing::TestWithParam<SceneCase> {};
+
+TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
+  Outcome outcome;
+  ASSERT_NO_FATAL_FAILURE(run_twice(GetParam().name, outcome));
+  auto& [final, history] = outcome;
   EXPECT_NEAR(final["time"], 5, 1e-9);
-  EXPECT_EQ(final["state_hash"], read_json(second)["state_hash"]);
 
   const HexMesh mesh = regular_grid({3, 3, 10}, Vec3(-0.15, -0.15, -0.5), Vec3(0.15, 0.15, 0.5));
   const EndSections ends = end_sections(mesh);
@@ -109,7 +119,6 @@ TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
                 1e-6 * std::numbers::pi / 180);
   }
 
-  auto history = read_csv(out / "history.csv");
   ASSERT_EQ(history["time"].size(), 501u);  // the beginning, then every step
   const std::vector<double>& volume_ratio = history["material_volume_ratio"];
   for (const double ratio : volume_ratio) EXPECT_NEAR(ratio, 1, 0.01);
@@ -207,6 +216,60 @@ TEST(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
     EXPECT_LT(length.norm(), 1.3 * 0.004) << "hexahedron " << e;
   }
   EXPECT_GT(num_stumps, 0);
+}
+
+/// The volume of an organ's material throughout a run and at its end; nothing turned inside out.
+void expect_kept_volume(std::map<std::string, std::vector<double>>& history) {
+  for (const double ratio : history["material_volume_ratio"]) EXPECT_NEAR(ratio, 1, 0.01);
+  EXPECT_NEAR(history["material_volume_ratio"].back(), 1, 2e-3);
+  EXPECT_EQ(history["inverted"].back(), 0);
+}
+
+// The grasper goes 26 mm up. The fat follows with its top, and keeps more than half of it; the wall springs back to
+// within a millimetre.
+TEST(FattyTissue, KeepsABumpOnAWallThatSpringsBack) {
+  Outcome outcome;
+  ASSERT_NO_FATAL_FAILURE(run_twice("fatty_tissue", outcome));
+  auto& [final, history] = outcome;
+
+  PointArray arch(9, 3);
+  for (int k = 0; k < 9; ++k) {
+    const double x = -0.06 + 0.015 * k;
+    arch.row(k) << x, 0.025 * (1 - x * x / 0.0036), 0;
+  }
+  const HexMesh mesh = tube({3, 12, 20}, 0.004, 0.013, curve_through(arch, 21));
+  const PointArray world = support::matrix(final["positions"]), material = support::matrix(final["material_positions"]);
+  ASSERT_EQ(world.rows(), mesh.num_nodes());
+
+  const double top = mesh.positions().col(1).maxCoeff();
+  EXPECT_NEAR(top, 0.038, 1e-4);
+  EXPECT_NEAR(world.col(1).maxCoeff() - top, 0.015, 0.0015);
+  EXPECT_NEAR(material.col(1).maxCoeff() - top, 0.015, 0.0015);
+
+  // of every four nodes outward, the first lies on the inside of the wall, the second one on its outside
+  for (int n = 0; n < mesh.num_nodes(); n += 4)
+    for (const int node : {n, n + 1})
+      ASSERT_LT((world.row(node) - mesh.positions().row(node)).norm(), 1e-3) << "node " << node;
+  for (int e = 0; e < mesh.num_elements(); e += 3)
+    ASSERT_EQ(final["yield_stress"][e], 1e9) << "hexahedron " << e << " of the wall has flowed";
+
+  EXPECT_EQ(history["yielded"].back(), 0);
+  expect_kept_volume(history);
+}
+
+// The forceps go 40 mm out. The lobe keeps about half of it.
+TEST(LiverCage, KeepsItsLobeDrawnOut) {
+  Outcome outcome;
+  ASSERT_NO_FATAL_FAILURE(run_twice("liver_cage", outcome));
+  auto& [final, history] = outcome;
+
+  const PointArray world = support::matrix(final["positions"]), material = support::matrix(final["material_positions"]);
+  const double rest = 1.02 * 0.110;  // of the surface, and the hundredth of its length by which its grid is wider
+  EXPECT_NEAR(world.col(0).maxCoeff() - rest, 0.019, 0.002);
+  EXPECT_NEAR(material.col(0).maxCoeff() - rest, 0.019, 0.002);
+
+  EXPECT_EQ(history["yielded"].back(), 0);
+  expect_kept_volume(history);
 }
 
 }  // namespace
