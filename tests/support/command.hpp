@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -30,8 +31,8 @@ class Command : public testing::Test {
  protected:
   void SetUp() override {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = std::filesystem::path(testing::TempDir()) /
-                 (std::string("hexaplast_") + info->test_suite_name() + "_" + info->name());
+    directory_ = std::filesystem::path(testing::TempDir()) / (std::string("hexaplast_") + info->test_suite_name() +
+                                                              "_" + info->name() + "_" + std::to_string(getpid()));
     std::filesystem::remove_all(directory_);
     std::filesystem::create_directories(directory_);
   }
