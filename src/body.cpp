@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/body.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/kinematics/gradients.hpp"
@@ -18,6 +21,12 @@ namespace {
 template <class T>
 void add_array(StateHash& hash, const std::vector<T>& array) {
   hash.add(array.data(), array.size() * sizeof(T));
+}
+
+/// A threshold that has hardened, when the material's own one changes.
+double moved(double threshold, double before, double now) {
+  if (before == now) return threshold;
+  return std::isfinite(threshold) && std::isfinite(now) ? std::max(0.0, threshold + now - before) : now;
 }
 
 }  // namespace
@@ -84,6 +93,44 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   const FlowReport report = hexaplast::flow(model_, at_, dt, averaging_solver_, history_, *flow_);
   mostly_flows_ = 2 * report.yielded > model_.mesh.num_elements();
   return report;
+}
+
+void Body::remove(std::span<const int> elements) {
+  for (const int e : elements)
+    if (e < 0 || e >= model_.mesh.num_elements())
+      throw InputError(fmt::format("hexahedron {} must lie in [0, {})", e, model_.mesh.num_elements()));
+  for (const int e : elements) {
+    if (!history_.alive[e]) continue;
+    history_.alive[e] = 0;
+    history_.removed.push_back(e);
+  }
+  ++history_.version;
+}
+
+void Body::set_materials(std::vector<Material> materials) {
+  Model changed(model_, std::move(materials));
+  History history = history_;
+  if (changed.tracks_plastic_stretch && history.plastic_stretch.empty())
+    history.plastic_stretch = History(changed).plastic_stretch;
+  else if (!changed.tracks_plastic_stretch)
+    history.plastic_stretch.clear();
+  for (int e = 0; e < changed.mesh.num_elements(); ++e) {
+    const Material &before = model_.material(e), &now = changed.material(e);
+    for (int i = 0; i < kCorners; ++i) {
+      history.yield_stress[e][i] = moved(history.yield_stress[e][i], before.yield_stress, now.yield_stress);
+      history.rotation_yield[e][i] = moved(history.rotation_yield[e][i], before.rotation_yield, now.rotation_yield);
+    }
+  }
+  ++history.version;
+
+  model_ = std::move(changed);
+  history_ = std::move(history);
+  at_ = Linearization(model_);
+  flow_.reset();
+  if (model_.can_flow()) flow_.emplace(model_);
+  mostly_flows_ = false;
+  checked_dt_ = 0;
+  hierarchy_.reset();
 }
 
 void Body::reset() {

@@ -212,5 +212,87 @@ TEST(Body, WithoutPlasticityReportsInvertedElementsAndKeepsItsHistory) {
   EXPECT_EQ(body.history().material, body.mesh().positions());
 }
 
+TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
+  const HexMesh whole = support::distorted_block({2, 2, 3}, 0.1, 0.2, 11);
+  const std::vector<int> gone = {1, 7, 7};
+  std::vector<Hexahedron> left = whole.hexahedra();
+  left.erase(left.begin() + 7);
+  left.erase(left.begin() + 1);
+  Body body(whole, {kYielding}), smaller(HexMesh(whole.positions(), left), {kYielding});
+  body.remove(gone);
+  EXPECT_EQ(body.history().removed, (std::vector<int>{1, 7}));
+  EXPECT_THROW(body.remove(std::vector<int>{12}), InputError);
+  EXPECT_THROW(body.remove(std::vector<int>{-1}), InputError);
+
+  const PointArray x = support::stretched_and_twisted(whole, 1.3, 0.4);
+  for (int step = 0; step < 5; ++step) {
+    body.flow(x, support::kStep);
+    smaller.flow(x, support::kStep);
+  }
+  PointArray f = PointArray::Zero(x.rows(), 3), expected = f;
+  body.linearize(x);
+  body.add_force(f);
+  smaller.linearize(x);
+  smaller.add_force(expected);
+  EXPECT_GT(support::max_abs(body.history().material - whole.positions()), 1e-4);
+  EXPECT_LE(support::max_abs(f - expected), 1e-10 * support::max_abs(expected));
+  EXPECT_NEAR(body.volume(x), smaller.volume(x), 1e-15);
+}
+
+TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
+  const HexMesh mesh = support::distorted_block({2, 2, 3}, 0.1, 0.2, 11);
+  Material soft = kYielding, hard = soft;
+  soft.hardening = hard.hardening = 0.5;
+  hard.young_modulus *= 3;
+  hard.yield_stress += 100;
+  Body body(mesh, {soft});
+  const PointArray x = support::stretched_and_twisted(mesh, 1.3, 0.4);
+  for (int step = 0; step < 5; ++step) body.flow(x, support::kStep);
+  const History before = body.history();
+  EXPECT_THROW(body.set_materials({soft, hard}), InputError);
+  body.linearize(x);
+  PointArray f = PointArray::Zero(x.rows(), 3), f_hard = f;
+  body.add_force(f);
+
+  body.set_materials({hard});
+  body.linearize(x);
+  body.add_force(f_hard);
+  EXPECT_LE(support::max_abs(f_hard - 3 * f), 1e-9 * support::max_abs(f_hard)) << "the force is linear in E";
+  EXPECT_EQ(body.history().material, before.material);
+  EXPECT_EQ(body.history().plastic_strain, before.plastic_strain);
+  for (int e = 0; e < mesh.num_elements(); ++e)
+    for (int i = 0; i < kCorners; ++i)
+      EXPECT_DOUBLE_EQ(body.history().yield_stress[e][i], before.yield_stress[e][i] + 100);
+
+  hard.yield_stress = std::numeric_limits<double>::infinity();
+  hard.rotation_flow_rate = 0;
+  body.set_materials({hard});
+  const PointArray shape = body.history().material;
+  body.flow(x, support::kStep);
+  EXPECT_EQ(body.history().material, shape) << "an elastic body does not flow";
+
+  body.set_materials({soft});
+  EXPECT_EQ(body.history().yield_stress[0][0], soft.yield_stress);
+  EXPECT_GT(body.flow(x, support::kStep).yielded, 0);
+  body.reset();
+  Body fresh(mesh, {soft});
+  fresh.flow(x, support::kStep);
+  body.flow(x, support::kStep);
+  EXPECT_EQ(body.history().material, fresh.history().material);
+}
+
+TEST(Body, RemembersPlasticStretchFromTheMaterialThatBreaksByIt) {
+  const HexMesh mesh = support::block({2, 2, 2}, 0.1);
+  Material m = kYielding;
+  Body body(mesh, {m});
+  const PointArray x = support::stretched_and_twisted(mesh, 1.5, 0);
+  body.flow(x, support::kStep);
+  m.fracture_stretch = 1.001;
+  body.set_materials({m});
+  EXPECT_TRUE(body.history().removed.empty());
+  for (int step = 0; step < 20; ++step) body.flow(x, support::kStep);
+  EXPECT_EQ(body.history().removed.size(), 8u);
+}
+
 }  // namespace
 }  // namespace hexaplast

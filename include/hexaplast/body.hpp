@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
@@ -59,6 +60,16 @@ class Body {
   /// afterwards. Throws InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result
   /// is not finite; the history is then as before.
   FlowReport flow(ConstPoints x, double dt);
+
+  /// Takes elements out, as if they had broken; those that are gone already are passed over. Between two time steps.
+  /// Throws InputError for an element that the mesh does not have.
+  void remove(std::span<const int> elements);
+
+  /// Makes the body of something else, between two time steps; what has flowed stays. Yield thresholds move by as much
+  /// as those of the materials, down to 0; those that were or become infinite are the new material's. Plastic stretch
+  /// is remembered while some material breaks by it. Throws InputError like the constructor; the body is then as
+  /// before.
+  void set_materials(std::vector<Material> materials);
 
   /// Back to the virgin state.
   void reset();

@@ -13,12 +13,33 @@ namespace hexaplast {
 
 Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_)
     : mesh(std::move(mesh_)), materials(std::move(materials_)), settings(settings_) {
+  validate(settings);
+  const int num_elements = mesh.num_elements();
+  volume.resize(num_elements);
+  largest_jacobian.resize(num_elements);
+  double total_volume = 0;
+  for (int e = 0; e < num_elements; ++e) {
+    volume[e] = hexaplast::volume(gather(mesh.positions(), mesh.hexahedra()[e]));
+    total_volume += volume[e];
+    const std::array<double, kCorners> jacobian = corner_jacobian(e);
+    largest_jacobian[e] = *std::max_element(jacobian.begin(), jacobian.end());
+  }
+  if (num_elements > 0) length = std::exp2(std::round(std::log2(total_volume / num_elements) / 3));
+  partition = std::make_shared<const Partition>(mesh);
+  take_materials();
+}
+
+Model::Model(const Model& other, std::vector<Material> materials_) : Model(other) {
+  materials = std::move(materials_);
+  take_materials();
+}
+
+void Model::take_materials() {
   const int num_elements = mesh.num_elements();
   if (materials.size() != 1 && materials.size() != static_cast<std::size_t>(num_elements))
     throw InputError(
         fmt::format("{} materials for {} hexahedra: one, or one per hexahedron", materials.size(), num_elements));
   validate(materials);
-  validate(settings);
 
   tracks_plastic_stretch = std::any_of(materials.begin(), materials.end(),
                                        [](const Material& m) { return std::isfinite(m.fracture_stretch); });
@@ -27,28 +48,16 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
   can_rotate =
       settings.rotation != RotationPlasticity::kNone &&
       std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.rotation_flow_rate > 0; });
-  lame.resize(num_elements);
-  volume.resize(num_elements);
-  largest_jacobian.resize(num_elements);
-  for (int e = 0; e < num_elements; ++e) {
-    const ElementPoints X = gather(mesh.positions(), mesh.hexahedra()[e]);
-    lame[e] = hexaplast::lame(material(e).young_modulus, material(e).poisson_ratio);
-    volume[e] = hexaplast::volume(X);
-    const std::array<double, kCorners> jacobian = corner_jacobian(e);
-    largest_jacobian[e] = *std::max_element(jacobian.begin(), jacobian.end());
-  }
 
-  partition = std::make_shared<const Partition>(mesh);
+  lame.resize(num_elements);
   lame_blocks.assign(static_cast<std::size_t>(partition->num_blocks) * 2 * kBlock, 0.0);
-  double total_volume = 0;
   for (int e = 0; e < num_elements; ++e) {
+    lame[e] = hexaplast::lame(material(e).young_modulus, material(e).poisson_ratio);
     const int place = partition->place_of_element[e];
     double* at = lame_blocks.data() + static_cast<std::size_t>(place / kBlock) * 2 * kBlock + place % kBlock;
     at[0] = lame[e].mu;
     at[kBlock] = lame[e].lambda;
-    total_volume += volume[e];
   }
-  if (num_elements > 0) length = std::exp2(std::round(std::log2(total_volume / num_elements) / 3));
 }
 
 ElementPoints Model::original_shape(int element) const {

@@ -22,7 +22,8 @@ struct ElementHistory {
   CornerTensors plastic_stretch;  ///< product of the S^p, in the rest frame; identity unless the model tracks it
 };
 
-/// Everything plastic; changes once per accepted time step, by flow() alone. A checkpoint saves exactly this.
+/// Everything plastic; changes once per accepted time step, by flow(), and between two steps when the host takes elements
+/// out or changes the material (Body). A checkpoint saves exactly this.
 struct History {
   std::vector<ElementPoints> rest_shape;       ///< y per element
   std::vector<Mat3> rotation_map;              ///< Pi per element, or per element and corner (Model::maps_per_element)

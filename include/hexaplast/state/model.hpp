@@ -33,6 +33,9 @@ struct Model {
   /// num_elements.
   Model(HexMesh mesh, std::vector<Material> materials, Settings settings);
 
+  /// The same mesh, partition and settings, made of something else. Throws like the constructor above.
+  Model(const Model& other, std::vector<Material> materials);
+
   /// Rotation maps that each element carries: one, or one per corner in the paper's modes.
   int maps_per_element() const {
     return settings.rotation == RotationPlasticity::kVertex || settings.rotation == RotationPlasticity::kCentre
@@ -51,6 +54,8 @@ struct Model {
   const std::vector<CoarseMesh>& coarse_meshes() const;
 
  private:
+  void take_materials();  // what follows from `materials`
+
   struct CoarseMeshes {
     std::once_flag found;
     std::vector<CoarseMesh> levels;
