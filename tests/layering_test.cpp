@@ -31,6 +31,7 @@ const std::map<std::string, int> kHeight{
     {"components", 9},
     {"output", 9},
     {"runner", 10},
+    {"sofa", 10},
     // below benchmarks/
     {"baselines", 6},
     {"bench", 7},

@@ -122,6 +122,28 @@ inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
     {.name = "topology",
      .type = Type::kLink,
      .help = "The hexahedra; the topology of the node (or of the nearest one above) where it is not given."},
+    {.name = "plasticStrain",
+     .type = Type::kReals,
+     .access = Access::kOutput,
+     .help = "Accumulated plastic strain of each hexahedron: mean over its corners."},
+    {.name = "presentYieldStress",
+     .type = Type::kReals,
+     .unit = "Pa",
+     .access = Access::kOutput,
+     .help = "Yield stress of each hexahedron after hardening: greatest of its corners."},
+    {.name = "volumeRatio",
+     .type = Type::kReals,
+     .access = Access::kOutput,
+     .help = "Volume of each hexahedron without forces over its original one; 0 once it is removed."},
+    {.name = "materialPositions",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .access = Access::kOutput,
+     .help = "Where the nodes would be without forces."},
+    {.name = "removed",
+     .type = Type::kIntegers,
+     .access = Access::kOutput,
+     .help = "Hexahedra that are gone, in the order of their removal."},
 };
 inline constexpr Description kHexahedronElastoplasticFEMForceField{
     .class_name = "HexahedronElastoplasticFEMForceField",
@@ -253,6 +275,7 @@ inline constexpr Description kGraspForceField{
         "them chooses nodes during the run or limits the force.",
     .templates = kVec3Templates,
     .attributes = kGraspAttributes};
+
 inline constexpr Attribute kRunSettingsAttributes[] = {
     {.name = "steps",
      .type = Type::kInteger,

@@ -32,13 +32,18 @@ class HexahedronField : public scene::ForceField {
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
-    scene::Topology& topology = linked<scene::Topology>("topology");
-    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, topology, state_->num_nodes());
-    const std::vector<Material> materials = given_materials(hexahedra.size(), topology.fill());
+    topology_ = &linked<scene::Topology>("topology");
+    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, *topology_, state_->num_nodes());
     const Settings settings = given_settings();
-    for (const std::string& advice : check_time_step(materials, settings, node().clock().dt))
-      remark(scene::Severity::kWarning, {}, advice);
-    body_.emplace(HexMesh(state_->rest_positions(), hexahedra), materials, settings);
+    body_.emplace(HexMesh(state_->rest_positions(), hexahedra), given_materials(hexahedra.size()), settings);
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+
+  // The material may change during a run: what flowed stays.
+  void refresh() override {
+    if (!(given_settings() == body_->model().settings))
+      reject("only youngModulus, poissonRatio, yieldStress, the rates, limits and damping may change during a run");
+    body_->set_materials(given_materials(static_cast<std::size_t>(body_->mesh().num_elements())));
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
@@ -66,8 +71,10 @@ class HexahedronField : public scene::ForceField {
 
   const Body* body() const override { return body_ ? &*body_ : nullptr; }
   const FlowReport* flow_report() const override { return &report_; }
+  void remove_elements(std::span<const int> elements) override { body_->remove(elements); }
 
  protected:
+  ConstPoints positions() const { return state_->positions(); }
   virtual Material common_material() { return {}; }
   virtual std::vector<double> yield_stresses(std::size_t /*num_elements*/) { return {kNever}; }
   virtual Settings given_settings() { return {}; }
@@ -81,7 +88,8 @@ class HexahedronField : public scene::ForceField {
 
  private:
   /// One for all hexahedra, or one for each.
-  std::vector<Material> given_materials(std::size_t num_elements, std::span<const double> fill) {
+  std::vector<Material> given_materials(std::size_t num_elements) {
+    const std::span<const double> fill = topology_->fill();
     const std::vector<double>&young = one_or_per_element("youngModulus", num_elements),
           &poisson = one_or_per_element("poissonRatio", num_elements);
     const std::vector<double> yield = yield_stresses(num_elements);
@@ -93,10 +101,13 @@ class HexahedronField : public scene::ForceField {
       materials[e].yield_stress = yield[yield.size() == 1 ? 0 : e];
       if (!fill.empty()) materials[e] = filled(materials[e], fill[e]);
     }
+    for (const std::string& advice : check_time_step(materials, given_settings(), node().clock().dt))
+      remark(scene::Severity::kWarning, {}, advice);
     return materials;
   }
 
   scene::MechanicalState* state_ = nullptr;
+  scene::Topology* topology_ = nullptr;
   std::optional<Body> body_;
   FlowReport report_;
   double rayleigh_stiffness_ = 0;
@@ -105,6 +116,22 @@ class HexahedronField : public scene::ForceField {
 class HexahedronElastoplasticFEMForceField final : public HexahedronField {
  public:
   HexahedronElastoplasticFEMForceField() : HexahedronField(attributes::kHexahedronElastoplasticFEMForceField) {}
+
+  void provide(scene::Data& output) override {
+    if (!body()) return;
+    const std::string_view name = output.attribute().name;
+    const History& history = body()->history();
+    if (name == "materialPositions") {
+      output.set(std::vector<double>(history.material.data(), history.material.data() + history.material.size()));
+    } else if (name == "removed") {
+      output.set(std::vector<std::int64_t>(history.removed.begin(), history.removed.end()));
+    } else if (name == "plasticStrain" || name == "presentYieldStress" || name == "volumeRatio") {
+      const ElementFields fields = body()->fields(positions());
+      output.set(name == "plasticStrain"        ? fields.plastic_strain
+                 : name == "presentYieldStress" ? fields.yield_stress
+                                                : fields.volume_ratio);
+    }
+  }
 
  private:
   Material common_material() override {

@@ -33,10 +33,13 @@ class GraspForceField final : public scene::ForceField {
     if (!(grasp_time_ < release_time_))
       reject("releaseTime", fmt::format("is {}, must be after graspTime {}", release_time_, grasp_time_));
     radius_ = real("radius");
-    grip_ = {.stiffness = real("stiffness"),
-             .most_force = real_if_given("maxForce").value_or(std::numeric_limits<double>::infinity())};
+    grip_.stiffness = real("stiffness");
+    grip_.most_force = real_if_given("maxForce").value_or(std::numeric_limits<double>::infinity());
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
+
+  // A grip that is closed stays so.
+  void refresh() override { init(); }
 
   // The grip closes and opens on accepted positions, once per step; between two steps it is the same for everyone.
   void begin_step() override {

@@ -96,6 +96,9 @@ class ForceField : public Component {
   /// The body that makes the forces, and what its latest plastic step did; null: none.
   virtual const Body* body() const { return nullptr; }
   virtual const FlowReport* flow_report() const { return nullptr; }
+
+  /// Takes hexahedra out of the body, between two steps.
+  virtual void remove_elements(std::span<const int> /*elements*/) {}
 };
 
 class ProjectiveConstraint : public Component {

@@ -48,6 +48,16 @@ void Data::read(std::string_view text, Place place) {
   }
 }
 
+void Data::give(Value value, Place place) {
+  place_ = std::move(place);
+  is_given_ = true;
+  if (attribute_.access == Access::kOutput) throw InputError("is computed, and cannot be set");
+  check_value(attribute_, value);
+  source_ = nullptr;
+  link_.clear();
+  set(std::move(value));
+}
+
 void Data::set(Value value) {
   if (value == value_) return;
   value_ = std::move(value);

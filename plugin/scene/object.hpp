@@ -32,6 +32,9 @@ class Data {
   /// Throws InputError where the text cannot be read.
   void read(std::string_view text, Place place);
 
+  /// Takes a value that does not come from text: from a host that keeps its own. Throws InputError like read_value.
+  void give(Value value, Place place);
+
   /// "@path" as written; empty when there is none.
   const std::string& link() const { return link_; }
 

@@ -35,4 +35,19 @@ std::vector<Edge> edges_of(std::span<const Hexahedron> hexahedra) {
   return edges;
 }
 
+std::vector<double> nodal_means(const HexMesh& mesh, std::span<const double> of_hexahedra,
+                                std::span<const unsigned char> alive) {
+  std::vector<double> means(mesh.num_nodes(), 0.0);
+  for (int node = 0; node < mesh.num_nodes(); ++node) {
+    int count = 0;
+    for (const HexMesh::Incidence& at : mesh.incident(node)) {
+      if (!alive.empty() && !alive[at.element]) continue;
+      means[node] += of_hexahedra[at.element];
+      ++count;
+    }
+    if (count > 0) means[node] /= count;
+  }
+  return means;
+}
+
 }  // namespace hexaplast

@@ -83,6 +83,8 @@ struct Settings {
   Precision precision = Precision::kDouble;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
+
+  bool operator==(const Settings&) const = default;
 };
 
 /// Throws InputError naming the first value outside its range and the element it belongs to.

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {
 
@@ -14,5 +14,10 @@ std::vector<Quad> faces_of(std::span<const Hexahedron> hexahedra);
 
 /// The edges of all hexahedra, each once, lesser node first: in the order of the hexahedra and of kEdges.
 std::vector<Edge> edges_of(std::span<const Hexahedron> hexahedra);
+
+/// Per node, the mean of one value per hexahedron over those that have the node; 0 where none has it.
+/// alive: if not empty, one per hexahedron, 0 for those that do not count.
+std::vector<double> nodal_means(const HexMesh& mesh, std::span<const double> of_hexahedra,
+                                std::span<const unsigned char> alive = {});
 
 }  // namespace hexaplast

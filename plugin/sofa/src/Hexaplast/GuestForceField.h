@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/Guest.h>
+#include <Hexaplast/config.h>
+#include <sofa/core/behavior/ForceField.h>
+
+#include <optional>
+
+#include "hexaplast/base/block_matrix.hpp"
+
+namespace hexaplast::sofa_plugin {
+
+/// A force field of SOFA whose forces and stiffness are those of one of ours.
+class HEXAPLAST_SOFA_API GuestForceField : public sofa::core::behavior::ForceField<DataTypes> {
+ public:
+  SOFA_ABSTRACT_CLASS(GuestForceField, SOFA_TEMPLATE(sofa::core::behavior::ForceField, DataTypes));
+  using Inherit = sofa::core::behavior::ForceField<DataTypes>;
+  using MechanicalParams = sofa::core::MechanicalParams;
+
+  void init() override;
+  void reinit() override;
+  void reset() override;
+  void handleEvent(sofa::core::objectmodel::Event* event) override;
+
+  using Inherit::addDForce;
+  using Inherit::addForce;
+  using Inherit::addKToMatrix;
+  using Inherit::getPotentialEnergy;
+
+  /// Evaluate only: nothing plastic changes.
+  void addForce(const MechanicalParams* mparams, DataVecDeriv& f, const DataVecCoord& x,
+                const DataVecDeriv& v) override;
+  void addDForce(const MechanicalParams* mparams, DataVecDeriv& df, const DataVecDeriv& dx) override;
+  void addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset) override;
+  void buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix) override;
+  void buildDampingMatrix(sofa::core::behavior::DampingMatrix*) override {}
+  SReal getPotentialEnergy(const MechanicalParams* mparams, const DataVecCoord& x) const override;
+
+  void computeBBox(const sofa::core::ExecParams* params, bool only_visible = false) override;
+
+  /// The force field of ours, for those of our components that look inside; null before init and after an error.
+  scene::ForceField* guest() const { return guest_ ? &guest_->as<scene::ForceField>() : nullptr; }
+
+ protected:
+  explicit GuestForceField(const attributes::Description& description);
+
+  virtual MeshTopology* topology() { return nullptr; }
+  virtual void step_ended() {}
+
+  bool works() const { return guest_ && !isComponentStateInvalid(); }
+  AttributeData& attributes() { return attributes_; }
+
+ private:
+  /// Stiffness at the latest forces; refers to the pattern of the one before.
+  const BlockMatrix& stiffness();
+
+  const attributes::Description& description_;
+  AttributeData attributes_;
+  mutable std::optional<Guest> guest_;
+  BlockMatrix stiffness_;
+};
+
+}  // namespace hexaplast::sofa_plugin

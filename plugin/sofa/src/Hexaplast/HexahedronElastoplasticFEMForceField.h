@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/GuestForceField.h>
+#include <sofa/core/objectmodel/Link.h>
+
+#include <vector>
+
+namespace hexaplast::sofa_plugin {
+
+/// Hexahedral corotational finite elements that stretch, yield and stay stretched. Plastic flow happens once per time
+/// step, at AnimateEndEvent. Attributes and outputs: plugin/attributes/hexaplast.hpp.
+class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField final : public GuestForceField {
+ public:
+  SOFA_CLASS(HexahedronElastoplasticFEMForceField, GuestForceField);
+
+  sofa::core::objectmodel::Data<bool> d_drawMaterialShape;  ///< draws the edges of the shape without forces
+
+  void init() override;
+  void reset() override;
+  void draw(const sofa::core::visual::VisualParams* vparams) override;
+  void handleTopologyChange(sofa::core::topology::Topology* changed) override;
+
+ protected:
+  HexahedronElastoplasticFEMForceField();
+
+  MeshTopology* topology() override { return l_topology.get(); }
+  void step_ended() override;
+
+ private:
+  /// Hexahedra that went in the latest step leave the topology, where that can be.
+  void tear_topology();
+
+  sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
+                                      sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
+                                          sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
+      l_topology;
+  sofa::core::objectmodel::Data<int> d_flows;  // changes with the plastic state, so that outputs know they are old
+  std::vector<int> original_;                  // number that each hexahedron of the topology has in the body
+};
+
+}  // namespace hexaplast::sofa_plugin

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
+#include <Hexaplast/init.h>
+
+#include "attributes/hexaplast.hpp"
+
+namespace hexaplast::sofa_plugin {
+
+void register_bodies(sofa::core::ObjectFactory* factory) {
+  register_component<HexahedronElastoplasticFEMForceField>(factory, attributes::kHexahedronElastoplasticFEMForceField);
+}
+
+}  // namespace hexaplast::sofa_plugin
+
+// What SOFA looks for in a plugin.
+extern "C" {
+SOFA_EXPORT_DYNAMIC_LIBRARY void initExternalModule() {}
+SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleName() { return hexaplast::sofa_plugin::MODULE_NAME; }
+SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleVersion() { return hexaplast::sofa_plugin::MODULE_VERSION; }
+SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleLicense() { return "LGPL"; }
+SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleDescription() {
+  return "Real-time hexahedral corotational elastoplastic FEM for surgery simulation";
+}
+SOFA_EXPORT_DYNAMIC_LIBRARY void registerObjects(sofa::core::ObjectFactory* factory) {
+  using namespace hexaplast::sofa_plugin;
+  register_bodies(factory);
+  register_loads(factory);
+  register_topologies(factory);
+  register_solver(factory);
+  register_exporter(factory);
+  register_settings(factory);
+}
+}

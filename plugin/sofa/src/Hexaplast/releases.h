@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <sofa/core/behavior/ForceField.h>
+#include <sofa/version.h>
+
+/// What differs between the releases of SOFA that the plugin is compiled against, v24.12 to v26.06. No other file asks
+/// for the version.
+namespace hexaplast::sofa_plugin {
+
+static_assert(SOFA_VERSION >= 241200, "Hexaplast needs SOFA v24.12 or later");
+
+#if SOFA_VERSION >= 260600
+using SofaComponent = sofa::core::objectmodel::BaseComponent;
+#else
+using SofaComponent = sofa::core::objectmodel::BaseObject;
+#endif
+
+}  // namespace hexaplast::sofa_plugin

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What SOFA demands of a force field: force, energy, product and matrix that fit together, and evaluation without
+// memory.
+#include <gtest/gtest.h>
+#include <sofa/core/MechanicalParams.h>
+#include <sofa/linearalgebra/FullMatrix.h>
+
+#include <random>
+
+#include "hexaplast/body.hpp"
+#include "sofa_scene.h"
+
+namespace hexaplast::sofa_plugin::test {
+namespace {
+
+using Field = sofa::core::objectmodel::Data<DataTypes::VecDeriv>;
+
+std::string block(const std::string& attributes, const std::string& more = "") {
+  return R"xml(<Node name="root" dt="0.01" gravity="0 0 0">
+    <RequiredPlugin name="Sofa.Component.StateContainer"/>
+    <RequiredPlugin name="Sofa.Component.Topology.Container.Grid"/>
+    <RequiredPlugin name="Sofa.Component.Topology.Container.Dynamic"/>
+    <RequiredPlugin name="Sofa.Component.AnimationLoop"/>
+    <DefaultAnimationLoop/>
+    <RegularGridTopology name="grid" n="3 3 4" min="0 0 0" max="0.2 0.2 0.3"/>
+    )xml" +
+         more + R"xml(
+    <MechanicalObject name="nodes" template="Vec3d" src="@grid"/>
+    <HexahedronElastoplasticFEMForceField name="body" template="Vec3d" youngModulus="5000" poissonRatio="0.3" )xml" +
+         attributes + R"xml(/>
+  </Node>)xml";
+}
+
+const std::string kPlastic = R"(yieldStress="100" plasticFlowRate="5" hardening="0.3")";
+
+class ForceFieldChecks : public testing::Test {
+ protected:
+  PointArray random(double size, unsigned seed) const {
+    std::mt19937 engine(seed);
+    std::uniform_real_distribution<double> number(-size, size);
+    PointArray field(rest.rows(), 3);
+    for (Eigen::Index i = 0; i < field.size(); ++i) field.data()[i] = number(engine);
+    return field;
+  }
+  void move_to(const PointArray& x) {
+    auto positions = scene.state().writePositions();
+    view(positions.wref()) = x;
+  }
+  PointArray force_at(const PointArray& x) {
+    sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+    Field f, v;
+    view(*position.beginEdit()) = PointArray(0, 3);
+    position.beginEdit()->resize(x.rows());
+    view(*position.beginEdit()) = x;
+    v.beginEdit()->resize(x.rows());
+    f.beginEdit()->resize(x.rows());
+    scene.field().addForce(sofa::core::mechanicalparams::defaultInstance(), f, position, v);
+    return view(f.getValue());
+  }
+  double energy_at(const PointArray& x) {
+    sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+    position.beginEdit()->resize(x.rows());
+    view(*position.beginEdit()) = x;
+    return scene.field().getPotentialEnergy(sofa::core::mechanicalparams::defaultInstance(), position);
+  }
+  PointArray product(const PointArray& dx, const sofa::core::MechanicalParams& params) {
+    Field df, d;
+    d.beginEdit()->resize(dx.rows());
+    view(*d.beginEdit()) = dx;
+    df.beginEdit()->resize(dx.rows());
+    scene.field().addDForce(&params, df, d);
+    return view(df.getValue());
+  }
+
+  SofaScene scene = SofaScene::from_text(block(kPlastic));
+  const PointArray rest = scene.positions();
+  const PointArray deformed = rest + random(0.02, 1);
+  sofa::core::MechanicalParams params;
+};
+
+TEST_F(ForceFieldChecks, ForceIsThatOfTheCoreAndSumsToNothing) {
+  Body body(scene.body().mesh(), scene.body().model().materials, scene.body().model().settings);
+  PointArray expected = PointArray::Zero(rest.rows(), 3);
+  body.linearize(deformed);
+  body.add_force(expected);
+  const PointArray f = force_at(deformed);
+  EXPECT_EQ(f, expected);
+  EXPECT_LE(f.colwise().sum().norm(), 1e-12 * f.norm());
+  EXPECT_LE(force_at(rest).norm(), 1e-12 * f.norm());
+}
+
+TEST_F(ForceFieldChecks, EnergyFallsAsTheForceWorks) {
+  const PointArray dx = random(1e-5, 2), f = force_at(deformed);
+  const double change = energy_at(deformed + dx) - energy_at(deformed - dx);
+  const double work = 2 * f.cwiseProduct(dx).sum();
+  EXPECT_NEAR(change, -work, 1e-6 * std::abs(work));
+}
+
+TEST_F(ForceFieldChecks, ProductIsTheChangeOfTheForceNearRest) {
+  const PointArray dx = random(1e-6, 3);
+  const PointArray change = (force_at(rest + dx) - force_at(rest - dx)) / 2;
+  force_at(rest);
+  params.setKFactor(1);
+  EXPECT_LE((product(dx, params) - change).norm(), 1e-5 * change.norm());
+}
+
+TEST_F(ForceFieldChecks, FactorsAndRayleighDampingScaleTheProduct) {
+  const PointArray dx = random(1e-3, 4);
+  force_at(deformed);
+  params.setKFactor(1);
+  const PointArray one = product(dx, params);
+  params.setKFactor(-0.02);
+  params.setBFactor(-0.5);
+  scene.field().rayleighStiffness.setValue(0.1);
+  EXPECT_LE((product(dx, params) - (-0.02 - 0.5 * 0.1) * one).norm(), 1e-12 * one.norm());
+}
+
+TEST_F(ForceFieldChecks, MatrixIsTheProduct) {
+  const PointArray dx = random(1e-3, 5);
+  force_at(deformed);
+  params.setKFactor(1);
+  const PointArray expected = product(dx, params);
+  const auto size = static_cast<int>(3 * rest.rows());
+  sofa::linearalgebra::FullMatrix<SReal> K(size + 6, size + 6);
+  unsigned int offset = 6;
+  scene.field().addKToMatrix(&K, 2, offset);
+  PointArray found = PointArray::Zero(rest.rows(), 3);
+  for (int i = 0; i < size; ++i)
+    for (int j = 0; j < size; ++j) found.data()[i] += K.element(6 + i, 6 + j) * dx.data()[j];
+  EXPECT_LE((found - 2 * expected).norm(), 1e-12 * found.norm());
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(K.element(i, i), 0);
+}
+
+TEST_F(ForceFieldChecks, EvaluationRemembersNothingAndOneStepFlowsOnce) {
+  const PointArray stretched = rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal();
+  const PointArray first = force_at(stretched);
+  for (int time = 0; time < 10; ++time) force_at(deformed);
+  EXPECT_EQ(force_at(stretched), first);
+  EXPECT_EQ(scene.body().history().material, rest);
+
+  move_to(stretched);
+  scene.step();  // no solver: positions stay
+  Body body(scene.body().mesh(), scene.body().model().materials, scene.body().model().settings);
+  body.flow(stretched, 0.01);
+  EXPECT_EQ(scene.body().history().material, body.history().material);
+  EXPECT_NE(scene.body().history().material, rest);
+
+  scene.reset();
+  EXPECT_EQ(scene.body().history().material, rest);
+}
+
+TEST_F(ForceFieldChecks, OutputsShowThePlasticState) {
+  move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+  scene.step();
+  const auto* strain =
+      dynamic_cast<sofa::core::objectmodel::Data<sofa::type::vector<SReal>>*>(scene.field().findData("plasticStrain"));
+  ASSERT_TRUE(strain);
+  const ElementFields fields = scene.body().fields(scene.positions());
+  ASSERT_EQ(strain->getValue().size(), fields.plastic_strain.size());
+  for (std::size_t e = 0; e < fields.plastic_strain.size(); ++e) {
+    EXPECT_GT(fields.plastic_strain[e], 0);
+    EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
+  }
+  const auto* material =
+      dynamic_cast<sofa::core::objectmodel::Data<DataTypes::VecCoord>*>(scene.field().findData("materialPositions"));
+  ASSERT_TRUE(material);
+  EXPECT_EQ(PointArray(view(material->getValue())), scene.body().history().material);
+}
+
+TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun) {
+  move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+  scene.step();
+  const PointArray material = scene.body().history().material, f = force_at(deformed);
+  scene.field().findData("youngModulus")->read("15000");
+  scene.field().reinit();
+  EXPECT_LE((force_at(deformed) - 3 * f).norm(), 1e-10 * f.norm());
+  EXPECT_EQ(scene.body().history().material, material);
+
+  scene.field().findData("gradient")->read("vertex");
+  scene.field().reinit();
+  EXPECT_TRUE(scene.field().isComponentStateInvalid()) << "what cannot change is refused";
+}
+
+TEST(ForceField, RefusesWhatTheAttributeTableRefuses) {
+  SofaScene scene = SofaScene::from_text(block(R"(hardening="0.3")"));
+  EXPECT_FALSE(scene.field().isComponentStateInvalid());
+  EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).field(), std::runtime_error);
+  EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).field(), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace hexaplast::sofa_plugin::test
