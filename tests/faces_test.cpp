@@ -63,6 +63,18 @@ TEST(Faces, OfAGridAreThoseOfItsCells) {
   EXPECT_GT(doubled_normal(quads.back(), mesh.positions()).x(), 0);
 }
 
+TEST(Faces, NodalMeansCountTheHexahedraThatAreLeft) {
+  const HexMesh mesh = block({3, 1, 1}, 1);
+  const std::vector<double> values = {1, 3, 8};
+  const std::vector<double> all = nodal_means(mesh, values),
+                            some = nodal_means(mesh, values, std::vector<unsigned char>{1, 0, 0});
+  for (int node = 0; node < mesh.num_nodes(); ++node) {
+    const int slice = static_cast<int>(std::lround(mesh.positions()(node, 0)));
+    EXPECT_EQ(all[node], (std::array{1.0, 2.0, 5.5, 8.0}[slice]));
+    EXPECT_EQ(some[node], (std::array{1.0, 1.0, 0.0, 0.0}[slice]));
+  }
+}
+
 TEST(Selection, OrientedBoxesLieAboutTheirRectangle) {
   const OrientedBox box{{1, 0, 0}, {3, 2, 0}, {2, 3, 0}, 1};  // 2 sqrt 2 by sqrt 2, from z = -.5 to .5
   EXPECT_TRUE(box.contains({2, 1.5, 0.4}));

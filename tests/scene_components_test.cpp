@@ -341,6 +341,39 @@ TEST(BodyField, HandsItsAttributesToTheBody) {
   EXPECT_EQ(model.settings.inversion_threshold, 0.2);
 }
 
+TEST(BodyField, ShowsItsPlasticState) {
+  scene::Scene scene = read_and_init(cube("youngModulus='1000' yieldStress='5' plasticFlowRate='5' hardening='1'"));
+  auto& field = at<scene::ForceField>(scene, "body");
+  at<scene::MechanicalState>(scene, "nodes").positions().col(0) *= 1.3;
+  scene.step();
+  const History& history = field.body()->history();
+  EXPECT_GT(field.reals("plasticStrain")[1], 0);
+  EXPECT_GT(field.reals("presentYieldStress")[0], 5);
+  EXPECT_NEAR(field.reals("volumeRatio")[0], 1, 1e-3);
+  EXPECT_EQ(PointArray(field.vectors3("materialPositions")), history.material);
+  EXPECT_TRUE(field.integers("removed").empty());
+  field.remove_elements(std::vector<int>{1});
+  EXPECT_EQ(field.integers("removed"), std::vector<std::int64_t>{1});
+  EXPECT_EQ(field.reals("volumeRatio")[1], 0);
+}
+
+TEST(BodyField, MayBecomeOfAnotherMaterialDuringTheRun) {
+  scene::Scene scene = read_and_init(cube("youngModulus='1000' yieldStress='5' plasticFlowRate='5'"));
+  auto& field = at<scene::ForceField>(scene, "body");
+  at<scene::MechanicalState>(scene, "nodes").positions().col(0) *= 1.3;
+  scene.step();
+  const double strain = field.reals("plasticStrain")[0];
+  field.find_data("youngModulus")->give(std::vector<double>{1000, 3000}, {});
+  scene.step();
+  EXPECT_EQ(field.body()->model().material(1).young_modulus, 3000);
+  EXPECT_GE(field.reals("plasticStrain")[0], strain);
+
+  EXPECT_THROW(field.find_data("youngModulus")->give(std::vector<double>{-1}, {}), InputError);
+  EXPECT_THROW(field.find_data("removed")->give(std::vector<std::int64_t>{1}, {}), InputError);
+  field.find_data("gradient")->give(std::string("vertex"), {});
+  EXPECT_THROW(scene.step(), scene::SceneError);
+}
+
 TEST(BodyField, IsElasticByDefault) {
   scene::Scene scene = read_and_init(
       cube("", "<ConstantForceField indices='2' forces='0 90 0'/><FixedProjectiveConstraint indices='0 3 6 9'/>"));
