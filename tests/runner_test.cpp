@@ -277,4 +277,19 @@ TEST_F(Command, AClosedOutputDoesNotCrashIt) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
+// What SofaPython3 would add to the scene graph, in XML: the same scene, so the same bits.
+TEST_F(Command, ThePythonSceneIsTheSceneInXml) {
+  const fs::path source(HEXAPLAST_SOURCE_DIR);
+  const Outcome recorded = shell("python3 '" + std::string(HEXAPLAST_TEST_DATA) + "/python/record_scene.py' '" +
+                                 (source / "scenes" / "bar_stretch.py").string() + "'");
+  ASSERT_EQ(recorded.code, 0) << recorded.err;
+  write("python.scn", recorded.out);
+  ASSERT_EQ(hexaplast("run python.scn --steps 60 --final python.json").code, 0);
+  ASSERT_EQ(
+      hexaplast("run '" + (source / "scenes" / "bar_stretch_high.scn").string() + "' --steps 60 --final xml.json").code,
+      0);
+  EXPECT_EQ(content(directory_ / "python.json"), content(directory_ / "xml.json"));
+  EXPECT_NE(content(directory_ / "xml.json").find("state_hash"), std::string::npos);
+}
+
 }  // namespace
