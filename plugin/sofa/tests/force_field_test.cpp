@@ -17,10 +17,10 @@ using Field = sofa::core::objectmodel::Data<DataTypes::VecDeriv>;
 
 std::string block(const std::string& attributes, const std::string& more = "") {
   return R"xml(<Node name="root" dt="0.01" gravity="0 0 0">
-    <RequiredPlugin name="Sofa.Component.StateContainer"/>
-    <RequiredPlugin name="Sofa.Component.Topology.Container.Grid"/>
-    <RequiredPlugin name="Sofa.Component.Topology.Container.Dynamic"/>
-    <RequiredPlugin name="Sofa.Component.AnimationLoop"/>
+    <RequiredPlugin pluginName="Sofa.Component.StateContainer"/>
+    <RequiredPlugin pluginName="Sofa.Component.Topology.Container.Grid"/>
+    <RequiredPlugin pluginName="Sofa.Component.Topology.Container.Dynamic"/>
+    <RequiredPlugin pluginName="Sofa.Component.AnimationLoop"/>
     <DefaultAnimationLoop/>
     <RegularGridTopology name="grid" n="3 3 4" min="0 0 0" max="0.2 0.2 0.3"/>
     )xml" +
@@ -122,6 +122,7 @@ TEST_F(ForceFieldChecks, MatrixIsTheProduct) {
   const PointArray expected = product(dx, params);
   const auto size = static_cast<int>(3 * rest.rows());
   sofa::linearalgebra::FullMatrix<SReal> K(size + 6, size + 6);
+  K.clear();
   unsigned int offset = 6;
   scene.field().addKToMatrix(&K, 2, offset);
   PointArray found = PointArray::Zero(rest.rows(), 3);

@@ -96,6 +96,12 @@ std::string help_of(const Attribute& attribute) {
 
 }  // namespace
 
+scene::Place place_of(const SofaComponent& component) {
+  const std::string& file = component.getDefinitionSourceFileName();
+  if (file.empty()) return {component.getPathName(), 0};
+  return {file, component.getDefinitionSourceFilePos()};
+}
+
 AttributeData::AttributeData(SofaComponent& owner, const attributes::Description& description) : owner_(owner) {
   for (const Attribute& attribute : description.attributes) {
     if (attribute.type == Type::kLink) continue;
@@ -130,7 +136,7 @@ void AttributeData::give_all_to(scene::Object& guest) {
 }
 
 void AttributeData::give_to(scene::Object& guest) {
-  const scene::Place place{owner_.getDefinitionSourceFileName(), owner_.getDefinitionSourceFilePos()};
+  const scene::Place place = place_of(owner_);
   scene::Diagnostics diagnostics;
   for (Entry& entry : entries_) {
     if (entry.attribute->access == Access::kOutput || !entry.data->isSet()) continue;

@@ -10,6 +10,9 @@
 
 namespace hexaplast::sofa_plugin {
 
+/// Where a component stands: its place in the scene file, or its path in the graph where it does not come from a file.
+scene::Place place_of(const SofaComponent& component);
+
 /// The attributes of one of our components as Data of a SOFA component: same names, defaults and help, made from the
 /// attribute table. Numbers are Data<int> and Data<SReal>, lists of them Data<vector<unsigned>> and
 /// Data<vector<SReal>>, vectors Data<Vec3> and Data<vector<Vec3>>, words and texts Data<string>. Links are the business

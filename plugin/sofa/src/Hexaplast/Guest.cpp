@@ -62,7 +62,7 @@ const scene::Factory& guests() {
 Guest::Guest(SofaComponent& host, const attributes::Description& description, AttributeData& attributes,
              sofa_plugin::MechanicalState* state, MeshTopology* topology)
     : host_(host), attributes_(attributes), sofa_state_(state) {
-  const scene::Place place{host.getDefinitionSourceFileName(), host.getDefinitionSourceFilePos()};
+  const scene::Place place = place_of(host);
   const auto introduce = [&](scene::Object& object, const std::string& name) {
     object.introduce(name, place, scene_.diagnostics());
   };

@@ -18,6 +18,9 @@ class HEXAPLAST_SOFA_API GuestForceField : public sofa::core::behavior::ForceFie
   using Inherit = sofa::core::behavior::ForceField<DataTypes>;
   using MechanicalParams = sofa::core::MechanicalParams;
 
+  /// What scenes give as template.
+  static std::string GetCustomTemplateName() { return DataTypes::Name(); }
+
   void init() override;
   void reinit() override;
   void reset() override;
