@@ -2,6 +2,7 @@
 // What SOFA demands of a force field: force, energy, product and matrix that fit together, and evaluation without
 // memory.
 #include <gtest/gtest.h>
+#include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/core/MechanicalParams.h>
 #include <sofa/linearalgebra/FullMatrix.h>
 
@@ -15,20 +16,21 @@ namespace {
 
 using Field = sofa::core::objectmodel::Data<DataTypes::VecDeriv>;
 
-std::string block(const std::string& attributes, const std::string& more = "") {
+const std::string kGrid = R"xml(<RegularGridTopology name="grid" n="3 3 4" min="0 0 0" max="0.2 0.2 0.3"/>)xml";
+
+/// 2 x 2 x 3 cubes of 0.1 m.
+std::string block(const std::string& attributes, const std::string& topology = kGrid, const std::string& before = "") {
   return R"xml(<Node name="root" dt="0.01" gravity="0 0 0">
     <RequiredPlugin pluginName="Sofa.Component.StateContainer"/>
     <RequiredPlugin pluginName="Sofa.Component.Topology.Container.Grid"/>
     <RequiredPlugin pluginName="Sofa.Component.Topology.Container.Dynamic"/>
     <RequiredPlugin pluginName="Sofa.Component.AnimationLoop"/>
     <DefaultAnimationLoop/>
-    <RegularGridTopology name="grid" n="3 3 4" min="0 0 0" max="0.2 0.2 0.3"/>
-    )xml" +
-         more + R"xml(
-    <MechanicalObject name="nodes" template="Vec3d" src="@grid"/>
+)xml" + topology +
+         R"xml(
+    <MechanicalObject name="nodes" template="Vec3d"/>
     <HexahedronElastoplasticFEMForceField name="body" template="Vec3d" youngModulus="5000" poissonRatio="0.3" )xml" +
-         attributes + R"xml(/>
-  </Node>)xml";
+         attributes + "/></Node></Node>";
 }
 
 const std::string kPlastic = R"(yieldStress="100" plasticFlowRate="5" hardening="0.3")";
@@ -187,6 +189,50 @@ TEST(ForceField, RefusesWhatTheAttributeTableRefuses) {
   EXPECT_FALSE(scene.field().isComponentStateInvalid());
   EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).field(), std::runtime_error);
   EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).field(), std::runtime_error);
+}
+
+const std::string kSource = "<Node name='source'>" + kGrid + "</Node>";
+const std::string kDynamicTopology = R"xml(
+    <HexahedronSetTopologyContainer name="cells" position="@../source/grid.position" hexahedra="@../source/grid.hexahedra"/>
+    <HexahedronSetTopologyModifier name="modifier" removeIsolated="false"/>)xml";
+
+TEST(Topology, HexahedraThatSofaRemovesLeaveTheBody) {
+  SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", kDynamicTopology, kSource));
+  auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
+  modifier.removeHexahedra({3});
+  EXPECT_EQ(scene.body().history().removed, std::vector<int>{3});
+  modifier.removeHexahedra({3, 0});  // the last one has taken the place of the third
+  EXPECT_EQ(scene.body().history().alive, (std::vector<unsigned char>{0, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0}));
+  scene.step();
+  scene.reset();
+  EXPECT_EQ(scene.body().history().removed.size(), 3u) << "the topology stays torn";
+}
+
+TEST(Topology, HexahedraThatBreakLeaveIt) {
+  const std::string breaking = kPlastic + R"( fractureStretch="1.001" topology="@cells")";
+  SofaScene scene = SofaScene::from_text(block(breaking, kDynamicTopology, kSource));
+  auto& cells = *scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>()
+                     .getContext()
+                     ->getMeshTopologyLink();
+  ASSERT_EQ(cells.getNbHexahedra(), 12u);
+  auto positions = scene.state().writePositions();
+  // the upper slice alone is stretched
+  for (auto& x : positions)
+    if (x[2] > 0.25) x[2] += 0.1;
+  for (int step = 0; step < 20; ++step) scene.step();
+  EXPECT_EQ(scene.body().history().removed.size(), 4u);
+  EXPECT_EQ(cells.getNbHexahedra(), 8u);
+  for (const int e : scene.body().history().removed) EXPECT_GE(e, 8);
+}
+
+TEST(Topology, NodesMayNotGo) {
+  std::string renumbering = kDynamicTopology;
+  renumbering.replace(renumbering.find("false"), 5, "true");
+  SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", renumbering, kSource));
+  auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
+  GuestForceField& field = scene.field();
+  modifier.removeHexahedra({0});
+  EXPECT_TRUE(field.isComponentStateInvalid());
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ class SofaSystem final : public LinearSystem {
 
   void apply(ConstPoints p, Points Ap) const override {
     write(p, in_);
-    A_.apply(out_, in_);
+    multiply(A_.mparams.mFactor(), A_.mparams.bFactor(), A_.mparams.kFactor());
+    A_.parent->projectResponse(out_);
     Ap = read(out_);
   }
 
@@ -98,10 +99,14 @@ class SofaSystem final : public LinearSystem {
   /// Diagonal of m M, from the product with a vector of ones.
   void find_diagonal(PointArray& diagonal) const {
     write(PointArray::Ones(num_nodes(), 3), in_);
-    A_.parent->propagateDxAndResetDf(in_, out_);
-    A_.parent->addMBKdx(out_, MatricesFactors::M(A_.mparams.mFactor()), MatricesFactors::B(0), MatricesFactors::K(0),
-                        false);
+    multiply(A_.mparams.mFactor(), 0, 0);
     diagonal = read(out_);
+  }
+
+  /// out = (m M + b B + k K) in. SOFA keeps the factors of the latest call, so that each call gives its own.
+  void multiply(double m, double b, double k) const {
+    A_.parent->propagateDxAndResetDf(in_, out_);
+    A_.parent->addMBKdx(out_, MatricesFactors::M(m), MatricesFactors::B(b), MatricesFactors::K(k), false);
   }
 
   BaseContext& context_;
