@@ -18,18 +18,15 @@ using Field = sofa::core::objectmodel::Data<DataTypes::VecDeriv>;
 
 const std::string kGrid = R"xml(<RegularGridTopology name="grid" n="3 3 4" min="0 0 0" max="0.2 0.2 0.3"/>)xml";
 
-/// 2 x 2 x 3 cubes of 0.1 m.
+/// 2 x 2 x 3 cubes of 0.1 m in a node of their own.
 std::string block(const std::string& attributes, const std::string& topology = kGrid, const std::string& before = "") {
-  return R"xml(<Node name="root" dt="0.01" gravity="0 0 0">
-    <RequiredPlugin pluginName="Sofa.Component.StateContainer"/>
-    <RequiredPlugin pluginName="Sofa.Component.Topology.Container.Grid"/>
-    <RequiredPlugin pluginName="Sofa.Component.Topology.Container.Dynamic"/>
-    <RequiredPlugin pluginName="Sofa.Component.AnimationLoop"/>
-    <DefaultAnimationLoop/>
-)xml" + topology +
-         R"xml(
-    <MechanicalObject name="nodes" template="Vec3d"/>
-    <HexahedronElastoplasticFEMForceField name="body" template="Vec3d" youngModulus="5000" poissonRatio="0.3" )xml" +
+  std::string scene = "<Node name='root' dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/>";
+  for (const char* module :
+       {"StateContainer", "Topology.Container.Grid", "Topology.Container.Dynamic", "AnimationLoop"})
+    scene += std::string("<RequiredPlugin pluginName='Sofa.Component.") + module + "'/>";
+  return scene + before + "<Node name='tissue'>" + topology +
+         "<MechanicalObject name='nodes' template='Vec3d'/><HexahedronElastoplasticFEMForceField name='body' "
+         "template='Vec3d' youngModulus='5000' poissonRatio='0.3' " +
          attributes + "/></Node></Node>";
 }
 
