@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Every numeric attribute of every component, taken from the attribute table, given what it should not get.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <regex>
 #include <string>
@@ -16,6 +18,7 @@
 
 namespace {
 
+namespace fs = std::filesystem;
 using namespace hexaplast;
 using attributes::Access;
 using attributes::Attribute;
@@ -57,13 +60,19 @@ struct Answer {
   std::string refusal_of_scene;  ///< by init or by a step
 };
 
-/// The example scenes of all components that do something, and of Node.
+/// The example scenes of all components that do something, and of Node, in a folder of their own: some write files.
 class ExampleScenes : public testing::Test {
  protected:
-  ExampleScenes() {
+  ExampleScenes() : folder_(fs::temp_directory_path() / ("scene_attributes_" + std::to_string(::getpid()))) {
     support::plugins();
     for (const Description* description : support::factory().descriptions())
       category_of_[std::string(description->class_name)] = description->category;
+    fs::create_directories(folder_);
+    fs::current_path(folder_);
+  }
+  ~ExampleScenes() override {
+    fs::current_path(before_);
+    fs::remove_all(folder_);
   }
 
   std::string scene_with(const Description& component) {
@@ -119,6 +128,9 @@ class ExampleScenes : public testing::Test {
   }
 
   std::map<std::string, std::string> category_of_;
+
+ private:
+  const fs::path before_ = fs::current_path(), folder_;
 };
 
 TEST_F(ExampleScenes, WhatIsNoNumberIsRefusedEverywhere) {
