@@ -11,6 +11,7 @@
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "output/axis.hpp"
 #include "output_support.hpp"
@@ -173,8 +174,8 @@ TEST(MeshFile, ComesBackBitForBitInAnIndependentReader) {
   const PointArray x = support::record_stretch(recorder, body, 5);
   const auto read = read_with_meshio(scratch, scratch / "run/mesh_000005.vtu",
                                      {"points", "cells", "displacement", "material_position", "velocity", "stress_norm",
-                                      "plastic_strain", "yield_stress", "volume_ratio", "strain"});
-  ASSERT_EQ(read.size(), 10u);
+                                      "plastic_strain", "yield_stress", "volume_ratio", "strain", "id", "part"});
+  ASSERT_EQ(read.size(), 12u);
   const PointArray displacement = x - body.mesh().positions();
   const ElementFields fields = body.fields(x);
   EXPECT_EQ(read.at("points"), bytes_of(x));
@@ -189,6 +190,10 @@ TEST(MeshFile, ComesBackBitForBitInAnIndependentReader) {
   EXPECT_TRUE(std::isinf(fields.yield_stress.front()));  // infinite values pass
   EXPECT_EQ(read.at("volume_ratio"), bytes_of(fields.volume_ratio));
   EXPECT_EQ(read.at("strain"), bytes_of(fields.strain));
+  std::vector<std::int32_t> ids(body.mesh().num_elements());
+  std::iota(ids.begin(), ids.end(), 0);
+  EXPECT_EQ(read.at("id"), bytes_of(ids));
+  EXPECT_EQ(read.at("part"), bytes_of(std::vector<std::int32_t>(ids.size(), 0)));
 }
 
 TEST(MeshFile, LeavesRemovedHexahedraOut) {
@@ -206,11 +211,71 @@ TEST(MeshFile, LeavesRemovedHexahedraOut) {
   ASSERT_LT(removed, 12u);
   recorder.record({.step = 1, .time = 0.01, .flow = report}, x, support::some_velocities(body));
 
-  const auto read = read_with_meshio(scratch, scratch / "run/mesh_000001.vtu", {"cells", "strain"});
-  EXPECT_EQ(read.at("cells").size(), (12 - removed) * sizeof(Hexahedron));
+  // the layers below and above are left, in two pieces; what is left keeps its number
+  std::vector<Hexahedron> left;
+  std::vector<std::int32_t> ids, parts;
+  for (int e = 0; e < 12; ++e) {
+    if (!body.history().alive[e]) continue;
+    left.push_back(body.mesh().hexahedra()[e]);
+    ids.push_back(e);
+    parts.push_back(e < 6 ? 0 : 1);
+  }
+  ASSERT_EQ(ids.size(), 12 - removed);
+  const auto read = read_with_meshio(scratch, scratch / "run/mesh_000001.vtu", {"cells", "strain", "id", "part"});
+  EXPECT_EQ(read.at("cells"), bytes_of(left));
   EXPECT_EQ(read.at("strain").size(), (12 - removed) * sizeof(double));
+  EXPECT_EQ(read.at("id"), bytes_of(ids));
+  EXPECT_EQ(read.at("part"), bytes_of(parts));
   std::string header;
   EXPECT_EQ(rows_of(scratch / "run/history.csv", header).back()[12], static_cast<double>(removed));
+}
+
+/// Bars of hexahedra that do not touch, each stretched to its own share in every step: they break one after another.
+TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
+  const Scratch scratch;
+  constexpr int kBars = 2000;
+  const PointArray one = support::block({1, 1, 1}, 0.1).positions();
+  PointArray X(8 * kBars, 3);
+  std::vector<Hexahedron> hexahedra;
+  for (int e = 0; e < kBars; ++e) {
+    X.middleRows(8 * e, 8) = one.rowwise() + Eigen::RowVector3d(e, 0, 0);
+    hexahedra.push_back(support::block({1, 1, 1}, 0.1).hexahedra()[0]);
+    for (int& node : hexahedra.back()) node += 8 * e;
+  }
+  Body body(HexMesh(X, hexahedra),
+            {Material{.yield_stress = 10, .flow_rate = 90, .hardening = 0.5, .fracture_stress = 200}});
+  Recorder recorder(scratch / "run", body, plan(3, 100));
+  recorder.record({.step = 0, .time = 0}, X, PointArray::Zero(X.rows(), 3));
+
+  // two in the first step, none in the second, all others in the third
+  std::string expected = "step,time,hexahedron\n1,0.01,7\n1,0.01,1203\n";
+  PointArray x = X;
+  for (int step = 1; step <= 3; ++step) {
+    for (int e = 0; e < kBars; ++e) {
+      const bool breaks = step == 3 || (step == 1 && (e == 7 || e == 1203));
+      for (int n = 8 * e; n < 8 * (e + 1); ++n)
+        if (breaks && X(n, 2) > 0.05) x(n, 2) = X(n, 2) + 0.08;
+      if (step == 3 && e != 7 && e != 1203) expected += "3,0.03," + std::to_string(e) + "\n";
+    }
+    const FlowReport report = body.flow(x, 0.01);
+    recorder.record({.step = step, .time = step / 100.0, .flow = report}, x, support::some_velocities(body));
+    if (step < 3) {
+      EXPECT_EQ(content(scratch / "run/removed.csv"), "step,time,hexahedron\n1,0.01,7\n1,0.01,1203\n");
+    }
+  }
+  EXPECT_EQ(content(scratch / "run/removed.csv"), expected);  // complete before finish(): a killed run keeps its rows
+  recorder.finish();
+
+  // with nothing left, all that is written are numbers still
+  EXPECT_EQ(body.history().removed.size(), std::size_t(kBars));
+  std::string header;
+  const std::vector<double> last = rows_of(scratch / "run/history.csv", header).back();
+  ASSERT_EQ(last.size(), 16u);
+  for (const double value : last) EXPECT_TRUE(std::isfinite(value));
+  EXPECT_EQ(last[6], 0);
+  EXPECT_EQ(last[12], kBars);
+  EXPECT_EQ(content(scratch / "run/history.csv").find("nan"), std::string::npos);
+  EXPECT_EQ(output::summarise(body, x).num_pieces, 0);
 }
 
 TEST(TimeSeries, NamesTheFirstTheRegularAndTheLastState) {
@@ -220,7 +285,7 @@ TEST(TimeSeries, NamesTheFirstTheRegularAndTheLastState) {
   support::record_stretch(recorder, body, 10);
   recorder.finish();
   std::vector<std::string> expected{"history.csv",     "mesh.pvd",        "mesh_000000.vtu", "mesh_000004.vtu",
-                                    "mesh_000008.vtu", "mesh_000010.vtu", "plot.svg"};
+                                    "mesh_000008.vtu", "mesh_000010.vtu", "plot.svg",        "removed.csv"};
   EXPECT_EQ(names_in(scratch / "run"), expected);
   const auto series = series_in(scratch / "run");
   ASSERT_EQ(series.size(), 4u);
@@ -270,6 +335,7 @@ TEST(FinalState, ComesBackWithAllItsBits) {
   EXPECT_EQ(read["volume_ratio"].get<std::vector<double>>(), fields.volume_ratio);
   EXPECT_TRUE(read["yield_stress"][0].is_null());  // infinite
   EXPECT_EQ(read["yield_stress"][1].get<double>(), fields.yield_stress[1]);
+  EXPECT_EQ(read["removed"], nlohmann::json::array());
   EXPECT_EQ(read["state_hash"].get<std::string>(), output::state_hash(42, x, v, &body));
 }
 
@@ -369,7 +435,7 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   const Scratch scratch;
   Body body = support::yielding_block();
   fs::create_directories(scratch / "run/frames");
-  for (const char* name : {"history.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part",
+  for (const char* name : {"history.csv", "removed.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part",
                            "frames/frame_000300.png", "plot.svg", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
     support::put(scratch / "run" / name, "earlier");
   const std::vector<std::string> before = names_in(scratch / "run");
@@ -383,9 +449,9 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   Recorder recorder(scratch / "run", body, run);
   support::record_stretch(recorder, body, 2);
   recorder.finish();
-  const std::vector<std::string> after{"frames",        "frames/mine.png", "history.csv",
-                                       "mesh.pvd",      "mesh_000000.vtu", "mesh_000002.vtu",
-                                       "mesh_fine.vtu", "notes.txt",       "plot.svg"};
+  const std::vector<std::string> after{"frames",          "frames/mine.png", "history.csv",   "mesh.pvd",
+                                       "mesh_000000.vtu", "mesh_000002.vtu", "mesh_fine.vtu", "notes.txt",
+                                       "plot.svg",        "removed.csv"};
   EXPECT_EQ(names_in(scratch / "run"), after);
   EXPECT_EQ(content(scratch / "run/notes.txt"), "earlier");
 }

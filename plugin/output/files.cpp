@@ -49,7 +49,8 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
     if (error && error != std::errc::no_such_file_or_directory) fail(in, "cannot be read", error.value());
   };
   collect(directory, [](std::string_view name) {
-    return name == "history.csv" || name == "mesh.pvd" || name == "plot.svg" || is_numbered(name, "mesh_", ".vtu");
+    return name == "history.csv" || name == "removed.csv" || name == "mesh.pvd" || name == "plot.svg" ||
+           is_numbered(name, "mesh_", ".vtu");
   });
   if (fs::is_directory(directory / "frames"))
     collect(directory / "frames", [](std::string_view name) { return is_numbered(name, "frame_", ".png"); });
@@ -96,8 +97,8 @@ LineFile::LineFile(fs::path path) : path_(std::move(path)) {
 
 LineFile::~LineFile() { std::fclose(file_); }
 
-void LineFile::append(std::string_view line) {
-  if (std::fwrite(line.data(), 1, line.size(), file_) != line.size() || std::fputc('\n', file_) == EOF ||
+void LineFile::append(std::string_view lines) {
+  if (std::fwrite(lines.data(), 1, lines.size(), file_) != lines.size() || std::fputc('\n', file_) == EOF ||
       std::fflush(file_) != 0)
     fail(path_, "cannot be written", errno);
 }

@@ -34,8 +34,8 @@ class WholeFile {
   std::FILE* file_ = nullptr;
 };
 
-/// A text file that grows by whole lines; each line has left the program when append() returns, so that a killed run
-/// keeps them all.
+/// A text file that grows by whole lines; they have left the program when append() returns, so that a killed run keeps
+/// them all.
 class LineFile {
  public:
   /// Creates the file or empties it.
@@ -44,7 +44,7 @@ class LineFile {
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
-  void append(std::string_view line);
+  void append(std::string_view lines);  ///< one line, or several with a line feed between them
 
  private:
   std::filesystem::path path_;
@@ -55,9 +55,9 @@ class LineFile {
 inline constexpr std::string_view kPart = ".part";
 
 /// Makes `directory` ready for a new run: creates it, or checks that it can be written and holds no earlier run; with
-/// `force` the files of an earlier run (history.csv, mesh.pvd, mesh_N.vtu, frames/frame_N.png, plot.svg) are removed,
-/// others stay. Throws OutputError, before anything is changed, when the place is a file, cannot be written, or holds
-/// an earlier run and `force` is not set.
+/// `force` the files of an earlier run (history.csv, removed.csv, mesh.pvd, mesh_N.vtu, frames/frame_N.png, plot.svg)
+/// are removed, others stay. Throws OutputError, before anything is changed, when the place is a file, cannot be
+/// written, or holds an earlier run and `force` is not set.
 void prepare_directory(const std::filesystem::path& directory, bool force);
 
 }  // namespace hexaplast::output

@@ -79,6 +79,7 @@ void write_final(WholeFile& out, long step, double time, ConstPoints positions, 
   write_isolated_shapes(out, body.history());
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);
+  out.write(fmt::format("  \"removed\": [{}],\n", fmt::join(body.history().removed, ", ")));
   out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", state_hash(step, positions, velocities, &body)));
   out.commit();
 }

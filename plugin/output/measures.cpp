@@ -16,8 +16,9 @@ Measures Ruler::measure(ConstPoints positions) const {
   found.plastic_twist_deg = twist(body_.mesh(), ends_, material) * kDegrees;
   found.world_elongation = elongation(ends_, positions);
   found.world_twist_deg = twist(body_.mesh(), ends_, positions) * kDegrees;
-  found.material_volume_ratio = body_.volume(material) / body_.original_volume();
-  found.world_volume_ratio = body_.volume(positions) / body_.original_volume();
+  const double original = body_.original_volume();
+  found.material_volume_ratio = original > 0 ? body_.volume(material) / original : 0;
+  found.world_volume_ratio = original > 0 ? body_.volume(positions) / original : 0;
   return found;
 }
 

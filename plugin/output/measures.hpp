@@ -6,13 +6,14 @@
 
 namespace hexaplast::output {
 
-/// How far a body has been stretched and twisted, between the end sections of its longest axis.
+/// How far a body has been stretched and twisted, between the end sections of its longest axis. Volumes are those of
+/// the hexahedra that are left; the ratios are 0 when none is.
 struct Measures {
   double plastic_elongation = 0;  ///< [-] of the material mesh along the longest axis of the original bounding box
   double plastic_twist_deg = 0;   ///< of the material mesh about that axis
   double world_elongation = 0;
   double world_twist_deg = 0;
-  double material_volume_ratio = 1;  ///< material volume / original volume, whole body
+  double material_volume_ratio = 1;  ///< material volume / original volume
   double world_volume_ratio = 1;
 };
 

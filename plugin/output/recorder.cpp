@@ -56,10 +56,12 @@ struct Recorder::Files {
         renderer(std::move(source)),
         ruler(body),
         history(directory / "history.csv"),
+        removed(directory / "removed.csv"),
         series(directory / "mesh.pvd"),
         plot(plan.title, body.mesh().num_elements()),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     history.append(kHeader);
+    removed.append("step,time,hexahedron");
     if (plan.num_frames > 0) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt));
   }
 
@@ -68,7 +70,7 @@ struct Recorder::Files {
   RunPlan plan;
   RendererSource renderer;
   Ruler ruler;
-  LineFile history;
+  LineFile history, removed;
   TimeSeries series;
   Plot plot;
   std::vector<long> to_draw;       // ascending
@@ -77,9 +79,11 @@ struct Recorder::Files {
   // the latest state, so that a run that ends early still shows where it ended
   StepRecord latest;
   PointArray latest_positions, latest_velocities;
-  long step_on_disk = -1;  // of the latest .vtu
+  long step_on_disk = -1;       // of the latest .vtu
+  std::size_t num_removed = 0;  // hexahedra that removed.csv lists
   bool finished = false;
 
+  void append_removed(const StepRecord& record);
   void append_row(const StepRecord& record, const Measures& measures, ConstPoints positions);
   void write_mesh();
   void keep_for_picture();
@@ -98,6 +102,7 @@ void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoin
   files.latest_velocities = velocities;
 
   const Measures measures = files.ruler.measure(positions);
+  files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
   files.append_row(record, measures, positions);
   files.plot.add(record.time, measures, record.flow.yielded);
   if (record.step % std::max(files.plan.output_every, 1) == 0 || record.step == files.plan.num_steps)
@@ -116,6 +121,15 @@ std::vector<std::string> Recorder::finish() {
   const int drawn = files.gallery->num_states();
   if (drawn == 0 || files.gallery->step(drawn - 1) != files.latest.step) files.keep_for_picture();
   return files.draw_pictures();
+}
+
+// All rows of a step at once: thousands of hexahedra may go together.
+void Recorder::Files::append_removed(const StepRecord& record) {
+  const std::vector<int>& all = body.history().removed;
+  std::string rows;
+  for (; num_removed < all.size(); ++num_removed)
+    rows += fmt::format("{}{},{},{}", rows.empty() ? "" : "\n", record.step, record.time, all[num_removed]);
+  if (!rows.empty()) removed.append(rows);
 }
 
 void Recorder::Files::append_row(const StepRecord& record, const Measures& measures, ConstPoints positions) {
@@ -158,8 +172,12 @@ std::vector<std::string> Recorder::Files::draw_pictures() {
 Summary summarise(const Body& body, ConstPoints positions) {
   const ElementFields fields = body.fields(positions);
   Summary summary{Ruler(body).measure(positions)};
-  for (const double ratio : fields.volume_ratio)
-    summary.worst_element_volume_error = std::max(summary.worst_element_volume_error, std::abs(ratio - 1));
+  const std::vector<unsigned char>& alive = body.history().alive;
+  summary.num_pieces = connected_parts(body.mesh(), alive).count;
+  for (std::size_t e = 0; e < alive.size(); ++e)
+    if (alive[e])
+      summary.worst_element_volume_error =
+          std::max(summary.worst_element_volume_error, std::abs(fields.volume_ratio[e] - 1));
 
   const auto largest = std::ranges::max_element(fields.strain);
   summary.largest_strain = *largest;

@@ -35,9 +35,10 @@ struct StepRecord {
   double step_ms = 0;   ///< wall time of the step without output
 };
 
-/// Writes the directory of a run: history.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png, plot.svg.
-/// history.csv grows by a whole row per step; every other file appears whole under its final name, and mesh.pvd names
-/// only complete files. After an OutputError everything that mesh.pvd names can still be read.
+/// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png,
+/// plot.svg. history.csv grows by a whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron that
+/// the body has lost in it, in the order of their removal; every other file appears whole under its final name, and
+/// mesh.pvd names only complete files. After an OutputError everything that mesh.pvd names can still be read.
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an
@@ -62,10 +63,11 @@ class Recorder {
 
 /// What the summary at the end of a run shows, computed from a body and its world state.
 struct Summary : Measures {
-  double worst_element_volume_error = 0;  ///< greatest |material volume / original - 1| of a hexahedron
+  double worst_element_volume_error = 0;  ///< greatest |material volume / original - 1| of a hexahedron that is left
   double largest_strain = 0;              ///< greatest |D - 1| and the hexahedron and place where it is
   int largest_strain_element = 0;
   Vec3 largest_strain_place = Vec3::Zero();  ///< [m] world centre of that hexahedron
+  int num_pieces = 0;                        ///< connected parts of what is left
 };
 Summary summarise(const Body& body, ConstPoints positions);
 
@@ -75,7 +77,8 @@ std::string state_hash(long step, ConstPoints positions, ConstPoints velocities,
 
 /// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
 /// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and
-/// yield_stress (null where infinite), state_hash; 17 significant digits.
+/// yield_stress (null where infinite), removed (hexahedra in the order of their removal), state_hash; 17 significant
+/// digits.
 void write_final(WholeFile& file, long step, double time, ConstPoints positions, ConstPoints velocities,
                  const Body& body);
 void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <span>
 
 #include "output/files.hpp"
@@ -64,6 +65,8 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
 
   // removed hexahedra are not shown
   std::vector<Hexahedron> hexahedra = mesh.hexahedra();
+  std::vector<std::int32_t> ids(hexahedra.size());
+  std::iota(ids.begin(), ids.end(), 0);
   const auto keep_alive = [&](auto& values) {
     std::size_t kept = 0;
     for (std::size_t e = 0; e < values.size(); ++e)
@@ -71,6 +74,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
     values.resize(kept);
   };
   keep_alive(hexahedra);
+  keep_alive(ids);
   for (std::vector<double>* values :
        {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
     keep_alive(*values);
@@ -79,6 +83,9 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
   std::vector<std::int64_t> offsets(num_cells);
   for (std::size_t e = 0; e < num_cells; ++e) offsets[e] = kCorners * (static_cast<std::int64_t>(e) + 1);
   const std::vector<std::uint8_t> types(num_cells, kVtkHexahedron);
+  const ConnectedParts parts = connected_parts(mesh, body.history().alive);
+  std::vector<std::int32_t> part(num_cells);
+  for (std::size_t e = 0; e < num_cells; ++e) part[e] = parts.part_of_node[hexahedra[e][0]];
 
   const std::vector<Array> points{vectors("Points", world)};
   const std::vector<Array> cells{{"Int32", "connectivity", 1, std::as_bytes(std::span(hexahedra))},
@@ -87,11 +94,13 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
   const std::vector<Array> point_data{vectors("displacement", displacement),
                                       vectors("material_position", body.history().material),
                                       vectors("velocity", velocity)};
-  std::vector<Array> cell_data{scalars("Float64", "stress_norm", fields.stress_norm),
-                               scalars("Float64", "plastic_strain", fields.plastic_strain)};
-  cell_data.push_back(scalars("Float64", "yield_stress", fields.yield_stress));
-  cell_data.push_back(scalars("Float64", "volume_ratio", fields.volume_ratio));
-  cell_data.push_back(scalars("Float64", "strain", fields.strain));
+  const std::vector<Array> cell_data{scalars("Int32", "id", ids),
+                                     scalars("Int32", "part", part),
+                                     scalars("Float64", "stress_norm", fields.stress_norm),
+                                     scalars("Float64", "plastic_strain", fields.plastic_strain),
+                                     scalars("Float64", "yield_stress", fields.yield_stress),
+                                     scalars("Float64", "volume_ratio", fields.volume_ratio),
+                                     scalars("Float64", "strain", fields.strain)};
 
   Layout layout;
   std::string header =

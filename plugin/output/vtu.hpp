@@ -13,9 +13,13 @@ namespace hexaplast::output {
 /// headers). The points are the world positions [m]; every number is written with all its bits.
 ///
 ///   point data: displacement [m], material_position [m], velocity [m/s]
-///   cell data:  stress_norm [Pa], plastic_strain [-], yield_stress [Pa], volume_ratio [-], strain [-] (ElementFields)
+///   cell data:  id, part, stress_norm [Pa], plastic_strain [-], yield_stress [Pa], volume_ratio [-], strain [-]
+///               (ElementFields)
 ///
-/// yield_stress is infinite where a hexahedron never yields.
+/// Cells are the hexahedra that are left; points are all nodes, also those that have lost their last hexahedron. `id`
+/// is a cell's number in the mesh that the run began with: it stays the same, whatever has gone. `part` numbers the
+/// connected pieces of this state, in the order of their first nodes. yield_stress is infinite where a hexahedron never
+/// yields.
 /// Throws OutputError.
 void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities);
 

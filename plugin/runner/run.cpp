@@ -38,6 +38,8 @@ struct Progression {
   long iterations = 0;         ///< of all linear solves
   long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
   long stalled_averaging = 0;  ///< steps whose rest-to-material averaging did
+  long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
+  long latest_removal = 0;
 };
 
 Stage set_up(const RunOptions& options) {
@@ -114,10 +116,24 @@ Progression advance(Stage& stage, output::Recorder* recorder, bool shows_progres
     done.stalled_solves += !solve.converged;
     const output::StepRecord record = record_of(stage, done, solve, step_ms);
     done.stalled_averaging += !record.flow.averaging.converged;
+    if (record.flow.removed > 0) {
+      if (done.first_removal == 0) done.first_removal = done.step;
+      done.latest_removal = done.step;
+    }
     if (recorder) recorder->record(record, stage.state->positions(), stage.state->velocities());
     progress.show(done.step, record.time, record.flow.yielded);
   }
   return done;
+}
+
+/// Which hexahedra a body has lost, as far as a line holds them.
+std::string removed_line(const std::vector<int>& removed, const Progression& done, int num_pieces) {
+  constexpr std::size_t kMostNamed = 8;
+  const std::size_t named = std::min(removed.size(), kMostNamed);
+  return fmt::format("{} in steps {} to {}, {} connected part{} left: {}{}", removed.size(), done.first_removal,
+                     done.latest_removal, num_pieces, num_pieces == 1 ? "" : "s",
+                     fmt::join(removed.begin(), removed.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                     named < removed.size() ? ", ..." : "");
 }
 
 void print_summary(Stage& stage, const Progression& done, const path& scene_file) {
@@ -132,6 +148,8 @@ void print_summary(Stage& stage, const Progression& done, const path& scene_file
     const output::Summary summary = output::summarise(body, x);
     const Vec3& place = summary.largest_strain_place;
     fmt::print("  hexahedra           {}\n", body.mesh().num_elements());
+    if (!body.history().removed.empty())
+      fmt::print("  removed             {}\n", removed_line(body.history().removed, done, summary.num_pieces));
     fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", 100 * summary.plastic_elongation,
                100 * summary.world_elongation);
     fmt::print("  plastic twist       {:+.3f} deg  (world {:+.3f} deg)\n", summary.plastic_twist_deg,
