@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
@@ -218,6 +219,57 @@ TEST(Embedding, BlocksAgreeWithTheProduct) {
   for (int n = 0; n < kMesh.num_nodes(); ++n)
     for (const auto& [m, block] : A.row(n)) product.row(n) += dx.row(m) * block.transpose();
   EXPECT_TRUE(support::agrees(product, expected, 1e-13));
+}
+
+// Small triangles about points: left as long as the hexahedron is that each lies in.
+TEST(Embedding, CellsGoWithTheirHexahedra) {
+  constexpr int kTriangles = 300;
+  support::Random random(71);
+  PointArray points(3 * kTriangles, 3);
+  const PointArray centres = points_inside(kTriangles);
+  for (int n = 0; n < 3 * kTriangles; ++n) points.row(n) = centres.row(n / 3) + 1e-3 * random.field(1, 1);
+  const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points);
+  std::vector<unsigned char> alive(kMesh.num_elements(), 1);
+  const auto nodes = [&](std::span<const int> corners) { return hold_together(kMesh, alive, corners); };
+
+  int num_gone = 0;
+  for (int e = 0; e < kMesh.num_elements(); e += 3) alive[e] = 0;
+  for (int t = 0; t < kTriangles; ++t) {
+    const std::array<int, 3> triangle{3 * t, 3 * t + 1, 3 * t + 2};
+    const bool expected = std::ranges::all_of(triangle, [&](int n) { return alive[embedding.hexahedron_of(n)] != 0; });
+    ASSERT_EQ(embedding.is_left(triangle, nodes), expected) << t;
+    num_gone += !expected;
+  }
+  EXPECT_GT(num_gone, 50);
+  EXPECT_LT(num_gone, 250);
+}
+
+// A skin whose points are the nodes: a face of the surface is left as long as its hexahedron is, and what was inside
+// and is bare now is left as well.
+TEST(Embedding, CellsOnNodesGoWithTheHexahedraThatHaveThem) {
+  const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), kMesh.positions());
+  std::vector<unsigned char> alive(kMesh.num_elements(), 1);
+  const auto nodes = [&](std::span<const int> corners) { return hold_together(kMesh, alive, corners); };
+  alive[7] = 0;
+  for (const int e : {0, 1, 7, 8, 13})
+    for (const auto& face : kFaces) {
+      std::array<int, 4> quad{};
+      for (int k = 0; k < 4; ++k) quad[k] = kMesh.hexahedra()[e][face[k]];
+      EXPECT_EQ(embedding.is_left(quad, nodes), hold_together(kMesh, alive, quad));
+    }
+}
+
+TEST(Embedding, CellsOutsideGoWithTheNearestHexahedron) {
+  const PointArray above = (PointArray(3, 3) << 0.2, 0.2, 2.3, 0.3, 0.2, 2.3, 0.2, 0.3, 2.3).finished();
+  const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), above);
+  const std::array<int, 3> triangle{0, 1, 2};
+  for (int e = 0; e < kMesh.num_elements(); ++e) {
+    std::vector<unsigned char> alive(kMesh.num_elements(), 1);
+    alive[e] = 0;
+    EXPECT_EQ(
+        embedding.is_left(triangle, [&](std::span<const int> nodes) { return hold_together(kMesh, alive, nodes); }),
+        e != embedding.hexahedron_of(0));
+  }
 }
 
 TEST(Embedding, NeedsAHexahedronAndFinitePoints) {

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/grid.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
@@ -95,6 +96,28 @@ TEST(HexMesh, BoundaryFacesLookOutwards) {
     EXPECT_GT(area.norm(), 0.003);
   }
   EXPECT_NEAR(enclosed, 0.012, 0.002);
+}
+
+// Each hexahedron that is left has six faces, and two of them have one in common unless it is on the surface.
+TEST(HoldTogether, TellsWhichFacesAndNodesAreLeft) {
+  support::Random random(65);
+  const HexMesh mesh = support::block({4, 3, 5}, 0.1);
+  const std::vector<Quad> faces = faces_of(mesh.hexahedra());
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<unsigned char> alive(mesh.num_elements());
+    for (unsigned char& is_alive : alive) is_alive = random.uniform(0, 20) > trial;
+    const auto num_alive = static_cast<std::size_t>(std::ranges::count(alive, 1));
+    const auto num_left = static_cast<std::size_t>(
+        std::ranges::count_if(faces, [&](const Quad& face) { return hold_together(mesh, alive, face); }));
+    ASSERT_EQ(2 * num_left, 6 * num_alive + mesh.boundary_faces(alive).size()) << trial;
+
+    const std::vector<int> part_of_node = connected_parts(mesh, alive).part_of_node;
+    for (int n = 0; n < mesh.num_nodes(); ++n)
+      ASSERT_EQ(hold_together(mesh, alive, std::array{n}), part_of_node[n] >= 0) << n;
+  }
+  const std::vector<unsigned char> none(mesh.num_elements(), 0);
+  EXPECT_FALSE(hold_together(mesh, none, std::array{0, 1}));
+  EXPECT_TRUE(hold_together(mesh, none, std::array{0, 4})) << "no hexahedron ever had both";
 }
 
 TEST(Gather, AndScatterAreAdjoint) {

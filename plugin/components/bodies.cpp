@@ -10,7 +10,7 @@
 #include "components/components.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/filling.hpp"
-#include "scene/interfaces.hpp"
+#include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -50,6 +50,7 @@ class HexahedronField : public scene::ForceField {
   void reset() override {
     body_->reset();
     report_ = {};
+    num_announced_ = 0;
   }
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
@@ -67,11 +68,17 @@ class HexahedronField : public scene::ForceField {
   }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
-  void end_step(double dt) override { report_ = body_->flow(state_->positions(), dt); }
+  void end_step(double dt) override {
+    report_ = body_->flow(state_->positions(), dt);
+    announce();
+  }
 
   const Body* body() const override { return body_ ? &*body_ : nullptr; }
   const FlowReport* flow_report() const override { return &report_; }
-  void remove_elements(std::span<const int> elements) override { body_->remove(elements); }
+  void remove_elements(std::span<const int> elements) override {
+    body_->remove(elements);
+    announce();
+  }
 
  protected:
   ConstPoints positions() const { return state_->positions(); }
@@ -87,6 +94,13 @@ class HexahedronField : public scene::ForceField {
   }
 
  private:
+  /// Tells the scene which hexahedra have gone since it was told last.
+  void announce() {
+    const std::span<const int> gone = std::span(body_->history().removed).subspan(num_announced_);
+    num_announced_ += gone.size();
+    if (!gone.empty()) scene::announce_removed(*this, gone);
+  }
+
   /// One for all hexahedra, or one for each.
   std::vector<Material> given_materials(std::size_t num_elements) {
     const std::span<const double> fill = topology_->fill();
@@ -110,6 +124,7 @@ class HexahedronField : public scene::ForceField {
   scene::Topology* topology_ = nullptr;
   std::optional<Body> body_;
   FlowReport report_;
+  std::size_t num_announced_ = 0;  // of the hexahedra that have gone
   double rayleigh_stiffness_ = 0;
 };
 

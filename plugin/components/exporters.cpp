@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -68,6 +69,47 @@ class VTKExporter final : public Exporter {
     std::string attribute;
   };
 
+  /// The cells of a topology that have not gone with torn hexahedra, and their numbers of the fields.
+  struct Cells {
+    Cells(VTKExporter& exporter, int points) : owner(exporter), num_points(points) {
+      scene::MechanicalState* state = owner.node().nearest<scene::MechanicalState>();
+      if (state && state->num_nodes() == num_points) remains.emplace(*state);
+    }
+
+    template <std::size_t N>
+    std::span<const std::array<int, N>> left_of(const std::vector<std::array<int, N>>& all,
+                                                std::vector<std::array<int, N>>& left) {
+      for (const std::array<int, N>& cell : all) {
+        if (const int node = std::ranges::max(cell); node >= num_points)
+          owner.reject(fmt::format("a cell of its topology has node {}, there are {} points", node, num_points));
+        is_left.push_back(!remains || remains->has(cell));
+        if (is_left.back()) left.push_back(cell);
+      }
+      return left;
+    }
+
+    void leave_out(std::vector<ExportedField>& fields) {
+      values.reserve(fields.size());  // the fields look into it
+      for (ExportedField& field : fields) {
+        std::vector<double>& left = values.emplace_back();
+        const auto size = static_cast<std::size_t>(field.components);
+        for (std::size_t i = 0; i < is_left.size(); ++i)
+          if (is_left[i]) left.insert(left.end(), &field.values[i * size], &field.values[i * size] + size);
+        field.values = left;
+      }
+    }
+
+    VTKExporter& owner;
+    int num_points;
+    std::optional<scene::Remains> remains;
+    std::vector<bool> is_left;  // of all cells, one kind after the other
+    std::vector<Edge> edges;
+    std::vector<Triangle> triangles;
+    std::vector<Quad> quads;
+    std::vector<Hexahedron> hexahedra;
+    std::vector<std::vector<double>> values;  // of each field
+  };
+
   fs::path file() {
     fs::path path = text("filename").empty() ? name() : text("filename");
     if (path.extension() == ".vtu") path.replace_extension();
@@ -122,14 +164,15 @@ class VTKExporter final : public Exporter {
       own_points.assign(x.data(), x.data() + x.size());
     }
     scene::Topology& topology = needed<scene::Topology>();
+    Cells cells(*this, static_cast<int>(own_points.size() / 3));
     ExportedMesh mesh{.points = own_points};
-    if (boolean("edges")) mesh.edges = topology.edges();
-    if (boolean("triangles")) mesh.triangles = topology.triangles();
-    if (boolean("quads")) mesh.quads = topology.quads();
-    if (boolean("hexas")) mesh.hexahedra = topology.hexahedra();
+    if (boolean("edges")) mesh.edges = cells.left_of(topology.edges(), cells.edges);
+    if (boolean("triangles")) mesh.triangles = cells.left_of(topology.triangles(), cells.triangles);
+    if (boolean("quads")) mesh.quads = cells.left_of(topology.quads(), cells.quads);
+    if (boolean("hexas")) mesh.hexahedra = cells.left_of(topology.hexahedra(), cells.hexahedra);
     mesh.point_fields = fields(field_sources_.points, "pointsDataFields", own_points.size() / 3);
-    mesh.cell_fields = fields(field_sources_.cells, "cellsDataFields",
-                              mesh.edges.size() + mesh.triangles.size() + mesh.quads.size() + mesh.hexahedra.size());
+    mesh.cell_fields = fields(field_sources_.cells, "cellsDataFields", cells.is_left.size());
+    cells.leave_out(mesh.cell_fields);
 
     // whole under its own name, or not at all
     const fs::path whole = file(), part = whole.string() + ".part";

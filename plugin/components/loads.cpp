@@ -138,12 +138,28 @@ class TangentialForceField final : public Load {
   std::vector<double> times_, forces_;  // [s], [N]
 };
 
-/// Faces of a topology with a load on them.
+/// Faces of a topology with a load on them, until they go with torn hexahedra: a load on nothing would drive off the
+/// nodes that are left of it.
 class FaceLoad : public Load {
  public:
   using Load::Load;
 
+  void hexahedra_removed(const scene::ForceField&, std::span<const int>) override {
+    has_lost_faces_ = true;
+    leave_out(scene::Remains(needed_ready<scene::MechanicalState>()));
+  }
+  void refresh() override {
+    init();
+    if (has_lost_faces_) leave_out(scene::Remains(needed_ready<scene::MechanicalState>()));
+  }
+  void reset() override {
+    if (has_lost_faces_) init();
+    has_lost_faces_ = false;
+  }
+
  protected:
+  virtual void leave_out(const scene::Remains& remains) = 0;  ///< all faces that are not left
+
   scene::Topology& fitting_topology() {
     scene::Topology& topology = linked<scene::Topology>("topology");
     require_same_nodes(*this, topology, num_nodes());
@@ -165,6 +181,9 @@ class FaceLoad : public Load {
       for (const int node : face)
         if (node >= count) reject(fmt::format("a face has node {}, the mechanical state has {} nodes", node, count));
   }
+
+ private:
+  bool has_lost_faces_ = false;
 };
 
 class SurfacePressureForceField final : public FaceLoad {
@@ -200,6 +219,12 @@ class SurfacePressureForceField final : public FaceLoad {
   }
 
  private:
+  void leave_out(const scene::Remains& remains) override {
+    const auto has_gone = [&](const auto& face) { return !remains.has(face); };
+    std::erase_if(quads_, has_gone);
+    std::erase_if(triangles_, has_gone);
+  }
+
   template <std::size_t N>
   bool lies_in_box(const std::array<int, N>& face, ConstPoints x) const {
     return std::ranges::all_of(face, [&](int node) { return box_->contains(Vec3(x.row(node).transpose())); });
@@ -233,22 +258,30 @@ class QuadPressureForceField final : public FaceLoad {
     const std::vector<Quad>& all = fitting_topology().quads();
     require_nodes<4>(all);
     const PointArray& rest = needed_ready<scene::MechanicalState>().rest_positions();
-    const std::vector<Quad> quads = is_given("quadList") ? chosen<4>("quadList", all) : between_planes(all, rest);
-    if (quads.empty()) remark(scene::Severity::kWarning, {}, "acts on no quad");
-
-    force_ = PointArray::Zero(rest.rows(), 3);
-    const Eigen::RowVector3d pressure = vector3("pressure").transpose();
+    quads_ = is_given("quadList") ? chosen<4>("quadList", all) : between_planes(all, rest);
+    if (quads_.empty()) remark(scene::Severity::kWarning, {}, "acts on no quad");
     std::vector<int> nodes;
-    for (const Quad& quad : quads) {
-      for (const int node : quad) force_.row(node) += area(quad, rest) / 4 * pressure;
-      nodes.insert(nodes.end(), quad.begin(), quad.end());
-    }
+    for (const Quad& quad : quads_) nodes.insert(nodes.end(), quad.begin(), quad.end());
     note_loaded(std::move(nodes));
+    load_quads();
   }
 
   void add_force(double, ConstPoints, ConstPoints, Points f) override { f += force_; }
 
  private:
+  void leave_out(const scene::Remains& remains) override {
+    std::erase_if(quads_, [&](const Quad& quad) { return !remains.has(quad); });
+    load_quads();
+  }
+
+  void load_quads() {
+    const PointArray& rest = needed_ready<scene::MechanicalState>().rest_positions();
+    const Eigen::RowVector3d pressure = vector3("pressure").transpose();
+    force_ = PointArray::Zero(rest.rows(), 3);
+    for (const Quad& quad : quads_)
+      for (const int node : quad) force_.row(node) += area(quad, rest) / 4 * pressure;
+  }
+
   std::vector<Quad> between_planes(const std::vector<Quad>& all, ConstPoints rest) {
     const Vec3 normal = vector3("normal");
     const double least = real("dmin"), most = real("dmax");
@@ -263,6 +296,7 @@ class QuadPressureForceField final : public FaceLoad {
     return some;
   }
 
+  std::vector<Quad> quads_;
   PointArray force_;  // [N] per node
 };
 

@@ -62,6 +62,9 @@ class BarycentricMapping final : public StateMapping {
   void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const override {
     embedding_->add_transposed_blocks(below, above);
   }
+  bool is_left(std::span<const int> cell, const scene::Remains& above) const override {
+    return embedding_->is_left(cell, [&](std::span<const int> nodes) { return above.has(nodes); });
+  }
 
  private:
   void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {
@@ -92,6 +95,7 @@ class IdentityMapping final : public StateMapping {
     for (int n = 0; n < below.num_nodes(); ++n)
       for (const BlockMatrix::Entry& entry : below.row(n)) above.add(n, entry.column, entry.block);
   }
+  bool is_left(std::span<const int> cell, const scene::Remains& above) const override { return above.has(cell); }
 
  private:
   void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {

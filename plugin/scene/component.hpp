@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <span>
 #include <string_view>
 
 #include "scene/object.hpp"
 
 namespace hexaplast::scene {
 
+class ForceField;
 class Node;
 
 /// A part of a scene. The host calls, in this order:
@@ -18,6 +20,8 @@ class Node;
 ///   begin_step  at time t_n
 ///   ...         what its category does (interfaces.hpp)
 ///   end_step    at time t_n + dt, positions accepted: the only call in which a component may change plastic history
+///   hexahedra_removed
+///               from within the end_step of a body that has lost hexahedra, or between two steps
 ///   reset       at any time between steps: back to the state after init
 ///
 /// Any of them may refuse the scene with reject() or InputError, and give up with NumericalError.
@@ -31,6 +35,13 @@ class Component : public Object {
   virtual void begin_step() {}
   virtual void end_step(double /*dt*/) {}
   virtual void reset() {}
+
+  /// A body of the scene has lost hexahedra, in the step that ends or by ForceField::remove_elements: `field.body()` is
+  /// without them already, its history lists them among all that have gone, and field.node() tells where it stands.
+  /// `hexahedra` are their numbers in the body's mesh and its topology, each once in a run, valid during the call. All
+  /// components of the scene are called, in their order; those that stand after the body have their own end_step still
+  /// to come. After reset all hexahedra are there again; nothing is said of that.
+  virtual void hexahedra_removed(const ForceField& /*field*/, std::span<const int> /*hexahedra*/) {}
 
   Node& node() const { return *node_; }
 

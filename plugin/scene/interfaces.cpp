@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "scene/interfaces.hpp"
 
+#include <algorithm>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/faces.hpp"
+
 namespace hexaplast::scene {
 
 namespace {
@@ -24,6 +29,23 @@ const std::vector<Triangle>& Topology::triangles() {
 const std::vector<Edge>& Topology::edges() {
   static const std::vector<Edge> none;
   return none;
+}
+
+Remains::Remains(MechanicalState& state) {
+  Node& root = state.node().root();
+  for (const ForceField* field : root.all<ForceField>())
+    if (field->body() && acts_on(*field, state)) bodies_.push_back(field->body());
+  for (const Mapping* mapping : root.all<Mapping>()) {
+    if (mapping->output() != &state) continue;
+    mapping_ = mapping;
+    above_ = std::make_unique<const Remains>(*mapping->input());
+  }
+}
+
+bool Remains::has(std::span<const int> cell) const {
+  const bool is_held = std::ranges::all_of(
+      bodies_, [&](const Body* body) { return hold_together(body->mesh(), body->history().alive, cell); });
+  return is_held && (!mapping_ || mapping_->is_left(cell, *above_));
 }
 
 std::vector<MechanicalState*> independent_states(const Node& node) {

@@ -83,4 +83,8 @@ void end_step(Node& node, double dt) {
   node.for_each<Component>([dt](Component& component) { component.end_step(dt); });
 }
 
+void announce_removed(const ForceField& field, std::span<const int> hexahedra) {
+  field.node().root().for_each<Component>([&](Component& component) { component.hexahedra_removed(field, hexahedra); });
+}
+
 }  // namespace hexaplast::scene

@@ -51,4 +51,7 @@ class Scene {
 void begin_step(Node& node);
 void end_step(Node& node, double dt);
 
+/// What a body sends to the whole scene that it belongs to, when hexahedra have gone: Component::hexahedra_removed.
+void announce_removed(const ForceField& field, std::span<const int> hexahedra);
+
 }  // namespace hexaplast::scene

@@ -17,6 +17,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kInside = 1e-9;        // of a hexahedron's size: a point this near to it lies in it
+constexpr double kNoWeight = 1e-8;      // a corner with no more does not carry a point: what kInside lets through
 constexpr double kExact = 1e-15;        // of its size, and in reference coordinates: as exact as doubles are
 constexpr double kShortestStep = 1e-6;  // share of a Gauss-Newton step
 constexpr int kMostIterations = 60;     // inside a sound hexahedron less than ten are needed
@@ -188,6 +189,22 @@ Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, Const
   });
   num_outside_ = static_cast<int>(std::ranges::count_if(distance, [](double d) { return d > 0; }));
   if (num_outside_ > 0) greatest_distance_ = std::ranges::max(distance);
+}
+
+bool Embedding::is_left(std::span<const int> cell,
+                        const std::function<bool(std::span<const int> nodes)>& hold_together) const {
+  std::vector<int> of_cell;
+  for (const int point : cell) {
+    const Anchor& anchor = anchors_[point];
+    const std::size_t before = of_cell.size();
+    for (int a = 0; a < kCorners; ++a)
+      if (std::abs(anchor.weight[a]) > kNoWeight) of_cell.push_back(anchor.corners[a]);
+    if (!hold_together(std::span(of_cell).subspan(before))) return false;
+  }
+  std::ranges::sort(of_cell);
+  const auto repeated = std::ranges::unique(of_cell);
+  of_cell.erase(repeated.begin(), repeated.end());
+  return hold_together(of_cell);
 }
 
 void Embedding::apply(ConstPoints nodes, Points points) const {

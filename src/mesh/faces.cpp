@@ -50,4 +50,15 @@ std::vector<double> nodal_means(const HexMesh& mesh, std::span<const double> of_
   return means;
 }
 
+bool hold_together(const HexMesh& mesh, std::span<const unsigned char> alive, std::span<const int> nodes) {
+  bool had_element = false;
+  for (const auto& [element, corner] : mesh.incident(nodes[0])) {
+    const Hexahedron& corners = mesh.hexahedra()[element];
+    const bool has_all = std::ranges::all_of(nodes, [&](int node) { return std::ranges::count(corners, node) > 0; });
+    if (has_all && alive[element]) return true;
+    had_element = had_element || has_all;
+  }
+  return !had_element;
+}
+
 }  // namespace hexaplast

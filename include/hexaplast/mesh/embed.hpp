@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,13 @@ class Embedding {
   /// How many points lie outside all hexahedra, and the greatest distance [m] of one from them.
   int num_outside() const { return num_outside_; }
   double greatest_distance() const { return greatest_distance_; }
+
+  /// Whether a cell of these points is left where hexahedra have gone, so that it may be shown: each of its points is
+  /// carried, and all of them together are. `hold_together` answers for nodes: false when the hexahedra that had all of
+  /// them are gone (faces.hpp). A point on a node, edge or face is carried by any hexahedron that has it; one
+  /// outside goes with its nearest hexahedron. Cells are expected to be no larger than hexahedra: one that spans
+  /// several goes when a point goes.
+  bool is_left(std::span<const int> cell, const std::function<bool(std::span<const int> nodes)>& hold_together) const;
 
   void apply(ConstPoints nodes, Points points) const;           ///< points = J nodes
   void add_transposed(ConstPoints points, Points nodes) const;  ///< nodes += J^T points

@@ -20,4 +20,10 @@ std::vector<Edge> edges_of(std::span<const Hexahedron> hexahedra);
 std::vector<double> nodal_means(const HexMesh& mesh, std::span<const double> of_hexahedra,
                                 std::span<const unsigned char> alive = {});
 
+/// Whether nodes still belong together in a mesh of which some elements are gone: false when elements had all of these
+/// nodes as corners, and each of them is gone. For the nodes of an edge or a face, or for a single one: whether it is
+/// part of what is left. Nodes that no element ever had together belong together as before.
+/// nodes: at least one, in [0, num_nodes); alive: one entry per element, 0 for those that are gone.
+bool hold_together(const HexMesh& mesh, std::span<const unsigned char> alive, std::span<const int> nodes);
+
 }  // namespace hexaplast

@@ -52,10 +52,14 @@ inline constexpr Attribute kVTKExporterAttributes[] = {
      .type = Type::kText,
      .help = "The same with the cells, in the order edges, triangles, quads, hexahedra."},
 };
-inline constexpr Description kVTKExporter{.class_name = "VTKExporter",
-                                          .category = "Exporter",
-                                          .help = "Writes the nodes and cells of its node as VTK files during the run.",
-                                          .attributes = kVTKExporterAttributes};
+inline constexpr Description kVTKExporter{
+    .class_name = "VTKExporter",
+    .category = "Exporter",
+    .help =
+        "Writes the nodes and cells of its node as VTK files during the run. Cells that have "
+        "gone with torn hexahedra are left out, those of surfaces that follow "
+        "a body too; the points stay.",
+    .attributes = kVTKExporterAttributes};
 
 inline constexpr Attribute kWriteStateAttributes[] = {
     {.name = "filename",

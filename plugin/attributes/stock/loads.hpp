@@ -104,7 +104,7 @@ inline constexpr Description kSurfacePressureForceField{
     .category = "ForceField",
     .help =
         "Pressure on faces at their present shape. A quad counts as two triangles; each gives a third of its force "
-        "to each node.",
+        "to each node. Faces that have gone with torn hexahedra carry none.",
     .templates = kVec3Templates,
     .attributes = kSurfacePressureAttributes};
 
@@ -136,7 +136,7 @@ inline constexpr Description kQuadPressureForceField{
     .category = "ForceField",
     .help =
         "A force per area on quads that neither turns nor grows with them: a quarter of each quad's force to each of "
-        "its nodes.",
+        "its nodes. Quads that have gone with torn hexahedra carry none.",
     .templates = kVec3Templates,
     .attributes = kQuadPressureAttributes};
 

@@ -30,7 +30,8 @@ inline constexpr Attribute kBarycentricMappingAttributes[] = {
     {.name = "input_topology",
      .type = Type::kLink,
      .help = "The hexahedra; the topology of the followed state's node where it is not given."},
-    ignored_attribute("output_topology", "Ignored here: points are not removed."),
+    ignored_attribute("output_topology",
+                      "Ignored here: points are not removed; VTKExporter leaves out cells that have gone."),
     ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
     ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),
     ignored_attribute("mapConstraints", "Ignored here: there are no Lagrangian constraints."),
@@ -42,7 +43,9 @@ inline constexpr Description kBarycentricMapping{
         "Points that move with the hexahedra they lie in, at their exact trilinear coordinates in hexahedra of any "
         "shape (SOFA's are affine there, and points jump at the beginning). Points outside follow the nearest "
         "hexahedron's motion to first order; how many there are is said. Forces and stiffness on points act on the "
-        "hexahedra, with the same force and moment.",
+        "hexahedra, with the same force and moment. Where hexahedra are torn away, cells of the points in them count "
+        "as "
+        "gone; the points go on with the nodes.",
     .templates = "Vec3,Vec3 Vec3d,Vec3d",
     .attributes = kBarycentricMappingAttributes};
 

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a scene sees when hexahedra go: the other components, the files, the surfaces that follow a body.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/file_import.hpp"
+#include "scene/scene.hpp"
+#include "support/compare.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace hexaplast;
+using support::at;
+
+/// What the listeners of all scenes have heard, in the order of the calls.
+std::vector<std::string> heard;
+
+constexpr attributes::Description kListener{
+    .class_name = "Listener", .category = "Test", .help = "Notes what hexahedra go."};
+
+/// A component as a plugin has it.
+class Listener final : public scene::Component {
+ public:
+  Listener() : Component(kListener) {}
+
+  void hexahedra_removed(const scene::ForceField& field, std::span<const int> hexahedra) override {
+    std::ostringstream line;
+    line << name() << ": " << field.name() << " lost";
+    for (const int e : hexahedra) {
+      line << " " << e;
+      EXPECT_FALSE(field.body()->history().alive[e]);
+    }
+    heard.push_back(line.str());
+  }
+  void end_step(double) override { heard.push_back(std::string(name()) + ": end_step"); }
+};
+
+scene::Scene read_and_init(const std::string& text) {
+  static scene::Factory factory;
+  static scene::PluginLoader loader = [] {
+    scene::PluginLoader plugins(factory, {HEXAPLAST_TEST_PLUGINS});
+    plugins.load("Hexaplast");
+    factory.add<Listener>(kListener);
+    return plugins;
+  }();
+  scene::Scene scene = scene::read_scene_text(text, "test.scn", factory, loader);
+  scene.init();
+  heard.clear();
+  return scene;
+}
+
+/// Three layers of two hexahedra, 0.1 m each: 0 and 1 below, 2 and 3, 4 and 5 above. They break when they are stretched
+/// by half within a step.
+std::string layers(const std::string& before, const std::string& after, const std::string& below = "") {
+  return "<Node dt='0.01' gravity='0 0 0'>" + before +
+         "<DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><Node name='bar'>"
+         "<RegularGridTopology name='grid' n='3 2 4' max='0.2 0.1 0.3'/><MechanicalObject name='nodes'/>"
+         "<UniformMass totalMass='6'/><HexahedronElastoplasticFEMForceField name='flesh' youngModulus='5000' "
+         "yieldStress='10' plasticFlowRate='90' hardening='0.5' fractureStress='200'/>" +
+         after + below + "</Node></Node>";
+}
+
+PointArray& nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "bar/nodes").positions(); }
+
+/// Ends a step with one layer stretched: it breaks, and goes back to where it was.
+void tear_layer(scene::Scene& scene, int layer) {
+  const PointArray x = nodes(scene);
+  for (Eigen::Index n = 6 * (layer + 1); n < x.rows(); ++n) nodes(scene)(n, 2) += 0.08;
+  scene::end_step(scene.root(), 0.01);
+  nodes(scene) = x;
+}
+
+using Lines = std::vector<std::string>;
+
+TEST(RemovedHexahedra, AreAnnouncedToTheWholeSceneInTheStepInWhichTheyGo) {
+  scene::Scene scene = read_and_init(
+      layers("<Listener name='first'/>", "<Listener name='beside'/>", "<Node><Listener name='below'/></Node>"));
+  scene::end_step(scene.root(), 0.01);
+  EXPECT_EQ(heard, (Lines{"first: end_step", "beside: end_step", "below: end_step"})) << "nothing went";
+
+  heard.clear();
+  tear_layer(scene, 1);
+  EXPECT_EQ(heard, (Lines{"first: end_step", "first: flesh lost 2 3", "beside: flesh lost 2 3", "below: flesh lost 2 3",
+                          "beside: end_step", "below: end_step"}));
+  heard.clear();
+  tear_layer(scene, 1);
+  EXPECT_EQ(heard.size(), 3u) << "they go once";
+  heard.clear();
+  tear_layer(scene, 0);
+  EXPECT_EQ(heard[1], "first: flesh lost 0 1");
+
+  heard.clear();
+  at<scene::ForceField>(scene, "bar/flesh").remove_elements(std::array{5, 0, 4});  // as a host does, between two steps
+  EXPECT_EQ(heard, (Lines{"first: flesh lost 5 4", "beside: flesh lost 5 4", "below: flesh lost 5 4"}));
+
+  scene.reset();
+  heard.clear();
+  tear_layer(scene, 1);
+  EXPECT_EQ(heard[1], "first: flesh lost 2 3") << "after reset they are there, and go again";
+}
+
+class TornFiles : public testing::Test {
+ protected:
+  TornFiles() : folder_(fs::temp_directory_path() / ("scene_tearing_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~TornFiles() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string exporter(const std::string& name, const std::string& attributes) const {
+    return "<VTKExporter filename='" + path(name) + "' exportEveryNumberOfSteps='1' overwrite='1' " + attributes + "/>";
+  }
+
+ private:
+  fs::path folder_;
+};
+
+TEST_F(TornFiles, HoldTheCellsOfTheHexahedraThatAreLeft) {
+  scene::Scene scene = read_and_init(layers("", exporter("bar", "hexas='1' quads='1'")));
+  scene::end_step(scene.root(), 0.01);
+  const ImportedMesh whole = read_vtk(path("bar.vtu"));
+  EXPECT_EQ(whole.hexahedra.size(), 6u);
+  EXPECT_EQ(whole.quads.size(), 29u);
+  EXPECT_EQ(whole.edges.size(), 46u);
+
+  tear_layer(scene, 1);
+  const ImportedMesh torn = read_vtk(path("bar.vtu"));
+  std::vector<Hexahedron> left = whole.hexahedra;
+  left.erase(left.begin() + 2, left.begin() + 4);
+  EXPECT_EQ(torn.hexahedra, left);
+  EXPECT_EQ(torn.quads.size(), 22u) << "without the seven upright ones of the layer";
+  EXPECT_EQ(torn.edges.size(), 40u) << "without its six upright ones";
+  EXPECT_EQ(torn.positions.rows(), 24) << "the nodes stay";
+
+  scene.reset();
+  scene::end_step(scene.root(), 0.01);
+  EXPECT_EQ(read_vtk(path("bar.vtu")).hexahedra, whole.hexahedra);
+}
+
+// Triangles in the lower layer, in the middle one, in both, on the face between them, on the outer face of the middle
+// one from node to node, and in the upper one, a little outside.
+TEST_F(TornFiles, HoldTheSurfaceThatIsLeftAndNothingThatFliesAway) {
+  const std::string skin =
+      "<Node name='skin'><MeshTopology name='triangles' triangles='0 1 2  3 4 5  0 1 3  6 7 8  9 10 11  12 13 14'/>"
+      "<MechanicalObject name='points' position='.02 .02 .05  .08 .03 .06  .05 .08 .04  .02 .02 .15  .08 .03 .16  "
+      ".05 .08 .14  .02 .02 .1  .08 .03 .1  .05 .08 .1  0 0 .1  0 0 .2  0 .1 .1  .02 .02 .301  .08 .03 .302  "
+      ".05 .08 .301'/><BarycentricMapping/>" +
+      exporter("skin", "triangles='1' edges='0'") + "<Node><MechanicalObject position='@../points.position'/>" +
+      "<MeshTopology quads='0 1 4 3  0 1 2 6'/><IdentityMapping/>" + exporter("copy", "quads='1' edges='0'") +
+      "</Node></Node>";
+  scene::Scene scene =
+      read_and_init(layers("", "<ConstantForceField name='wind' indices='0-5' forces='0 0 -40'/>", skin));
+  const std::vector<Triangle> all = at<scene::Topology>(scene, "bar/skin/triangles").triangles();
+  const auto written = [&] { return read_vtk(path("skin.vtu")); };
+  scene::end_step(scene.root(), 0.01);
+  EXPECT_EQ(written().triangles, all);
+  EXPECT_EQ(read_vtk(path("copy.vtu")).quads.size(), 2u);
+
+  tear_layer(scene, 1);
+  EXPECT_EQ(written().triangles, (std::vector<Triangle>{all[0], all[3], all[5]}));
+  EXPECT_EQ(read_vtk(path("copy.vtu")).quads, (std::vector<Quad>{{0, 1, 2, 6}})) << "through two mappings";
+
+  tear_layer(scene, 0);
+  EXPECT_EQ(written().triangles, (std::vector<Triangle>{all[5]}));
+
+  // the wind takes the nodes that hold nothing any more, and the points in them; the triangle that is left stays
+  const PointArray before = written().positions;
+  for (int k = 0; k < 20; ++k) scene.step();
+  const ImportedMesh after = written();
+  EXPECT_GT(support::max_abs(after.positions.row(1) - before.row(1)), 0.3);
+  EXPECT_EQ(after.triangles, (std::vector<Triangle>{all[5]}));
+  for (const int n : all[5]) EXPECT_LT(support::max_abs(after.positions.row(n) - before.row(n)), 5e-3) << n;
+}
+
+// On the side faces x = 0 of the three layers: a third of the load goes with the middle one.
+TEST(FaceLoads, GoWithTheFacesTheyActOn) {
+  scene::Scene scene = read_and_init(
+      layers("",
+             "<SurfacePressureForceField name='surface' pressure='6' min='-1 -1 -1' max='0.01 1 1'/>"
+             "<QuadPressureForceField name='quads' pressure='0 5 0' normal='1 0 0' dmin='-0.01' dmax='0.01'/>"));
+  const auto total = [&](const char* name) {
+    PointArray f = PointArray::Zero(24, 3);
+    at<scene::ForceField>(scene, std::string("bar/") + name).add_force(0, nodes(scene), PointArray::Zero(24, 3), f);
+    return Vec3(f.colwise().sum().transpose());
+  };
+  const auto agree = [](const Vec3& found, const Vec3& expected) { return (found - expected).norm() < 1e-14; };
+  const double layer = 0.1 * 0.1;  // [m^2]
+  EXPECT_TRUE(agree(total("surface"), {6 * 3 * layer, 0, 0})) << total("surface");
+  EXPECT_TRUE(agree(total("quads"), {0, 5 * 3 * layer, 0})) << total("quads");
+  tear_layer(scene, 1);
+  EXPECT_TRUE(agree(total("surface"), {6 * 2 * layer, 0, 0})) << total("surface");
+  EXPECT_TRUE(agree(total("quads"), {0, 5 * 2 * layer, 0})) << total("quads");
+  scene.reset();
+  EXPECT_TRUE(agree(total("surface"), {6 * 3 * layer, 0, 0})) << total("surface");
+  EXPECT_TRUE(agree(total("quads"), {0, 5 * 3 * layer, 0})) << total("quads");
+}
+
+}  // namespace
