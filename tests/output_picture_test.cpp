@@ -2,7 +2,11 @@
 // Pictures: the right size, the right colours at the right places, the same pixels every time.
 #include <png.h>
 
+#include <numbers>
+#include <set>
+
 #include "output/gallery.hpp"
+#include "output/lighting.hpp"
 #include "output/png_file.hpp"
 #include "output_support.hpp"
 
@@ -111,28 +115,183 @@ TEST(Picture, ShowsTheScaleFromZeroToTheGreatestValue) {
   }
 }
 
-TEST(Picture, ShowsFacesInTheColourOfTheirHexahedron) {
+/// The share of the scale whose colour, under some light, is nearest to a pixel.
+double share_at(const Rgb& pixel) {
+  double best = 0, least = 1e9;
+  for (int k = 0; k <= 100; ++k) {
+    const Colour base = output::colour_of(k / 100.0);
+    const Vec3 scale(base.red, base.green, base.blue), seen(pixel[0] / 255.0, pixel[1] / 255.0, pixel[2] / 255.0);
+    const double error = (seen - scale * seen.dot(scale) / scale.squaredNorm()).norm();
+    if (error < least) std::tie(least, best) = std::pair(error, k / 100.0);
+  }
+  return best;
+}
+
+// Strain belongs to hexahedra; what is shown at their common nodes is the mean, and in between it is blended: 0, 1/6,
+// 1/2, 5/6 and 1 of the greatest at the five sections of the bar.
+TEST(Picture, BlendsTheStrainOfNeighbours) {
   const Gallery gallery = bar_at_rest_and_stretched();
   const Drawing drawing = drawings_of(gallery)[1];
   const Image image = pictures_of(gallery)[1];
-
-  // The long upper and front faces are in sight. Their triangles stand in the drawing's list, lit; a hidden one shows
-  // another's colour. What is seen must be a shade of one of the four colours, and each of the four must be seen twice.
-  std::array<int, 4> seen{};
+  const auto [first, last] = coloured_columns(image);
+  int num_seen = 0;
   for (const Drawing::Triangle& triangle : drawing.triangles) {
     const auto& [a, b, c] = triangle.corner;
-    const int x = static_cast<int>((a.x + b.x + c.x) / 3), y = static_cast<int>((a.y + b.y + c.y) / 3);
-    const Rgb at = pixel(image, x, y);
-    if (y > 600 || difference(at, bytes(c.colour)) > 2) continue;
-    for (int k = 0; k < 4; ++k) {
-      const Colour base = output::colour_of(k / 3.0);
-      const double shade = at[1] / (255.0 * base.green);
-      const Rgb shaded = bytes({static_cast<float>(shade * base.red), static_cast<float>(shade * base.green),
-                                static_cast<float>(shade * base.blue)});
-      if (shade > 0.6 && shade < 1.01 && difference(at, shaded) <= 3) ++seen[k];
-    }
+    const float x = (a.x + b.x + c.x) / 3, y = (a.y + b.y + c.y) / 3;
+    const Rgb at = pixel(image, static_cast<int>(x), static_cast<int>(y));
+    // the drawing's list also holds what is hidden: there another colour is seen
+    const Rgb own =
+        bytes({(a.colour.red + b.colour.red + c.colour.red) / 3, (a.colour.green + b.colour.green + c.colour.green) / 3,
+               (a.colour.blue + b.colour.blue + c.colour.blue) / 3});
+    if (y > 600 || std::ranges::max(own) - std::ranges::min(own) < 22 || difference(at, own) > 3) continue;
+    ++num_seen;
+    const double section = 4.0 * (x - first) / (last - first);
+    static constexpr std::array kShare{0.0, 1.0 / 6, 0.5, 5.0 / 6, 1.0, 1.0};
+    const int from = std::clamp(static_cast<int>(section), 0, 4);
+    const double expected = kShare[from] + (section - from) * (kShare[from + 1] - kShare[from]);
+    EXPECT_NEAR(share_at(at), expected, 0.13) << "at " << x << ", " << y;  // the sections stand aslant in the picture
   }
-  for (int k = 0; k < 4; ++k) EXPECT_GE(seen[k], 8) << "four triangles on each of two faces, strain " << k / 10.0;
+  EXPECT_GT(num_seen, 100);
+}
+
+/// A square of two triangles in the middle plane of a bar of 1 x 1 x 4 hexahedra, from z = 0.05 to z = 0.35, cut into
+/// three pieces along the bar.
+output::Skin skin_of_bar() {
+  output::Skin skin;
+  skin.points.resize(8, 3);
+  for (int k = 0; k < 4; ++k) {
+    skin.points.row(2 * k) << 0.05, 0.02, 0.05 + 0.1 * k;
+    skin.points.row(2 * k + 1) << 0.05, 0.08, 0.05 + 0.1 * k;
+  }
+  skin.quads = {{0, 1, 3, 2}, {4, 5, 7, 6}};
+  skin.triangles = {{2, 3, 5}, {2, 5, 4}};
+  return skin;
+}
+
+output::Staging with_skin_of_bar(bool shows_hexahedra) {
+  output::Staging staging;
+  staging.skins = {skin_of_bar()};
+  staging.shows_hexahedra = shows_hexahedra;
+  staging.towards = Vec3(1, 0, 0);
+  return staging;
+}
+
+int num_translucent_lines(const Drawing& drawing) {
+  return static_cast<int>(
+      std::ranges::count_if(drawing.lines, [](const Drawing::Line& line) { return line.opacity < 1; }));
+}
+
+TEST(Skin, IsShownInPlaceOfTheHexahedraAndFollowsThem) {
+  const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
+  const std::vector<double> strain{0.3, 0.3, 0.3, 0.3};
+  Gallery gallery(body.mesh(), "skin", 2, with_skin_of_bar(false));
+  gallery.add(0, 0, body.mesh().positions(), strain);
+  gallery.add(1, 0, support::mapped(body.mesh().positions(), Vec3(1, 1, 1.5).asDiagonal()), strain);
+  gallery.add(2, 0, body.mesh().positions(), strain, std::vector<unsigned char>{1, 0, 1, 1});
+  const std::vector<Image> images = pictures_of(gallery);
+  const auto width = [&](int state) {
+    const auto [first, last] = coloured_columns(images[state]);
+    return last - first;
+  };
+  EXPECT_NEAR(width(1), 1.5 * width(0), 3);
+  // without the second hexahedron, where the first two of the three pieces have corners, only the third is left
+  EXPECT_NEAR(width(2), width(0) / 3.0, 3);
+  for (const Drawing& drawing : drawings_of(gallery)) EXPECT_EQ(num_translucent_lines(drawing), 0);
+}
+
+TEST(Skin, HasItsCageAroundItWhereItIsWanted) {
+  const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
+  Gallery gallery(body.mesh(), "cage", 2, with_skin_of_bar(true));
+  gallery.add(0, 0, body.mesh().positions(), {0, 0, 0, 1});
+  EXPECT_EQ(num_translucent_lines(drawings_of(gallery)[0]), 4 * 4 + 5 * 4) << "the edges of the bar";
+}
+
+TEST(Skin, BlendsStrainByItsPlaceInTheHexahedra) {
+  const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
+  Gallery gallery(body.mesh(), "skin", 2, with_skin_of_bar(false));
+  gallery.add(0, 0, body.mesh().positions(), {0, 0.1, 0.2, 0.3});
+  // from the middle of the first hexahedron, 1/12 of 0.3, to that of the last one, 11/12, which is the greatest shown
+  const Image image = pictures_of(gallery)[0];
+  const auto [first, last] = coloured_columns(image);
+  const std::array ends{share_at(pixel(image, first + 4, 340)), share_at(pixel(image, last - 4, 340))};
+  EXPECT_NEAR(std::min(ends[0], ends[1]), 1.0 / 11, 0.04);
+  EXPECT_NEAR(std::max(ends[0], ends[1]), 1, 0.04);
+  EXPECT_NEAR(share_at(pixel(image, (first + last) / 2, 340)), 6.0 / 11, 0.04);
+}
+
+TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {
+  const Body body(support::block({1, 1, 2}, 0.1), {Material{}});
+  const auto words = [](const Drawing& drawing) {
+    std::set<std::string> found;
+    for (const Drawing::Text& text : drawing.texts) found.insert(text.words);
+    return found;
+  };
+  Gallery plain(body.mesh(), "plain", 2);
+  plain.add(0, 0, body.mesh().positions(), {0, 1});
+  EXPECT_FALSE(words(drawings_of(plain)[0]).contains("fixed"));
+  EXPECT_FALSE(words(drawings_of(plain)[0]).contains("instrument"));
+
+  // seen along -z: node 8 is the corner at the lower left, the instrument holds the middle of the face
+  output::Staging staging;
+  staging.fixed_nodes = {8};
+  staging.towards = Vec3(0, 0, 1);
+  Gallery marked(body.mesh(), "marked", 2, staging);
+  const std::array instruments{Vec3(0.05, 0.05, 0.2)};
+  marked.add(0, 0, body.mesh().positions(), {1, 0}, {}, instruments);  // the face in sight is sand, not blue
+  const Drawing drawing = drawings_of(marked)[0];
+  EXPECT_TRUE(words(drawing).contains("fixed"));
+  EXPECT_TRUE(words(drawing).contains("instrument"));
+  const Image image = pictures_of(marked)[0];
+  EXPECT_LT(std::ranges::max(pixel(image, 390, 592)), 80);  // the page's 500 pixels for 0.1 m, the corner at (390, 592)
+  int blue = 0;
+  for (int x = 620; x < 660; ++x) {
+    const Rgb at = pixel(image, x, 342);
+    blue += at[2] > at[0] + 40;
+  }
+  EXPECT_GE(blue, 2) << "the ring about (640, 342), cut across";
+}
+
+TEST(Lighting, IsFullInTheOpenAndFailsUnderARoof) {
+  const Eigen::Vector3f up(0, 1, 0), towards(0, 0, 1);
+  // a floor of 4 x 4 m, and a roof of 1 x 1 m that is 0.2 m above its middle
+  const std::vector<Eigen::Vector3f> points{{-2, 0, -2},       {-2, 0, 2},       {2, 0, 2},       {2, 0, -2},
+                                            {-.5f, .2f, -.5f}, {-.5f, .2f, .5f}, {.5f, .2f, .5f}, {.5f, .2f, -.5f}};
+  const std::vector<Triangle> floor{{0, 1, 2}, {0, 2, 3}};
+  std::vector<Triangle> both = floor;
+  both.insert(both.end(), {{4, 5, 6}, {4, 6, 7}});
+  output::Lighting lighting(up, towards);
+  lighting.place(points, floor);
+  const float open = lighting.received({0, 0, 0}, up);
+  EXPECT_GT(open, 0.6f);
+  EXPECT_LE(open, 1.0f);
+  EXPECT_NEAR(lighting.received({1, 0, 1}, up), open, 0.02f) << "a plane does not shade itself";
+
+  lighting.place(points, both);
+  EXPECT_LT(lighting.received({0, 0, 0}, up), 0.3f * open);
+  EXPECT_GT(lighting.received({0, 0, 1.8f}, up), 0.9f * open);
+  EXPECT_NEAR(lighting.received({0, .2f, 0}, up), open, 0.02f);
+  EXPECT_LT(lighting.received({0, 0, 0}, -up), 0.3f * open) << "from below only what passes over the horizon";
+}
+
+TEST(Surface, IsSmoothExceptAtCreases) {
+  // a ridge of three faces, two of which meet at 20 degrees and two at 60
+  const auto place = [](double angle, double length) {
+    return Eigen::Vector3f(static_cast<float>(length * std::cos(angle)), static_cast<float>(length * std::sin(angle)),
+                           0);
+  };
+  const double degree = std::numbers::pi / 180;
+  std::vector<Eigen::Vector3f> line{{0, 0, 0}};
+  for (const double angle : {0.0, 20 * degree, 80 * degree}) line.push_back(line.back() + place(angle, 1));
+  std::vector<Eigen::Vector3f> points = line;
+  for (const Eigen::Vector3f& point : line) points.push_back(point + Eigen::Vector3f(0, 0, 1));
+  const output::Surface surface(points, {{0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}});
+
+  EXPECT_EQ(surface.edges().size(), 10u);
+  EXPECT_EQ(surface.creases().size(), 9u);  // eight at the border, and the one at 60 degrees
+  const auto normals = surface.corner_normals(points);
+  EXPECT_LT((normals[0][3] - normals[1][0]).norm(), 1e-6f);  // at the smooth edge: 10 degrees from both faces
+  EXPECT_NEAR(normals[0][3].dot(normals[0][0]), 1, 0.02);
+  EXPECT_NEAR(normals[1][3].dot(normals[2][0]), std::cos(60 * degree), 0.1);
 }
 
 TEST(Picture, ShowsTheGapOfARemovedHexahedron) {

@@ -569,13 +569,13 @@ TEST(Solvers, OneStateAndAMassAreNeeded) {
 
 TEST(Ignored, DrawingIsNotedContactIsWarnedOfBookkeepingIsSilent) {
   scene::Scene scene = read_and_init(
-      "<Node><VisualStyle displayFlags='showForceFields' whatever='@nowhere'/>\n"
+      "<Node><LineAxis size='3' whatever='@nowhere'/>\n"
       "<TriangleCollisionModel template='Other' moving='0'/>\n<HexahedronSetGeometryAlgorithms "
       "template='Vec3d'/></Node>");
   std::vector<std::string> said;
   for (const scene::Message& message : scene.diagnostics().take_warnings()) said.push_back(scene::format(message));
   ASSERT_EQ(said.size(), 3u);
-  EXPECT_EQ(said[1], "test.scn:1: note: VisualStyle: visual: ignored here");
+  EXPECT_EQ(said[1], "test.scn:1: note: LineAxis: visual: ignored here");
   EXPECT_EQ(said[2],
             "test.scn:2: warning: TriangleCollisionModel: contact is not supported: ignored, bodies pass through each "
             "other");

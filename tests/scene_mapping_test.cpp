@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "hexaplast/mesh/embed.hpp"
+#include "scene/visuals.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 
@@ -118,14 +119,50 @@ TEST(BarycentricMapping, SaysHowManyPointsLieOutside) {
             std::string::npos);
 }
 
-TEST(Mapping, ToAVisualModelIsLeftAlone) {
+TEST(Mapping, CarriesAVisualModelAndNothingElseInAStep) {
   scene::Scene scene = read_and_init(
       "<Node><EulerImplicitSolver/><CGLinearSolver/><RegularGridTopology/><MechanicalObject/><UniformMass "
       "totalMass='1'/>"
-      "<Node><OglModel name='visual' src='@none'/><BarycentricMapping input='@..' output='@visual'/>"
-      "<IdentityMapping/></Node></Node>");
-  EXPECT_EQ(scene.diagnostics().take_warnings().size(), 4u);  // no loop, a model and two mappings: notes
+      "<Node><OglModel name='visual' position='.5 .5 .5  .6 .5 .5  .5 .6 .5' triangles='0 1 2' color='red' "
+      "template='ExtVec3d'/>"
+      "<BarycentricMapping input='@..' "
+      "output='@visual'/></Node><Node><OglModel/></Node><Node><IdentityMapping/></Node></Node>");
+  EXPECT_EQ(scene.diagnostics().take_warnings().size(), 2u);  // no loop, and a mapping to nothing: notes
+  const std::vector<scene::VisualModel*> models = scene.root().all<scene::VisualModel>();
+  ASSERT_EQ(models.size(), 2u);
+  EXPECT_TRUE(models[0]->is_carried());
+  EXPECT_EQ(models[0]->points()(1, 0), 0.6);
+  EXPECT_EQ(models[0]->triangles(), (std::vector<Triangle>{{0, 1, 2}}));
+  EXPECT_FALSE(models[1]->is_carried());
   EXPECT_NO_THROW(scene.step());
+}
+
+TEST(OglModel, RefusesCellsWithoutTheirPoints) {
+  EXPECT_EQ(errors_of("<Node><OglModel position='0 0 0  1 0 0' triangles='0 1 2'/></Node>"),
+            "test.scn:1: error: OglModel.triangles: 2 must lie in [0, 2)");
+}
+
+TEST(VisualStyle, TellsWhatItsLastWordSays) {
+  const auto shown = [](const std::string& flags) {
+    scene::Scene scene = read_and_init("<Node><VisualStyle displayFlags='" + flags + "'/></Node>");
+    const auto* style = scene.root().local<scene::VisualStyle>();
+    return std::pair(style->shows_visual_models(), style->shows_behaviour_models());
+  };
+  using Answers = std::pair<std::optional<bool>, std::optional<bool>>;
+  EXPECT_EQ(shown("showWireframe showForceFields"), (Answers{{}, {}}));
+  EXPECT_EQ(shown("showBehaviorModels hideVisualModels"), (Answers{false, true}));
+  EXPECT_EQ(shown("hideAll showVisual"), (Answers{true, false}));
+}
+
+TEST(InteractiveCamera, LooksFromItsPositionAtItsTarget) {
+  const auto towards = [](const std::string& attributes) {
+    scene::Scene scene = read_and_init("<Node><InteractiveCamera " + attributes + " fieldOfView='45'/></Node>");
+    return scene.root().local<scene::Camera>()->towards();
+  };
+  EXPECT_EQ(towards("position='1 2 3' lookAt='1 1 5'"), Vec3(0, 1, -2));
+  EXPECT_FALSE(towards("position='1 2 3'"));
+  EXPECT_EQ(errors_of("<Node><InteractiveCamera position='1 2 3' lookAt='1 2 3'/></Node>"),
+            "test.scn:1: error: InteractiveCamera.lookAt: is the camera's own position: must be another point");
 }
 
 TEST(Mapping, RefusesWhatDoesNotFit) {

@@ -21,6 +21,7 @@ void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and t
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
 void add_instruments(scene::Factory& factory);     // GraspForceField
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
+void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
 void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
 

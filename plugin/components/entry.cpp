@@ -19,5 +19,6 @@ HEXAPLAST_PLUGIN(factory) {
   add_instruments(factory);
   add_bodies(factory);
   add_mappings(factory);
+  add_visuals(factory);
   add_exporters(factory);
 }

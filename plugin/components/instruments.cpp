@@ -11,11 +11,12 @@
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class GraspForceField final : public scene::ForceField {
+class GraspForceField final : public scene::ForceField, public scene::Instrument {
  public:
   GraspForceField() : ForceField(attributes::kGraspForceField) {}
 
@@ -66,6 +67,11 @@ class GraspForceField final : public scene::ForceField {
     return grip_.add_stiffness_diagonal(lags_, factor, system.diagonal);
   }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+
+  std::optional<Vec3> place(double time) const override {
+    if (grip_.nodes.empty()) return {};
+    return tool_at(time);
+  }
 
   void provide(scene::Data& output) override {
     if (output.attribute().name == "grasped")

@@ -7,6 +7,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/mesh/embed.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -19,7 +20,7 @@ class StateMapping : public scene::Mapping {
   // When everything has its nodes, and before the solvers above look at it.
   void bwd_init() override {
     output_ = following();
-    if (!output_) return remark(scene::Severity::kNote, "output", "leads to no mechanical state: visual, ignored here");
+    if (!output_) return carry_visual_model();
     input_ = &followed();
     if (input_ == output_) reject("input", "leads to the state that follows: must be another one");
     for (const scene::Component* end : {input_, output_})
@@ -39,6 +40,19 @@ class StateMapping : public scene::Mapping {
     if (!target) return node().local<scene::MechanicalState>();
     if (const auto* holder = dynamic_cast<scene::Node*>(target)) return holder->local<scene::MechanicalState>();
     return dynamic_cast<scene::MechanicalState*>(target);
+  }
+
+  /// Pictures look where its points lie; there is nothing to do in a step.
+  void carry_visual_model() {
+    if (scene::VisualModel* model = following_visually()) return model->carry();
+    remark(scene::Severity::kNote, "output", "leads to no mechanical state and to no OglModel: ignored here");
+  }
+
+  scene::VisualModel* following_visually() {
+    scene::Object* target = find_data("output")->target();
+    if (!target) return node().local<scene::VisualModel>();
+    if (const auto* holder = dynamic_cast<scene::Node*>(target)) return holder->local<scene::VisualModel>();
+    return dynamic_cast<scene::VisualModel*>(target);
   }
 
   scene::MechanicalState& followed() {

@@ -1,32 +1,51 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "hexaplast/mesh/embed.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "output/renderer.hpp"
+#include "output/surface.hpp"
 
 namespace hexaplast::output {
 
-/// Collects states of a run and shows them: the shaded surface with its element edges, coloured per hexahedron by
-/// plastic strain. All pictures share one camera, fitted to every state collected, and one colour scale, from 0 to the
-/// greatest plastic strain among them; that is why states are kept (in single precision, surface only) until the run is
-/// over.
+/// A surface that moves with the hexahedra of a body.
+struct Skin {
+  PointArray points;  ///< any number x 3 [m], in the body's original positions
+  std::vector<Triangle> triangles;
+  std::vector<Quad> quads;
+};
+
+/// What pictures of a body show besides its state, and from where.
+struct Staging {
+  std::vector<Skin> skins;       ///< shown in place of the hexahedra
+  bool shows_hexahedra = true;   ///< beside skins: as edges
+  std::vector<int> fixed_nodes;  ///< marked by dots
+  std::optional<Vec3> towards;   ///< the direction in which the viewer stands; none: beside the long axis, and above
+};
+
+/// Collects states of a run and shows them: the smooth-shaded surface of the hexahedra with their edges, or the skins
+/// that are embedded in them, coloured by plastic strain. Strain is averaged at nodes and blended between them. All
+/// pictures share one camera, fitted to every state collected, and one colour scale, from 0 to the greatest plastic
+/// strain shown; that is why states are kept (in single precision, surface only) until the run is over.
 class Gallery {
  public:
   static constexpr int kWidth = 1280, kHeight = 720;  // [pixels]
 
-  /// title: shown in every picture. time_decimals: of the time stamps. The mesh must outlive the gallery.
-  Gallery(const HexMesh& mesh, std::string title, int time_decimals);
+  /// title: shown in every picture. time_decimals: of the time stamps. The mesh must outlive the gallery. Throws
+  /// InputError or NumericalError where a skin cannot be embedded.
+  Gallery(const HexMesh& mesh, std::string title, int time_decimals, Staging staging = {});
 
   /// positions: num_nodes x 3 [m]; plastic_strain: one per hexahedron [-]; alive, if not empty: one per hexahedron, 0
-  /// for those that are removed and not shown.
+  /// for those that are removed and not shown, and neither is what is embedded in them; instruments: where those are
+  /// that hold something [m].
   void add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain,
-           std::span<const unsigned char> alive = {});
+           std::span<const unsigned char> alive = {}, std::span<const Vec3> instruments = {});
 
   int num_states() const { return static_cast<int>(states_.size()); }
   long step(int state) const { return states_[state].step; }
@@ -40,29 +59,37 @@ class Gallery {
   }
 
  private:
-  /// The boundary of the hexahedra that are left, by itself: points are those nodes that lie on it.
-  struct Surface {
-    Surface(const HexMesh& mesh, std::span<const unsigned char> alive);
+  using Places = std::vector<Eigen::Vector3f>;
 
-    std::vector<Eigen::Vector3f> points_at(ConstPoints positions) const;  ///< [m]
-    std::vector<Eigen::Vector3f> face_normals(
-        const std::vector<Eigen::Vector3f>& points) const;  ///< twice the area long
+  /// What a skin's points are, and who moves them.
+  struct EmbeddedSkin {
+    Embedding embedding;
+    std::vector<Surface::Face> faces;
+    std::shared_ptr<const Surface> whole;
+  };
+
+  /// The boundary of the hexahedra that are left, by itself: points are those nodes that lie on it.
+  struct Boundary {
+    Boundary(const HexMesh& mesh, std::span<const unsigned char> alive);
+    Places points_at(ConstPoints positions) const;  ///< [m]
 
     std::vector<int> node_of_point;
-    std::vector<std::array<int, 4>> faces;  // points, counter-clockwise seen from outside
-    std::vector<int> element_of_face;
-    std::vector<std::vector<int>> faces_of_point;
-    std::vector<std::array<int, 2>> edges;    // points, each edge once
-    std::vector<std::array<int, 2>> creases;  // edges at which the original surface has a corner
-    std::vector<Eigen::Vector3f> original;    // [m] original positions of the points
+    std::shared_ptr<const Surface> surface;
+  };
+
+  /// A surface at a moment.
+  struct Shown {
+    std::shared_ptr<const Surface> surface;  // shared by all states between two removals
+    Places points;                           // [m]
+    std::vector<float> strain;               // [-] one per point
   };
 
   struct State {
     long step = 0;
-    double time = 0;                         // [s]
-    std::shared_ptr<const Surface> surface;  // shared by all states between two removals
-    std::vector<Eigen::Vector3f> points;     // [m] one per surface point
-    std::vector<float> plastic_strain;       // one per face, of the hexahedron behind it
+    double time = 0;  // [s]
+    Shown body;
+    std::vector<Shown> skins;
+    Places fixed, instruments;  // [m]
   };
 
   /// An orthographic camera, and the colour scale.
@@ -76,16 +103,26 @@ class Gallery {
     Drawing::Vertex project(const Eigen::Vector3f& point) const;
   };
 
+  bool shows_cage() const { return !skins_.empty() && staging_.shows_hexahedra; }
+  bool shows_body() const { return skins_.empty() && staging_.shows_hexahedra; }
+
+  std::vector<const Shown*> shown_in(const State& state) const;  // filled, not as edges
   View fitted_view() const;
   Drawing drawing(const State& state, const View& view) const;
-  void draw_body(const State& state, const View& view, Drawing& picture) const;
   void draw_original(const View& view, Drawing& picture) const;
+  void draw_surfaces(const State& state, const View& view, Drawing& picture) const;
+  void draw_edges(const State& state, const View& view, Drawing& picture) const;
+  void draw_marks(const State& state, const View& view, Drawing& picture) const;
+  void draw_keys(Drawing& picture) const;
 
   const HexMesh& mesh_;
   std::string title_;
   int time_decimals_;
   int long_axis_;
-  std::shared_ptr<const Surface> original_, current_;
+  Staging staging_;
+  std::vector<EmbeddedSkin> skins_;
+  std::shared_ptr<const Boundary> original_, current_;
+  std::vector<std::shared_ptr<const Surface>> current_skins_;
   std::vector<unsigned char> current_alive_;  // that current_ belongs to; empty: all
   std::vector<State> states_;
 };

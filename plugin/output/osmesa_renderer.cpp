@@ -145,21 +145,27 @@ class OsmesaRenderer final : public Renderer {
     glPolygonOffset(kPushSlope, kPushUnits);
     glBegin(GL_TRIANGLES);
     for (const Drawing::Triangle& triangle : drawing.triangles)
-      for (const Drawing::Vertex& corner : triangle.corner) emit(corner);
+      for (const Drawing::Vertex& corner : triangle.corner) emit(corner, 1);
     glEnd();
+
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
 
     for (const Drawing::Line& line : drawing.lines) {
       glLineWidth(line.width * kOversampling);
+      glDepthMask(line.opacity < 1 ? GL_FALSE : GL_TRUE);
       glBegin(GL_LINES);
-      emit(line.from);
-      emit(line.to);
+      emit(line.from, line.opacity);
+      emit(line.to, line.opacity);
       glEnd();
     }
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
     glFinish();
   }
 
-  static void emit(const Drawing::Vertex& vertex) {
-    glColor3f(vertex.colour.red, vertex.colour.green, vertex.colour.blue);
+  static void emit(const Drawing::Vertex& vertex, float opacity) {
+    glColor4f(vertex.colour.red, vertex.colour.green, vertex.colour.blue, opacity);
     glVertex3f(vertex.x, vertex.y, vertex.depth);
   }
 

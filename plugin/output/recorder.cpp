@@ -9,7 +9,6 @@
 #include <cstring>
 #include <optional>
 
-#include "output/gallery.hpp"
 #include "output/plot.hpp"
 #include "output/png_file.hpp"
 #include "output/vtu.hpp"
@@ -62,7 +61,7 @@ struct Recorder::Files {
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     history.append(kHeader);
     removed.append("step,time,hexahedron");
-    if (plan.num_frames > 0) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt));
+    if (plan.num_frames > 0) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
   }
 
   fs::path directory;
@@ -150,7 +149,7 @@ void Recorder::Files::write_mesh() {
 
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions, body.fields(latest_positions).plastic_strain,
-               body.history().alive);
+               body.history().alive, latest.instruments);
 }
 
 std::vector<std::string> Recorder::Files::draw_pictures() {

@@ -8,6 +8,7 @@
 
 #include "hexaplast/body.hpp"
 #include "output/files.hpp"
+#include "output/gallery.hpp"
 #include "output/measures.hpp"
 #include "output/renderer.hpp"
 
@@ -22,6 +23,7 @@ struct RunPlan {
   int num_frames = 8;     ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;     ///< write into a directory that holds an earlier run
   std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
+  Staging staging = {};                ///< of the pictures
 };
 
 /// One accepted step, or the initial state (step 0).
@@ -31,8 +33,9 @@ struct StepRecord {
   double kinetic_energy = 0;  ///< [J]
   FlowReport flow = {};
   int solver_iterations = 0;
-  double residual = 0;  ///< relative residual of the linear solve
-  double step_ms = 0;   ///< wall time of the step without output
+  double residual = 0;                 ///< relative residual of the linear solve
+  double step_ms = 0;                  ///< wall time of the step without output
+  std::vector<Vec3> instruments = {};  ///< [m] where those are that hold something
 };
 
 /// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png,
@@ -42,7 +45,8 @@ struct StepRecord {
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an
-  /// earlier run and `force` is not set; nothing is touched then. The body must outlive the recorder.
+  /// earlier run and `force` is not set; nothing is touched then. Throws what Gallery throws. The body must outlive the
+  /// recorder.
   Recorder(
       std::filesystem::path directory, const Body& body, RunPlan plan,
       RendererSource renderer = [] { return load_renderer(); });

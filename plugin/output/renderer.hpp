@@ -33,6 +33,7 @@ struct Drawing {
   struct Line {
     Vertex from, to;
     float width = 1;
+    float opacity = 1;  ///< below 1, what lies behind shines through; such a line is seen, and hides nothing
   };
   enum class Align { kLeft, kCentre, kRight };
   struct Text {

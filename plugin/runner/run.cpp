@@ -13,8 +13,10 @@
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
+#include "runner/loads.hpp"
 #include "runner/progress.hpp"
 #include "runner/scene_file.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -64,6 +66,27 @@ Stage set_up(const RunOptions& options) {
   return stage;
 }
 
+output::Staging staging_of(Stage& stage) {
+  const scene::Node& root = stage.scene.root();
+  output::Staging staging;
+  std::optional<bool> shows_skins, shows_hexahedra;
+  if (const std::vector styles = root.all<scene::VisualStyle>(); !styles.empty()) {
+    shows_skins = styles.front()->shows_visual_models();
+    shows_hexahedra = styles.front()->shows_behaviour_models();
+  }
+  for (const scene::VisualModel* model : root.all<scene::VisualModel>())
+    if (model->is_carried() && model->points().rows() > 0 && shows_skins.value_or(true))
+      staging.skins.push_back({model->points(), model->triangles(), model->quads()});
+  staging.shows_hexahedra = shows_hexahedra.value_or(staging.skins.empty());
+
+  const PointArray directions = free_directions(stage.scene, *stage.state);
+  for (int n = 0; n < directions.rows(); ++n)
+    if (directions.row(n).isZero(0)) staging.fixed_nodes.push_back(n);
+  if (const std::vector cameras = root.all<scene::Camera>(); !cameras.empty())
+    staging.towards = cameras.front()->towards();
+  return staging;
+}
+
 output::RunPlan plan_of(Stage& stage, const RunOptions& options) {
   output::RunPlan plan;
   plan.title = options.scene.file.stem().string();
@@ -77,6 +100,7 @@ output::RunPlan plan_of(Stage& stage, const RunOptions& options) {
   for (const scene::ForceField* field : stage.scene.root().all<scene::ForceField>())
     if (scene::acts_on(*field, *stage.state)) loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
+  plan.staging = staging_of(stage);
   return plan;
 }
 
@@ -89,6 +113,8 @@ output::StepRecord record_of(Stage& stage, const Progression& done, const SolveR
   record.solver_iterations = solve.iterations;
   record.residual = solve.residual;
   record.step_ms = step_ms;
+  for (const scene::Instrument* instrument : stage.scene.root().all<scene::Instrument>())
+    if (const std::optional<Vec3> place = instrument->place(record.time)) record.instruments.push_back(*place);
   return record;
 }
 

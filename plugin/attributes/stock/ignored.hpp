@@ -30,8 +30,6 @@ constexpr Description bookkeeping_component(std::string_view class_name) {
 /// Drawing and the user interface: a note. Collision: a warning, for the scene means something that will not happen.
 /// Bookkeeping: nothing is lost, nothing is said.
 inline constexpr Description kIgnoredComponents[] = {
-    visual_component("VisualStyle"),
-    visual_component("OglModel"),
     visual_component("VisualModel"),
     visual_component("VisualMesh"),
     visual_component("VisualPointCloud"),
@@ -43,7 +41,6 @@ inline constexpr Description kIgnoredComponents[] = {
     visual_component("LineAxis"),
     visual_component("TrailRenderer"),
     visual_component("Camera"),
-    visual_component("InteractiveCamera"),
     visual_component("RecordedCamera"),
     visual_component("BackgroundSetting"),
     visual_component("ViewerSetting"),

@@ -13,11 +13,11 @@ inline constexpr Attribute kMappingInput{
     .help =
         "The state that is followed, or its node; that of the node above (or of the nearest one above that) where it "
         "is not given."};
-inline constexpr Attribute kMappingOutput{
-    .name = "output",
-    .type = Type::kLink,
-    .help =
-        "The state that follows, or its node; that of this node where it is not given. A visual model is left alone."};
+inline constexpr Attribute kMappingOutput{.name = "output",
+                                          .type = Type::kLink,
+                                          .help =
+                                              "The state that follows, or its node; that of this node where it is not "
+                                              "given. An OglModel follows in pictures."};
 
 inline constexpr Attribute kBarycentricMappingAttributes[] = {
     kMappingInput,

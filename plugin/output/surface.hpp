@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "hexaplast/base/hexahedron.hpp"
+
+namespace hexaplast::output {
+
+/// Quads and triangles that move with their points, and what of them stays the same while they do: edges, and which of
+/// the corners around a point share a normal.
+class Surface {
+ public:
+  /// A quad, or a triangle whose last corner stands there twice; counter-clockwise seen from outside.
+  using Face = std::array<int, 4>;
+
+  /// original: the points [m] at which is decided where the surface bends smoothly and where it has a crease.
+  Surface(std::vector<Eigen::Vector3f> original, std::vector<Face> faces);
+
+  const std::vector<Eigen::Vector3f>& original() const { return original_; }
+  const std::vector<Face>& faces() const { return faces_; }
+  const std::vector<Edge>& edges() const { return edges_; }      ///< each once
+  const std::vector<Edge>& creases() const { return creases_; }  ///< those at which the original is not smooth
+
+  /// Unit normals at the corners of the faces: the mean over all faces around a point that no crease parts.
+  std::vector<std::array<Eigen::Vector3f, 4>> corner_normals(const std::vector<Eigen::Vector3f>& points) const;
+
+  /// Creases, and the edges between a face that is turned to a viewer in direction `towards` and one that is not.
+  std::vector<Edge> outline(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& towards) const;
+
+  static bool is_triangle(const Face& face) { return face[2] == face[3]; }
+
+ private:
+  std::vector<Eigen::Vector3f> face_normals(const std::vector<Eigen::Vector3f>& points) const;  // twice the area long
+
+  std::vector<Eigen::Vector3f> original_;
+  std::vector<Face> faces_;
+  std::vector<Edge> edges_, creases_, smooth_;
+  std::vector<std::array<int, 2>> faces_of_smooth_;  // the two faces at each smooth edge
+  std::vector<std::array<int, 4>> group_;            // of each face corner: corners of a group share a normal
+  int num_groups_ = 0;
+};
+
+}  // namespace hexaplast::output

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "scene/node.hpp"
+
+/// What pictures of a scene ask of its components. Nothing here takes part in a step.
+namespace hexaplast::scene {
+
+/// A surface that is seen and has no mechanics.
+class VisualModel : public Component {
+ public:
+  static constexpr std::string_view kCategory = "VisualModel";
+  using Component::Component;
+
+  virtual const PointArray& points() const = 0;  ///< [m] original positions
+  virtual const std::vector<Triangle>& triangles() const = 0;
+  virtual const std::vector<Quad>& quads() const = 0;
+
+  /// Whether a mapping makes it follow hexahedra. Known when the scene is ready.
+  bool is_carried() const { return is_carried_; }
+  void carry() { is_carried_ = true; }
+
+ private:
+  bool is_carried_ = false;
+};
+
+/// What is shown.
+class VisualStyle : public Component {
+ public:
+  static constexpr std::string_view kCategory = "VisualStyle";
+  using Component::Component;
+
+  virtual std::optional<bool> shows_visual_models() const = 0;  ///< none: not said
+  virtual std::optional<bool> shows_behaviour_models() const = 0;
+};
+
+/// From where.
+class Camera : public Component {
+ public:
+  static constexpr std::string_view kCategory = "Camera";
+  using Component::Component;
+
+  virtual std::optional<Vec3> towards() const = 0;  ///< from what is looked at to the camera; none: not said
+};
+
+/// A component that is also an instrument in the surgeon's hand.
+class Instrument {
+ public:
+  virtual ~Instrument() = default;
+  virtual std::optional<Vec3> place(double time) const = 0;  ///< [m] while it holds something
+};
+
+}  // namespace hexaplast::scene
