@@ -35,9 +35,9 @@ class Observer(Controller):
 def createScene(root):
     root.dt = 0.01
     root.gravity = [0, 0, 0]
-    root.addObject("RequiredPlugin", name="Hexaplast")
+    root.addObject("RequiredPlugin", pluginName="Hexaplast")
     for module in MODULES:
-        root.addObject("RequiredPlugin", name="Sofa.Component." + module)
+        root.addObject("RequiredPlugin", pluginName="Sofa.Component." + module)
     root.addObject("DefaultAnimationLoop")
     root.addObject("RunSettings", steps=500, outputEvery=25)
 

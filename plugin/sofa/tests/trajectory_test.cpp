@@ -54,14 +54,15 @@ TEST_P(ShippedSceneInSofa, MovesAndFlowsAsInTheEmbeddedHost) {
             << positions / size << ", material " << material / size << " of the body's size\n";
 }
 
-// A direct solver, or one that stops at a tolerance of a hundredth.
+// Direct solvers; conjugate gradients, which stop at the tolerances of their scenes, take the differences of rounding
+// further.
 INSTANTIATE_TEST_SUITE_P(Bars, ShippedSceneInSofa,
                          testing::Values(Case{"bar_stretch_high", 300, 1e-9}, Case{"bar_stretch_low", 200, 1e-9},
                                          Case{"bar_twist_high", 200, 1e-9}, Case{"bar_twist_low", 200, 1e-9},
                                          Case{"bar_stretch_face", 200, 1e-9}),
                          [](const auto& info) { return info.param.scene; });
 INSTANTIATE_TEST_SUITE_P(Tissue, ShippedSceneInSofa,
-                         testing::Values(Case{"peritoneum_tear", 60, 1e-8}, Case{"vessel_mobilise", 60, 1e-9},
+                         testing::Values(Case{"peritoneum_tear", 60, 1e-5}, Case{"vessel_mobilise", 60, 1e-9},
                                          Case{"fatty_tissue", 60, 1e-5}),
                          [](const auto& info) { return info.param.scene; });
 

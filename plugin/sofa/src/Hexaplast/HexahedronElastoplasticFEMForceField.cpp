@@ -22,15 +22,13 @@ HexahedronElastoplasticFEMForceField::HexahedronElastoplasticFEMForceField()
     : GuestForceField(attributes::kHexahedronElastoplasticFEMForceField),
       d_drawMaterialShape(initData(&d_drawMaterialShape, false, "drawMaterialShape",
                                    "Draws the edges of the shape that the body has without forces.")),
-      l_topology(initLink("topology", "The hexahedra; the topology of the node where it is not given.")),
-      d_flows(initData(&d_flows, 0, "flows", "Grows with every plastic step.", false, true)) {
-  addUpdateCallback("outputs", {&d_flows},
-                    [this](const sofa::core::DataTracker&) {
-                      if (works()) attributes().fetch_from(*guest());
-                      return d_componentState.getValue();
-                    },
-                    {});
-  for (sofa::core::BaseData* output : attributes().outputs()) addOutputsToCallback("outputs", {output});
+      l_topology(initLink("topology", "The hexahedra; the topology of the node where it is not given.")) {
+  for (sofa::core::BaseData* output : attributes().outputs()) outputs_.addOutput(output);
+}
+
+void HexahedronElastoplasticFEMForceField::Outputs::update() {
+  cleanDirty();
+  if (owner_.works()) owner_.attributes().fetch_from(*owner_.guest());
 }
 
 void HexahedronElastoplasticFEMForceField::init() {
@@ -43,7 +41,7 @@ void HexahedronElastoplasticFEMForceField::init() {
   original_.resize(l_topology->getNbHexahedra());
   std::iota(original_.begin(), original_.end(), 0);
   GuestForceField::init();
-  d_flows.setValue(d_flows.getValue() + 1);
+  outputs_.setDirtyValue();
 }
 
 void HexahedronElastoplasticFEMForceField::reset() {
@@ -57,11 +55,11 @@ void HexahedronElastoplasticFEMForceField::reset() {
       if (!is_left[e]) gone.push_back(e);
     guest()->remove_elements(gone);
   }
-  d_flows.setValue(d_flows.getValue() + 1);
+  outputs_.setDirtyValue();
 }
 
 void HexahedronElastoplasticFEMForceField::step_ended() {
-  d_flows.setValue(d_flows.getValue() + 1);
+  outputs_.setDirtyValue();
   if (guest()->flow_report()->removed > 0) tear_topology();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Hexaplast/GuestForceField.h>
+#include <sofa/core/objectmodel/DDGNode.h>
 #include <sofa/core/objectmodel/Link.h>
 
 #include <vector>
@@ -35,8 +36,18 @@ class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField final : public Gue
                                       sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                           sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
       l_topology;
-  sofa::core::objectmodel::Data<int> d_flows;  // changes with the plastic state, so that outputs know they are old
-  std::vector<int> original_;                  // number that each hexahedron of the topology has in the body
+  std::vector<int> original_;  // number that each hexahedron of the topology has in the body
+
+  /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.
+  class Outputs final : public sofa::core::objectmodel::DDGNode {
+   public:
+    explicit Outputs(HexahedronElastoplasticFEMForceField& owner) : owner_(owner) {}
+    void update() override;
+
+   private:
+    HexahedronElastoplasticFEMForceField& owner_;
+  };
+  Outputs outputs_{*this};
 };
 
 }  // namespace hexaplast::sofa_plugin
