@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <regex>
@@ -83,6 +84,34 @@ TEST(Layering, IncludesPointDown) {
     }
   }
   EXPECT_GT(num_includes, 50) << "the search has lost its object";
+}
+
+TEST(Layering, OnlyItsPluginKnowsSofa) {
+  const fs::path root(HEXAPLAST_SOURCE_DIR);
+  const std::regex name("sofa::|sofa_plugin|<sofa/|<Hexaplast/|sofa_standin");
+  int num_files = 0, num_of_plugin = 0;
+  for (const char* folder : {"include", "src", "plugin", "benchmarks"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (!entry.is_regular_file()) continue;
+      const bool is_plugin = fs::relative(entry.path(), root).string().starts_with("plugin/sofa/");
+      std::ifstream file(entry.path());
+      const std::string text((std::istreambuf_iterator<char>(file)), {});
+      if (is_plugin) {
+        num_of_plugin += std::regex_search(text, name);
+        EXPECT_EQ(text.find("sofa_standin"), std::string::npos) << entry.path() << " includes what is no SOFA";
+      } else {
+        ++num_files;
+        EXPECT_FALSE(std::regex_search(text, name)) << entry.path() << " names SOFA";
+      }
+    }
+  }
+  EXPECT_GT(num_files, 100) << "the search has lost its object";
+  EXPECT_GT(num_of_plugin, 10) << "the names have changed";
+
+  std::ifstream file(root / "tests/CMakeLists.txt");
+  const std::string tests((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_NE(tests.find("sofa_standin"), std::string::npos);
+  EXPECT_EQ(tests.find("install("), std::string::npos) << "what stands in for SOFA never ships";
 }
 
 }  // namespace

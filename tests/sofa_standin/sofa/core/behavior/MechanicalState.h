@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Part of a stand-in for SOFA: knows just what the adapter calls, for tests without SOFA. See README.md there.
+#pragma once
+
+#include <sofa/core/objectmodel/BaseComponent.h>
+#include <sofa/defaulttype/VecTypes.h>
+
+namespace sofa::core::behavior {
+
+class BaseMechanicalState : public objectmodel::BaseComponent {
+ public:
+  virtual Size getSize() const = 0;
+};
+
+/// Keeps the nodes itself, as SOFA's MechanicalObject does.
+template <class DataTypes>
+class MechanicalState : public BaseMechanicalState {
+ public:
+  SOFA_CLASS(MechanicalState, BaseMechanicalState);
+  using VecCoord = typename DataTypes::VecCoord;
+  using VecDeriv = typename DataTypes::VecDeriv;
+
+  Size getSize() const override { return static_cast<Size>(position_.getValue().size()); }
+  helper::ReadAccessor<VecCoord> readPositions() const { return helper::ReadAccessor<VecCoord>(position_); }
+  helper::ReadAccessor<VecCoord> readRestPositions() const { return helper::ReadAccessor<VecCoord>(rest_position_); }
+  helper::ReadAccessor<VecDeriv> readVelocities() const { return helper::ReadAccessor<VecDeriv>(velocity_); }
+  helper::WriteAccessor<VecCoord> writePositions() { return helper::getWriteAccessor(position_); }
+  helper::WriteAccessor<VecCoord> writeRestPositions() { return helper::getWriteAccessor(rest_position_); }
+  helper::WriteAccessor<VecDeriv> writeVelocities() { return helper::getWriteAccessor(velocity_); }
+
+ private:
+  objectmodel::Data<VecCoord> position_, rest_position_;
+  objectmodel::Data<VecDeriv> velocity_;
+};
+
+}  // namespace sofa::core::behavior

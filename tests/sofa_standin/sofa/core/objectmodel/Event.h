@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Part of a stand-in for SOFA: knows just what the adapter calls, for tests without SOFA. See README.md there.
+#pragma once
+
+namespace sofa::core::objectmodel {
+
+class Event {
+ public:
+  virtual ~Event() = default;
+};
+
+}  // namespace sofa::core::objectmodel

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Part of a stand-in for SOFA: knows just what the adapter calls, for tests without SOFA. See README.md there.
+#pragma once
+
+#include <sofa/type/types.h>
+
+#include <algorithm>
+#include <string>
+
+namespace sofa::helper {
+
+/// From blue to red, whatever its name.
+class ColorMap {
+ public:
+  ColorMap(unsigned int /*size*/, const std::string& /*name*/) {}
+
+  template <class Real>
+  auto getEvaluator(Real least, Real most) const {
+    return [least, most](Real value) {
+      const auto share = static_cast<float>(std::clamp((value - least) / (most - least), Real(0), Real(1)));
+      return type::RGBAColor{share, 0, 1 - share, 1};
+    };
+  }
+};
+
+}  // namespace sofa::helper

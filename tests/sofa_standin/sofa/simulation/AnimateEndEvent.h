@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Part of a stand-in for SOFA: knows just what the adapter calls, for tests without SOFA. See README.md there.
+#pragma once
+
+#include <sofa/config.h>
+#include <sofa/core/objectmodel/Event.h>
+
+namespace sofa::simulation {
+
+class AnimateEndEvent : public core::objectmodel::Event {
+ public:
+  explicit AnimateEndEvent(SReal dt) : dt_(dt) {}
+  SReal getDt() const { return dt_; }
+  static bool checkEventType(const Event* event) { return dynamic_cast<const AnimateEndEvent*>(event); }
+
+ private:
+  SReal dt_;
+};
+
+}  // namespace sofa::simulation
