@@ -178,12 +178,12 @@ TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun) {
 
   scene.field().findData("gradient")->read("vertex");
   scene.field().reinit();
-  EXPECT_TRUE(scene.field().isComponentStateInvalid()) << "what cannot change is refused";
+  EXPECT_TRUE(is_invalid(scene.field())) << "what cannot change is refused";
 }
 
 TEST(ForceField, RefusesWhatTheAttributeTableRefuses) {
   SofaScene scene = SofaScene::from_text(block(R"(hardening="0.3")"));
-  EXPECT_FALSE(scene.field().isComponentStateInvalid());
+  EXPECT_FALSE(is_invalid(scene.field()));
   EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).field(), std::runtime_error);
   EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).field(), std::runtime_error);
 }
@@ -229,7 +229,7 @@ TEST(Topology, NodesMayNotGo) {
   auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
   GuestForceField& field = scene.field();
   modifier.removeHexahedra({0});
-  EXPECT_TRUE(field.isComponentStateInvalid());
+  EXPECT_TRUE(is_invalid(field));
 }
 
 }  // namespace

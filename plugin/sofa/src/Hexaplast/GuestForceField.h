@@ -51,7 +51,7 @@ class HEXAPLAST_SOFA_API GuestForceField : public sofa::core::behavior::ForceFie
   virtual MeshTopology* topology() { return nullptr; }
   virtual void step_ended() {}
 
-  bool works() const { return guest_ && !isComponentStateInvalid(); }
+  bool works() const { return guest_ && !is_invalid(*this); }
   AttributeData& attributes() { return attributes_; }
 
  private:

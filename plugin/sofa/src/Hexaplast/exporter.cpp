@@ -32,7 +32,7 @@ class FinalStateExporter final : public sofa::core::objectmodel::BaseObject {
   void reset() override { num_steps_ = 0; }
 
   void handleEvent(sofa::core::objectmodel::Event* event) override {
-    if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || isComponentStateInvalid()) return;
+    if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || is_invalid(*this)) return;
     if (++num_steps_ != d_step.getValue()) return;
     GuestForceField* field = nullptr;
     getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);

@@ -16,4 +16,9 @@ using SofaComponent = sofa::core::objectmodel::BaseComponent;
 using SofaComponent = sofa::core::objectmodel::BaseObject;
 #endif
 
+/// Whether a component has been found not to work (v24.12 has no question of its own for that).
+inline bool is_invalid(const SofaComponent& component) {
+  return component.d_componentState.getValue() == sofa::core::objectmodel::ComponentState::Invalid;
+}
+
 }  // namespace hexaplast::sofa_plugin
