@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cstdio>
 
 #include "bench/bench.hpp"
@@ -14,13 +13,14 @@
 #include "hexaplast/base/simd.hpp"
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/simulation.hpp"
 
 namespace hexaplast::runner {
 namespace {
 
 constexpr int kLargestSize = 2'000'000;  // what a machine of 8 GB holds
-constexpr int kSceneSteps = 100;         // of a scene that does not say how many
-constexpr int kSceneWarmUp = 3;          // first steps, which still allocate
+constexpr long kSceneSteps = 100;        // of a scene that does not say how many
+constexpr long kSceneWarmUp = 3;         // first steps, which still allocate
 
 /// "800", "12.8k".
 int parse_size(const std::string& text) {
@@ -51,31 +51,23 @@ scene::Component* find_linear_solver(scene::Scene& scene) {
 /// The scene once, from its beginning, with one number of threads.
 bench::Record measure_scene(const BenchOptions& options, int threads) {
   set_num_threads(threads);
-  scene::Scene scene = load_scene(options.scene);
-  scene::MechanicalState& state = only_state(scene);
-  only_solver(scene);
-  const scene::ForceField* field = find_body(scene);
-  if (!field)
-    throw scene::SceneError(scene::format_error(scene.root().place(), "no body in the scene: nothing to measure"));
-  const Body& body = *field->body();
-  scene::Component* settings = find_settings(scene);
-  const int num_steps = settings && settings->is_given("steps") ? std::max(1, settings->integer("steps")) : kSceneSteps;
+  Simulation simulation(options.scene);
+  if (!simulation.body())
+    throw scene::SceneError(
+        scene::format_error(simulation.scene().root().place(), "no body in the scene: nothing to measure"));
+  const Body& body = *simulation.body();
+  const long num_steps = std::max(1L, simulation.num_steps().value_or(kSceneSteps));
 
   std::vector<double> ms;
-  double iterations = 0;
   int most_yielded = 0;
-  SolveReport last;
-  for (int step = 0; step < num_steps; ++step) {
-    const auto begin = std::chrono::steady_clock::now();
-    last = scene.step();
-    if (step >= kSceneWarmUp || num_steps <= kSceneWarmUp)
-      ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
-    iterations += last.iterations;
-    most_yielded = std::max(most_yielded, field->flow_report()->yielded);
+  while (simulation.latest().step < num_steps) {
+    const output::StepRecord& latest = simulation.step();
+    if (latest.step > kSceneWarmUp || num_steps <= kSceneWarmUp) ms.push_back(latest.step_ms);
+    most_yielded = std::max(most_yielded, latest.flow.yielded);
   }
 
   const bench::StepTimes times(std::move(ms));
-  const scene::Component* solver = find_linear_solver(scene);
+  const scene::Component* solver = find_linear_solver(simulation.scene());
   bench::Record record;
   record.size = body.mesh().num_elements();
   record.shape = options.scene.file.stem().string();
@@ -87,14 +79,15 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   record.threads = threads;
   record.simd = simd_target();
   record.processor = bench::MachineLimits::processor();
-  record.iterations = iterations / num_steps;
+  record.iterations = static_cast<double>(simulation.totals().iterations) / static_cast<double>(num_steps);
   record.hex_per_ms = record.size / times.p50;  // steps of a scene differ: the fastest says little
   record.p50_ms = times.p50;
   record.p99_ms = times.p99;
   record.ratio_to_dense_peer = bench::time_peer(body.model(), record.iterations) / times.p50;
-  record.residual = last.residual;
-  record.yielded = static_cast<double>(field->flow_report()->yielded) / record.size;
-  record.state_hash = output::state_hash(num_steps, state.positions(), state.velocities(), &body);
+  record.residual = simulation.latest().residual;
+  record.yielded = static_cast<double>(simulation.latest().flow.yielded) / record.size;
+  record.state_hash =
+      output::state_hash(num_steps, simulation.state().positions(), simulation.state().velocities(), &body);
   return record;
 }
 

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "hexaplast/base/error.hpp"
+#include "runner/exit_code.hpp"
+#include "scene/visuals.hpp"
+
+namespace hexaplast::runner {
+
+Simulation::Simulation(const SceneOptions& options)
+    : scene_(load_scene(options)),
+      state_(&only_state(scene_)),
+      solver_(&only_solver(scene_)),
+      field_(find_body(scene_)) {
+  if (scene::Component* settings = find_settings(scene_)) {
+    output_every_ = settings->integer("outputEvery");
+    if (settings->is_given("steps")) num_steps_ = settings->integer("steps");
+  }
+  latest_ = record_of(0, {}, 0);
+}
+
+const output::StepRecord& Simulation::step() {
+  const long step = latest_.step + 1;
+  const auto begin = std::chrono::steady_clock::now();
+  SolveReport solve;
+  try {
+    solve = scene_.step();
+  } catch (const NumericalError& error) {
+    throw NumericalError(fmt::format("step {} (from t = {:.6g} s): {}", step, scene_.time(), error.what()));
+  }
+  const double step_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+
+  latest_ = record_of(step, solve, step_ms);
+  totals_.step_ms += step_ms;
+  totals_.iterations += solve.iterations;
+  totals_.stalled_solves += !solve.converged;
+  totals_.stalled_averaging += !latest_.flow.averaging.converged;
+  if (latest_.flow.removed > 0) {
+    if (totals_.first_removal == 0) totals_.first_removal = step;
+    totals_.latest_removal = step;
+  }
+  return latest_;
+}
+
+void Simulation::reset() {
+  scene_.reset();
+  latest_ = record_of(0, {}, 0);
+  totals_ = {};
+}
+
+output::StepRecord Simulation::record_of(long step, const SolveReport& solve, double step_ms) {
+  output::StepRecord record;
+  record.step = step;
+  record.time = scene_.time();
+  record.kinetic_energy = solver_->kinetic_energy();
+  if (field_) record.flow = *field_->flow_report();
+  record.solver_iterations = solve.iterations;
+  record.residual = solve.residual;
+  record.step_ms = step_ms;
+  for (const scene::Instrument* instrument : scene_.root().all<scene::Instrument>())
+    if (const std::optional<Vec3> place = instrument->place(record.time)) record.instruments.push_back(*place);
+  return record;
+}
+
+long required_steps(const Simulation& simulation, std::optional<long> given) {
+  if (given) return *given;
+  if (simulation.num_steps()) return *simulation.num_steps();
+  throw UsageError("the number of steps is not given: neither --steps nor RunSettings.steps in the scene");
+}
+
+}  // namespace hexaplast::runner

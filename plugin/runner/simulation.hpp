@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+
+#include "hexaplast/body.hpp"
+#include "output/recorder.hpp"
+#include "runner/scene_file.hpp"
+
+namespace hexaplast::runner {
+
+/// What the accepted steps of a simulation add up to.
+struct Totals {
+  double step_ms = 0;          ///< wall time of all steps, without output
+  long iterations = 0;         ///< of all linear solves
+  long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
+  long stalled_averaging = 0;  ///< steps whose rest-to-material averaging did
+  long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
+  long latest_removal = 0;
+};
+
+/// A scene in motion, step by step: what all commands share that run one. The scene moves one mechanical state, by one
+/// solver of motion, with at most one body.
+class Simulation {
+ public:
+  /// Reads and initialises the scene, and logs its warnings. Throws what load_scene throws, and SceneError where there
+  /// is not exactly one state and solver, or a second body.
+  explicit Simulation(const SceneOptions& options);
+
+  /// One time step. Throws NumericalError, which names the step, and SceneError; the state then is that of a step
+  /// broken off, and only reset leads on.
+  const output::StepRecord& step();
+
+  /// Back to the beginning.
+  void reset();
+
+  const output::StepRecord& latest() const { return latest_; }  ///< that of step 0 before the first step
+  const Totals& totals() const { return totals_; }
+
+  /// Those that RunSettings tells.
+  std::optional<long> num_steps() const { return num_steps_; }
+  int output_every() const { return output_every_; }
+
+  double dt() { return scene_.dt(); }      ///< [s]
+  double time() { return scene_.time(); }  ///< [s] a running sum
+  scene::Scene& scene() { return scene_; }
+  scene::MechanicalState& state() { return *state_; }
+  const Body* body() const { return field_ ? field_->body() : nullptr; }  ///< null: only masses
+
+ private:
+  output::StepRecord record_of(long step, const SolveReport& solve, double step_ms);
+
+  scene::Scene scene_;
+  scene::MechanicalState* state_;
+  scene::OdeSolver* solver_;
+  const scene::ForceField* field_;  // that has the body
+  std::optional<long> num_steps_;
+  int output_every_ = 25;
+  output::StepRecord latest_;
+  Totals totals_;
+};
+
+/// How many steps a run has: as many as the command line gives, otherwise as the scene's RunSettings say. Throws
+/// UsageError where neither does.
+long required_steps(const Simulation& simulation, std::optional<long> given);
+
+}  // namespace hexaplast::runner
