@@ -32,9 +32,7 @@ double moved(double threshold, double before, double now) {
 }  // namespace
 
 PreconditionedConjugateGradients averaging_solver(const Model& model) {
-  // not by multigrid: its cycles in single precision turn the body as a whole, a little more in every step
-  const bool is_double = model.settings.precision == Precision::kDouble;
-  return {is_double ? kAveragingTolerance : kMixedAveragingTolerance, kAveragingIterations};
+  return {model.settings.averaging_residual(), kAveragingIterations, Preconditioner::kMultigrid};
 }
 
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)

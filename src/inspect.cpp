@@ -17,6 +17,8 @@ namespace hexaplast {
 
 namespace {
 
+constexpr double kExactAveraging = 1e-11;  // relative residual
+
 HexMesh mesh_of(const ElementPoints& original) { return HexMesh(original, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}); }
 
 History history_of(const Model& model, const HexahedronState& state) {
@@ -71,7 +73,9 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
 
 HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings,
                             double dt) {
-  const Model model(mesh_of(state.original), {material}, settings);
+  Settings exact = settings;
+  exact.averaging_tolerance = kExactAveraging;
+  const Model model(mesh_of(state.original), {material}, exact);
   check_time_step(model.materials, settings, dt);
   const History before = history_of(model, state);
   Linearization at(model);
@@ -121,7 +125,7 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   // and the step as a body takes it
   History after = before;
   FlowWorkspace work(model);
-  PreconditionedConjugateGradients solver(kAveragingTolerance, kAveragingIterations);
+  PreconditionedConjugateGradients solver = averaging_solver(model);
   flow(model, at, dt, solver, after, work);
   found.history = after.element(0);
   found.rest_volume = volume(found.history.rest_shape);

@@ -98,14 +98,21 @@ inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
     {.name = "averaging",
      .type = Type::kWord,
      .initial = "gaussNewton",
-     .words = "gaussNewton localGlobal jacobi",
-     .help = "How the rest shapes of the hexahedra become one: a rotation-projected Gauss-Newton step; localGlobal "
-             "(lags in bending and twist) and jacobi (one sweep, depends on the mesh) for comparison."},
+     .words = "gaussNewton gaussNewtonIsolated localGlobal jacobi",
+     .help = "How the rest shapes of the hexahedra become one: a Gauss-Newton step that leaves rotations of hexahedra "
+             "free; for comparison gaussNewtonIsolated (leaves those of their isolated shapes free: bodies tilt), "
+             "localGlobal (lags in bending and twist) and jacobi (one sweep, depends on the mesh)."},
     {.name = "averagingSteps",
      .type = Type::kInteger,
      .initial = "1",
      .range = {.least = 1, .most = 1000},
      .help = "Averaging steps per time step."},
+    {.name = "averagingTolerance",
+     .type = Type::kReal,
+     .initial = "0",
+     .range = {.least = 0, .most = 0.1},
+     .help = "Relative residual at which an averaging step is solved; the next one takes up what is left. 0: 1e-6, in "
+             "mixed precision 1e-2."},
     {.name = "precision",
      .type = Type::kWord,
      .initial = "double",

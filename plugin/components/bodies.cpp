@@ -180,10 +180,13 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
                                                                 {"none", RotationPlasticity::kNone}});
     settings.rotation_frame = chosen<RotationFrame>(
         text("rotationFrame"), {{"bestFit", RotationFrame::kBestFit}, {"world", RotationFrame::kWorld}});
-    settings.averaging = chosen<AveragingMethod>(text("averaging"), {{"gaussNewton", AveragingMethod::kGaussNewton},
-                                                                     {"localGlobal", AveragingMethod::kLocalGlobal},
-                                                                     {"jacobi", AveragingMethod::kJacobi}});
+    settings.averaging =
+        chosen<AveragingMethod>(text("averaging"), {{"gaussNewton", AveragingMethod::kGaussNewton},
+                                                    {"gaussNewtonIsolated", AveragingMethod::kGaussNewtonIsolated},
+                                                    {"localGlobal", AveragingMethod::kLocalGlobal},
+                                                    {"jacobi", AveragingMethod::kJacobi}});
     settings.averaging_steps = integer("averagingSteps");
+    settings.averaging_tolerance = real("averagingTolerance");
     settings.precision =
         chosen<Precision>(text("precision"), {{"double", Precision::kDouble}, {"mixed", Precision::kMixed}});
     settings.volume_restitution = real("volumeRestitution");

@@ -199,6 +199,7 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
   else if (key == "averaging")
     s.averaging = word<AveragingMethod>(name, value,
                                         {{"gaussNewton", AveragingMethod::kGaussNewton},
+                                         {"gaussNewtonIsolated", AveragingMethod::kGaussNewtonIsolated},
                                          {"localGlobal", AveragingMethod::kLocalGlobal},
                                          {"jacobi", AveragingMethod::kJacobi}});
   else if (key == "rotationFrame")

@@ -56,6 +56,8 @@ void validate(const Settings& settings) {
   require(settings.inversion_threshold >= 0 && settings.inversion_threshold < 1, "inversionThreshold",
           settings.inversion_threshold, "", "[0, 1)");
   require(settings.averaging_steps >= 1, "averagingSteps", settings.averaging_steps, "", "[1, inf)");
+  require(settings.averaging_tolerance >= 0 && settings.averaging_tolerance <= 0.1, "averagingTolerance",
+          settings.averaging_tolerance, "", "[0, 0.1]");
 }
 
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt) {

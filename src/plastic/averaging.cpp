@@ -76,6 +76,7 @@ struct Averaging::Kernels {
                                 .rest_shape = history.rest_shape.data(),
                                 .rotation_map = has_own_maps ? nullptr : history.rotation_map.data(),
                                 .fixed_map = has_own_maps ? history.rotation_map.data() : nullptr,
+                                .turns_targets = model.settings.averaging == AveragingMethod::kGaussNewtonIsolated,
                                 .coef = prepares ? of.coef.data() : nullptr,
                                 .gradient = prepares ? gradient.data() : nullptr,
                                 .misfit = misfit.data(),
@@ -172,6 +173,7 @@ class Averaging::System final : public LinearSystem {
   }
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
+  bool leaves_turns() const { return projects_ && model_.settings.averaging == AveragingMethod::kGaussNewton; }
 
   void apply(ConstPoints p, Points Ap) const override {
     const Partition& partition = *model_.partition;
@@ -231,10 +233,10 @@ class Averaging::System final : public LinearSystem {
       system.free.setOnes(num_nodes(), 3);
     }
     system.coarse.clear();
-    if (system.wants_coarse) kernels.coarsen(model_, projects_, system);
     system.double_operator = std::get_if<AveragingOperator<double>>(&kernels.op);
     system.single_operator = std::get_if<AveragingOperator<float>>(&kernels.op);
     system.exact_operator = nullptr;
+    if (system.wants_coarse) kernels.coarsen(model_, projects_, system);
     if (system.double_operator && !system.coarse.empty()) system.single_operator = &kernels.narrow(projects_);
     return true;
   }
@@ -249,8 +251,7 @@ class Averaging::System final : public LinearSystem {
 };
 
 Averaging::Averaging(const Model& model)
-    : num_removed_(std::numeric_limits<std::size_t>::max()),
-      node_weight_(model.mesh.num_nodes()),
+    : node_weight_(model.mesh.num_nodes()),
       gradient_(model.mesh.num_nodes(), 3),
       increment_(model.mesh.num_nodes(), 3),
       before_(model.mesh.num_nodes(), 3),
@@ -258,9 +259,9 @@ Averaging::Averaging(const Model& model)
 Averaging::~Averaging() = default;
 Averaging::Averaging(const Averaging& other)
     : parts_(other.parts_),
-      num_removed_(other.num_removed_),
+      removed_(other.removed_),
       node_weight_(other.node_weight_),
-      shift_(other.shift_),
+      of_part_(other.of_part_),
       part_moves_(other.part_moves_),
       chosen_(other.chosen_),
       gradient_(other.gradient_),
@@ -270,9 +271,9 @@ Averaging::Averaging(const Averaging& other)
 Averaging::Averaging(Averaging&&) noexcept = default;
 Averaging& Averaging::operator=(Averaging other) noexcept {
   std::swap(parts_, other.parts_);
-  std::swap(num_removed_, other.num_removed_);
+  std::swap(removed_, other.removed_);
   std::swap(node_weight_, other.node_weight_);
-  std::swap(shift_, other.shift_);
+  std::swap(of_part_, other.of_part_);
   std::swap(part_moves_, other.part_moves_);
   std::swap(chosen_, other.chosen_);
   std::swap(gradient_, other.gradient_);
@@ -283,32 +284,61 @@ Averaging& Averaging::operator=(Averaging other) noexcept {
 }
 
 const ConnectedParts& Averaging::parts(const Model& model, const History& history) {
-  if (num_removed_ != history.removed.size()) {
-    num_removed_ = history.removed.size();
+  if (removed_ != history.removed) {
+    removed_ = history.removed;
     parts_ = connected_parts(model.mesh, history.alive);
-    shift_.resize(parts_.count);
+    of_part_.assign(parts_.count, Part{});
     for (int n = 0; n < model.mesh.num_nodes(); ++n) {
       node_weight_[n] = 0;
       for (const auto& [element, corner] : model.mesh.incident(n)) node_weight_[n] += history.alive[element];
+      if (parts_.part_of_node[n] < 0) continue;
+      Part& part = of_part_[parts_.part_of_node[n]];
+      part.node = n;
+      ++part.num_nodes;
     }
   }
   return parts_;
 }
 
 void Averaging::take_means_out(PointArray& field) {
-  std::fill(shift_.begin(), shift_.end(), Shift{});
-  for (int n = 0; n < field.rows(); ++n) {
-    const int part = parts_.part_of_node[n];
-    if (part < 0) continue;
-    shift_[part].sum += field.row(n).transpose();
-    ++shift_[part].count;
-  }
+  for (Part& part : of_part_) part.sum.setZero();
+  for (int n = 0; n < field.rows(); ++n)
+    if (const int part = parts_.part_of_node[n]; part >= 0) of_part_[part].sum += field.row(n).transpose();
   for (int n = 0; n < field.rows(); ++n) {
     const int part = parts_.part_of_node[n];
     if (part < 0)
       field.row(n).setZero();
     else
-      field.row(n) -= (shift_[part].sum / shift_[part].count).transpose();
+      field.row(n) -= (of_part_[part].sum / of_part_[part].num_nodes).transpose();
+  }
+}
+
+void Averaging::take_turns_out(PointArray& field, ConstPoints positions) {
+  for (Part& part : of_part_) {
+    part.centre.setZero();
+    part.spread.setZero();
+    part.turn.setZero();
+  }
+  const auto arm = [&](int n, const Part& part) -> Vec3 {
+    return (positions.row(n) - positions.row(part.node)).transpose();
+  };
+  for (int n = 0; n < field.rows(); ++n) {
+    if (parts_.part_of_node[n] < 0) continue;
+    Part& part = of_part_[parts_.part_of_node[n]];
+    const Vec3 r = arm(n, part);
+    part.centre += r / part.num_nodes;
+    part.spread += r * r.transpose();
+    part.turn += r.cross(Vec3(field.row(n)));
+  }
+  for (Part& part : of_part_) {
+    part.spread -= part.num_nodes * part.centre * part.centre.transpose();
+    const Mat3 inertia = part.spread.trace() * Mat3::Identity() - part.spread;
+    part.turn = inertia.ldlt().solve(part.turn);
+  }
+  for (int n = 0; n < field.rows(); ++n) {
+    if (parts_.part_of_node[n] < 0) continue;
+    const Part& part = of_part_[parts_.part_of_node[n]];
+    field.row(n) -= part.turn.cross(arm(n, part) - part.centre).transpose();
   }
 }
 
@@ -324,8 +354,9 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
       gradient_(n, i) = kernels_->gradient[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
   take_means_out(gradient_);  // they are rounding, and outside the range of H and P
   before_ = history.material;
-  const auto move = [&] {
+  const auto move = [&](bool leaves_turns) {
     take_means_out(increment_);
+    if (leaves_turns) take_turns_out(increment_, before_);
     history.material = before_ + increment_;
     ++history.version;
   };
@@ -337,20 +368,18 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
     report.iterations += solved.iterations;
     report.residual = solved.residual;
     report.converged = report.converged && solved.converged;
-    move();
+    move(system.leaves_turns());
     if (warm) history.averaging_increment = increment_;
   };
 
   const AveragingMethod method = model.settings.averaging;
   if (method == AveragingMethod::kJacobi) {
     System(model, *this, false).precondition(gradient_, increment_);
-    move();
+    move(false);
   } else if (method == AveragingMethod::kLocalGlobal || model.maps_per_element() > 1) {
     solve(System(model, *this, false));
   } else {
     solve(System(model, *this, true));
-    // a turn of the whole part costs next to nothing in eq. 31 and comes out with little accuracy: the maps follow it,
-    // so that rest shapes and thresholds do not feel it
     if (kernels_->fit(model, history, false) > E) {
       // far from the fit the projected step may overshoot; the local/global step never raises E
       report.fell_back = true;

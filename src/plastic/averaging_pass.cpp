@@ -45,9 +45,9 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
       if (op.projects) {
         V moment[3] = {V(T(0)), V(T(0)), V(T(0))};
         for (int a = 0; a < kCorners; ++a) {
-          V t[3], c[3];
-          for (int i = 0; i < 3; ++i) t[i] = load(coef + (3 * a + i) * kBlock);
-          cross(t, u.at[a], c);
+          V arm[3], c[3];
+          for (int i = 0; i < 3; ++i) arm[i] = load(coef + (Op::kArm + 3 * a + i) * kBlock);
+          cross(arm, u.at[a], c);
           for (int i = 0; i < 3; ++i) moment[i] += c[i];
         }
         V J[6], spin[3];
@@ -57,9 +57,9 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
         spin[2] = J[4] * moment[0] + J[3] * moment[1] + J[2] * moment[2];
         const V definite(T(1 + kRegularisation));
         for (int a = 0; a < kCorners; ++a) {
-          V t[3], c[3];
-          for (int i = 0; i < 3; ++i) t[i] = load(coef + (3 * a + i) * kBlock);
-          cross(spin, t, c);
+          V arm[3], c[3];
+          for (int i = 0; i < 3; ++i) arm[i] = load(coef + (Op::kArm + 3 * a + i) * kBlock);
+          cross(spin, arm, c);
           for (int i = 0; i < 3; ++i) u.at[a][i] = weight * (definite * u.at[a][i] - c[i]);
         }
       } else {
@@ -87,16 +87,19 @@ void add_diagonal(const AveragingOperator<T>& op, int chunk, T factor, T* diagon
     }
 }
 
-/// t and (B^T B)^-1 = (sum |t|^2 I - t t^T)^-1; a shape flattened to a line keeps its free turn out by the floor.
+/// Arms and (B^T B)^-1 = (sum |arm|^2 I - arm arm^T)^-1; a shape flattened to a line keeps its free turn out by the
+/// floor.
 template <class T>
-HWY_INLINE void store_target(const CornerLanes<Lanes<double>>& t, Lanes<double> t_t, T* coef) {
+HWY_INLINE void store_arms(const CornerLanes<Lanes<double>>& arm, T* coef) {
   using V = Lanes<double>;
-  for (int k = 0; k < 3 * kCorners; ++k) store_as(t.at[k / 3][k % 3], coef + k * kBlock);
-  const Mat<V> outer = outer_sum(t, t);
+  for (int k = 0; k < 3 * kCorners; ++k)
+    store_as(arm.at[k / 3][k % 3], coef + (AveragingOperator<T>::kArm + k) * kBlock);
+  const Mat<V> outer = outer_sum(arm, arm);
+  const V squares = outer(0, 0) + outer(1, 1) + outer(2, 2);
   Mat<V> inertia;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) inertia(i, j) = V(0.0) - outer(i, j);
-  for (int i = 0; i < 3; ++i) inertia(i, i) += t_t * V(1 + 1e-14);
+  for (int i = 0; i < 3; ++i) inertia(i, i) += squares * V(1 + 1e-14);
   V det;
   const Mat<V> inverse = reciprocal(inertia, det);
   const V J[6] = {inverse(0, 0), inverse(1, 1), inverse(2, 2), inverse(1, 2), inverse(2, 0), inverse(0, 1)};
@@ -116,13 +119,11 @@ void fit_coarse(const double* position, const float* weight, int chunk, Averagin
         coef[Op::kWeight * kBlock + k] = cell < 0 ? 0 : weight[cell];
         present |= (cell < 0 ? 0u : 1u) << k;
       }
-      CornerLanes<V> t;
-      gather(partition, block, lane, position, t);
-      replace_absent(present, t);
-      take_mean_out(t);
-      V t_t(0.0);
-      for (int k = 0; k < 3 * kCorners; ++k) t_t += t.at[k / 3][k % 3] * t.at[k / 3][k % 3];
-      store_target(t, t_t, coef);
+      CornerLanes<V> x;
+      gather(partition, block, lane, position, x);
+      replace_absent(present, x);
+      take_mean_out(x);
+      store_arms(x, coef);
     }
 }
 
@@ -191,8 +192,8 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   if (pass.gradient) scatter_add(difference, pass.partition, block, lane, pass.gradient);
 
   if (pass.coef) {
-    store_target(t, t_t,
-                 pass.coef + static_cast<std::size_t>(block) * AveragingOperator<T>::kComponents * kBlock + lane);
+    store_arms(pass.turns_targets ? t : x,
+               pass.coef + static_cast<std::size_t>(block) * AveragingOperator<T>::kComponents * kBlock + lane);
   }
 }
 

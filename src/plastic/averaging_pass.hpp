@@ -6,8 +6,8 @@
 
 namespace hexaplast {
 
-/// H + 1e-7 P of theory.md eq. 31, or P alone, element by element: targets t, the inverse of their inertia and a
-/// weight, per block [component][element of the block].
+/// H + 1e-7 P of theory.md eq. 31, or P alone, element by element: the arms of the rotations that H leaves free, the
+/// inverse of their inertia and a weight, per block [component][element of the block].
 template <class T>
 class AveragingOperator final : public ChunkedOperator<T> {
  public:
@@ -18,7 +18,7 @@ class AveragingOperator final : public ChunkedOperator<T> {
   void add_product(int chunk, T factor, const T* p, T* Ap) const override;
   void add_diagonal(int chunk, T factor, T* diagonal) const override;
 
-  static constexpr int kTarget = 0;              ///< t: [corner][axis]
+  static constexpr int kArm = 0;                 ///< x - c, or t: [corner][axis]
   static constexpr int kInertia = 3 * kCorners;  ///< xx yy zz yz zx xy of (B^T B)^-1
   static constexpr int kWeight = kInertia + 6;   ///< of the element: 1, or that of the elements that a cell stands for
   static constexpr int kComponents = kWeight + 1;
@@ -38,6 +38,7 @@ struct FitPass {
   const ElementPoints* rest_shape;  ///< y, per element
   Mat3* rotation_map;               ///< Pi, per element: written, unless null
   const Mat3* fixed_map;            ///< per element and corner: taken instead of fitted ones, unless null
+  bool turns_targets;               ///< the arms of H are t; otherwise x - c
   T* coef;                          ///< AveragingOperator::coef: written but for the weights, unless null
   double* gradient;                 ///< [m] slots: t - (x - c) added, unless null
   double* misfit;                   ///< [m^2] per block: sum |t - (x - c)|^2
@@ -48,7 +49,7 @@ struct FitPass {
 template <class T>
 void fit_elements(const FitPass<T>& pass, int chunk);
 
-/// The same on the cells of a coarse mesh: their own shapes as targets. position: [m] slots; weight: per cell.
+/// The same on the cells of a coarse mesh, that fit. position: [m] slots; weight: per cell.
 void fit_cells(const double* position, const float* weight, int chunk, AveragingOperator<float>& op);
 
 }  // namespace hexaplast

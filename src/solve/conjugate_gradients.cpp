@@ -237,6 +237,7 @@ constexpr int kMostCorrections = 50;
 void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, double enough, int most_iterations,
          SolveReport& report) {
   report.residual = std::sqrt(space.begin(b, start)) / norm_b;
+  if (start && report.residual > 1) report.residual = std::sqrt(space.begin(b, nullptr)) / norm_b;  // worse than none
   double rho_before = 0;
   bool first = true;
   while (report.residual > enough && report.iterations < most_iterations) {

@@ -24,7 +24,7 @@ History::History(const Model& model)
       plastic_strain(model.mesh.num_elements(), CornerValues{}),
       plastic_stretch(model.tracks_plastic_stretch ? model.mesh.num_elements() : 0, identities()),
       alive(model.mesh.num_elements(), 1) {
-  if (model.settings.precision == Precision::kMixed) averaging_increment.setZero(model.mesh.num_nodes(), 3);
+  averaging_increment.setZero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     rest_shape[e] = model.original_shape(e);
     yield_stress[e].fill(model.material(e).yield_stress);

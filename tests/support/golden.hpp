@@ -66,6 +66,8 @@ inline Settings settings(const Json& params, const std::string& mode, RotationFr
                : mode == "paper_centre" ? RotationPlasticity::kCentre
                                         : RotationPlasticity::kObjective;
   s.rotation_frame = frame;
+  s.averaging = AveragingMethod::kGaussNewtonIsolated;  // one step of it does not reach what every method ends at
+  s.averaging_tolerance = 1e-12;
   s.volume_restitution = params.at("volrate");
   s.inversion_threshold = params.at("guard_F");
   return s;

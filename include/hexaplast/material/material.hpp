@@ -59,9 +59,10 @@ enum class RotationFrame {
 
 /// How the isolated rest shapes become one material shape.
 enum class AveragingMethod {
-  kGaussNewton,  ///< one rotation-projected Gauss-Newton step                                   theory.md eq. 31
-  kLocalGlobal,  ///< rotations held fixed while positions are solved for: lags in bending and twist
-  kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size
+  kGaussNewton,  ///< one Gauss-Newton step that leaves the rotations of the joined elements free  theory.md eq. 31
+  kGaussNewtonIsolated,  ///< that leaves the rotations of the isolated shapes free: bodies tilt
+  kLocalGlobal,          ///< rotations held fixed while positions are solved for: lags in bending and twist
+  kJacobi                ///< one sweep of averages, as printed in the paper: depends on the mesh size
 };
 
 /// Numbers that the stiffness product and what follows from it are computed with. Positions, forces, rotations and
@@ -80,9 +81,16 @@ struct Settings {
   AveragingMethod averaging =
       AveragingMethod::kGaussNewton;  ///< kVertex and kCentre know kLocalGlobal and kJacobi only
   int averaging_steps = 1;            ///< per time step, >= 1
+  double averaging_tolerance = 0;     ///< relative residual of its linear systems; 0: 1e-6, in mixed precision 1e-2
   Precision precision = Precision::kDouble;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
+
+  /// The tolerance itself: what a step leaves is in the next one's right-hand side.
+  double averaging_residual() const {
+    if (averaging_tolerance > 0) return averaging_tolerance;
+    return precision == Precision::kDouble ? 1e-6 : 1e-2;
+  }
 
   bool operator==(const Settings&) const = default;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,12 +11,8 @@
 
 namespace hexaplast {
 
-// The averaging is solved far beyond what a picture needs: the plastic result must not depend on the solver.
-inline constexpr double kAveragingTolerance = 1e-11;  ///< relative residual asked of the linear solver
-inline constexpr double kMixedAveragingTolerance =
-    1e-2;  ///< in mixed precision: what a step leaves is in the next one's gradient
-inline constexpr int kAveragingIterations = 10000;  ///< after which it gives up
-inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps free rotations of the whole body definite
+inline constexpr int kAveragingIterations = 10000;  ///< of the linear solver, after which it gives up
+inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps turns of a connected part definite
 
 struct AveragingReport {
   bool skipped = true;     ///< the rest shapes fitted already
@@ -33,9 +30,10 @@ struct AveragingReport {
 ///
 ///   (H + 1e-7 P) dx = -g,   H_k = P - B (B^T B)^-1 B^T,   g = assembled x_i - c_k - t_i                    (eq. 31)
 ///
-/// P removes an element's mean, B its infinitesimal rotations of t. The local/global step solves P dx = -g, the Jacobi
-/// sweep divides -g by the number of elements around a node. The paper's rotation modes have rotation maps of their own
-/// instead of best rotations: for them P dx = -g is exact. Every connected part keeps the mean of its nodes.
+/// P removes an element's mean, B the infinitesimal rotations of x - c: a turn of a whole connected part is in neither
+/// H nor g, and is taken out of dx. The local/global step solves P dx = -g, the Jacobi sweep divides -g by the number
+/// of elements around a node. The paper's rotation modes have rotation maps of their own instead of best rotations: for
+/// them P dx = -g is exact. Every connected part keeps the mean of its nodes.
 class Averaging {
  public:
   explicit Averaging(const Model& model);
@@ -58,19 +56,24 @@ class Averaging {
   class System;
   struct Kernels;  // operators and vectors in slots
 
-  struct Shift {
-    Vec3 sum = Vec3::Zero();
-    int count = 0;
+  /// Of a connected part, whose nodes keep their mean.
+  struct Part {
+    int num_nodes = 0, node = -1;  // one of them
+    Vec3 sum = Vec3::Zero();       // of a field
+    Vec3 centre = Vec3::Zero();    // [m] mean of the nodes, from `node`
+    Mat3 spread = Mat3::Zero();    // [m^2] sum of r r^T about the mean
+    Vec3 turn = Vec3::Zero();      // that a field contains
   };
 
   void step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report);
-  void take_means_out(PointArray& field);  // of each connected part
+  void take_means_out(PointArray& field);                         // of each connected part
+  void take_turns_out(PointArray& field, ConstPoints positions);  // of a field without means
   void choose_elements(const Model& model, History& history, std::span<const unsigned char> changed);
 
   ConnectedParts parts_;
-  std::size_t num_removed_ = 0;               // length of History::removed that parts_ and node_weight_ belong to
+  std::optional<std::vector<int>> removed_;   // History::removed that parts_, of_part_ and node_weight_ belong to
   std::vector<double> node_weight_;           // number of live elements around a node: diagonal of P but for 7/8
-  std::vector<Shift> shift_;                  // per connected part
+  std::vector<Part> of_part_;                 // per connected part
   std::vector<unsigned char> part_moves_;     // per connected part
   std::vector<unsigned char> chosen_;         // per element: it is left, and its part moves
   PointArray gradient_, increment_, before_;  // gradient_ holds -g
