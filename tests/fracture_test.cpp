@@ -135,7 +135,7 @@ TEST(Fracture, LeavesNothingSingularDownToTheLastElement) {
     settings.averaging = averaging;
     Body body(mesh, breaking_in_random_order(64, random), settings);
     const PointArray world = support::stretched_and_twisted(mesh, 1.4, 0.5);
-    std::vector<double> mass = support::lumped_mass(body.model(), 1000);
+    std::vector<double> mass = lumped_masses(body.model(), 1000);
     bool had_isolated_nodes = false;
     for (int k = 0; k < 400 && body.history().removed.size() < 64; ++k) {
       body.flow(world, kStep);
@@ -143,7 +143,7 @@ TEST(Fracture, LeavesNothingSingularDownToTheLastElement) {
 
       // an implicit step with both solvers: elastic operator of what is left, masses of all nodes
       const std::vector<int> part_of_node = connected_parts(mesh, body.history().alive).part_of_node;
-      support::LoadedBody system(body, mass, {}, {});
+      LoadedBody system(body, mass, {}, {});
       PointArray x[2] = {world, world}, v[2] = {PointArray::Zero(125, 3), PointArray::Zero(125, 3)};
       CholeskySolver direct;
       PreconditionedConjugateGradients iterative(1e-13, 2000);
@@ -180,7 +180,7 @@ TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
 
   const auto weight = [](double, ConstPoints, Points f) { f.col(2).array() -= 0.04; };
   const auto rest = [&](Body& body, LinearSolver& solver) {
-    support::LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0),
+    LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0),
                                support::nodes_at(body.mesh(), 0, 0), weight);
     PointArray x = body.mesh().positions();
     NewtonRaphson newton({.iterations = 50,

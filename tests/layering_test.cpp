@@ -27,6 +27,7 @@ const std::map<std::string, int> kHeight{
     {"body", 5},
     {"inspect", 6},
     {"survey", 6},
+    {"moving_body", 6},
     {"attributes", 7},
     {"scene", 8},
     {"components", 9},

@@ -87,7 +87,7 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
     for (int e = 0; e < mesh.num_elements(); ++e) materials.push_back(tearing(random.uniform(301, 480)));
     Body body(mesh, std::move(materials));
     const History& history = body.history();
-    const std::vector<double> mass = support::lumped_mass(body.model(), 1000);
+    const std::vector<double> mass = lumped_masses(body.model(), 1000);
     CholeskySolver solver;
     for (int k = 0; k < 100 && history.removed.size() < volume_of.size(); ++k) {
       // now and then one anywhere, as a host takes it; the others when they break
@@ -114,7 +114,7 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
       ASSERT_NEAR(body.volume(world), expected, 1e-15);
 
       // one implicit step of what is left: forces in balance, no momentum, nothing singular, nothing blown away
-      support::LoadedBody system(body, mass, {}, {});
+      LoadedBody system(body, mass, {}, {});
       PointArray x = world, v = PointArray::Zero(mesh.num_nodes(), 3), f = v;
       body.linearize(world);
       body.add_force(f);

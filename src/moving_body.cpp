@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "support/simulation.hpp"
+#include "hexaplast/moving_body.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <utility>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 
-namespace hexaplast::support {
+namespace hexaplast {
 
-std::vector<double> lumped_mass(const Model& model, double density) {
+std::vector<double> lumped_masses(const Model& model, double density) {
   std::vector<double> mass(model.mesh.num_nodes(), 0.0);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     for (const int n : model.mesh.hexahedra()[e]) mass[n] += density * model.volume[e] / kCorners;
@@ -15,7 +19,7 @@ std::vector<double> lumped_mass(const Model& model, double density) {
   return mass;
 }
 
-LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, Load load)
+LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load)
     : body_(body), mass_(std::move(mass)), fixed_(std::move(fixed)), load_(std::move(load)) {}
 
 void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints, Points f) {
@@ -51,27 +55,43 @@ void LoadedBody::pin(BlockMatrix& A) const {
   }
 }
 
-Simulation::Simulation(Body made, SimulationSetup setup, std::unique_ptr<LinearSolver> solver)
+namespace {
+
+void check(const Motion& motion, const Body& body) {
+  for (const auto& [name, value] : {std::pair{"density", motion.density}, std::pair{"dt", motion.dt}})
+    if (!(value > 0 && std::isfinite(value)))
+      throw InputError(fmt::format("{} = {}: must be a finite number greater than 0", name, value));
+  for (const int n : motion.fixed)
+    if (n < 0 || n >= body.mesh().num_nodes())
+      throw InputError(fmt::format("fixed node {}: the body has nodes 0 to {}", n, body.mesh().num_nodes() - 1));
+  if (body.model().can_flow()) check_time_step(body.model().materials, body.model().settings, motion.dt);
+}
+
+}  // namespace
+
+MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> solver)
     : body(std::move(made)),
-      mass(lumped_mass(body.model(), setup.density)),
+      mass(lumped_masses(body.model(), motion.density)),
       x(body.mesh().positions()),
       v(PointArray::Zero(x.rows(), 3)),
-      system_(body, mass, std::move(setup.fixed), std::move(setup.load)),
-      euler_(setup.euler),
+      system_(body, mass, motion.fixed, motion.load),
+      euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
-      dt_(setup.dt) {}
+      dt_(motion.dt) {
+  check(motion, body);
+}
 
-FlowReport Simulation::step() {
+FlowReport MovingBody::step() {
   latest = euler_.step(system_, *solver_, time(), dt_, x, v);
   ++steps_;
   return body.flow(x, dt_);
 }
 
-void Simulation::run(int steps) {
+void MovingBody::run(int steps) {
   for (int k = 0; k < steps; ++k) step();
 }
 
-std::string Simulation::state_hash() const {
+std::string MovingBody::state_hash() const {
   StateHash hash;
   hash.add(x.data(), x.size() * sizeof(double));
   hash.add(v.data(), v.size() * sizeof(double));
@@ -79,4 +99,4 @@ std::string Simulation::state_hash() const {
   return hash.text();
 }
 
-}  // namespace hexaplast::support
+}  // namespace hexaplast

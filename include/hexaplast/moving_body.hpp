@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/solve/implicit_euler.hpp"
+
+namespace hexaplast {
+
+/// External nodal forces: adds to f [N], num_nodes x 3, given the time [s] and the positions [m] at the beginning of a
+/// step. Taken as constant over the step.
+using NodalLoad = std::function<void(double time, ConstPoints x, Points f)>;
+
+/// density times the volume of each hexahedron, an eighth to each of its corners [kg]; one mass per node.
+std::vector<double> lumped_masses(const Model& model, double density);
+
+/// A body with nodal masses, fixed nodes and a load, as a time integrator sees it.
+class LoadedBody : public MechanicalSystem {
+ public:
+  /// The body must outlive this. mass: one per node [kg]. fixed: nodes that do not move. load: may be empty.
+  LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load);
+
+  int num_nodes() const override { return body_.mesh().num_nodes(); }
+  void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
+  void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
+  void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
+  bool to_kernels(const OperatorFactors& factors, KernelSystem& system) const override;
+  void project(Points field) const override;
+  void pin(BlockMatrix& A) const override;
+
+ private:
+  Body& body_;
+  std::vector<double> mass_;
+  std::vector<int> fixed_;
+  NodalLoad load_;
+};
+
+/// What moves a body, besides itself.
+struct Motion {
+  double density = 1000;  ///< [kg/m^3]
+  double dt = 0.01;       ///< [s]
+  EulerSettings euler = {};
+  std::vector<int> fixed = {};  ///< nodes that do not move
+  NodalLoad load = {};          ///< none when empty
+};
+
+/// A body by itself in time, for programs that have no scene: an implicit step of the world, then one plastic flow at
+/// the accepted positions.
+class MovingBody {
+ public:
+  /// Starts at the body's original positions, at rest, at time 0. solver: sparse Cholesky when null, which is exact and
+  /// suits up to about a thousand hexahedra; PreconditionedConjugateGradients beyond. Throws InputError where a fixed
+  /// node does not exist, or a number of `motion` is not positive, or a rate of the material too great for dt.
+  MovingBody(Body body, Motion motion, std::unique_ptr<LinearSolver> solver = nullptr);
+
+  MovingBody(const MovingBody&) = delete;  // the system refers to the body
+  MovingBody& operator=(const MovingBody&) = delete;
+
+  /// One time step. Throws NumericalError naming the first node or element that left the finite numbers; what is
+  /// plastic is then as before the step.
+  FlowReport step();
+  SolveReport latest;  ///< of the latest step
+  void run(int steps);
+
+  double time() const { return steps_ * dt_; }  ///< [s]
+
+  /// XXH64, as 16 hexadecimal digits, over positions, velocities and everything plastic.
+  std::string state_hash() const;
+
+  Body body;
+  std::vector<double> mass;  ///< [kg] per node
+  PointArray x;              ///< [m] num_nodes x 3
+  PointArray v;              ///< [m/s] num_nodes x 3
+
+ private:
+  LoadedBody system_;
+  ImplicitEuler euler_;
+  std::unique_ptr<LinearSolver> solver_;
+  double dt_;
+  int steps_ = 0;
+};
+
+}  // namespace hexaplast
