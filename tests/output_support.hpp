@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -42,6 +43,24 @@ inline std::string content(const std::filesystem::path& file) {
 
 inline void put(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
+}
+
+/// The rows of a table of numbers, and its first line.
+inline std::vector<std::vector<double>> rows_of(const std::filesystem::path& file, std::string& header) {
+  std::ifstream in(file);
+  std::getline(in, header);
+  std::vector<std::vector<double>> rows;
+  for (std::string line; std::getline(in, line);) {
+    rows.emplace_back();
+    const char* at = line.data();
+    const char* const end = line.data() + line.size();
+    while (at < end) {
+      double value = 0;
+      at = std::from_chars(at, end, value).ptr + 1;
+      rows.back().push_back(value);
+    }
+  }
+  return rows;
 }
 
 /// A distorted block whose hexahedra yield, except the first, which never does.

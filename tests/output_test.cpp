@@ -6,7 +6,6 @@
 #include <sys/wait.h>
 #include <tinyxml2.h>
 
-#include <charconv>
 #include <csignal>
 #include <cstring>
 #include <map>
@@ -25,11 +24,13 @@ using output::Recorder;
 using output::RunPlan;
 using output::WholeFile;
 using support::content;
+using support::rows_of;
 using support::Scratch;
 
 constexpr const char* kHeader =
     "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
-    "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms";
+    "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
+    "world_elongation,world_twist_deg";
 
 RunPlan plan(long steps, int every) {
   return {.title = "test",
@@ -39,23 +40,6 @@ RunPlan plan(long steps, int every) {
           .num_frames = 0,
           .force = false,
           .loaded_nodes = {}};
-}
-
-std::vector<std::vector<double>> rows_of(const fs::path& file, std::string& header) {
-  std::ifstream in(file);
-  std::getline(in, header);
-  std::vector<std::vector<double>> rows;
-  for (std::string line; std::getline(in, line);) {
-    rows.emplace_back();
-    const char* at = line.data();
-    const char* const end = line.data() + line.size();
-    while (at < end) {
-      double value = 0;
-      at = std::from_chars(at, end, value).ptr + 1;
-      rows.back().push_back(value);
-    }
-  }
-  return rows;
 }
 
 /// The arrays of a .vtu file as meshio, an independent reader, sees them.
@@ -144,7 +128,7 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
   EXPECT_EQ(header, kHeader);
   ASSERT_EQ(rows.size(), 7u);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    ASSERT_EQ(rows[k].size(), 16u);
+    ASSERT_EQ(rows[k].size(), 18u);
     EXPECT_EQ(rows[k][0], static_cast<double>(k));
   }
 
@@ -165,6 +149,8 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
   EXPECT_EQ(last[13], 7);
   EXPECT_EQ(last[14], 1e-6 / 3);
   EXPECT_EQ(last[15], 0.125);
+  EXPECT_EQ(last[16], summary.world_elongation);
+  EXPECT_EQ(last[17], summary.world_twist_deg);
 }
 
 TEST(MeshFile, ComesBackBitForBitInAnIndependentReader) {
@@ -270,7 +256,7 @@ TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
   EXPECT_EQ(body.history().removed.size(), std::size_t(kBars));
   std::string header;
   const std::vector<double> last = rows_of(scratch / "run/history.csv", header).back();
-  ASSERT_EQ(last.size(), 16u);
+  ASSERT_EQ(last.size(), 18u);
   for (const double value : last) EXPECT_TRUE(std::isfinite(value));
   EXPECT_EQ(last[6], 0);
   EXPECT_EQ(last[12], kBars);
@@ -435,8 +421,9 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   const Scratch scratch;
   Body body = support::yielding_block();
   fs::create_directories(scratch / "run/frames");
-  for (const char* name : {"history.csv", "removed.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part",
-                           "frames/frame_000300.png", "plot.svg", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
+  for (const char* name :
+       {"history.csv", "removed.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part", "frames/frame_000300.png",
+        "plot.svg", "manifest.json", "report.html", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
     support::put(scratch / "run" / name, "earlier");
   const std::vector<std::string> before = names_in(scratch / "run");
 

@@ -50,7 +50,7 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
   };
   collect(directory, [](std::string_view name) {
     return name == "history.csv" || name == "removed.csv" || name == "mesh.pvd" || name == "plot.svg" ||
-           is_numbered(name, "mesh_", ".vtu");
+           name == "manifest.json" || name == "report.html" || is_numbered(name, "mesh_", ".vtu");
   });
   if (fs::is_directory(directory / "frames"))
     collect(directory / "frames", [](std::string_view name) { return is_numbered(name, "frame_", ".png"); });

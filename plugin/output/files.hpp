@@ -55,9 +55,9 @@ class LineFile {
 inline constexpr std::string_view kPart = ".part";
 
 /// Makes `directory` ready for a new run: creates it, or checks that it can be written and holds no earlier run; with
-/// `force` the files of an earlier run (history.csv, removed.csv, mesh.pvd, mesh_N.vtu, frames/frame_N.png, plot.svg)
-/// are removed, others stay. Throws OutputError, before anything is changed, when the place is a file, cannot be
-/// written, or holds an earlier run and `force` is not set.
+/// `force` the files of an earlier run (history.csv, removed.csv, mesh.pvd, mesh_N.vtu, frames/frame_N.png, plot.svg,
+/// manifest.json, report.html) are removed, others stay. Throws OutputError, before anything is changed, when the place
+/// is a file, cannot be written, or holds an earlier run and `force` is not set.
 void prepare_directory(const std::filesystem::path& directory, bool force);
 
 }  // namespace hexaplast::output

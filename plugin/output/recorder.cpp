@@ -19,7 +19,8 @@ namespace {
 
 constexpr std::string_view kHeader =
     "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
-    "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms";
+    "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
+    "world_elongation,world_twist_deg";
 
 /// Enough to tell the time stamps of neighbouring steps apart, and not fewer than people expect of seconds.
 int time_decimals(double dt) {
@@ -57,7 +58,6 @@ struct Recorder::Files {
         history(directory / "history.csv"),
         removed(directory / "removed.csv"),
         series(directory / "mesh.pvd"),
-        plot(plan.title, body.mesh().num_elements()),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     history.append(kHeader);
     removed.append("step,time,hexahedron");
@@ -71,7 +71,6 @@ struct Recorder::Files {
   Ruler ruler;
   LineFile history, removed;
   TimeSeries series;
-  Plot plot;
   std::vector<long> to_draw;       // ascending
   std::optional<Gallery> gallery;  // absent: no pictures wanted
 
@@ -103,7 +102,6 @@ void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoin
   const Measures measures = files.ruler.measure(positions);
   files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
   files.append_row(record, measures, positions);
-  files.plot.add(record.time, measures, record.flow.yielded);
   if (record.step % std::max(files.plan.output_every, 1) == 0 || record.step == files.plan.num_steps)
     files.write_mesh();
   if (std::ranges::binary_search(files.to_draw, record.step)) files.keep_for_picture();
@@ -114,7 +112,8 @@ std::vector<std::string> Recorder::finish() {
   if (files.finished || files.latest_positions.rows() == 0) return {};
   files.finished = true;
   if (files.step_on_disk != files.latest.step) files.write_mesh();
-  files.plot.write_svg(files.directory / "plot.svg");
+  write_plot(files.directory / "plot.svg", files.directory / "history.csv", files.plan.title,
+             files.body.mesh().num_elements());
 
   if (!files.gallery) return {};
   const int drawn = files.gallery->num_states();
@@ -132,12 +131,13 @@ void Recorder::Files::append_removed(const StepRecord& record) {
 }
 
 void Recorder::Files::append_row(const StepRecord& record, const Measures& measures, ConstPoints positions) {
-  history.append(fmt::format(
-      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
-      body.energy(positions), body.history().dissipated_energy, measures.world_volume_ratio,
-      measures.material_volume_ratio, measures.plastic_elongation, measures.plastic_twist_deg,
-      mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions), record.flow.yielded,
-      record.flow.inverted, body.history().removed.size(), record.solver_iterations, record.residual, record.step_ms));
+  history.append(
+      fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", record.step, record.time,
+                  record.kinetic_energy, body.energy(positions), body.history().dissipated_energy,
+                  measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
+                  measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
+                  record.flow.yielded, record.flow.inverted, body.history().removed.size(), record.solver_iterations,
+                  record.residual, record.step_ms, measures.world_elongation, measures.world_twist_deg));
 }
 
 void Recorder::Files::write_mesh() {

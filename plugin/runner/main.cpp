@@ -77,7 +77,9 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(0L, 1'000'000'000L));
   CLI::Option* out =
-      run->add_option("--out", options.out, "Write history.csv, mesh.pvd, frames and plot.svg into this directory")
+      run->add_option(
+             "--out", options.out,
+             "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory")
           ->type_name("DIR");
   run->add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
   run->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
@@ -466,6 +468,9 @@ int main(int argc, char** argv) {
       list(list_options);
       return kOk;
     });
-  if (run_options.quiet) spdlog::set_level(spdlog::level::err);
+  // the stream alone: warnings are kept for the manifest of the run
+  if (run_options.quiet) spdlog::default_logger()->sinks().front()->set_level(spdlog::level::err);
+  run_options.command = {"hexaplast"};
+  run_options.command.insert(run_options.command.end(), argv + 1, argv + argc);
   return report_errors(run_options.scene.file.string(), [&] { return run(run_options); });
 }

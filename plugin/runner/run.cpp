@@ -13,6 +13,8 @@
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
+#include "runner/journal.hpp"
+#include "runner/kept_warnings.hpp"
 #include "runner/progress.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
@@ -72,37 +74,47 @@ std::string removed_line(const std::vector<int>& removed, const Totals& totals, 
                      named < removed.size() ? ", ..." : "");
 }
 
-void print_summary(Simulation& simulation, const path& scene_file) {
+std::string hash_of(Simulation& simulation) {
+  return output::state_hash(simulation.latest().step, simulation.state().positions(), simulation.state().velocities(),
+                            simulation.body());
+}
+
+std::vector<output::Figure> summary_of(Simulation& simulation) {
+  std::vector<output::Figure> figures;
+  const auto add = [&](const char* label, std::string value) { figures.push_back({label, std::move(value)}); };
   const Totals& totals = simulation.totals();
   const long num_steps = simulation.latest().step;
   const double per_step = totals.step_ms / static_cast<double>(std::max(num_steps, 1L));
-  const Body* body = simulation.body();
-  const PointArray& x = simulation.state().positions();
-  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", scene_file.stem().string(), num_steps, simulation.dt(),
-             simulation.time());
-  fmt::print("  nodes               {}\n", simulation.state().num_nodes());
-  if (body) {
-    const output::Summary summary = output::summarise(*body, x);
+  add("nodes", fmt::format("{}", simulation.state().num_nodes()));
+  if (const Body* body = simulation.body()) {
+    const output::Summary summary = output::summarise(*body, simulation.state().positions());
     const Vec3& place = summary.largest_strain_place;
-    fmt::print("  hexahedra           {}\n", body->mesh().num_elements());
+    add("hexahedra", fmt::format("{}", body->mesh().num_elements()));
     if (!body->history().removed.empty())
-      fmt::print("  removed             {}\n", removed_line(body->history().removed, totals, summary.num_pieces));
-    fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", 100 * summary.plastic_elongation,
-               100 * summary.world_elongation);
-    fmt::print("  plastic twist       {:+.3f} deg  (world {:+.3f} deg)\n", summary.plastic_twist_deg,
-               summary.world_twist_deg);
-    fmt::print("  volume error        {:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)\n",
-               100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
-               100 * (summary.world_volume_ratio - 1));
-    fmt::print("  largest strain      {:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g})\n", summary.largest_strain,
-               summary.largest_strain_element, place.x(), place.y(), place.z());
-    if (num_steps > 0) fmt::print("  speed               {:.1f} hex/ms\n", body->mesh().num_elements() / per_step);
+      add("removed", removed_line(body->history().removed, totals, summary.num_pieces));
+    add("plastic elongation",
+        fmt::format("{:+.3f} %  (world {:+.3f} %)", 100 * summary.plastic_elongation, 100 * summary.world_elongation));
+    add("plastic twist",
+        fmt::format("{:+.3f} deg  (world {:+.3f} deg)", summary.plastic_twist_deg, summary.world_twist_deg));
+    add("volume error", fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
+                                    100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
+                                    100 * (summary.world_volume_ratio - 1)));
+    add("largest strain", fmt::format("{:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g})", summary.largest_strain,
+                                      summary.largest_strain_element, place.x(), place.y(), place.z()));
+    if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
   }
   if (num_steps > 0)
-    fmt::print("  step                {:.3f} ms, {:.1f} solver iterations\n", per_step,
-               static_cast<double>(totals.iterations) / static_cast<double>(num_steps));
-  fmt::print("  instruction set     {}\n", simd_target());
-  fmt::print("  state hash          {}\n", output::state_hash(num_steps, x, simulation.state().velocities(), body));
+    add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
+                            static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
+  add("instruction set", simd_target());
+  add("state hash", hash_of(simulation));
+  return figures;
+}
+
+void print_summary(Simulation& simulation, const path& scene_file) {
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", scene_file.stem().string(), simulation.latest().step,
+             simulation.dt(), simulation.time());
+  for (const output::Figure& figure : summary_of(simulation)) fmt::print("  {:<18}  {}\n", figure.label, figure.value);
 }
 
 void warn_of_stalls(const Simulation& simulation) {
@@ -114,12 +126,54 @@ void warn_of_stalls(const Simulation& simulation) {
   warn(simulation.totals().stalled_averaging, "the rest-to-material averaging");
 }
 
+/// What a run writes; absent: not asked for.
+struct Files {
+  std::optional<output::Recorder> recorder;
+  std::optional<output::WholeFile> final_state;
+  std::optional<Journal> journal;
+};
+
+output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {
+  output::Manifest manifest = describe_run(simulation.scene());
+  manifest.command = options.command;
+  manifest.title = options.scene.file.stem().string();
+  manifest.scene_file = options.scene.file.string();
+  manifest.overrides = options.scene.overrides;
+  manifest.steps_asked = num_steps;
+  return manifest;
+}
+
+// Steps, completes the files and says what came out.
+void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOptions& options) {
+  advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, !options.quiet);
+
+  if (files.recorder)
+    for (const std::string& warning : files.recorder->finish()) spdlog::warn("warning: {}", warning);
+  if (files.final_state)
+    output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
+                        simulation.state().velocities(), *simulation.body());
+  if (!options.quiet) print_summary(simulation, options.scene.file);
+  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  log_warnings(simulation.scene());
+  warn_of_stalls(simulation);
+}
+
+// Of several failures the first one counts: where a disk is full, this cannot be written either.
+void note_failure(Journal& journal, const char* reason) {
+  try {
+    journal.close(output::RunState::kFailed, reason);
+  } catch (const output::OutputError& error) {
+    spdlog::warn("warning: {}", error.what());
+  }
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
   if (options.threads) set_num_threads(*options.threads);
   watch_signals();
 
+  const KeptWarnings warnings;
   Simulation simulation(options.scene);
   const Body* body = simulation.body();
   if (!body && (options.out || options.final_state))
@@ -128,26 +182,35 @@ int run(const RunOptions& options) {
   const long num_steps = required_steps(simulation, options.steps);
 
   // opened before the first step, so that a long run does not end in a file that cannot be written
-  std::optional<output::Recorder> recorder;
-  if (options.out) recorder.emplace(*options.out, *body, plan_of(simulation, num_steps, options));
-  std::optional<output::WholeFile> final_state;
-  if (options.final_state) final_state.emplace(*options.final_state);
+  Files files;
+  if (options.out) files.recorder.emplace(*options.out, *body, plan_of(simulation, num_steps, options));
+  if (options.final_state) files.final_state.emplace(*options.final_state);
+  if (options.out) files.journal.emplace(*options.out, manifest_of(simulation, num_steps, options));
 
-  advance(simulation, num_steps, recorder ? &*recorder : nullptr, !options.quiet);
-
-  const long done = simulation.latest().step;
-  scene::MechanicalState& state = simulation.state();
-  if (recorder)
-    for (const std::string& warning : recorder->finish()) spdlog::warn("warning: {}", warning);
-  if (final_state)
-    output::write_final(*final_state, done, simulation.time(), state.positions(), state.velocities(), *body);
-  if (!options.quiet) print_summary(simulation, options.scene.file);
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
-  log_warnings(simulation.scene());
-  warn_of_stalls(simulation);
+  const auto note_steps = [&] {
+    files.journal->manifest().steps_done = simulation.latest().step;
+    files.journal->manifest().warnings = warnings.texts();
+  };
+  try {
+    carry_out(simulation, num_steps, files, options);
+  } catch (const std::exception& error) {
+    if (files.journal) {
+      note_steps();
+      note_failure(*files.journal, error.what());
+    }
+    throw;
+  }
 
   const int signal = requested_signal();
-  if (signal != 0) spdlog::warn("warning: ended by signal {} after step {} of {}", signal, done, num_steps);
+  if (signal != 0)
+    spdlog::warn("warning: ended by signal {} after step {} of {}", signal, simulation.latest().step, num_steps);
+  if (files.journal) {
+    note_steps();
+    files.journal->manifest().state_hash = hash_of(simulation);
+    files.journal->manifest().summary = summary_of(simulation);
+    files.journal->close(signal == 0 ? output::RunState::kFinished : output::RunState::kInterrupted,
+                         signal == 0 ? "All steps done" : fmt::format("Ended by signal {}", signal));
+  }
   return signal == 0 ? kOk : kSignalled + signal;
 }
 

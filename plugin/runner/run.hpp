@@ -11,6 +11,7 @@ namespace hexaplast::runner {
 /// `hexaplast run`, as the command line gives it.
 struct RunOptions {
   SceneOptions scene;
+  std::vector<std::string> command;                  ///< words of the whole command line, for who wants to repeat it
   std::optional<long> steps;                         ///< otherwise from the scene's RunSettings
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/history_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <system_error>
+
+#include "output/files.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+constexpr long kMostRows = 1500;     // that are drawn one by one
+constexpr long kNumStretches = 400;  // of a longer table: about one per pixel
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (std::size_t begin = 0;; ++begin) {
+    const std::size_t comma = std::min(line.find(',', begin), line.size());
+    fields.push_back(line.substr(begin, comma - begin));
+    begin = comma;
+    if (comma == line.size()) return fields;
+  }
+}
+
+}  // namespace
+
+HistoryTable::HistoryTable(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
+  std::error_code error;
+  if (!in_ || std::filesystem::is_directory(file, error))
+    throw OutputError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(in_ ? EISDIR : errno)));
+  std::getline(in_, line_);
+  for (const std::string_view name : fields_of(line_)) columns_.emplace_back(name);
+  if (columns_.size() < 2 || columns_[kStep] != "step" || columns_[kTime] != "time")
+    throw OutputError(fmt::format("{}:1: is no history of a run: must begin with step,time", file.string()));
+  row_.resize(columns_.size());
+}
+
+int HistoryTable::find(std::string_view column) const {
+  const auto found = std::ranges::find(columns_, column);
+  return found == columns_.end() ? -1 : static_cast<int>(found - columns_.begin());
+}
+
+std::span<const double> HistoryTable::next() {
+  if (!std::getline(in_, line_) || in_.eof()) return {};
+  ++line_number_;
+  const std::vector<std::string_view> fields = fields_of(line_);
+  if (fields.size() != columns_.size())
+    throw OutputError(
+        fmt::format("{}:{}: {} numbers, must be {}", file_.string(), line_number_, fields.size(), columns_.size()));
+  for (std::size_t c = 0; c < fields.size(); ++c) {
+    const char* const end = fields[c].data() + fields[c].size();
+    const auto [at, error] = std::from_chars(fields[c].data(), end, row_[c]);
+    if (error != std::errc() || at != end)
+      throw OutputError(fmt::format("{}:{}: {}: '{}', must be a number", file_.string(), line_number_, columns_[c],
+                                    fields[c].substr(0, 40)));
+  }
+  return row_;
+}
+
+long count_rows(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::vector<char> block(1 << 16);
+  long lines = 0;
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    lines += std::count(block.begin(), block.begin() + in.gcount(), '\n');
+  }
+  return std::max(lines - 1, 0L);
+}
+
+Thinning::Thinning(long num_rows, std::size_t num_curves)
+    : stride_(num_rows <= kMostRows ? 1 : (num_rows + kNumStretches - 1) / kNumStretches) {
+  kept_.curves.resize(num_curves);
+}
+
+void Thinning::add(long step, double time, std::span<const double> values) {
+  stretch_.push_back({step, time, {values.begin(), values.end()}});
+  latest_ = stretch_.back();
+  if (static_cast<long>(stretch_.size()) == stride_) keep_extremes();
+}
+
+Series Thinning::take() {
+  keep_extremes();
+  if (!kept_.steps.empty() && kept_.steps.back() != latest_.step) keep(latest_);  // the axis reaches the end of the run
+  return std::move(kept_);
+}
+
+void Thinning::keep(const Row& row) {
+  kept_.steps.push_back(row.step);
+  kept_.times.push_back(row.time);
+  for (std::size_t c = 0; c < row.values.size(); ++c) kept_.curves[c].values.push_back(row.values[c]);
+}
+
+void Thinning::keep_extremes() {
+  if (stretch_.empty()) return;
+  std::set<std::size_t> rows{0};
+  for (std::size_t c = 0; c < kept_.curves.size(); ++c) {
+    const auto of_curve = [&](const Row& row) { return row.values[c]; };
+    const auto [least, most] = std::ranges::minmax_element(stretch_, {}, of_curve);
+    rows.insert(static_cast<std::size_t>(least - stretch_.begin()));
+    rows.insert(static_cast<std::size_t>(most - stretch_.begin()));
+  }
+  for (const std::size_t row : rows) keep(stretch_[row]);
+  stretch_.clear();
+}
+
+double percentile(const std::vector<double>& sorted, double rank) {
+  if (sorted.empty()) return 0;
+  const auto at = static_cast<long>(std::ceil(rank * static_cast<double>(sorted.size()))) - 1;
+  return sorted[static_cast<std::size_t>(std::clamp(at, 0L, static_cast<long>(sorted.size()) - 1))];
+}
+
+}  // namespace hexaplast::output

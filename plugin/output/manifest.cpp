@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/manifest.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "output/files.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array kStates = {RunState::kRunning, RunState::kFinished, RunState::kInterrupted, RunState::kFailed};
+
+Json json_of(const std::vector<ComponentRecord>& components) {
+  Json list = Json::array();
+  for (const ComponentRecord& component : components) {
+    Json attributes = Json::object();
+    for (const AttributeRecord& attribute : component.attributes) attributes[attribute.name] = attribute.value;
+    list.push_back({{"path", component.path}, {"class", component.class_name}, {"attributes", attributes}});
+  }
+  return list;
+}
+
+Json json_of(const std::vector<Figure>& figures) {
+  Json list = Json::object();
+  for (const Figure& figure : figures) list[figure.label] = figure.value;
+  return list;
+}
+
+std::vector<ComponentRecord> components_of(const Json& list) {
+  std::vector<ComponentRecord> components;
+  for (const Json& json : list) {
+    ComponentRecord component{.path = json.at("path"), .class_name = json.at("class")};
+    for (const auto& [name, value] : json.at("attributes").items()) component.attributes.push_back({name, value});
+    components.push_back(std::move(component));
+  }
+  return components;
+}
+
+RunState state_of(const std::string& word) {
+  for (const RunState state : kStates)
+    if (describe(state) == word) return state;
+  throw OutputError(fmt::format("state: '{}', must be running, finished, interrupted or failed", word));
+}
+
+Json json_of(const Manifest& run) {
+  return {{"program", "hexaplast"},
+          {"version", run.version},
+          {"state", describe(run.state)},
+          {"exit_reason", run.exit_reason},
+          {"command", run.command},
+          {"working_directory", run.working_directory},
+          {"scene", {{"name", run.title}, {"file", run.scene_file}, {"xxh64", run.scene_hash}}},
+          {"overrides", run.overrides},
+          {"threads", run.threads},
+          {"simd", run.simd},
+          {"precision", run.precision},
+          {"solver", {{"motion", run.motion_solver}, {"linear", run.linear_solver}}},
+          {"machine", {{"processor", run.processor}, {"cores", run.cores}, {"memory_bytes", run.memory_bytes}}},
+          {"started", run.started},
+          {"duration_s", run.duration},
+          {"dt_s", run.dt},
+          {"steps", {{"asked", run.steps_asked}, {"done", run.steps_done}}},
+          {"state_hash", run.state_hash},
+          {"summary", json_of(run.summary)},
+          {"warnings", run.warnings},
+          {"components", json_of(run.components)}};
+}
+
+Manifest manifest_of(const Json& json) {
+  Manifest run;
+  run.version = json.at("version");
+  run.state = state_of(json.at("state"));
+  run.exit_reason = json.at("exit_reason");
+  run.command = json.at("command").get<std::vector<std::string>>();
+  run.working_directory = json.at("working_directory");
+  run.title = json.at("scene").at("name");
+  run.scene_file = json.at("scene").at("file");
+  run.scene_hash = json.at("scene").at("xxh64");
+  run.overrides = json.at("overrides").get<std::vector<std::string>>();
+  run.threads = json.at("threads");
+  run.simd = json.at("simd");
+  run.precision = json.at("precision");
+  run.motion_solver = json.at("solver").at("motion");
+  run.linear_solver = json.at("solver").at("linear");
+  run.processor = json.at("machine").at("processor");
+  run.cores = json.at("machine").at("cores");
+  run.memory_bytes = json.at("machine").at("memory_bytes");
+  run.started = json.at("started");
+  run.duration = json.at("duration_s");
+  run.dt = json.at("dt_s");
+  run.steps_asked = json.at("steps").at("asked");
+  run.steps_done = json.at("steps").at("done");
+  run.state_hash = json.at("state_hash");
+  for (const auto& [label, value] : json.at("summary").items()) run.summary.push_back({label, value});
+  run.warnings = json.at("warnings").get<std::vector<std::string>>();
+  run.components = components_of(json.at("components"));
+  return run;
+}
+
+}  // namespace
+
+std::string_view describe(RunState state) {
+  switch (state) {
+    case RunState::kRunning:
+      return "running";
+    case RunState::kFinished:
+      return "finished";
+    case RunState::kInterrupted:
+      return "interrupted";
+    case RunState::kFailed:
+      return "failed";
+  }
+  return {};
+}
+
+void write_manifest(const std::filesystem::path& directory, const Manifest& manifest) {
+  WholeFile out(directory / kManifestName);
+  // words of a command line may be any bytes, JSON is UTF-8
+  out.write(json_of(manifest).dump(2, ' ', false, Json::error_handler_t::replace));
+  out.write("\n");
+  out.commit();
+}
+
+std::optional<Manifest> read_manifest(const std::filesystem::path& directory) {
+  const std::filesystem::path file = directory / kManifestName;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return std::nullopt;
+  std::ifstream in(file, std::ios::binary);
+  try {
+    return manifest_of(Json::parse(in));
+  } catch (const nlohmann::json::exception& problem) {
+    throw OutputError(fmt::format("{}: is no manifest of a run: {}", file.string(), problem.what()));
+  } catch (const OutputError& problem) {
+    throw OutputError(fmt::format("{}: {}", file.string(), problem.what()));
+  }
+}
+
+}  // namespace hexaplast::output

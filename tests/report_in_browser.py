@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Opens the pages that runs leave in a real browser: report_in_browser.py HEXAPLAST SCENE DIRECTORY [PICTURES]
+
+Runs the scene twice into DIRECTORY, compares the runs, and looks at report and comparison in headless Chromium, at the
+width of a desk's screen and of a phone, light and dark. Fails where the browser has something to say, where a page asks
+for anything but itself, where a chart or picture is not there to be seen, where a page scrolls sideways, and where a
+chart does not tell the numbers of history.csv under the pointer. With a folder PICTURES, what was seen is kept there.
+
+Ends with 77, which ctest counts as skipped, where there is no Chromium (apt-get install chromium)."""
+import base64
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SKIPPED = 77
+WIDTHS = {"desk": 1280, "phone": 390}  # [pixels]
+LEAST_TEXT = 9  # [pixels] of the height of letters in charts
+
+
+class Browser:
+    """Chromium without a window, spoken to over a pair of pipes in its DevTools protocol."""
+
+    def __init__(self, program, profile):
+        to_browser, self._commands = os.pipe()
+        self._answers, from_browser = os.pipe()
+
+        def connect():  # the browser reads at 3 and writes at 4
+            ends = os.dup(to_browser), os.dup(from_browser)
+            os.dup2(ends[0], 3)
+            os.dup2(ends[1], 4)
+
+        self._process = subprocess.Popen(
+            [program, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run",
+             "--disable-dev-shm-usage", f"--user-data-dir={profile}", "--remote-debugging-pipe", "about:blank"],
+            preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL)
+        os.close(to_browser)
+        os.close(from_browser)
+        self._buffer = b""
+        self._number = 0
+        self._session = None
+        self.events = []
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+
+    def _receive(self):
+        while b"\0" not in self._buffer:
+            block = os.read(self._answers, 1 << 20)
+            if not block:
+                sys.exit("the browser has gone")
+            self._buffer += block
+        message, self._buffer = self._buffer.split(b"\0", 1)
+        return json.loads(message)
+
+    def call(self, method, **parameters):
+        self._number += 1
+        message = {"id": self._number, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._commands, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._receive()
+            if answer.get("id") == self._number:
+                if "error" in answer:
+                    sys.exit(f"{method}: {answer['error']}")
+                return answer["result"]
+            self.events.append(answer)
+
+    def wait_for(self, method):
+        while not any(event.get("method") == method for event in self.events):
+            self.events.append(self._receive())
+
+    def open(self, page, width, scheme):
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1,
+                  mobile=width < 600)
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        self.events.clear()
+        self.call("Page.navigate", url=page.resolve().as_uri())
+        self.wait_for("Page.loadEventFired")
+
+    def ask(self, expression):
+        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
+        if "exceptionDetails" in answer:
+            sys.exit(f"{expression}: {answer['exceptionDetails']}")
+        return answer["result"].get("value")
+
+    def point_at(self, x, y):
+        self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+
+    def picture(self, file):
+        shot = self.call("Page.captureScreenshot", captureBeyondViewport=True)
+        file.write_bytes(base64.b64decode(shot["data"]))
+
+    def close(self):
+        os.close(self._commands)
+        self._process.terminate()
+        self._process.wait()
+
+
+CHARTS = """[...document.querySelectorAll("figure.chart")].map(figure => {
+  const box = element => { const b = element.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; };
+  return {box: box(figure.querySelector("svg")),
+          curves: [...figure.querySelectorAll("polyline")].map(box),
+          texts: [...figure.querySelectorAll("svg text")].map(text => box(text)[3]),
+          legend: figure.querySelector("figcaption").textContent};
+})"""
+
+
+def complaints_of(browser):
+    """What the browser says of the page on its own."""
+    for event in browser.events:
+        method, what = event.get("method"), event.get("params", {})
+        if method == "Runtime.exceptionThrown":
+            yield f"exception: {what['exceptionDetails']}"
+        elif method == "Runtime.consoleAPICalled":
+            yield f"console: {what['args']}"
+        elif method == "Log.entryAdded":
+            yield f"log: {what['entry']['text']}"
+        elif method == "Network.requestWillBeSent" and not what["request"]["url"].startswith("data:"):
+            if what["request"]["url"] != what["documentURL"]:
+                yield f"asks for {what['request']['url']}"
+
+
+def look_at(browser, page, width):
+    """What is wrong with the page that is open."""
+    yield from complaints_of(browser)
+    scroll_width = browser.ask("document.documentElement.scrollWidth")
+    if scroll_width > width:
+        yield f"scrolls sideways: {scroll_width} pixels wide"
+    charts = browser.ask(CHARTS)
+    if len(charts) < 6:
+        yield f"{len(charts)} charts, must be six at least"
+    for number, chart in enumerate(charts):
+        left, _, chart_width, height = chart["box"]
+        if left < 0 or left + chart_width > width or chart_width < 250 or height < 120:
+            yield f"chart {number} is not there to be seen: {chart['box']}"
+        if not chart["curves"] or any(curve[2] < chart_width / 2 for curve in chart["curves"]):
+            yield f"chart {number} has no curves over its width: {chart['curves']}"
+        if min(chart["texts"]) < LEAST_TEXT:
+            yield f"chart {number} has letters of {min(chart['texts']):.1f} pixels"
+    if not browser.ask("[...document.images].every(image => image.naturalWidth > 0)"):
+        yield "a picture cannot be shown"
+
+
+def check_pointer(browser, history):
+    """The chart of elongation against history.csv, at the middle of its run."""
+    browser.ask('document.querySelector("figure.chart").scrollIntoView()')
+    left, top, width, height = browser.ask(CHARTS)[0]["box"]
+    frame = browser.ask('JSON.parse(document.querySelector("figure.chart script").textContent).frame')
+    scale = width / browser.ask('document.querySelector("figure.chart svg").viewBox.baseVal.width')
+    browser.point_at(left + scale * (frame[0] + frame[2] / 2), top + height / 2)
+    legend = browser.ask(CHARTS)[0]["legend"]
+
+    row = history[len(history) // 2]
+    for name in ("world", "plastic"):
+        value = float(f"{100 * float(row[name + '_elongation']):.5g}")
+        if f"{name} {value:g} %" not in " ".join(legend.split()):
+            yield f"under the pointer: '{legend}', must have {name} {value:g} % of step {row['step']}"
+    if f"step {row['step']}," not in legend:
+        yield f"under the pointer: '{legend}', must have step {row['step']}"
+    browser.point_at(1, 1)
+    if "step" in browser.ask(CHARTS)[0]["legend"]:
+        yield "the values stay when the pointer has gone"
+
+
+def main():
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not program:
+        print("no Chromium: the pages are not looked at")
+        return SKIPPED
+    hexaplast, scene, directory = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
+    pictures = pathlib.Path(sys.argv[4]) if len(sys.argv) > 4 else None
+    shutil.rmtree(directory, ignore_errors=True)
+    directory.mkdir(parents=True)
+
+    report = directory / "a" / "report.html"
+    subprocess.run([hexaplast, "run", scene, "--steps", "60", "--frames", "2", "--quiet", "--out", report.parent],
+                   check=True)
+    with open(report.parent / "history.csv") as file:
+        history = list(csv.DictReader(file))
+
+    wrong = []
+    with tempfile.TemporaryDirectory() as profile:
+        browser = Browser(program, profile)
+        for page in (report,):
+            for device, width in WIDTHS.items():
+                for scheme in ("light", "dark"):
+                    browser.open(page, width, scheme)
+                    found = list(look_at(browser, page, width))
+                    if pictures:
+                        browser.picture(pictures / f"{page.stem}_{device}_{scheme}.png")
+                    if page is report:
+                        found += check_pointer(browser, history)
+                        found += complaints_of(browser)
+                    wrong += [f"{page.name}, {device}, {scheme}: {what}" for what in found]
+        browser.close()
+    print("\n".join(wrong) or "nothing to complain of")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

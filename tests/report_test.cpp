@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The report and the manifest of a run: what they say is what the run's other files say.
+#include "output/report.hpp"
+
+#include <tinyxml2.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "output/history_table.hpp"
+#include "output/html.hpp"
+#include "output/manifest.hpp"
+#include "output_support.hpp"
+
+namespace hexaplast {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using output::Manifest;
+using output::OutputError;
+using support::content;
+using support::put;
+using support::rows_of;
+using support::Scratch;
+
+const std::string kHostile = R"(pull & <hold> "50 %" 'x' </script><script>alert(1)</script>)";
+
+Manifest some_run() {
+  return {
+      .version = "1.2.3",
+      .command = {"hexaplast", "run", "it's.scn"},
+      .working_directory = "/somewhere",
+      .title = "pull",
+      .scene_file = "it's.scn",
+      .scene_hash = "0123456789abcdef",
+      .overrides = {"bar/material.yieldStress=250"},
+      .components = {{"/bar/material", "Tissue", "What it is.", {{"yieldStress", "250", "Pa", "Where flow begins."}}}},
+      .threads = 3,
+      .simd = "AVX2",
+      .precision = "mixed",
+      .motion_solver = "EulerImplicitSolver",
+      .linear_solver = "CGLinearSolver",
+      .processor = "Abacus",
+      .cores = 4,
+      .memory_bytes = 8'000'000'000,
+      .started = "2026-01-31T12:00:00Z",
+      .dt = 0.01,
+      .steps_asked = 6,
+      .state = output::RunState::kFinished,
+      .exit_reason = "All steps done",
+      .duration = 1.5,
+      .steps_done = 6,
+      .state_hash = "fedcba9876543210",
+      .summary = {{"plastic twist", "+1.000 deg"}},
+      .warnings = {"warning: slow"}};
+}
+
+/// The directory of a short run, with a report that was written for it.
+void run_and_report(const fs::path& directory, const Manifest& manifest) {
+  Body body = support::yielding_block();
+  output::Recorder recorder(
+      directory, body, {.title = manifest.title, .num_steps = 6, .dt = 0.01, .num_frames = 0, .loaded_nodes = {3}});
+  support::record_stretch(recorder, body, 6);
+  recorder.finish();
+  write_report(directory, manifest);
+}
+
+/// All that stands between `begin` and `end`, in the order of the page.
+std::vector<std::string> pieces(const std::string& page, const std::string& begin, const std::string& end,
+                                bool with_ends) {
+  std::vector<std::string> found;
+  for (std::size_t at = page.find(begin); at != page.npos; at = page.find(begin, at + 1)) {
+    const std::size_t last = page.find(end, at + begin.size());
+    found.push_back(with_ends ? page.substr(at, last + end.size() - at)
+                              : page.substr(at + begin.size(), last - at - begin.size()));
+  }
+  return found;
+}
+
+std::vector<json> charts_of(const std::string& page) {
+  std::vector<json> charts;
+  for (const std::string& text : pieces(page, "<script type=\"application/json\">", "</script>", false))
+    charts.push_back(json::parse(text));
+  return charts;
+}
+
+json chart_of(const std::string& page, const std::string& quantity) {
+  for (const json& chart : charts_of(page))
+    if (chart.at("quantity") == quantity) return chart;
+  ADD_FAILURE() << "no chart of " << quantity;
+  return {};
+}
+
+TEST(Report, HasTheNumbersOfTheHistory) {
+  const Scratch scratch;
+  run_and_report(scratch / "run", some_run());
+  std::string header;
+  const auto rows = rows_of(scratch / "run/history.csv", header);
+  std::vector<std::string> names;
+  std::istringstream words(header);
+  for (std::string name; std::getline(words, name, ',');) names.push_back(name);
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  };
+
+  struct Expected {
+    const char *quantity, *curve, *column;
+    double scale, shift;
+  };
+  const std::string page = content(scratch / "run/report.html");
+  for (const Expected& expected : {Expected{"elongation", "world", "world_elongation", 100, 0},
+                                   {"elongation", "plastic", "plastic_elongation", 100, 0},
+                                   {"twist", "world", "world_twist_deg", 1, 0},
+                                   {"twist", "plastic", "plastic_twist_deg", 1, 0},
+                                   {"volume error", "world", "world_volume_ratio", 100, -1},
+                                   {"volume error", "plastic", "material_volume_ratio", 100, -1},
+                                   {"energy", "elastic", "elastic_energy", 1, 0},
+                                   {"energy", "dissipated by flow", "dissipated_energy", 1, 0},
+                                   {"energy", "kinetic", "kinetic_energy", 1, 0},
+                                   {"displacement of loaded nodes", "mean", "end_displacement", 1000, 0},
+                                   {"yielded hexahedra", "yielded", "yielded", 1, 0},
+                                   {"solver iterations", "iterations", "solver_iterations", 1, 0},
+                                   {"time per step", "step", "step_ms", 1, 0}}) {
+    const json series = chart_of(page, expected.quantity).at("series").at(0);
+    const auto& curves = series.at("curves");
+    const auto curve =
+        std::ranges::find_if(curves, [&](const json& candidate) { return candidate.at("name") == expected.curve; });
+    ASSERT_NE(curve, curves.end()) << expected.quantity << " " << expected.curve;
+    ASSERT_EQ(series.at("times").size(), rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const double value = expected.scale * (rows[k].at(column(expected.column)) + expected.shift);
+      EXPECT_EQ(series.at("steps")[k], rows[k][0]);
+      EXPECT_NEAR(series.at("times")[k].get<double>(), rows[k][1], 1e-8);
+      EXPECT_NEAR(curve->at("values")[k].get<double>(), value, 1e-6 * std::abs(value) + 1e-12) << expected.column;
+    }
+  }
+  const auto sum = chart_of(page, "energy").at("series").at(0).at("curves").at(3);
+  EXPECT_EQ(sum.at("name"), "sum");
+  EXPECT_NEAR(sum.at("values").back().get<double>(), rows.back()[2] + rows.back()[3] + rows.back()[4], 1e-6);
+}
+
+TEST(Report, ChartsAreWellFormedXmlWithOneLinePerCurve) {
+  const Scratch scratch;
+  run_and_report(scratch / "run", some_run());
+  const std::string page = content(scratch / "run/report.html");
+  const std::vector<std::string> figures = pieces(page, "<figure class=\"chart\">", "</figure>", true);
+  const std::vector<json> charts = charts_of(page);
+  ASSERT_GE(figures.size(), 7u);
+  ASSERT_EQ(figures.size(), charts.size());
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    tinyxml2::XMLDocument svg;
+    const std::string text = pieces(figures[k], "<svg", "</svg>", true).at(0);
+    ASSERT_EQ(svg.Parse(text.c_str()), tinyxml2::XML_SUCCESS) << svg.ErrorStr();
+    std::size_t lines = 0;
+    for (const auto* line = svg.RootElement()->FirstChildElement("polyline"); line;
+         line = line->NextSiblingElement("polyline"))
+      ++lines;
+    EXPECT_EQ(lines, charts[k].at("series").at(0).at("curves").size());
+  }
+}
+
+TEST(Report, ShowsScenesWordsAsWordsWhateverTheyAre) {
+  const Scratch scratch;
+  Manifest run = some_run();
+  run.title = run.exit_reason = run.scene_file = run.working_directory = kHostile;
+  run.command.push_back(kHostile);
+  run.warnings = {kHostile};
+  run.summary = {{kHostile, kHostile}};
+  run.components = {{kHostile, kHostile, kHostile, {{kHostile, kHostile, kHostile, kHostile}}}};
+  run_and_report(scratch / "run", run);
+  const std::string page = content(scratch / "run/report.html");
+  EXPECT_EQ(page.find("<hold>"), page.npos);
+  EXPECT_EQ(page.find("<script>alert"), page.npos);
+  EXPECT_NE(page.find("<h1>pull &amp; &lt;hold&gt; &quot;50 %&quot; &#39;x&#39; &lt;/script&gt;"), page.npos);
+  EXPECT_EQ(pieces(page, "<script", ">", true).size(), charts_of(page).size() + 1);  // and the page's own
+}
+
+TEST(Report, SaysWhatTheRunWas) {
+  const Scratch scratch;
+  run_and_report(scratch / "run", some_run());
+  const std::string page = content(scratch / "run/report.html");
+  for (const char* part :
+       {"hexaplast run &#39;it&#39;\\&#39;&#39;s.scn&#39;", "6 of 6 steps of 0.01 s. All steps done.", "250 Pa",
+        "Where flow begins.", "+1.000 deg", "warning: slow", "Abacus, 4 hardware threads", "7.5 GiB",
+        "0123456789abcdef", "fedcba9876543210", "EulerImplicitSolver, CGLinearSolver", "mixed", "AVX2"})
+    EXPECT_NE(page.find(part), page.npos) << part;
+  // it needs nothing from elsewhere
+  for (const char* part : {"src=\"http", "href=", "url(", "@import"}) EXPECT_EQ(page.find(part), page.npos) << part;
+}
+
+TEST(Report, HoldsEightPicturesOfManyTheLastAmongThem) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "run/frames");
+  put(scratch / "run/history.csv", "step,time\n0,0\n");
+  for (int step = 1; step <= 21; ++step)
+    put(scratch / "run/frames" / ("frame_" + std::string(step < 10 ? "0" : "") + std::to_string(step) + ".png"),
+        "picture " + std::to_string(step));
+  put(scratch / "run/frames/frame_x.png", "no picture of a run");
+  write_report(scratch / "run", some_run());
+  const std::vector<std::string> images =
+      pieces(content(scratch / "run/report.html"), "src=\"data:image/png;base64,", "\"", false);
+  ASSERT_EQ(images.size(), 8u);
+  EXPECT_EQ(images.front(), "cGljdHVyZSAz");     // picture 3
+  EXPECT_EQ(images.back(), "cGljdHVyZSAyMQ==");  // picture 21
+}
+
+TEST(Report, ListsRemovedHexahedraByStep) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "run");
+  put(scratch / "run/history.csv", "step,time,removed\n0,0,0\n7,0.07,3\n");
+  put(scratch / "run/removed.csv", "step,time,hexahedron\n5,0.05,11\n5,0.05,4\n7,0.07,2\n");
+  write_report(scratch / "run", some_run());
+  const std::string page = content(scratch / "run/report.html");
+  EXPECT_NE(page.find("<th scope=\"row\">step 5</th><td>2</td><td>11 4</td>"), page.npos);
+  EXPECT_NE(page.find("<th scope=\"row\">step 7</th><td>1</td><td>2</td>"), page.npos);
+  EXPECT_EQ(chart_of(page, "removed hexahedra").at("series")[0].at("curves")[0].at("values").back(), 3);
+}
+
+TEST(Report, OfALongRunIsSmallAndKeepsItsPeaks) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "run");
+  constexpr int kSteps = 50'000, kPeak = 23'457;
+  std::string rows = "step,time,kinetic_energy,elastic_energy,dissipated_energy,plastic_elongation,step_ms\n";
+  for (int step = 0; step <= kSteps; ++step) {
+    const double swing = std::sin(0.37 * step);
+    rows += std::to_string(step) + ',' + std::to_string(0.01 * step) + ',' + std::to_string(1 + swing) + ',' +
+            std::to_string(2 - swing) + ',' + std::to_string(1e-3 * step) + ',' +
+            (step == kPeak ? "0.75" : std::to_string(0.1 * swing)) + ',' + std::to_string(step % 100 + 1) + '\n';
+  }
+  put(scratch / "run/history.csv", rows);
+  write_report(scratch / "run", some_run());
+  EXPECT_LT(fs::file_size(scratch / "run/report.html"), 1'000'000u);
+
+  const std::string page = content(scratch / "run/report.html");
+  const json series = chart_of(page, "elongation").at("series")[0];
+  const std::vector<long> steps = series.at("steps");
+  const std::vector<double> values = series.at("curves")[0].at("values");
+  const auto peak = std::ranges::find(steps, kPeak);
+  ASSERT_NE(peak, steps.end());
+  EXPECT_EQ(values[static_cast<std::size_t>(peak - steps.begin())], 75);
+  EXPECT_EQ(steps.front(), 0);
+  EXPECT_EQ(steps.back(), kSteps);
+  EXPECT_TRUE(std::ranges::is_sorted(steps));
+
+  // 1 to 100 ms, each 500 times, the initial state left out
+  for (const char* part : {"p50 50 ms", "p90 90 ms", "p99 99 ms", "The slowest step took 100 ms."})
+    EXPECT_NE(page.find(part), page.npos) << part;
+}
+
+TEST(Report, OfARunThatFailedShowsWhatWasFinite) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "run");
+  put(scratch / "run/history.csv", "step,time,end_displacement,world_elongation\n0,0,0,0\n1,1,2,3\n2,2,inf,4\n");
+  write_report(scratch / "run", some_run());
+  const std::string page = content(scratch / "run/report.html");
+  EXPECT_EQ(chart_of(page, "displacement of loaded nodes").at("series")[0].at("steps"), json({0, 1}));
+  EXPECT_EQ(chart_of(page, "elongation").at("series")[0].at("steps"), json({0, 1, 2}));
+}
+
+TEST(Percentile, IsTheNearestRank) {
+  const std::vector<double> sorted{15, 20, 35, 40, 50};
+  EXPECT_EQ(output::percentile(sorted, 0.05), 15);
+  EXPECT_EQ(output::percentile(sorted, 0.3), 20);
+  EXPECT_EQ(output::percentile(sorted, 0.4), 20);
+  EXPECT_EQ(output::percentile(sorted, 0.5), 35);
+  EXPECT_EQ(output::percentile(sorted, 1), 50);
+  EXPECT_EQ(output::percentile({}, 0.5), 0);
+}
+
+TEST(DataUri, IsBase64AsRfc4648HasIt) {
+  EXPECT_EQ(output::data_uri("text/plain", ""), "data:text/plain;base64,");
+  EXPECT_EQ(output::data_uri("text/plain", "f"), "data:text/plain;base64,Zg==");
+  EXPECT_EQ(output::data_uri("text/plain", "fo"), "data:text/plain;base64,Zm8=");
+  EXPECT_EQ(output::data_uri("text/plain", "foobar"), "data:text/plain;base64,Zm9vYmFy");
+  EXPECT_EQ(output::data_uri("image/png", "\xff\xfe\xfd"), "data:image/png;base64,//79");
+}
+
+TEST(HistoryTable, IsRefusedWhereItIsNone) {
+  const Scratch scratch;
+  const auto refusal = [&](const std::string& text) -> std::string {
+    put(scratch / "history.csv", text);
+    try {
+      output::HistoryTable table(scratch / "history.csv");
+      while (!table.next().empty()) continue;
+    } catch (const OutputError& error) {
+      return std::string(error.what()).substr((scratch / "history.csv").string().size());
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("step,time,a\n0,0,1\n1,0.5,-2e3\n"), "");
+  EXPECT_EQ(refusal("step,time,a\n0,0,1\n1,0.5"), "");  // what a killed run may leave
+  EXPECT_EQ(refusal(""), ":1: is no history of a run: must begin with step,time");
+  EXPECT_EQ(refusal("time,step\n"), ":1: is no history of a run: must begin with step,time");
+  EXPECT_EQ(refusal("step,time,a\n0,0,1\n1,0.5\n"), ":3: 2 numbers, must be 3");
+  EXPECT_EQ(refusal("step,time,a\n0,0,1x\n"), ":2: a: '1x', must be a number");
+  EXPECT_THROW(output::HistoryTable(scratch / "absent.csv"), OutputError);
+  EXPECT_THROW(output::HistoryTable(scratch / "."), OutputError);
+}
+
+TEST(ManifestFile, ComesBackAsItWas) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "run");
+  EXPECT_FALSE(output::read_manifest(scratch / "run"));
+  Manifest run = some_run();
+  run.title = kHostile;
+  run.state = output::RunState::kInterrupted;
+  write_manifest(scratch / "run", run);
+  const json written = json::parse(content(scratch / "run/manifest.json"));
+  EXPECT_EQ(written.at("scene").at("name"), kHostile);
+  EXPECT_EQ(written.at("state"), "interrupted");
+  EXPECT_EQ(written.at("components")[0].at("attributes").at("yieldStress"), "250");
+
+  const std::optional<Manifest> read = output::read_manifest(scratch / "run");
+  ASSERT_TRUE(read);
+  write_manifest(scratch / "run", *read);
+  EXPECT_EQ(json::parse(content(scratch / "run/manifest.json")), written);
+}
+
+TEST(ManifestFile, OfAnotherKindIsRefused) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "run");
+  for (const char* text : {"", "{", "[]", "{}", R"({"version": 1})"}) {
+    put(scratch / "run/manifest.json", text);
+    EXPECT_THROW(output::read_manifest(scratch / "run"), OutputError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What `hexaplast run --out` keeps beside the states: manifest.json and report.html.
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "support/command.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using hexaplast::support::content;
+using hexaplast::support::Outcome;
+using nlohmann::json;
+
+const std::string kBody =
+    "<EulerImplicitSolver rayleighMass='0.1'/><SparseLDLSolver/><RegularGridTopology n='3 2 2'/><MechanicalObject/>"
+    "<DiagonalMass/><HexahedronElastoplasticFEMForceField name='material' precision='mixed' yieldStress='300'/>"
+    "<FixedProjectiveConstraint indices='0 3 6 9'/><ConstantForceField name='pull' indices='2' forces='1 0 0'/>";
+
+std::string scene(const std::string& body) {
+  return "<Node name='root' gravity='0 0 0'><DefaultAnimationLoop/><RunSettings steps='4'/><Node name='bar'>" + body +
+         "</Node></Node>";
+}
+
+class RunRecord : public hexaplast::support::Command {
+ protected:
+  json manifest(const std::string& run) { return json::parse(content(directory_ / run / "manifest.json")); }
+
+  /// The manifest of a run of `file`.
+  json manifest_of(const std::string& file, const std::string& options = "") {
+    EXPECT_EQ(hexaplast("run " + file + " --out run --force --frames 0 --quiet " + options).code, 0);
+    return manifest("run");
+  }
+};
+
+TEST_F(RunRecord, SaysWhatIsNeededToRepeatTheRun) {
+  write("bar.scn", scene(kBody));
+  const Outcome outcome =
+      hexaplast("run bar.scn --out first --frames 0 --threads 2 --set bar/material.yieldStress=250 --steps 3");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const json first = manifest("first");
+  EXPECT_EQ(first.at("state"), "finished");
+  EXPECT_EQ(first.at("command"), json({"hexaplast", "run", "bar.scn", "--out", "first", "--frames", "0", "--threads",
+                                       "2", "--set", "bar/material.yieldStress=250", "--steps", "3"}));
+  EXPECT_EQ(first.at("working_directory"), fs::canonical(directory_).string());
+  EXPECT_EQ(first.at("overrides"), json({"bar/material.yieldStress=250"}));
+  EXPECT_EQ(first.at("threads"), 2);
+  EXPECT_EQ(first.at("precision"), "mixed");
+  EXPECT_EQ(first.at("solver"), json({{"motion", "EulerImplicitSolver"}, {"linear", "SparseLDLSolver"}}));
+  EXPECT_EQ(first.at("steps"), json({{"asked", 3}, {"done", 3}}));
+  EXPECT_TRUE(
+      std::regex_match(first.at("started").get<std::string>(), std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)")));
+  // the summary is the one that was printed
+  for (const auto& [label, value] : first.at("summary").items())
+    EXPECT_NE(outcome.out.find(value.get<std::string>()), std::string::npos) << label;
+  EXPECT_EQ(first.at("summary").at("state hash"), first.at("state_hash"));
+  EXPECT_NE(content(directory_ / "first/report.html").find(first.at("state_hash").get<std::string>()),
+            std::string::npos);
+
+  // what it says to do gives the same state
+  std::string again;
+  for (const std::string word : first.at("command")) again += (word == "first" ? "second" : word) + " ";
+  ASSERT_EQ(hexaplast(again.substr(again.find(' '))).code, 0);
+  EXPECT_EQ(manifest("second").at("state_hash"), first.at("state_hash"));
+}
+
+TEST_F(RunRecord, TheSceneIsHashedAsItIsCarriedOut) {
+  write("bar.scn", scene(kBody));
+  const std::string hash = manifest_of("bar.scn").at("scene").at("xxh64");
+
+  write("spaced.scn", "<!-- the same -->\n" + std::regex_replace(scene(kBody), std::regex("/>"), "  />\n"));
+  write("part.xml", "<Node name='Group'>" + kBody + "</Node>");
+  write("whole.scn", scene("<include href='part.xml'/>"));
+  for (const char* file : {"spaced.scn", "whole.scn"})
+    EXPECT_EQ(manifest_of(file).at("scene").at("xxh64"), hash) << file;
+  EXPECT_EQ(manifest_of("bar.scn", "--set bar/material.yieldStress=300.0 --threads 3").at("scene").at("xxh64"), hash);
+
+  EXPECT_NE(manifest_of("bar.scn", "--set bar/material.yieldStress=301").at("scene").at("xxh64"), hash);
+  write("part.xml",
+        "<Node name='Group'>" + std::regex_replace(kBody, std::regex("'1 0 0'"), "'1 0 1e-15'") + "</Node>");
+  EXPECT_NE(manifest_of("whole.scn").at("scene").at("xxh64"), hash);
+}
+
+TEST_F(RunRecord, ListsAttributesThatDifferFromTheirDefaults) {
+  write("bar.scn", scene(kBody));
+  const json components =
+      manifest_of("bar.scn", "--set bar/material.plasticFlowRate=0 --set bar/material.poissonRatio=0.3")
+          .at("components");
+  const auto material = std::ranges::find_if(components, [](const json& c) { return c.at("path") == "/bar/material"; });
+  ASSERT_NE(material, components.end());
+  EXPECT_EQ(material->at("class"), "HexahedronElastoplasticFEMForceField");
+  EXPECT_EQ(material->at("attributes"),  // a flow rate of 0 is the default one
+            json({{"precision", "mixed"}, {"yieldStress", "300"}, {"poissonRatio", "0.3"}}));
+}
+
+TEST_F(RunRecord, KeepsWarningsThatAQuietRunDoesNotShow) {
+  write("bar.scn", scene(std::regex_replace(kBody, std::regex("SparseLDLSolver"),
+                                            "CGLinearSolver iterations='1' tolerance='1e-12' threshold='0'")));
+  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --quiet");
+  EXPECT_EQ(outcome.err, "");
+  const json warnings = manifest("run").at("warnings");
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_EQ(warnings.back(), "warning: the linear solver stopped before its tolerance in 4 of 4 steps");
+  EXPECT_NE(content(directory_ / "run/report.html").find("stopped before its tolerance in 4 of 4 steps"),
+            std::string::npos);
+}
+
+TEST_F(RunRecord, TellsHowTheRunEnded) {
+  write("bar.scn", scene(kBody));
+  EXPECT_EQ(hexaplast("run bar.scn --out failed --frames 0 --set bar/pull.forces='1e308 0 0'").code, 4);
+  const json failed = manifest("failed");
+  EXPECT_EQ(failed.at("state"), "failed");
+  EXPECT_NE(failed.at("exit_reason").get<std::string>().find("is not finite"), std::string::npos) << failed.at("exit_reason");
+  EXPECT_EQ(failed.at("state_hash"), "");
+  EXPECT_TRUE(fs::exists(directory_ / "failed/report.html"));
+
+  const std::string endless = "run bar.scn --steps 1000000000 --frames 0 --out ";
+  EXPECT_EQ(hexaplast(endless + "stopped", "timeout --foreground --preserve-status -s INT 0.5").code, 130);
+  const json stopped = manifest("stopped");
+  EXPECT_EQ(stopped.at("state"), "interrupted");
+  EXPECT_EQ(stopped.at("exit_reason"), "Ended by signal 2");
+  const std::string history = content(directory_ / "stopped/history.csv");
+  EXPECT_EQ(stopped.at("steps").at("done"), std::ranges::count(history, '\n') - 2);  // header and initial state
+
+  hexaplast(endless + "killed", "timeout --foreground -s KILL 0.5");
+  const json killed = manifest("killed");
+  EXPECT_EQ(killed.at("state"), "running");
+  EXPECT_EQ(killed.at("steps").at("done"), 0);
+  EXPECT_FALSE(fs::exists(directory_ / "killed/report.html"));
+}
+
+}  // namespace
