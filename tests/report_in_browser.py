@@ -186,11 +186,16 @@ def main():
                    check=True)
     with open(report.parent / "history.csv") as file:
         history = list(csv.DictReader(file))
+    comparison = directory / "comparison.html"
+    subprocess.run([hexaplast, "run", scene, "--steps", "50", "--frames", "0", "--quiet", "--out", directory / "b",
+                    "--set", "bar/material.yieldStress=250"], check=True)
+    subprocess.run([hexaplast, "compare", report.parent, directory / "b", "--out", comparison], check=True,
+                   stdout=subprocess.DEVNULL)
 
     wrong = []
     with tempfile.TemporaryDirectory() as profile:
         browser = Browser(program, profile)
-        for page in (report,):
+        for page in (report, comparison):
             for device, width in WIDTHS.items():
                 for scheme in ("light", "dark"):
                     browser.open(page, width, scheme)

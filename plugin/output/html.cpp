@@ -116,7 +116,8 @@ void HtmlPage::chart(const Panel& panel, std::string_view note) {
 
 void HtmlPage::table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows,
                      std::string_view css_class) {
-  add(css_class.empty() ? "<table>" : fmt::format("<table class=\"{}\">", css_class));
+  add(css_class.empty() ? "<div class=\"scroll\"><table>"
+                        : fmt::format("<div class=\"scroll\"><table class=\"{}\">", css_class));
   if (!columns.empty()) {
     std::string heads;
     for (const std::string& column : columns) heads += fmt::format("<th>{}</th>", escaped(column));
@@ -130,7 +131,7 @@ void HtmlPage::table(const std::vector<std::string>& columns, const std::vector<
                              : fmt::format("<td>{}</td>", escaped(cell));
     add(fmt::format("<tr>{}</tr>", cells));
   }
-  add("</tbody>\n</table>");
+  add("</tbody>\n</table></div>");
 }
 
 std::string HtmlPage::finish() && {

@@ -16,6 +16,7 @@
 #include "output/recorder.hpp"
 #include "runner/bench.hpp"
 #include "runner/check.hpp"
+#include "runner/compare.hpp"
 #include "runner/element.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/list.hpp"
@@ -435,6 +436,8 @@ int main(int argc, char** argv) {
   add_mesh(app, mesh_options);
   CheckOptions check_options;
   add_check(app, check_options);
+  CompareOptions compare_options;
+  add_compare(app, compare_options)->footer(kExitCodes);
   ListOptions list_options;
   add_list(app, list_options);
   BenchOptions bench_options;
@@ -454,6 +457,11 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("check"))
     return report_errors(check_options.scene.file.string(), [&] {
       check(check_options);
+      return kOk;
+    });
+  if (app.got_subcommand("compare"))
+    return report_errors("hexaplast compare", [&] {
+      compare(compare_options);
       return kOk;
     });
   if (app.got_subcommand("bench")) {

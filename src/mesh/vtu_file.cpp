@@ -20,7 +20,8 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr std::size_t kMostGrowth = 1032;  // no byte of zlib's stands for more than this many
+constexpr std::int64_t kMostComponents = 4096;  // of a data array
+constexpr std::size_t kMostGrowth = 1032;       // no byte of zlib's stands for more than this many
 
 std::string attribute(const XMLElement& element, const char* name) {
   const char* value = element.Attribute(name);
@@ -37,6 +38,18 @@ class VtuFile {
   VtuFile(std::string_view content, std::string name) : content_(content), name_(std::move(name)) {}
 
   ImportedMesh read() {
+    read_grid();
+    return std::move(state_.mesh);
+  }
+
+  ImportedState read_with_data() {
+    reads_data_ = true;
+    read_grid();
+    return std::move(state_);
+  }
+
+ private:
+  void read_grid() {
     // raw appended bytes are no XML: what is parsed ends before them
     std::string xml(content_);
     const std::size_t appended = content_.find("<AppendedData");
@@ -65,10 +78,8 @@ class VtuFile {
     if (!grid->FirstChildElement("Piece")) refuse(*grid, "holds no Piece");
     for (const XMLElement* piece = grid->FirstChildElement("Piece"); piece; piece = piece->NextSiblingElement("Piece"))
       add_piece(*piece);
-    return std::move(mesh_);
   }
 
- private:
   void read_conventions(const XMLElement& root) {
     const std::string order = attribute(root, "byte_order"), header = attribute(root, "header_type"),
                       compressor = attribute(root, "compressor");
@@ -85,19 +96,47 @@ class VtuFile {
 
   void add_piece(const XMLElement& piece) {
     const std::size_t num_points = counted(piece, "NumberOfPoints"), num_cells = counted(piece, "NumberOfCells");
-    const Eigen::Index before = mesh_.positions.rows();
+    const Eigen::Index before = state_.mesh.positions.rows();
     if (static_cast<std::size_t>(before) + num_points > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       refuse(piece, "more points than can be numbered");
 
     const XMLElement* points = child(piece, "Points").FirstChildElement("DataArray");
     if (!points) refuse(piece, "holds no array of points");
     const std::vector<double> x = numbers<double>(*points, 3 * num_points);
-    mesh_.positions.conservativeResize(before + static_cast<Eigen::Index>(num_points), 3);
+    state_.mesh.positions.conservativeResize(before + static_cast<Eigen::Index>(num_points), 3);
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (!std::isfinite(x[i])) refuse(*points, fmt::format("{} is not a coordinate: must be a finite number", x[i]));
-      mesh_.positions.data()[3 * before + static_cast<Eigen::Index>(i)] = x[i];
+      state_.mesh.positions.data()[3 * before + static_cast<Eigen::Index>(i)] = x[i];
     }
     if (num_cells > 0) add_cells(child(piece, "Cells"), num_points, num_cells, before);
+    if (!reads_data_) return;
+    if (piece.PreviousSiblingElement("Piece"))
+      refuse(piece, "data of several pieces are not read: must be the only one");
+    add_data(piece, "PointData", num_points, state_.point_data);
+    add_data(piece, "CellData", num_cells, state_.cell_data);
+  }
+
+  void add_data(const XMLElement& piece, const char* group, std::size_t count, std::vector<ImportedArray>& arrays) {
+    const XMLElement* data = piece.FirstChildElement(group);
+    if (!data) return;
+    for (const XMLElement* at = data->FirstChildElement("DataArray"); at; at = at->NextSiblingElement("DataArray")) {
+      if (attribute(*at, "type") == "String") continue;
+      ImportedArray array{attribute(*at, "Name"), 1, {}};
+      const std::string components = attribute(*at, "NumberOfComponents");
+      if (std::int64_t number = 1; !components.empty()) {
+        if (!read_number(components, number) || number < 1 || number > kMostComponents)
+          refuse(*at, fmt::format("NumberOfComponents '{}', must lie in [1, {}]", components, kMostComponents));
+        array.num_components = static_cast<int>(number);
+      }
+      const std::size_t size = count * static_cast<std::size_t>(array.num_components);
+      if (array_type(*at).kind == 'f') {
+        array.values = numbers<double>(*at, size);
+      } else {
+        const std::vector<std::int64_t> whole = numbers<std::int64_t>(*at, size);
+        array.values.assign(whole.begin(), whole.end());
+      }
+      arrays.push_back(std::move(array));
+    }
   }
 
   void add_cells(const XMLElement& cells, std::size_t num_points, std::size_t num_cells, Eigen::Index first_point) {
@@ -117,7 +156,7 @@ class VtuFile {
     for (std::size_t e = 0; e < num_cells; ++e) {
       const std::int64_t begin = e == 0 ? 0 : ends[e - 1];
       if (!add_vtk_cell(static_cast<int>(std::clamp<std::int64_t>(types[e], 0, 255)), nodes.data() + begin,
-                        static_cast<std::size_t>(ends[e] - begin), mesh_))
+                        static_cast<std::size_t>(ends[e] - begin), state_.mesh))
         refuse(types_at, fmt::format("cell {} is of type {} and has {} points", e, types[e], ends[e] - begin));
     }
   }
@@ -335,7 +374,8 @@ class VtuFile {
 
   std::string_view content_;
   std::string name_;
-  ImportedMesh mesh_;
+  ImportedState state_;
+  bool reads_data_ = false;
   std::string_view appended_;
   bool appended_is_raw_ = true;
   bool swaps_bytes_ = false, is_compressed_ = false;
@@ -345,5 +385,13 @@ class VtuFile {
 }  // namespace
 
 ImportedMesh parse_vtu(std::string_view content, const std::string& name) { return VtuFile(content, name).read(); }
+
+ImportedState parse_vtu_state(std::string_view content, const std::string& name) {
+  return VtuFile(content, name).read_with_data();
+}
+
+ImportedState read_vtu_state(const std::filesystem::path& file) {
+  return parse_vtu_state(whole_file(file), file.string());
+}
 
 }  // namespace hexaplast

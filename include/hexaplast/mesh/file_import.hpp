@@ -22,12 +22,28 @@ struct ImportedMesh {
   int num_skipped = 0;  ///< cells of other kinds: tetrahedra, prisms, pyramids, points, cells of higher order
 };
 
+/// Numbers that a file holds per point or per cell.
+struct ImportedArray {
+  std::string name;
+  int num_components = 1;
+  std::vector<double> values;  ///< all components of the first point or cell, then those of the second one, ...
+};
+
+/// A mesh with what its file says about points, and about cells in the order of the file.
+struct ImportedState {
+  ImportedMesh mesh;
+  std::vector<ImportedArray> point_data, cell_data;
+};
+
 /// Gmsh, version 2 and 4.1, text or binary of either byte order.
 ImportedMesh read_gmsh(const std::filesystem::path& file);
 
 /// VTK unstructured grids: legacy files (text or big-endian binary, versions up to 5.1) and XML files (.vtu: text,
 /// base64, or raw appended data; uncompressed or by zlib). Which of the two it is is told by the content.
 ImportedMesh read_vtk(const std::filesystem::path& file);
+
+/// A .vtu file of one piece with its data; arrays of text are passed over.
+ImportedState read_vtu_state(const std::filesystem::path& file);
 
 /// Wavefront OBJ: vertices, polylines, and faces; those of more than four corners are cut into triangles around their
 /// first corner.
@@ -48,6 +64,7 @@ ImportedMesh read_mesh(const std::filesystem::path& file);
 /// The same from content in memory; `name` stands for the file in messages.
 ImportedMesh parse_gmsh(std::string_view content, const std::string& name);
 ImportedMesh parse_vtk(std::string_view content, const std::string& name);
+ImportedState parse_vtu_state(std::string_view content, const std::string& name);
 ImportedMesh parse_obj(std::string_view content, const std::string& name);
 ImportedMesh parse_abaqus(std::string_view content, const std::string& name);
 

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// `hexaplast compare`: two runs beside each other.
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/command.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using hexaplast::support::content;
+using hexaplast::support::Outcome;
+using nlohmann::json;
+
+const std::string kBar =
+    "<Node name='root' gravity='0 0 0' dt='0.01'><DefaultAnimationLoop/><RunSettings steps='20' outputEvery='10'/>"
+    "<Node name='bar'><EulerImplicitSolver/><SparseLDLSolver/><RegularGridTopology name='grid' n='3 2 2'/>"
+    "<MechanicalObject/><DiagonalMass/><HexahedronElastoplasticFEMForceField name='material' yieldStress='300' "
+    "plasticFlowRate='4'/><FixedProjectiveConstraint indices='0 3 6 9'/>"
+    "<ConstantForceField name='pull' indices='2 5 8 11' forces='250 0 0'/></Node></Node>";
+
+class Compare : public hexaplast::support::Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    write("bar.scn", kBar);
+  }
+
+  void run(const std::string& directory, const std::string& options = "") {
+    const Outcome outcome =
+        hexaplast("run bar.scn --frames 0 --quiet --out " + directory + " --final " + directory + ".json " + options);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+  }
+
+  /// The words of the line of the output that begins with `label`.
+  static std::vector<std::string> line(const std::string& out, const std::string& label) {
+    std::istringstream lines(out);
+    for (std::string text; std::getline(lines, text);)
+      if (text.starts_with("  " + label + " ")) {
+        std::istringstream words(text.substr(2 + label.size()));
+        return {std::istream_iterator<std::string>(words), {}};
+      }
+    ADD_FAILURE() << "no line '" << label << "' in\n" << out;
+    return {};
+  }
+
+  /// history.csv by columns, as this test reads it.
+  std::map<std::string, std::vector<double>> history(const std::string& directory) {
+    std::istringstream lines(content(directory_ / directory / "history.csv"));
+    std::string text, word;
+    std::getline(lines, text);
+    std::vector<std::string> names;
+    for (std::istringstream words(text); std::getline(words, word, ',');) names.push_back(word);
+    std::map<std::string, std::vector<double>> columns;
+    while (std::getline(lines, text)) {
+      std::istringstream words(text);
+      for (const std::string& name : names) {
+        std::getline(words, word, ',');
+        columns[name].push_back(std::stod(word));
+      }
+    }
+    return columns;
+  }
+};
+
+TEST_F(Compare, FindsNothingBetweenEqualRuns) {
+  run("a", "--threads 1");
+  run("b", "--threads 2");
+  const Outcome outcome = hexaplast("compare a b");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("Both end in the same state, bit for bit."), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("Where the scenes differ\n  Nowhere."), std::string::npos);
+  EXPECT_NE(outcome.out.find("21 rows at common times, of 21 and 21"), std::string::npos);
+  for (const char* column : {"plastic_elongation", "elastic_energy", "dissipated_energy", "positions"})
+    EXPECT_EQ(line(outcome.out, column).front(), "0") << column;
+}
+
+TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
+  run("a");
+  run("b", "--set bar/material.yieldStress=200");
+  const Outcome outcome = hexaplast("compare a b");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(line(outcome.out, "/bar/material.yieldStress"), (std::vector<std::string>{"300", "200"}));
+
+  const auto a = history("a"), b = history("b");
+  for (const char* column : {"plastic_elongation", "dissipated_energy", "kinetic_energy", "world_elongation"}) {
+    const std::vector<double>&in_a = a.at(column), &in_b = b.at(column);
+    std::size_t at = 0;
+    double largest = 0;
+    for (std::size_t k = 0; k < in_a.size(); ++k) {
+      if (std::abs(in_a[k] - in_b[k]) > std::abs(in_a[at] - in_b[at])) at = k;
+      largest = std::max({largest, std::abs(in_a[k]), std::abs(in_b[k])});
+    }
+    const double difference = std::abs(in_a[at] - in_b[at]);
+    ASSERT_GT(difference, 0) << column;
+    const std::vector<std::string> words = line(outcome.out, column);
+    EXPECT_NEAR(std::stod(words.at(0)), difference, 1e-5 * difference) << column;
+    EXPECT_NEAR(std::stod(words.at(1)), difference / largest, 1e-2 * difference / largest) << column;
+    EXPECT_EQ(std::stoul(words.at(2)), at) << column;
+  }
+
+  // positions against the last states in JSON, which is written and read by others
+  const json state_a = json::parse(content(directory_ / "a.json")),
+             state_b = json::parse(content(directory_ / "b.json"));
+  for (const auto& [label, array] :
+       {std::pair<std::string, const char*>{"positions", "positions"}, {"material positions", "material_positions"}}) {
+    double farthest = 0;
+    std::size_t node = 0;
+    for (std::size_t n = 0; n < state_a.at(array).size(); ++n) {
+      double squared = 0;
+      for (int i = 0; i < 3; ++i)
+        squared += std::pow(state_a.at(array)[n][i].get<double>() - state_b.at(array)[n][i].get<double>(), 2);
+      if (squared > farthest * farthest) {
+        farthest = std::sqrt(squared);
+        node = n;
+      }
+    }
+    const std::vector<std::string> words = line(outcome.out, label);
+    EXPECT_NEAR(std::stod(words.at(0)), farthest, 1e-5 * farthest);
+    EXPECT_EQ(std::stoul(words.at(3)), node);  // "0.1 m node 7"
+  }
+  EXPECT_GT(std::stod(line(outcome.out, "plastic strain").at(0)), 0);
+}
+
+TEST_F(Compare, RunsOfOtherTimeStepsMeetWhereTheirTimesDo) {
+  run("a");
+  run("b", "--set .dt=0.005 --steps 40");
+  const Outcome outcome = hexaplast("compare a b");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("21 rows at common times, of 21 and 41"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("states at 0.2 s"), std::string::npos) << outcome.out;
+
+  run("c", "--steps 13");  // its last state is not among those of a: the one at 0.1 s is
+  EXPECT_NE(hexaplast("compare a c").out.find("states at 0.1 s"), std::string::npos);
+}
+
+TEST_F(Compare, WritesAPageOfBothRuns) {
+  run("a");
+  run("b", "--set bar/material.yieldStress=200");
+  const Outcome outcome = hexaplast("compare a b --out both.html");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::string page = content(directory_ / "both.html");
+  EXPECT_NE(page.find("/bar/material.yieldStress"), std::string::npos);
+
+  const auto a = history("a"), b = history("b");
+  constexpr std::string_view kBegin = "<script type=\"application/json\">";
+  int charts = 0;
+  for (std::size_t at = page.find(kBegin); at != page.npos; at = page.find(kBegin, at + 1)) {
+    const json chart = json::parse(page.substr(at + kBegin.size(), page.find("</script>", at) - at - kBegin.size()));
+    ++charts;
+    ASSERT_EQ(chart.at("series").size(), 2u);
+    if (chart.at("quantity") != "elongation, plastic") continue;
+    for (std::size_t k = 0; k < a.at("step").size(); ++k) {
+      EXPECT_NEAR(chart.at("series")[0].at("curves")[0].at("values")[k].get<double>(),
+                  100 * a.at("plastic_elongation")[k], 1e-6);
+      EXPECT_NEAR(chart.at("series")[1].at("curves")[0].at("values")[k].get<double>(),
+                  100 * b.at("plastic_elongation")[k], 1e-6);
+    }
+  }
+  EXPECT_GE(charts, 8);
+}
+
+TEST_F(Compare, RefusesWhatIsNoRunAndOtherBodies) {
+  run("a");
+  run("finer", "--set bar/grid.n='4 2 2' --set bar/pull.indices='2 5'");
+  write("bad.csv", "");
+  fs::create_directories(directory_ / "empty");
+  const std::pair<const char*, std::pair<int, const char*>> cases[] = {
+      {"compare a absent", {5, "absent: is no directory of a run"}},
+      {"compare bad.csv a", {5, "bad.csv: is no directory of a run"}},
+      {"compare a empty", {5, "empty: is no directory of a run: holds no history.csv"}},
+      {"compare a finer", {3, "a has 12 nodes and 2 hexahedra, finer has 16 nodes and 3"}},
+      {"compare a a --out absent/page.html", {5, "absent/page.html"}},
+      {"compare a", {2, "run_b is required"}},
+  };
+  for (const auto& [arguments, expected] : cases) {
+    const Outcome outcome = hexaplast(arguments);
+    EXPECT_EQ(outcome.code, expected.first) << arguments << outcome.err;
+    EXPECT_NE(outcome.err.find(expected.second), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "") << arguments;
+  }
+  write("a/manifest.json", "{}");
+  EXPECT_EQ(hexaplast("compare a a").code, 5);
+  fs::remove(directory_ / "a/manifest.json");  // a run of an earlier version has none
+  EXPECT_EQ(hexaplast("compare a a").code, 0);
+  write("finer/history.csv", "step,time\n0,0\n1,x\n");
+  EXPECT_EQ(hexaplast("compare finer finer").code, 5);
+}
+
+}  // namespace
