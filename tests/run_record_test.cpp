@@ -110,7 +110,8 @@ TEST_F(RunRecord, TellsHowTheRunEnded) {
   EXPECT_EQ(hexaplast("run bar.scn --out failed --frames 0 --set bar/pull.forces='1e308 0 0'").code, 4);
   const json failed = manifest("failed");
   EXPECT_EQ(failed.at("state"), "failed");
-  EXPECT_NE(failed.at("exit_reason").get<std::string>().find("is not finite"), std::string::npos) << failed.at("exit_reason");
+  EXPECT_NE(failed.at("exit_reason").get<std::string>().find("is not finite"), std::string::npos)
+      << failed.at("exit_reason");
   EXPECT_EQ(failed.at("state_hash"), "");
   EXPECT_TRUE(fs::exists(directory_ / "failed/report.html"));
 
