@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
@@ -172,6 +173,52 @@ TEST(Grasp, ChoosesAmongTheNodesThatCanBeHeld) {
   scene::Scene near = read_and_init(bar(grasp("indices='12-17'", "keyTimes='0' positions='.05 .05 .38'")));
   near.step();
   EXPECT_EQ(at<scene::Component>(near, "grasp").integers("grasped"), (Numbers{16, 17}));
+}
+
+// A hand that comes later does the same as one that has waited: all solvers hear of it.
+TEST(Grasp, MayJoinASceneThatIsReady) {
+  const std::string path = "keyTimes='0' positions='.05 .05 .42'";
+  scene::Scene waiting = read_and_init(bar(grasp("graspTime='0.025' stiffness='900'", path)));
+  scene::Scene joined = read_and_init(bar(""));
+  run(waiting, 3);
+  run(joined, 3);
+  const auto move = [](scene::Scene& scene) {
+    at<scene::Component>(scene, "grasp").find_data("positions")->give(std::vector<double>{.05, .07, .5}, {});
+    scene.step();
+  };
+
+  std::unique_ptr<scene::Component> hand = support::factory().make("GraspForceField");
+  const auto give = [&](std::string_view name, scene::Value value) {
+    hand->find_data(name)->give(std::move(value), {});
+  };
+  give("keyTimes", std::vector<double>{0});
+  give("positions", std::vector<double>{.05, .05, .42});
+  give("radius", 0.08);
+  give("stiffness", 900.0);
+  scene::Node& node = at<scene::Component>(joined, "nodes").node();
+  EXPECT_EQ(joined.add(node, std::move(hand), "grasp").name(), "grasp");
+  for (scene::Scene* scene : {&waiting, &joined}) {
+    scene->step();
+    for (int k = 0; k < 10; ++k) move(*scene);
+  }
+  EXPECT_GT(elongation(joined), 0.001);
+  EXPECT_EQ(nodes(joined), nodes(waiting));
+
+  try {
+    joined.add(node, support::factory().make("GraspForceField"), "empty");
+    FAIL() << "it has no radius";
+  } catch (const scene::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("GraspForceField."), std::string::npos) << error.what();
+  }
+}
+
+TEST(Grasp, AValueThatIsRefusedLeavesNoTrace) {
+  scene::Scene scene = read_and_init(bar(""));
+  scene::Data& yield = *at<scene::Component>(scene, "body").find_data("yieldStress");
+  EXPECT_THROW(yield.give(std::vector<double>{-1}, {}), InputError);
+  EXPECT_FALSE(yield.is_given());
+  yield.give(std::vector<double>{40}, {});
+  EXPECT_TRUE(yield.is_given());
 }
 
 TEST(Grasp, RefusesWhatItCannotDo) {

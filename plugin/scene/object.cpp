@@ -49,10 +49,10 @@ void Data::read(std::string_view text, Place place) {
 }
 
 void Data::give(Value value, Place place) {
-  place_ = std::move(place);
-  is_given_ = true;
   if (attribute_.access == Access::kOutput) throw InputError("is computed, and cannot be set");
   check_value(attribute_, value);
+  place_ = std::move(place);
+  is_given_ = true;
   source_ = nullptr;
   link_.clear();
   set(std::move(value));

@@ -32,7 +32,8 @@ class Data {
   /// Throws InputError where the text cannot be read.
   void read(std::string_view text, Place place);
 
-  /// Takes a value that does not come from text: from a host that keeps its own. Throws InputError like read_value.
+  /// Takes a value that does not come from text: from a host that keeps its own. Throws InputError like read_value;
+  /// then nothing has changed.
   void give(Value value, Place place);
 
   /// "@path" as written; empty when there is none.

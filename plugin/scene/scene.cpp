@@ -40,21 +40,35 @@ void Scene::init() {
 }
 
 void Scene::init(Node& node) {
-  for (const auto& component : node.components()) {
-    attempt(*component, [&] {
-      component->init();
-      component->mark_inputs_seen();
-      component->stage_ = Component::Stage::kReady;
-    });
-  }
+  for (const auto& component : node.components()) init(*component);
   for (const auto& child : node.children()) init(*child);
+}
+
+void Scene::init(Component& component) {
+  attempt(component, [&] {
+    component.init();
+    component.mark_inputs_seen();
+    component.stage_ = Component::Stage::kReady;
+  });
 }
 
 void Scene::bwd_init(Node& node) {
   for (const auto& child : node.children()) bwd_init(*child);
-  for (const auto& component : node.components()) {
-    if (component->stage() == Component::Stage::kReady) attempt(*component, [&] { component->bwd_init(); });
-  }
+  for (const auto& component : node.components()) bwd_init(*component);
+}
+
+void Scene::bwd_init(Component& component) {
+  if (component.stage() == Component::Stage::kReady) attempt(component, [&] { component.bwd_init(); });
+}
+
+Component& Scene::add(Node& node, std::unique_ptr<Component> component, std::string name) {
+  Component& added = node.add(std::move(component));
+  added.introduce(std::move(name), node.place(), *diagnostics_);
+  init(added);
+  bwd_init(added);
+  root_->for_each<OdeSolver>([this](OdeSolver& solver) { bwd_init(solver); });
+  diagnostics_->throw_errors();
+  return added;
 }
 
 void Scene::reset() {

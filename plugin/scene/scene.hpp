@@ -27,6 +27,11 @@ class Scene {
   /// Resolves the links, then init and bwd_init of every component. Throws SceneError with all that is wrong.
   void init();
 
+  /// Adds a component to a scene that is ready, between two steps: its init and bwd_init, and bwd_init of the solvers,
+  /// which look again at what there is to move. Its attributes have been given before. Throws SceneError; the scene is
+  /// then of no more use.
+  Component& add(Node& node, std::unique_ptr<Component> component, std::string name);
+
   /// Back to the state after init, at time 0.
   void reset();
 
@@ -38,7 +43,9 @@ class Scene {
 
  private:
   void init(Node& node);
+  void init(Component& component);
   void bwd_init(Node& node);
+  void bwd_init(Component& component);
   template <class Call>
   void attempt(Component& component, const Call& call);
 
