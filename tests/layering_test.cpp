@@ -32,8 +32,9 @@ const std::map<std::string, int> kHeight{
     {"scene", 8},
     {"components", 9},
     {"output", 9},
-    {"runner", 10},
-    {"sofa", 10},
+    {"view", 10},
+    {"runner", 11},
+    {"sofa", 11},
     // below benchmarks/
     {"baselines", 6},
     {"bench", 7},

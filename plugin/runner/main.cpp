@@ -25,6 +25,7 @@
 #include "runner/mesh_info.hpp"
 #include "runner/mesh_make.hpp"
 #include "runner/run.hpp"
+#include "runner/view.hpp"
 #include "scene/reader.hpp"
 
 namespace {
@@ -269,6 +270,12 @@ void add_mesh(CLI::App& app, MeshOptions& options) {
   add_mesh_convert(*mesh, options.convert);
 }
 
+void add_view(CLI::App& app, ViewOptions& options) {
+  CLI::App* command = app.add_subcommand("view", "Run a scene in a window, and pull at it with the mouse");
+  add_scene(*command, options.scene);
+  add_view_options(*command, options);
+}
+
 void add_check(CLI::App& app, CheckOptions& options) {
   CLI::App* check = app.add_subcommand("check", "Read a scene as run does and print what it means, without a step");
   add_scene(*check, options.scene);
@@ -430,6 +437,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   RunOptions run_options;
   add_run(app, run_options);
+  ViewOptions view_options;
+  add_view(app, view_options);
   ElementOptions element_options;
   add_element(app, element_options);
   MeshOptions mesh_options;
@@ -448,6 +457,8 @@ int main(int argc, char** argv) {
     return error.get_exit_code() == 0 ? app.exit(error) : report(kUsage, usage_message(app, error));
   }
 
+  if (app.got_subcommand("view"))
+    return report_errors(view_options.scene.file.string(), [&] { return view(view_options); });
   if (app.got_subcommand("element"))
     return report_errors(element_options.file, [&] {
       run_element(element_options);

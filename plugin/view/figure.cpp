@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "view/figure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hexaplast::view {
+namespace {
+
+using Eigen::Vector3f;
+using output::Surface;
+
+std::vector<Vector3f> single(ConstPoints points) {
+  std::vector<Vector3f> places;
+  places.reserve(static_cast<std::size_t>(points.rows()));
+  for (Eigen::Index n = 0; n < points.rows(); ++n) places.push_back(points.row(n).transpose().cast<float>());
+  return places;
+}
+
+std::vector<Surface::Face> faces_of(const output::Skin& skin) {
+  std::vector<Surface::Face> faces = skin.quads;
+  for (const auto& [a, b, c] : skin.triangles) faces.push_back({a, b, c, c});
+  return faces;
+}
+
+void extend(Eigen::AlignedBox3d& box, ConstPoints points) {
+  box.extend(points.colwise().minCoeff().transpose());
+  box.extend(points.colwise().maxCoeff().transpose());
+}
+
+}  // namespace
+
+Figure::Figure(const HexMesh& mesh, output::Staging staging) : mesh_(mesh), staging_(std::move(staging)) {
+  body_.original = mesh.positions();
+  for (const output::Skin& skin : staging_.skins) {
+    Sheet& sheet = skins_.emplace_back();
+    sheet.embedding.emplace(mesh.positions(), mesh.hexahedra(), skin.points);
+    sheet.original = skin.points;
+    sheet.faces = faces_of(skin);
+  }
+  leave(std::vector<unsigned char>(static_cast<std::size_t>(mesh.num_elements()), 1));
+}
+
+void Figure::leave(std::span<const unsigned char> alive) {
+  alive_.assign(alive.begin(), alive.end());
+  body_.faces = mesh_.boundary_faces(alive_);
+  body_.surface = std::make_unique<Surface>(single(body_.original), body_.faces);
+  for (Sheet& skin : skins_) {
+    std::vector<Face> left;
+    for (const Face& face : skin.faces)
+      if (std::ranges::all_of(face, [&](int point) { return alive_[skin.embedding->hexahedron_of(point)] != 0; }))
+        left.push_back(face);
+    skin.surface = std::make_unique<Surface>(single(skin.original), std::move(left));
+  }
+}
+
+void Figure::place(Sheet& sheet, ConstPoints nodes) const {
+  sheet.points.resize(sheet.original.rows(), 3);
+  if (sheet.embedding)
+    sheet.embedding->apply(nodes, sheet.points);
+  else
+    sheet.points = nodes;
+}
+
+void Figure::update(const Snapshot& snapshot, const Look& look) {
+  if (!std::ranges::equal(alive_, snapshot.alive)) leave(snapshot.alive);
+  triangles_.clear();
+  edges_.clear();
+  ghost_triangles_.clear();
+  ghost_edges_.clear();
+  fixed_nodes_.clear();
+  range_.setEmpty();
+  shows_skins_ = look.shows_skins && has_skins();
+
+  if (look.ghost != Ghost::kNone) {
+    const ConstPoints nodes = look.ghost == Ghost::kOriginal ? mesh_.positions() : snapshot.material;
+    if (!shows_skins_) draw_ghost(body_, nodes);
+    for (Sheet& skin : skins_)
+      if (shows_skins_) draw_ghost(skin, nodes);
+  }
+
+  place(body_, snapshot.positions);
+  for (Sheet& skin : skins_) place(skin, snapshot.positions);
+  if (!shows_skins_) draw(body_, snapshot.values);
+  for (const Sheet& skin : skins_)
+    if (shows_skins_) draw(skin, snapshot.values);
+
+  const Places nodes = single(snapshot.positions);
+  if (look.shows_edges)
+    for (const auto& [a, b] : body_.surface->edges()) edges_.insert(edges_.end(), {nodes[a], nodes[b]});
+  if (!shows_skins_)
+    for (const int node : staging_.fixed_nodes) fixed_nodes_.push_back(nodes[node]);
+
+  // with the original, so that the depths of two moments differ little
+  box_.setEmpty();
+  extend(box_, mesh_.positions());
+  extend(box_, snapshot.positions);
+  extend(box_, snapshot.material);
+}
+
+// Every quad is drawn as four triangles around its middle, so that a warped one shows no preferred diagonal.
+void Figure::draw(const Sheet& sheet, std::span<const double> nodal_values) {
+  PointArray at_nodes = PointArray::Zero(mesh_.num_nodes(), 3), values = at_nodes;  // in their first column
+  const bool has_values = std::ranges::all_of(nodal_values, [](double value) { return std::isfinite(value); });
+  if (has_values) at_nodes.col(0) = Eigen::VectorXd::Map(nodal_values.data(), mesh_.num_nodes());
+  if (sheet.embedding) {
+    values.resize(sheet.embedding->num_points(), 3);
+    sheet.embedding->apply(at_nodes, values);
+  } else {
+    values = at_nodes;
+  }
+
+  const Places points = single(sheet.points);
+  const std::vector<std::array<Vector3f, 4>> normals = sheet.surface->corner_normals(points);
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    const Face& face = sheet.surface->faces()[f];
+    std::array<Vertex, 4> corner;
+    Vertex middle{Vector3f::Zero(), Vector3f::Zero(), 0};
+    for (int k = 0; k < 4; ++k) {
+      corner[k] = {points[face[k]], normals[f][k], static_cast<float>(values(face[k], 0))};
+      middle.place += corner[k].place / 4;
+      middle.normal += corner[k].normal;
+      middle.value += corner[k].value / 4;
+      if (has_values) range_.extend(Eigen::Matrix<double, 1, 1>(values(face[k], 0)));
+    }
+    if (Surface::is_triangle(face)) {
+      triangles_.insert(triangles_.end(), {corner[0], corner[1], corner[2]});
+      continue;
+    }
+    middle.normal.normalize();
+    for (int k = 0; k < 4; ++k) triangles_.insert(triangles_.end(), {corner[k], corner[(k + 1) % 4], middle});
+  }
+}
+
+void Figure::draw_ghost(Sheet& sheet, ConstPoints nodes) {
+  place(sheet, nodes);
+  const Places points = single(sheet.points);
+  for (const auto& [a, b, c, d] : sheet.surface->faces())
+    ghost_triangles_.insert(ghost_triangles_.end(), {points[a], points[b], points[c], points[a], points[c], points[d]});
+  for (const auto& [a, b] : sheet.surface->creases()) ghost_edges_.insert(ghost_edges_.end(), {points[a], points[b]});
+}
+
+std::optional<Hit> Figure::hit(const Ray& ray) const {
+  if (!shows_skins_) return first_hit(ray, body_.points, body_.surface->faces());
+  std::optional<Hit> first;
+  for (const Sheet& skin : skins_) {
+    const std::optional<Hit> found = first_hit(ray, skin.points, skin.surface->faces());
+    if (found && (!first || found->distance < first->distance)) first = found;
+  }
+  return first;
+}
+
+}  // namespace hexaplast::view

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/mesh/pick.hpp"
+#include "output/gallery.hpp"
+#include "output/surface.hpp"
+#include "view/session.hpp"
+
+namespace hexaplast::view {
+
+/// Which shape stands behind the body.
+enum class Ghost { kNone, kOriginal, kMaterial };
+
+/// What is drawn of the body.
+struct Look {
+  bool shows_skins = true;  ///< the embedded surfaces, where the scene has some; otherwise the faces of the hexahedra
+  bool shows_edges = true;  ///< of the hexahedra
+  Ghost ghost = Ghost::kOriginal;
+};
+
+/// The triangles, lines and points that show a snapshot, and what the mouse meets.
+class Figure {
+ public:
+  struct Vertex {
+    Eigen::Vector3f place;   ///< [m]
+    Eigen::Vector3f normal;  ///< unit vector
+    float value = 0;         ///< of the quantity shown
+  };
+
+  /// The mesh must outlive the figure. Throws what Embedding throws.
+  Figure(const HexMesh& mesh, output::Staging staging);
+
+  bool has_skins() const { return !skins_.empty(); }
+  bool shows_skins() const { return shows_skins_; }
+  const output::Staging& staging() const { return staging_; }
+
+  /// Shows another moment.
+  void update(const Snapshot& snapshot, const Look& look);
+
+  const std::vector<Vertex>& triangles() const { return triangles_; }   ///< three of them each
+  const std::vector<Eigen::Vector3f>& edges() const { return edges_; }  ///< two places each
+  const std::vector<Eigen::Vector3f>& ghost_triangles() const { return ghost_triangles_; }
+  const std::vector<Eigen::Vector3f>& ghost_edges() const { return ghost_edges_; }
+  const std::vector<Eigen::Vector3f>& fixed_nodes() const { return fixed_nodes_; }
+  const Eigen::AlignedBox3d& box() const { return box_; }  ///< [m] of all of it
+
+  /// Least and greatest value shown; empty where the quantity has none (yield stress of what never yields).
+  const Eigen::AlignedBox1d& range() const { return range_; }
+
+  /// Where a ray first meets what is shown.
+  std::optional<Hit> hit(const Ray& ray) const;
+
+ private:
+  using Places = std::vector<Eigen::Vector3f>;
+  using Face = output::Surface::Face;
+
+  /// An embedded surface, or the boundary of the hexahedra, which needs no embedding.
+  struct Sheet {
+    std::optional<Embedding> embedding = {};
+    PointArray original = {};  // [m]
+    std::vector<Face> faces = {};
+    std::unique_ptr<output::Surface> surface = {};  // of the faces that are left
+    PointArray points = {};                         // [m] at the latest update
+  };
+
+  void leave(std::span<const unsigned char> alive);  // only what is alive
+  void place(Sheet& sheet, ConstPoints nodes) const;
+  void draw(const Sheet& sheet, std::span<const double> nodal_values);
+  void draw_ghost(Sheet& sheet, ConstPoints nodes);
+
+  const HexMesh& mesh_;
+  output::Staging staging_;
+  std::vector<unsigned char> alive_;
+  Sheet body_;
+  std::vector<Sheet> skins_;
+  bool shows_skins_ = false;
+
+  std::vector<Vertex> triangles_;
+  Places edges_, ghost_triangles_, ghost_edges_, fixed_nodes_;
+  Eigen::AlignedBox3d box_;
+  Eigen::AlignedBox1d range_;
+};
+
+}  // namespace hexaplast::view

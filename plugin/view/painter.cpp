@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "view/painter.hpp"
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/gl.h>
+#include <GL/glext.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "output/colour_map.hpp"
+#include "output/files.hpp"
+
+namespace hexaplast::view {
+namespace {
+
+using Eigen::Matrix4f;
+using Eigen::Vector3f;
+using Eigen::Vector4f;
+
+constexpr int kNumColours = 256;
+constexpr int kShadowSize = 1024;  // [texels]
+constexpr float kFixedSize = 7;    // [pixels] of the mark of a fixed node
+
+const Vector4f kGhostFill(0.86f, 0.88f, 0.92f, 0.55f);
+const Vector4f kGhostEdge(0.62f, 0.66f, 0.72f, 0.9f);
+const Vector4f kEdge(0.16f, 0.13f, 0.16f, 0.42f);
+const Vector4f kCage(0.25f, 0.30f, 0.38f, 0.24f);  // edges around embedded surfaces
+const Vector4f kFixed(0.13f, 0.13f, 0.15f, 1);
+
+// A surface in light from a whole sky, from a lamp that casts soft shadows, and with the gleam of what is moist. The
+// lamp stands above the viewer's left shoulder. Brightness stays within limits, so that colours remain comparable with
+// the colour bar.
+constexpr const char* kSurfaceVertex = R"(#version 330 core
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in float value;
+uniform mat4 clip, view, light;
+uniform vec2 scale;  // least, 1 / (most - least)
+out vec3 eye_place, eye_normal, in_light;
+out float share;
+void main() {
+  gl_Position = clip * vec4(place, 1);
+  eye_place = (view * vec4(place, 1)).xyz;
+  eye_normal = mat3(view) * normal;
+  in_light = (light * vec4(place, 1)).xyz * 0.5 + 0.5;
+  share = (value - scale.x) * scale.y;
+})";
+
+constexpr const char* kSurfaceFragment = R"(#version 330 core
+in vec3 eye_place, eye_normal, in_light;
+in float share;
+uniform sampler2D colours;
+uniform sampler2DShadow shadow;
+uniform vec3 lamp;  // towards it, seen from the eye
+out vec4 colour;
+
+const vec2 kDisc[12] = vec2[](vec2(-0.33, -0.40), vec2(-0.84, -0.07), vec2(-0.70, 0.46), vec2(-0.20, 0.62),
+                              vec2(0.96, -0.19), vec2(0.47, -0.48), vec2(0.52, 0.77), vec2(0.19, -0.89),
+                              vec2(0.51, 0.06), vec2(0.90, 0.41), vec2(-0.32, -0.93), vec2(-0.79, -0.60));
+
+void main() {
+  vec3 towards = normalize(-eye_place), n = normalize(eye_normal);
+  if (dot(n, towards) < 0) n = -n;
+
+  float slant = dot(n, lamp), lit = 0;
+  float bias = 0.003 + 0.009 * (1 - clamp(slant, 0, 1));
+  for (int k = 0; k < 12; ++k)
+    lit += texture(shadow, vec3(in_light.xy + 0.006 * kDisc[k], in_light.z - bias)) / 12;
+  float direct = max(slant, 0) * lit;
+  float sky = 0.5 + 0.5 * n.y;
+
+  vec3 base = texture(colours, vec2(clamp(share, 0.002, 0.998), 0.5)).rgb;
+  float brightness = min(0.56 + 0.16 * sky + 0.36 * direct, 1.0);
+  float gleam = 0.22 * lit * pow(max(dot(n, normalize(lamp + towards)), 0), 48);
+  float rim = 0.10 * pow(1 - max(dot(n, towards), 0), 3);
+  colour = vec4(mix(base * brightness, vec3(1), gleam + rim * sky), 1);
+})";
+
+constexpr const char* kFlatVertex = R"(#version 330 core
+layout(location = 0) in vec3 place;
+uniform mat4 clip;
+uniform float nearer;  // pulled towards the viewer by this much of the depth
+uniform float point_size;
+void main() {
+  gl_Position = clip * vec4(place, 1);
+  gl_Position.z -= nearer * gl_Position.w;
+  gl_PointSize = point_size;
+})";
+
+constexpr const char* kFlatFragment = R"(#version 330 core
+uniform vec4 ink;
+uniform bool is_round;
+out vec4 colour;
+void main() {
+  if (is_round && length(gl_PointCoord - 0.5) > 0.5) discard;
+  colour = ink;
+})";
+
+// One triangle over everything: a page that grows a little darker downwards.
+constexpr const char* kBackdropVertex = R"(#version 330 core
+out float height;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1);
+  height = 0.5 * corner.y + 0.5;
+  gl_Position = vec4(corner, 0.999, 1);
+})";
+
+constexpr const char* kBackdropFragment = R"(#version 330 core
+in float height;
+out vec4 colour;
+void main() { colour = vec4(mix(vec3(0.84, 0.87, 0.905), vec3(0.985, 0.99, 1.0), smoothstep(0.0, 0.9, height)), 1); })";
+
+unsigned compiled(unsigned kind, const char* text) {
+  const unsigned shader = glCreateShader(kind);
+  glShaderSource(shader, 1, &text, nullptr);
+  glCompileShader(shader);
+  int is_good = 0;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &is_good);
+  if (is_good) return shader;
+  std::array<char, 1024> log{};
+  glGetShaderInfoLog(shader, static_cast<int>(log.size()), nullptr, log.data());
+  throw output::OutputError(fmt::format("the graphics driver refuses a program: {}", log.data()));
+}
+
+unsigned linked(const char* vertex, const char* fragment) {
+  const unsigned program = glCreateProgram();
+  for (const auto& [kind, text] : {std::pair{GL_VERTEX_SHADER, vertex}, std::pair{GL_FRAGMENT_SHADER, fragment}}) {
+    const unsigned shader = compiled(kind, text);
+    glAttachShader(program, shader);
+    glDeleteShader(shader);
+  }
+  glLinkProgram(program);
+  int is_good = 0;
+  glGetProgramiv(program, GL_LINK_STATUS, &is_good);
+  if (!is_good) throw output::OutputError("the graphics driver cannot link a program");
+  return program;
+}
+
+int place_of(unsigned program, const char* uniform) { return glGetUniformLocation(program, uniform); }
+
+void set(unsigned program, const char* uniform, const Matrix4f& matrix) {
+  glUniformMatrix4fv(place_of(program, uniform), 1, GL_FALSE, matrix.data());
+}
+
+void declare(unsigned attribute, int count, std::size_t stride, std::size_t offset) {
+  glEnableVertexAttribArray(attribute);
+  glVertexAttribPointer(attribute, count, GL_FLOAT, GL_FALSE, static_cast<int>(stride),
+                        reinterpret_cast<const void*>(offset));
+}
+
+template <class T>
+void send(unsigned buffer, const std::vector<T>& content) {
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(content.size() * sizeof(T)), content.data(), GL_STREAM_DRAW);
+}
+
+/// A lamp far away in direction `towards`, and what of a box it sees: orthographic, [-1, 1] in all directions.
+Matrix4f lamp_view(const Vector3f& towards, const Eigen::AlignedBox3f& box) {
+  const Vector3f right = towards.unitOrthogonal(), up = towards.cross(right);
+  const float reach = 0.52f * box.sizes().norm();
+  Matrix4f matrix = Matrix4f::Identity();
+  matrix.row(0).head<3>() = right / reach;
+  matrix.row(1).head<3>() = up / reach;
+  matrix.row(2).head<3>() = -towards / reach;
+  matrix.topRightCorner<3, 1>() = -matrix.topLeftCorner<3, 3>() * box.center();
+  return matrix;
+}
+
+}  // namespace
+
+Painter::Painter()
+    : surface_(linked(kSurfaceVertex, kSurfaceFragment)),
+      flat_(linked(kFlatVertex, kFlatFragment)),
+      backdrop_(linked(kBackdropVertex, kBackdropFragment)) {
+  for (Batch* batch : {&triangles_, &places_, &nothing_}) {
+    glGenVertexArrays(1, &batch->array);
+    glGenBuffers(1, &batch->buffer);
+    glBindVertexArray(batch->array);
+    glBindBuffer(GL_ARRAY_BUFFER, batch->buffer);
+    if (batch == &triangles_) {
+      declare(0, 3, sizeof(Figure::Vertex), offsetof(Figure::Vertex, place));
+      declare(1, 3, sizeof(Figure::Vertex), offsetof(Figure::Vertex, normal));
+      declare(2, 1, sizeof(Figure::Vertex), offsetof(Figure::Vertex, value));
+    }
+    if (batch == &places_) declare(0, 3, sizeof(Vector3f), 0);
+  }
+
+  std::array<float, 3 * kNumColours> colours;
+  for (int k = 0; k < kNumColours; ++k) {
+    const output::Colour colour = output::colour_of((k + 0.5) / kNumColours);
+    colours[3 * k] = colour.red, colours[3 * k + 1] = colour.green, colours[3 * k + 2] = colour.blue;
+  }
+  glGenTextures(1, &colours_);
+  glBindTexture(GL_TEXTURE_2D, colours_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, kNumColours, 1, 0, GL_RGB, GL_FLOAT, colours.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+
+  glGenTextures(1, &shadow_);
+  glBindTexture(GL_TEXTURE_2D, shadow_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadowSize, kShadowSize, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
+               nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glGenFramebuffers(1, &shadow_frame_);
+  glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame_);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, shadow_, 0);
+  glDrawBuffer(GL_NONE);
+  glReadBuffer(GL_NONE);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+Painter::~Painter() {
+  for (const Batch& batch : {triangles_, places_, nothing_}) {
+    glDeleteVertexArrays(1, &batch.array);
+    glDeleteBuffers(1, &batch.buffer);
+  }
+  glDeleteTextures(1, &colours_);
+  glDeleteTextures(1, &shadow_);
+  glDeleteFramebuffers(1, &shadow_frame_);
+  for (const unsigned program : {surface_, flat_, backdrop_}) glDeleteProgram(program);
+}
+
+void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double least, double most) {
+  const Matrix4f view = camera.view().cast<float>(), clip = camera.clip(figure.box()).cast<float>();
+  const Vector3f lamp = Vector3f(-0.38f, 0.58f, 0.85f).normalized();  // seen from the eye
+  const Matrix4f light = lamp_view(view.topLeftCorner<3, 3>().transpose() * lamp, figure.box().cast<float>());
+  send(triangles_.buffer, figure.triangles());
+  draw_shadow(figure, light);
+
+  glViewport(viewport.left, viewport.bottom, viewport.width, viewport.height);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_MULTISAMPLE);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDisable(GL_DEPTH_TEST);
+  glUseProgram(backdrop_);
+  glBindVertexArray(nothing_.array);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
+  // behind everything else, however near it is
+  glUseProgram(flat_);
+  set(flat_, "clip", clip);
+  glUniform1f(place_of(flat_, "nearer"), 0);
+  glEnable(GL_DEPTH_TEST);  // so that what lies behind itself is not filled twice
+  glDepthFunc(GL_LESS);
+  draw_places(figure.ghost_triangles(), GL_TRIANGLES, kGhostFill);
+  glDisable(GL_DEPTH_TEST);
+  draw_places(figure.ghost_edges(), GL_LINES, kGhostEdge);
+  glClear(GL_DEPTH_BUFFER_BIT);
+
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glUseProgram(surface_);
+  set(surface_, "clip", clip);
+  set(surface_, "view", view);
+  set(surface_, "light", light);
+  glUniform3fv(place_of(surface_, "lamp"), 1, lamp.data());
+  glUniform2f(place_of(surface_, "scale"), static_cast<float>(least),
+              most > least ? static_cast<float>(1 / (most - least)) : 0);
+  glUniform1i(place_of(surface_, "colours"), 0);
+  glUniform1i(place_of(surface_, "shadow"), 1);
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_2D, shadow_);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, colours_);
+  glEnable(GL_POLYGON_OFFSET_FILL);  // so that edges lie in front over their full width
+  glPolygonOffset(2, 8);
+  glBindVertexArray(triangles_.array);
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<int>(figure.triangles().size()));
+  glDisable(GL_POLYGON_OFFSET_FILL);
+
+  glUseProgram(flat_);
+  glUniform1f(place_of(flat_, "nearer"), 2e-4f);
+  glDepthMask(GL_FALSE);
+  draw_places(figure.edges(), GL_LINES, figure.shows_skins() ? kCage : kEdge);
+  glUniform1f(place_of(flat_, "nearer"), 2e-3f);
+  draw_places(figure.fixed_nodes(), GL_POINTS, kFixed, kFixedSize);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_DEPTH_TEST);
+  glBindVertexArray(0);
+}
+
+void Painter::draw_shadow(const Figure& figure, const Matrix4f& light) {
+  glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame_);
+  glViewport(0, 0, kShadowSize, kShadowSize);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glUseProgram(flat_);
+  set(flat_, "clip", light);
+  glUniform1f(place_of(flat_, "nearer"), 0);
+  glBindVertexArray(triangles_.array);
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<int>(figure.triangles().size()));
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+void Painter::draw_places(const std::vector<Vector3f>& places, unsigned mode, const Vector4f& colour,
+                          float point_size) {
+  send(places_.buffer, places);
+  glUniform4fv(place_of(flat_, "ink"), 1, colour.data());
+  glUniform1i(place_of(flat_, "is_round"), mode == GL_POINTS);
+  glUniform1f(place_of(flat_, "point_size"), point_size);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  glBindVertexArray(places_.array);
+  glDrawArrays(mode, 0, static_cast<int>(places.size()));
+}
+
+output::Image Painter::picture(int width, int height) {
+  output::Image image{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height * 3)};
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  const std::size_t row = static_cast<std::size_t>(width) * 3;
+  for (int y = 0; y < height; ++y)  // OpenGL counts rows from below
+    glReadPixels(0, height - 1 - y, width, 1, GL_RGB, GL_UNSIGNED_BYTE,
+                 &image.pixels[static_cast<std::size_t>(y) * row]);
+  return image;
+}
+
+}  // namespace hexaplast::view

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "view/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/faces.hpp"
+#include "hexaplast/mesh/pick.hpp"
+
+namespace hexaplast::view {
+namespace {
+
+using attributes::Attribute;
+using attributes::Type;
+
+/// What a body may take anew between two steps.
+constexpr std::array kKnobs{"youngModulus",  "poissonRatio",     "yieldStress",    "plasticFlowRate", "hardening",
+                            "rotationYield", "rotationFlowRate", "fractureStress", "fractureStretch"};
+
+constexpr double kNever = 1e300;       // [s] a time that no session reaches
+constexpr double kEverywhere = 1e300;  // [m]
+constexpr double kSliderReach = 100;   // a slider reaches from a hundredth of its first value to a hundred times it
+constexpr auto kPatience = std::chrono::milliseconds(100);  // by which real time may run ahead before it is given up
+
+const scene::Place kWindow{.file = "window"};
+
+scene::MechanicalState& only_state(scene::Scene& scene) {
+  const std::vector<scene::MechanicalState*> states = scene::independent_states(scene.root());
+  if (states.size() != 1) throw scene::SceneError(fmt::format("{} mechanical states, must be one", states.size()));
+  return *states.front();
+}
+
+scene::ForceField& only_body(scene::Scene& scene) {
+  std::vector<scene::ForceField*> fields = scene.root().all<scene::ForceField>();
+  std::erase_if(fields, [](const scene::ForceField* field) { return !field->body(); });
+  if (fields.size() != 1)
+    throw scene::SceneError(scene::format_error(
+        scene.root().place(), fmt::format("{} bodies in the scene, a window shows exactly one", fields.size())));
+  return *fields.front();
+}
+
+/// The value of an attribute of one number, or of a list; none where it has none.
+std::optional<double> first_value(scene::Data& data) {
+  const scene::Value& value = data.value();
+  if (const auto* real = std::get_if<double>(&value)) return *real;
+  const auto* reals = std::get_if<std::vector<double>>(&value);
+  return reals && !reals->empty() ? std::optional(reals->front()) : std::nullopt;
+}
+
+/// From where to where it makes sense to move a number: within its range, around what it is, and no rate faster than
+/// is wise for the time step.
+Knob knob_of(scene::Data& data, const Body& body, double dt) {
+  const Attribute& attribute = data.attribute();
+  const Material& material = body.model().materials.front();
+  Knob knob{.attribute = &attribute, .value = first_value(data)};
+  if (const auto* reals = std::get_if<std::vector<double>>(&data.value()))
+    knob.num_values = std::max<std::size_t>(reals->size(), 1);
+
+  const bool is_stretch = attribute.range.least == 1;
+  knob.suggested = is_stretch ? 2 : material.young_modulus / 20;
+  const double value = knob.value.value_or(knob.suggested);
+  if (attribute.unit == "1/s") {
+    knob.least = 0;
+    knob.most = std::max(value, kAdvisedFlowPerStep / dt);
+  } else if (attribute.unit == "Pa" && value > 0) {
+    knob.least = value / kSliderReach;
+    knob.most = value * kSliderReach;
+    knob.is_logarithmic = true;
+  } else {
+    const double reach = std::max(std::abs(value), 1.0);
+    knob.least = std::max(attribute.range.least, -2 * reach);
+    knob.most = std::min(attribute.range.most, 5 * reach);
+    if (attribute.range.without_least) knob.least += 1e-3;
+    if (attribute.range.without_most) knob.most -= 1e-3;
+  }
+  return knob;
+}
+
+}  // namespace
+
+Session::Session(Subject subject, std::unique_ptr<scene::Component> hand)
+    : subject_(std::move(subject)),
+      state_(&only_state(subject_.scene)),
+      field_(&only_body(subject_.scene)),
+      dt_(subject_.scene.dt()),
+      ruler_(body()) {
+  for (const char* name : kKnobs)
+    if (scene::Data* data = field_->find_data(name)) knobs_.push_back(knob_of(*data, body(), dt_));
+
+  // a hand that is about as strong as a cube of the same matter, and holds a handful of nodes
+  const double size = std::cbrt(body().original_volume());
+  const double young = body().model().materials.front().young_modulus;
+  suggested_hand_ = {.radius = 1.8 * std::cbrt(body().original_volume() / mesh().num_elements()),
+                     .stiffness = young * size,
+                     .most_force = young * size * size / 2};
+
+  hand_ = hand.get();
+  const auto give = [&](std::string_view attribute, scene::Value value) {
+    hand_->find_data(attribute)->give(std::move(value), kWindow);
+  };
+  give("graspTime", kNever);
+  give("keyTimes", std::vector<double>{0});
+  give("positions", std::vector<double>{0, 0, 0});
+  give("radius", kEverywhere);
+  subject_.scene.add(state_->node(), std::move(hand), "hand");
+  subject_.scene.diagnostics().take_warnings();  // solvers repeat what they have said when the scene was read
+
+  thread_ = std::thread([this] { work(); });
+}
+
+Session::~Session() { stop(); }
+
+void Session::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  wake_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Session::post(std::function<void()> command) {
+  {
+    const std::lock_guard lock(mutex_);
+    commands_.push_back(std::move(command));
+  }
+  wake_.notify_one();
+}
+
+void Session::run() {
+  post([this] {
+    is_running_ = failure_.empty();
+    due_ = Clock::now();
+  });
+}
+
+void Session::pause() {
+  post([this] {
+    is_running_ = false;
+    steps_asked_ = 0;
+  });
+}
+
+void Session::advance(long steps) {
+  post([this, steps] {
+    is_running_ = false;
+    if (failure_.empty()) steps_asked_ += steps;
+  });
+}
+
+void Session::reset() {
+  post([this] {
+    open_hand();
+    subject_.reset();
+    is_running_ = false;
+    steps_asked_ = 0;
+    latest_ = {};
+    failure_.clear();
+    step_ms_.clear();
+  });
+}
+
+void Session::set_pace(Pace pace) {
+  post([this, pace] {
+    pace_ = pace;
+    due_ = Clock::now();
+  });
+}
+
+void Session::show(Quantity quantity) {
+  post([this, quantity] { quantity_ = quantity; });
+}
+
+void Session::grab(const Vec3& place, const HandSettings& settings) {
+  post([this, place, settings] {
+    open_hand();
+    std::vector<int> surface;
+    for (const Quad& face : mesh().boundary_faces(body().history().alive))
+      surface.insert(surface.end(), face.begin(), face.end());
+    std::ranges::sort(surface);
+    surface.erase(std::unique(surface.begin(), surface.end()), surface.end());
+    const std::vector<int> held = nearest_nodes(state_->positions(), surface, place, settings.radius, 1);
+    if (held.empty()) return;  // nothing is left of the body
+
+    change(*hand_, "indices", std::vector<std::int64_t>(held.begin(), held.end()));
+    change(*hand_, "positions", std::vector<double>(place.begin(), place.end()));
+    change(*hand_, "stiffness", settings.stiffness);
+    change(*hand_, "maxForce", settings.most_force);
+    change(*hand_, "graspTime", subject_.scene.time());
+    hand_->begin_step();  // it closes here, and not where the mouse will be when the next step begins
+  });
+}
+
+void Session::drag(const Vec3& place) {
+  post([this, place] { change(*hand_, "positions", std::vector<double>(place.begin(), place.end())); });
+}
+
+void Session::release() {
+  post([this] { open_hand(); });
+}
+
+void Session::set(std::string_view attribute, double value) {
+  post([this, name = std::string(attribute), value] {
+    const bool is_list = field_->find_data(name)->attribute().type == Type::kReals;
+    change(*field_, name, is_list ? scene::Value(std::vector<double>{value}) : scene::Value(value));
+  });
+}
+
+bool Session::take(Snapshot& snapshot) {
+  bool is_taken = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (is_fresh_) {
+      std::swap(snapshot, front_);
+      is_fresh_ = false;
+      is_taken = true;
+    }
+    is_wanted_ = true;
+  }
+  wake_.notify_one();
+  return is_taken;
+}
+
+void Session::work() {
+  for (;;) {
+    std::vector<std::function<void()>> commands;
+    bool is_wanted = false, is_ending = false;
+    {
+      std::unique_lock lock(mutex_);
+      const auto has_reason = [&] {
+        return !commands_.empty() || is_ending_ || (is_wanted_ && has_changed_) || is_due();
+      };
+      if (is_running_ && pace_ == Pace::kRealTime)
+        wake_.wait_until(lock, due_, has_reason);
+      else
+        wake_.wait(lock, has_reason);
+      commands.swap(commands_);
+      is_wanted = is_wanted_;
+      is_ending = is_ending_;
+    }
+    for (const auto& command : commands) command();
+    has_changed_ = has_changed_ || !commands.empty();
+    if (is_ending && steps_asked_ == 0) return;
+
+    if (is_due()) step();
+    if (is_wanted && has_changed_) publish();
+  }
+}
+
+bool Session::is_due() const {
+  return steps_asked_ > 0 || (is_running_ && (pace_ == Pace::kFree || Clock::now() >= due_));
+}
+
+void Session::step() {
+  try {
+    latest_ = subject_.step();
+    step_ms_.push_back(static_cast<float>(latest_.step_ms));
+  } catch (const std::exception& error) {  // whatever it is, the window lives on, and a reset leads out of it
+    failure_ = error.what();
+    is_running_ = false;
+    steps_asked_ = 0;
+  }
+  for (const scene::Message& message : subject_.scene.diagnostics().take_warnings())
+    messages_.push_back(scene::format(message));
+  steps_asked_ = std::max(steps_asked_ - 1, 0L);
+  has_changed_ = true;
+
+  due_ += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt_));
+  if (const Clock::time_point now = Clock::now(); due_ + kPatience < now) due_ = now;
+}
+
+// The component looks at its inputs at once, so that what it refuses can be taken back.
+void Session::change(scene::Component& component, std::string_view attribute, scene::Value value) {
+  scene::Data& data = *component.find_data(attribute);
+  const scene::Value before = data.value();
+  try {
+    data.give(std::move(value), kWindow);
+  } catch (const InputError& error) {
+    messages_.push_back(fmt::format("{}: {}", attribute, error.what()));
+    return;
+  }
+  try {
+    component.follow_inputs();
+  } catch (const std::exception& error) {
+    messages_.push_back(error.what());
+    data.give(before, kWindow);
+    component.follow_inputs();
+  }
+}
+
+void Session::open_hand() {
+  change(*hand_, "graspTime", kNever);
+  hand_->reset();
+}
+
+std::vector<double> Session::values_of(Quantity quantity, const ElementFields& fields) const {
+  const auto nodal = [&](const std::vector<double>& of_hexahedra) {
+    return nodal_means(mesh(), of_hexahedra, body().history().alive);
+  };
+  switch (quantity) {
+    case Quantity::kPlasticStrain:
+      return nodal(fields.plastic_strain);
+    case Quantity::kStressNorm:
+      return nodal(fields.stress_norm);
+    case Quantity::kYieldStress:
+      return nodal(fields.yield_stress);
+    case Quantity::kVolumeRatio:
+      return nodal(fields.volume_ratio);
+    case Quantity::kSpeed:
+      break;
+  }
+  std::vector<double> speed(static_cast<std::size_t>(mesh().num_nodes()));
+  Eigen::VectorXd::Map(speed.data(), mesh().num_nodes()) = state_->velocities().rowwise().norm();
+  return speed;
+}
+
+void Session::publish() {
+  const PointArray& x = state_->positions();
+  const History& history = body().history();
+  const ElementFields fields = body().fields(x);
+  back_.step = latest_.step;
+  back_.is_running = is_running_ || steps_asked_ > 0;
+  back_.failure = failure_;
+  back_.messages = std::exchange(messages_, {});
+  back_.positions = x;
+  back_.material = history.material;
+  back_.alive = history.alive;
+  back_.quantity = quantity_;
+  back_.values = values_of(quantity_, fields);
+  back_.knob_values.clear();
+  for (const Knob& knob : knobs_) back_.knob_values.push_back(first_value(*field_->find_data(knob.attribute->name)));
+  const std::vector<std::int64_t>& held = hand_->integers("grasped");
+  back_.held.assign(held.begin(), held.end());
+  back_.grip_force = hand_->vector3("force");
+  back_.sample = {.time = subject_.scene.time(),
+                  .measures = ruler_.measure(x),
+                  .greatest_plastic_strain = std::ranges::max(fields.plastic_strain),
+                  .kinetic_energy = latest_.kinetic_energy,
+                  .elastic_energy = body().energy(x),
+                  .dissipated_energy = history.dissipated_energy};
+  back_.step_ms = std::exchange(step_ms_, {});
+  has_changed_ = false;
+
+  const std::lock_guard lock(mutex_);
+  if (is_fresh_) {  // it was not taken: what it alone tells goes on
+    front_.messages.insert(front_.messages.end(), back_.messages.begin(), back_.messages.end());
+    back_.messages = std::move(front_.messages);
+    front_.step_ms.insert(front_.step_ms.end(), back_.step_ms.begin(), back_.step_ms.end());
+    back_.step_ms = std::move(front_.step_ms);
+  }
+  std::swap(front_, back_);
+  is_fresh_ = true;
+  is_wanted_ = false;
+}
+
+}  // namespace hexaplast::view

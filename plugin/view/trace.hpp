@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deque>
+
+#include "view/session.hpp"
+
+namespace hexaplast::view {
+
+/// The latest part of a curve: values over an abscissa that never falls.
+class Trace {
+ public:
+  explicit Trace(double span) : span_(span) {}
+
+  void add(double at, double value);  ///< what lies more than the span before it is forgotten
+
+  bool empty() const { return points_.empty(); }
+  double latest() const { return points_.back().value; }
+  double latest_time() const { return points_.back().at; }
+
+  /// Widens [least, most] by the values at and after `begin`.
+  void extend_range(double begin, double& least, double& most) const;
+
+  /// Value that a share of all values does not exceed; 0 where there are none.
+  double quantile(double share) const;
+
+  template <class Visit>
+  void for_each_since(double begin, const Visit& visit) const {
+    for (const Point& point : points_)
+      if (point.at >= begin) visit(point.at, point.value);
+  }
+
+ private:
+  struct Point {
+    double at, value;
+  };
+  double span_;
+  std::deque<Point> points_;
+};
+
+/// What the plots show of a session.
+struct Traces {
+  static constexpr double kSpan = 8;     ///< [s] of simulated time
+  static constexpr double kSteps = 400;  ///< of the plot of step times
+
+  void add(const Snapshot& snapshot);
+
+  Trace world_elongation{kSpan}, plastic_elongation{kSpan};  ///< [%]
+  Trace plastic_strain{kSpan};                               ///< [-]
+  Trace world_volume{kSpan}, material_volume{kSpan};         ///< error [%]
+  Trace kinetic{kSpan}, elastic{kSpan}, dissipated{kSpan};   ///< [J]
+  Trace step_ms{kSteps};                                     ///< [ms], over the number of the step
+};
+
+}  // namespace hexaplast::view

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "output/gallery.hpp"
+#include "view/session.hpp"
+
+namespace hexaplast::view {
+
+/// How a window begins, and what ends it besides the user.
+struct WindowOptions {
+  int width = 1440, height = 860;  ///< [pixels]
+  bool is_running = false;         ///< from the beginning
+  Pace pace = Pace::kRealTime;
+  std::filesystem::path picture_folder = ".";  ///< where pictures of the window go
+  std::optional<long> steps;                   ///< runs so many steps as fast as they go, takes the picture, and closes
+  std::optional<std::filesystem::path> picture;  ///< of the last moment
+};
+
+/// What the window is handed.
+struct WindowCall {
+  Subject subject;
+  std::unique_ptr<scene::Component> hand;  ///< of the session
+  output::Staging staging;
+  WindowOptions options;
+  std::function<bool()> is_asked_to_end;  ///< asked in every frame
+  std::string failure = {};               ///< for the caller: of the last step, when the window closed; empty: none
+};
+
+/// The entry of the window module: shows a scene until the window is closed, or something else asks for it. Throws
+/// OutputError where no window can be opened or a picture cannot be written, and what Session throws.
+using ShowWindow = void (*)(WindowCall& call);
+
+}  // namespace hexaplast::view

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+#include "view/camera.hpp"
+#include "view/figure.hpp"
+
+namespace hexaplast::view {
+namespace {
+
+const Eigen::AlignedBox3d kBox(Vec3(-1, 2, 3), Vec3(2, 4, 4));
+
+Camera turned_camera() {
+  Camera camera(Vec3::UnitY(), Vec3(1, 0.4, 2));
+  camera.resize(1000, 600);
+  camera.fit(kBox);
+  camera.orbit(130, -45);
+  camera.pan(40, 25);
+  camera.zoom(2);
+  return camera;
+}
+
+TEST(Camera, TheRayThroughAPixelMeetsWhatIsSeenThere) {
+  const Camera camera = turned_camera();
+  const Vec3 place(0.4, 3.3, 3.2);
+  const Eigen::Vector2d pixel = camera.pixel_of(place);
+  const Ray ray = camera.ray(pixel.x(), pixel.y());
+  EXPECT_NEAR((place - ray.origin).cross(ray.direction.normalized()).norm(), 0, 1e-12);
+  EXPECT_TRUE(support::agrees(camera.at_depth_of(place, pixel.x(), pixel.y()), place, 1e-12));
+
+  // what is dragged stays in the plane that faces the viewer, and goes as far as the mouse
+  const Vec3 dragged = camera.at_depth_of(place, pixel.x() + 30, pixel.y() - 40);
+  EXPECT_NEAR((dragged - place).norm(), 50 * camera.metres_per_pixel(place), 1e-12);
+  EXPECT_TRUE(support::agrees(camera.pixel_of(dragged), Eigen::Vector2d(pixel + Eigen::Vector2d(30, -40)), 1e-9));
+  EXPECT_NEAR((camera.view() * dragged.homogeneous()).z(), (camera.view() * place.homogeneous()).z(), 1e-12);
+}
+
+TEST(Camera, ClipCoordinatesAreThoseOfThePixels) {
+  const Camera camera = turned_camera();
+  for (const Vec3& place : {Vec3(0.4, 3.3, 3.2), Vec3(-1, 2, 3), Vec3(2, 4, 4)}) {
+    const Eigen::Vector3d seen = (camera.clip(kBox) * place.homogeneous()).hnormalized();
+    const Eigen::Vector2d pixel = camera.pixel_of(place);
+    EXPECT_NEAR(500 + 500 * seen.x(), pixel.x(), 1e-9);
+    EXPECT_NEAR(300 - 300 * seen.y(), pixel.y(), 1e-9);
+    EXPECT_TRUE(seen.z() > -1 && seen.z() < 1) << seen.z();
+  }
+}
+
+TEST(Camera, FittedItSeesTheWholeBoxAndNotMuchElse) {
+  for (const auto& [width, height] : {std::pair{1000, 600}, std::pair{300, 900}}) {
+    Camera camera(Vec3::UnitZ(), Vec3(2, -1, 0.7));
+    camera.resize(width, height);
+    camera.fit(kBox);
+    Eigen::AlignedBox2d seen;
+    for (int k = 0; k < 8; ++k)
+      seen.extend(camera.pixel_of(kBox.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k))));
+    EXPECT_TRUE(Eigen::AlignedBox2d(Eigen::Vector2d(0, 0), Eigen::Vector2d(width, height)).contains(seen));
+    EXPECT_GT(std::max(seen.sizes().x() / width, seen.sizes().y() / height), 0.7);
+  }
+}
+
+TEST(Camera, TurnsWithTheMouseAndNeverOver) {
+  Camera camera(Vec3::UnitY(), Vec3(0, 0, 1));
+  camera.resize(800, 800);
+  camera.fit(Eigen::AlignedBox3d(Vec3(-1, -1, -1), Vec3(1, 1, 1)));
+  const Vec3 front(0, 0, 1);
+  camera.orbit(50, 0);
+  EXPECT_GT(camera.pixel_of(front).x(), 410) << "the near side follows the mouse";
+  for (int k = 0; k < 20; ++k) camera.orbit(0, 100);
+  EXPECT_LT(camera.pixel_of(Vec3(0, 0.5, 0)).y(), 400 + 1e-9) << "up is not below";
+}
+
+output::Staging staging(std::vector<output::Skin> skins, std::vector<int> fixed_nodes = {}) {
+  output::Staging staging;
+  staging.skins = std::move(skins);
+  staging.fixed_nodes = std::move(fixed_nodes);
+  return staging;
+}
+
+/// A bar at a moment, drawn out to one and a half times its length.
+Snapshot moment(const HexMesh& mesh) {
+  Snapshot snapshot;
+  snapshot.positions = mesh.positions();
+  snapshot.positions.col(2) *= 1.5;
+  snapshot.material = mesh.positions();
+  snapshot.alive.assign(static_cast<std::size_t>(mesh.num_elements()), 1);
+  for (int n = 0; n < mesh.num_nodes(); ++n) snapshot.values.push_back(mesh.positions()(n, 2));
+  return snapshot;
+}
+
+TEST(Figure, ShowsTheFacesThatAreLeft) {
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  Figure figure(mesh, staging({}, {0, 1}));
+  Snapshot snapshot = moment(mesh);
+  figure.update(snapshot, {});
+  EXPECT_EQ(figure.triangles().size(), 14u * 4 * 3);
+  EXPECT_EQ(figure.edges().size(), 2u * 28);
+  EXPECT_EQ(figure.fixed_nodes().size(), 2u);
+  EXPECT_EQ(figure.range().min()[0], 0);
+  EXPECT_EQ(figure.range().max()[0], 3);
+  EXPECT_EQ(figure.box().max().z(), 4.5);
+  for (const Figure::Vertex& vertex : figure.triangles()) {
+    EXPECT_NEAR(vertex.normal.norm(), 1, 1e-6);
+    EXPECT_GT(vertex.normal.dot(vertex.place - Eigen::Vector3f(0.5f, 0.5f, 2.25f)), 0) << "it points outwards";
+    EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
+  }
+  EXPECT_EQ(figure.ghost_edges().size(), 2u * (4 * 3 + 2 * 4)) << "where it bends sharply";
+
+  snapshot.alive[1] = 0;
+  figure.update(snapshot, {.shows_edges = false, .ghost = Ghost::kNone});
+  EXPECT_EQ(figure.triangles().size(), 12u * 4 * 3);
+  EXPECT_TRUE(figure.edges().empty() && figure.ghost_edges().empty() && figure.ghost_triangles().empty());
+}
+
+TEST(Figure, TheMouseMeetsWhatIsShown) {
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  output::Skin skin;  // a square in the middle of the bar, askew
+  skin.points.resize(4, 3);
+  skin.points << 0, 0, 1.5, 1, 0, 1.5, 1, 1, 1.9, 0, 1, 1.9;
+  skin.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Figure figure(mesh, staging({skin}));
+  const Snapshot snapshot = moment(mesh);
+  const Ray down{Vec3(0.4, 0.5, 9), Vec3(0, 0, -1)};
+
+  figure.update(snapshot, {.shows_skins = false});
+  EXPECT_NEAR(figure.hit(down)->place.z(), 4.5, 1e-12);
+  figure.update(snapshot, {.shows_skins = true});
+  EXPECT_NEAR(figure.hit(down)->place.z(), 1.5 * 1.7, 1e-12) << "it is carried by the hexahedra";
+  EXPECT_EQ(figure.triangles().size(), 6u);
+  for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
+  EXPECT_FALSE(figure.hit({Vec3(2, 0.5, 9), Vec3(0, 0, -1)}));
+}
+
+TEST(Figure, WhatNeverYieldsHasNoRangeOfYield) {
+  const HexMesh mesh = support::block({1, 1, 1}, 1);
+  Figure figure(mesh, staging({}));
+  Snapshot snapshot = moment(mesh);
+  snapshot.values.assign(8, std::numeric_limits<double>::infinity());
+  figure.update(snapshot, {});
+  EXPECT_TRUE(figure.range().isEmpty());
+  for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_EQ(vertex.value, 0);
+}
+
+}  // namespace
+}  // namespace hexaplast::view

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/command.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::Outcome;
+
+/// Runs the command with the live window on a screen in memory, by software.
+class LiveWindow : public support::Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    for (const char* program : {"Xvfb", "xdotool"})
+      if (shell(std::string("command -v ") + program).code != 0) GTEST_SKIP() << program << " is not installed";
+    write(
+        "bar.scn",
+        "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/>"
+        "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.05'/>"
+        "<CGLinearSolver iterations='200' tolerance='1e-8' threshold='1e-30'/>"
+        "<RegularGridTopology name='grid' n='3 3 7' max='0.1 0.1 0.3'/><MechanicalObject name='nodes'/>"
+        "<UniformMass totalMass='3'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' "
+        "poissonRatio='0.4' yieldStress='150' plasticFlowRate='4'/><FixedProjectiveConstraint indices='0-8'/></Node>");
+  }
+
+  /// Presses the mouse at a pixel of the window, moves it ten times, lets go, and closes the window.
+  Outcome pull(const std::string& from, const std::string& step) {
+    return shell("timeout 120 bash '" HEXAPLAST_SOURCE_DIR "/tests/support/pull_in_window.sh' '" HEXAPLAST_COMMAND
+                 "' bar.scn " +
+                 from + " " + step);
+  }
+
+  /// Mean height of the bar's free end, without forces [m]. It was 0.3.
+  double free_end() {
+    const auto state = nlohmann::json::parse(support::content(directory_ / "final.json"));
+    const auto& nodes = state.at("material_positions");
+    double sum = 0;
+    for (std::size_t n = 54; n < 63; ++n) sum += nodes.at(n).at(2).get<double>() / 9;
+    return sum;
+  }
+};
+
+TEST_F(LiveWindow, WhatTheMouseDragsStaysStretched) {
+  const Outcome outcome = pull("900 430", "12 0");  // the bar's free end lies on the right
+  ASSERT_EQ(outcome.code, 0) << outcome.err << support::content(directory_ / "outcome");
+  EXPECT_GT(free_end(), 0.3 * 1.005);
+  const std::string said = support::content(directory_ / "outcome"), line = "plastic strain      ";
+  ASSERT_NE(said.find(line), std::string::npos) << said;
+  EXPECT_GT(std::stod(said.substr(said.find(line) + line.size())), 0.05) << said;
+
+  // pictures of the whole window, and not the same before and after
+  const std::string before = support::content(directory_ / "bar_001.png"),
+                    after = support::content(directory_ / "bar_004.png");
+  EXPECT_EQ(before.substr(0, 24), after.substr(0, 24));
+  EXPECT_EQ(before.substr(16, 8), std::string("\0\0\x05\xa0\0\0\x03\x5c", 8)) << "1440 x 860";
+  EXPECT_GT(before.size(), 20'000u);
+  EXPECT_NE(before, after);
+}
+
+TEST_F(LiveWindow, RunsSoManyStepsAndClosesByItself) {
+  const Outcome outcome = shell("timeout 60 xvfb-run -a '" HEXAPLAST_COMMAND
+                                "' view bar.scn --steps 7 --picture last.png --final final.json");
+  if (outcome.code == 127) GTEST_SKIP() << "xvfb-run is not installed";
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome headless = hexaplast("run bar.scn --steps 7");
+  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
+  EXPECT_EQ(hash(outcome.out), hash(headless.out)) << "the window changes nothing";
+  EXPECT_GT(support::content(directory_ / "last.png").size(), 20'000u);
+}
+
+TEST_F(LiveWindow, WithoutAScreenItSaysSo) {
+  const Outcome outcome = hexaplast("view bar.scn", "env -u DISPLAY -u WAYLAND_DISPLAY");
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_NE(outcome.err.find("error: no window can be opened: "), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace hexaplast
