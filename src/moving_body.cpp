@@ -61,10 +61,21 @@ void check(const Motion& motion, const Body& body) {
   for (const auto& [name, value] : {std::pair{"density", motion.density}, std::pair{"dt", motion.dt}})
     if (!(value > 0 && std::isfinite(value)))
       throw InputError(fmt::format("{} = {}: must be a finite number greater than 0", name, value));
-  for (const int n : motion.fixed)
-    if (n < 0 || n >= body.mesh().num_nodes())
-      throw InputError(fmt::format("fixed node {}: the body has nodes 0 to {}", n, body.mesh().num_nodes() - 1));
+  if (!motion.gravity.allFinite()) throw InputError("gravity: must be finite");
+  for (const auto& [name, value] : {std::pair{"rayleigh_mass", motion.euler.rayleigh_mass},
+                                    std::pair{"rayleigh_stiffness", motion.euler.rayleigh_stiffness}})
+    if (!(value >= 0 && std::isfinite(value)))
+      throw InputError(fmt::format("{} = {}: must be a finite number not below 0", name, value));
   if (body.model().can_flow()) check_time_step(body.model().materials, body.model().settings, motion.dt);
+}
+
+/// The load and the weight of the nodes.
+NodalLoad with_gravity(const Motion& motion, const std::vector<double>& mass) {
+  if (motion.gravity.isZero(0)) return motion.load;
+  return [load = motion.load, gravity = motion.gravity, mass](double time, ConstPoints x, Points f) {
+    if (load) load(time, x, f);
+    for (std::size_t n = 0; n < mass.size(); ++n) f.row(static_cast<Eigen::Index>(n)) += mass[n] * gravity.transpose();
+  };
 }
 
 }  // namespace
@@ -74,21 +85,75 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
       mass(lumped_masses(body.model(), motion.density)),
       x(body.mesh().positions()),
       v(PointArray::Zero(x.rows(), 3)),
-      system_(body, mass, motion.fixed, motion.load),
+      system_(body, mass, {}, with_gravity(motion, mass)),
       euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
-      dt_(motion.dt) {
+      dt_(motion.dt),
+      is_fixed_(mass.size(), 0) {
   check(motion, body);
+  fix(motion.fixed);
 }
 
 FlowReport MovingBody::step() {
   latest = euler_.step(system_, *solver_, time(), dt_, x, v);
   ++steps_;
+  for (const int n : led_) v.row(n).setZero();
+  led_.clear();
   return body.flow(x, dt_);
 }
 
 void MovingBody::run(int steps) {
   for (int k = 0; k < steps; ++k) step();
+}
+
+void MovingBody::fix(std::span<const int> nodes) {
+  require_nodes(nodes);
+  for (const int n : nodes) {
+    is_fixed_[n] = 1;
+    v.row(n).setZero();
+  }
+  tell_fixed();
+}
+
+// Constraints zero the change of a velocity, so that a fixed node moves by the one it has.
+void MovingBody::lead(std::span<const int> nodes, ConstPoints places) {
+  if (places.rows() != static_cast<Eigen::Index>(nodes.size()))
+    throw InputError(fmt::format("{} places are given for {} nodes", places.rows(), nodes.size()));
+  if (!places.allFinite()) throw InputError("a place is not finite");
+  fix(nodes);
+  led_.insert(led_.end(), nodes.begin(), nodes.end());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    v.row(nodes[i]) = (places.row(static_cast<Eigen::Index>(i)) - x.row(nodes[i])) / dt_;
+}
+
+void MovingBody::release(std::span<const int> nodes) {
+  require_nodes(nodes);
+  for (const int n : nodes) is_fixed_[n] = 0;
+  std::erase_if(led_, [&](int n) { return !is_fixed_[n]; });
+  tell_fixed();
+}
+
+void MovingBody::reset() {
+  body.reset();
+  solver_->reset();
+  x = body.mesh().positions();
+  v.setZero();
+  led_.clear();
+  latest = {};
+  steps_ = 0;
+}
+
+void MovingBody::require_nodes(std::span<const int> nodes) const {
+  for (const int n : nodes)
+    if (n < 0 || n >= body.mesh().num_nodes())
+      throw InputError(fmt::format("node {}: the body has nodes 0 to {}", n, body.mesh().num_nodes() - 1));
+}
+
+void MovingBody::tell_fixed() {
+  std::vector<int> fixed;
+  for (int n = 0; n < body.mesh().num_nodes(); ++n)
+    if (is_fixed_[n] || mass[n] == 0) fixed.push_back(n);
+  system_.fix(std::move(fixed));
 }
 
 std::string MovingBody::state_hash() const {

@@ -62,11 +62,97 @@ TEST(MovingBody, StaysStretchedWhateverSolvesIt) {
   EXPECT_NE(direct.state_hash(), iterative.state_hash());
 }
 
+TEST(MovingBody, FallsUnderItsGravityAsUnderTheSameLoad) {
+  const Vec3 gravity(0, 1, -9.81);
+  MovingBody falling(yielding_bar(), {.dt = 0.02, .gravity = gravity});
+  falling.run(10);
+  for (int n = 0; n < falling.x.rows(); ++n) {
+    EXPECT_LE((falling.v.row(n).transpose() - 0.2 * gravity).norm(), 1e-9);
+    EXPECT_LE(
+        (falling.x.row(n) - falling.body.mesh().positions().row(n) - 0.02 * 0.02 * 55 * gravity.transpose()).norm(),
+        1e-9);
+  }
+}
+
+/// Nodes of the upper end of the bar.
+const std::vector<int> kEnd = {72, 73, 74, 75, 76, 77, 78, 79, 80};
+
+// All nodes move at one velocity, the end's because they are led: a rigid translation, which no force disturbs. A
+// velocity of the led nodes that the others did not feel would lag by a step.
+TEST(MovingBody, LeadsNodesAndTheOthersAlongWithThem) {
+  MovingBody moving(yielding_bar(), {.euler = {.rayleigh_stiffness = 0.05}});
+  const Vec3 velocity(0.3, -0.2, 0.5);
+  const PointArray start = moving.x;
+  const auto moved = [&](int steps) -> PointArray { return start.rowwise() + 0.01 * steps * velocity.transpose(); };
+  moving.v.rowwise() = velocity.transpose();
+  for (int k = 1; k <= 5; ++k) {
+    moving.lead(kEnd, moved(k).bottomRows(9));
+    moving.step();
+    EXPECT_LE(support::max_abs(moving.x - moved(k)), 1e-12) << "step " << k;
+  }
+
+  moving.step();  // no longer led, they stand
+  EXPECT_LE(support::max_abs(moving.x.bottomRows(9) - moved(5).bottomRows(9)), 1e-12);
+  EXPECT_GE(support::max_abs(moving.x.topRows(9) - moved(5).topRows(9)), 1e-3);
+  moving.release(kEnd);
+  moving.run(3);
+  EXPECT_GE(support::max_abs(moving.x.bottomRows(9) - moved(5).bottomRows(9)), 1e-3);
+}
+
+TEST(MovingBody, FixesNodesOnTheWay) {
+  MovingBody moving(yielding_bar(), {.gravity = {0, 0, -1}});
+  moving.run(3);
+  const PointArray x = moving.x;
+  moving.fix(kEnd);
+  moving.run(3);
+  EXPECT_EQ(moving.x.bottomRows(9), x.bottomRows(9));
+  EXPECT_LT(moving.x(0, 2), x(0, 2));
+}
+
+TEST(MovingBody, LeavesNodesWithoutHexahedronWhereTheyAre) {
+  const HexMesh cube = regular_grid({1, 1, 1}, {0, 0, 0}, {1, 1, 1});
+  PointArray positions = PointArray::Zero(9, 3);
+  positions.bottomRows(8) = cube.positions();
+  Hexahedron corners = cube.hexahedra()[0];
+  for (int& n : corners) ++n;
+  const Body body(HexMesh(positions, {corners}), {Material{}});
+  MovingBody direct(body, {.gravity = {0, 0, -10}});
+  MovingBody iterative(body, {.gravity = {0, 0, -10}}, std::make_unique<PreconditionedConjugateGradients>(1e-10, 100));
+  for (MovingBody* moving : {&direct, &iterative}) {
+    moving->step();
+    EXPECT_EQ(moving->x.row(0), positions.row(0));
+    EXPECT_NEAR(moving->x(1, 2), -10 * 0.01 * 0.01, 1e-12);
+  }
+}
+
+TEST(MovingBody, RepeatsItsBitsAfterReset) {
+  MovingBody moving(yielding_bar(), pulling());
+  const double* memory = moving.x.data();
+  moving.run(40);
+  const std::string once = moving.state_hash();
+  EXPECT_GT(moving.body.history().dissipated_energy, 0);
+  moving.reset();
+  EXPECT_EQ(moving.steps(), 0);
+  EXPECT_EQ(moving.x, moving.body.mesh().positions());
+  moving.run(40);
+  EXPECT_EQ(moving.state_hash(), once);
+  EXPECT_EQ(moving.x.data(), memory) << "a view of the positions would dangle";
+}
+
 TEST(MovingBody, RefusesWhatCannotMove) {
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.fixed = {81}}); }, {"81", "0 to 80"}));
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.density = 0}); }, {"density = 0"}));
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.dt = -1}); }, {"dt = -1"}));
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.dt = 0.5}); }, {"plasticFlowRate"}));
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(refuses<InputError>([&] { MovingBody(yielding_bar(), {.gravity = {0, infinite, 0}}); }, {"gravity"}));
+  EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.euler = {.rayleigh_mass = -1}}); },
+                                  {"rayleigh_mass = -1"}));
+  MovingBody moving(yielding_bar(), {});
+  EXPECT_TRUE(refuses<InputError>([&] { moving.fix(std::vector{-1}); }, {"-1", "0 to 80"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.release(std::vector{81}); }, {"81"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.lead(kEnd, PointArray::Zero(8, 3)); }, {"8 places", "9 nodes"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.lead(kEnd, PointArray::Constant(9, 3, infinite)); }, {"finite"}));
 }
 
 }  // namespace

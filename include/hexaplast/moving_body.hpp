@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/body.hpp"
@@ -24,6 +26,9 @@ class LoadedBody : public MechanicalSystem {
   /// The body must outlive this. mass: one per node [kg]. fixed: nodes that do not move. load: may be empty.
   LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load);
 
+  /// Fixes other nodes from now on.
+  void fix(std::vector<int> nodes) { fixed_ = std::move(nodes); }
+
   int num_nodes() const override { return body_.mesh().num_nodes(); }
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
@@ -41,15 +46,16 @@ class LoadedBody : public MechanicalSystem {
 
 /// What moves a body, besides itself.
 struct Motion {
-  double density = 1000;  ///< [kg/m^3]
-  double dt = 0.01;       ///< [s]
+  double density = 1000;        ///< [kg/m^3]
+  double dt = 0.01;             ///< [s]
+  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
   EulerSettings euler = {};
   std::vector<int> fixed = {};  ///< nodes that do not move
   NodalLoad load = {};          ///< none when empty
 };
 
 /// A body by itself in time, for programs that have no scene: an implicit step of the world, then one plastic flow at
-/// the accepted positions.
+/// the accepted positions. Nodes without hexahedron have no mass and stay where they are.
 class MovingBody {
  public:
   /// Starts at the body's original positions, at rest, at time 0. solver: sparse Cholesky when null, which is exact and
@@ -66,7 +72,22 @@ class MovingBody {
   SolveReport latest;  ///< of the latest step
   void run(int steps);
 
-  double time() const { return steps_ * dt_; }  ///< [s]
+  /// Nodes stay where they are from now on. Throws InputError where a node does not exist, as do the two below.
+  void fix(std::span<const int> nodes);
+
+  /// The same, but in the next step they move to `places` [m] (one row per node), at the velocity that this takes: the
+  /// other nodes feel it within the step. After it they stand still.
+  void lead(std::span<const int> nodes, ConstPoints places);
+
+  /// Nodes move freely from now on.
+  void release(std::span<const int> nodes);
+
+  /// Back to the beginning: the virgin body at rest, at time 0. Nodes that are fixed stay so.
+  void reset();
+
+  long steps() const { return steps_; }                              ///< so far
+  double dt() const { return dt_; }                                  ///< [s]
+  double time() const { return static_cast<double>(steps_) * dt_; }  ///< [s]
 
   /// XXH64, as 16 hexadecimal digits, over positions, velocities and everything plastic.
   std::string state_hash() const;
@@ -77,11 +98,16 @@ class MovingBody {
   PointArray v;              ///< [m/s] num_nodes x 3
 
  private:
+  void require_nodes(std::span<const int> nodes) const;
+  void tell_fixed();  // the system, what is_fixed_ says
+
   LoadedBody system_;
   ImplicitEuler euler_;
   std::unique_ptr<LinearSolver> solver_;
   double dt_;
-  int steps_ = 0;
+  std::vector<unsigned char> is_fixed_;  // per node
+  std::vector<int> led_;                 // fixed nodes that move in the next step
+  long steps_ = 0;
 };
 
 }  // namespace hexaplast
