@@ -16,18 +16,6 @@ path installed_plugins() {
       .lexically_normal();
 }
 
-template <class T>
-T& only_one(scene::Scene& scene, const std::vector<T*>& all, const char* what) {
-  if (all.size() != 1) {
-    const std::string place =
-        all.empty() ? "" : fmt::format("; the second one is {} '{}'", all[1]->class_name(), all[1]->name());
-    throw scene::SceneError(
-        scene::format_error(all.empty() ? scene.root().place() : all[1]->place(),
-                            fmt::format("{} {} in the scene, a run moves exactly one{}", all.size(), what, place)));
-  }
-  return *all[0];
-}
-
 }  // namespace
 
 scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
@@ -69,35 +57,6 @@ void log_warnings(scene::Scene& scene) {
     const bool is_note = message.severity == scene::Severity::kNote;
     spdlog::log(is_note ? spdlog::level::info : spdlog::level::warn, "{}", scene::format(message));
   }
-}
-
-scene::MechanicalState& only_state(scene::Scene& scene) {
-  return only_one(scene, scene::independent_states(scene.root()), "mechanical states");
-}
-
-scene::OdeSolver& only_solver(scene::Scene& scene) {
-  return only_one(scene, scene.root().all<scene::OdeSolver>(), "solvers of motion");
-}
-
-const scene::ForceField* find_body(scene::Scene& scene) {
-  const scene::ForceField* found = nullptr;
-  for (const scene::ForceField* field : scene.root().all<scene::ForceField>()) {
-    if (!field->body()) continue;
-    if (found) {
-      throw scene::SceneError(scene::format_error(
-          field->place(),
-          fmt::format("{} '{}': a second body; a run has at most one", field->class_name(), field->name())));
-    }
-    found = field;
-  }
-  return found;
-}
-
-// Found by its class, because the component itself lives in a plugin.
-scene::Component* find_settings(scene::Scene& scene) {
-  for (scene::Component* component : scene.root().all<scene::Component>())
-    if (component->class_name() == "RunSettings") return component;
-  return nullptr;
 }
 
 }  // namespace hexaplast::runner

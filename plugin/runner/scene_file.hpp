@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/interfaces.hpp"
+#include "scene/parts.hpp"
 #include "scene/plugin.hpp"
-#include "scene/scene.hpp"
 
 namespace hexaplast::runner {
 
@@ -30,14 +29,6 @@ scene::Scene load_scene(const SceneOptions& options);
 /// Logs what components have remarked since the last time.
 void log_warnings(scene::Scene& scene);
 
-/// The parts of a scene that the command works on. Throw SceneError unless there is exactly one.
-scene::MechanicalState& only_state(scene::Scene& scene);
-scene::OdeSolver& only_solver(scene::Scene& scene);
-
-/// The force field that has a body; null: there is none. Throws SceneError where there are two.
-const scene::ForceField* find_body(scene::Scene& scene);
-
-/// The scene's RunSettings; null: there are none.
-scene::Component* find_settings(scene::Scene& scene);
+using scene::find_body, scene::find_settings, scene::only_solver, scene::only_state;
 
 }  // namespace hexaplast::runner

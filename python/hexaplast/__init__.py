@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Hexahedral corotational elastoplastic finite elements in real time.
+
+Lengths in m, forces in N, times in s, stresses in Pa. n nodes, m hexahedra.
+"""
+
+from ._hexaplast import (
+    Body,
+    BodyState,
+    Fields,
+    FlowReport,
+    Material,
+    Scene,
+    Settings,
+    Simulation,
+    StepReport,
+    __version__,
+    grid,
+    num_threads,
+    read_mesh,
+    run,
+    set_num_threads,
+    simd_target,
+)
+
+__all__ = [
+    "Body",
+    "BodyState",
+    "Fields",
+    "FlowReport",
+    "Material",
+    "Scene",
+    "Settings",
+    "Simulation",
+    "StepReport",
+    "__version__",
+    "grid",
+    "num_threads",
+    "read_mesh",
+    "run",
+    "set_num_threads",
+    "simd_target",
+]

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "arrays.hpp"
+#include "hexaplast/body.hpp"
+
+namespace hexaplast::python {
+
+/// Something that is used by one thread at a time: steps run without Python's lock.
+class Turn {
+ public:
+  explicit Turn(std::atomic_flag& taken) : taken_(taken) {
+    if (taken_.test_and_set()) throw std::runtime_error("in use by another thread: one call at a time");
+  }
+  ~Turn() { taken_.clear(); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  std::atomic_flag& taken_;
+};
+
+/// What can be read of a body. A step replaces the arrays of a body's history; those that somebody looks at are kept
+/// here, in places that stay, and are filled anew after every change.
+class BodyState {
+ public:
+  explicit BodyState(std::shared_ptr<const hexaplast::Body> body) : body_(std::move(body)) {}
+
+  const hexaplast::Body& body() const { return *body_; }
+
+  /// Keeps the body alive for an array that shows a part of it that never changes.
+  py::capsule keeper() const;
+
+  std::atomic_flag& taken() { return taken_; }
+
+  const PointArray& material();
+  const std::vector<CornerValues>& plastic_strain();
+  const std::vector<CornerValues>& yield_stress();
+  const std::vector<unsigned char>& alive();
+
+  /// To be called after every change of the history.
+  void refresh();
+
+ protected:
+  std::shared_ptr<const hexaplast::Body> body_;
+
+ private:
+  std::atomic_flag taken_;
+  std::optional<PointArray> material_;
+  std::optional<std::vector<CornerValues>> plastic_strain_, yield_stress_;
+  std::optional<std::vector<unsigned char>> alive_;
+};
+
+/// A body that the caller owns, alone or within a simulation.
+class Body final : public BodyState {
+ public:
+  explicit Body(std::shared_ptr<hexaplast::Body> body) : BodyState(body), body_(std::move(body)) {}
+
+  hexaplast::Body& body() { return *body_; }
+
+  /// From now on the same body lives within a simulation: `body` is what has become of it there. Arrays that show the
+  /// mesh keep the earlier one.
+  void enter_simulation(std::shared_ptr<hexaplast::Body> body) {
+    body_ = body;
+    BodyState::body_ = std::move(body);
+    is_in_simulation_ = true;
+  }
+  bool is_in_simulation() const { return is_in_simulation_; }
+
+ private:
+  std::shared_ptr<hexaplast::Body> body_;
+  bool is_in_simulation_ = false;
+};
+
+void add_body(py::module_& module);        // Material, Settings, FlowReport, Fields, BodyState, Body
+void add_simulation(py::module_& module);  // StepReport, Simulation
+void add_scene(py::module_& module);       // Scene
+
+}  // namespace hexaplast::python

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
+
+#include "body.hpp"
+#include "hexaplast/base/error.hpp"
+#include "output/recorder.hpp"
+#include "scene/parts.hpp"
+#include "scene/reader.hpp"
+#include "step_report.hpp"
+
+namespace hexaplast::python {
+namespace {
+
+using std::filesystem::path;
+
+/// The plugins that were installed together with this module.
+path installed_plugins() {
+  Dl_info module;
+  if (dladdr(reinterpret_cast<void*>(&add_scene), &module) == 0) return {};
+  return (std::filesystem::canonical(module.dli_fname).parent_path() / HEXAPLAST_PLUGINS_FROM_MODULE)
+      .lexically_normal();
+}
+
+/// The value of an override as a scene file has it: numbers with all their digits, several with blanks between them.
+std::string scene_text(py::handle value) {
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
+  if (py::hasattr(value, "__iter__")) {
+    std::string text;
+    for (const py::handle entry : value) text += (text.empty() ? "" : " ") + scene_text(entry);
+    return text;
+  }
+  if (PyIndex_Check(value.ptr())) return py::str(py::int_(py::reinterpret_borrow<py::object>(value)));
+  if (PyNumber_Check(value.ptr()))
+    return py::repr(py::float_(py::reinterpret_borrow<py::object>(value))).cast<std::string>();
+  throw py::type_error(
+      fmt::format("overrides: {} is no number, text, or sequence of them", py::repr(value).cast<std::string>()));
+}
+
+std::vector<std::string> assignments_from(const py::dict& overrides) {
+  std::vector<std::string> assignments;
+  for (const auto& [attribute, value] : overrides)
+    assignments.push_back(py::str(attribute).cast<std::string>() + "=" + scene_text(value));
+  return assignments;
+}
+
+/// What the scene's components have remarked, as Python's warnings.
+void warn(scene::Scene& scene) {
+  for (const scene::Message& message : scene.diagnostics().take_warnings())
+    if (PyErr_WarnEx(PyExc_UserWarning, scene::format(message).c_str(), 1) != 0) throw py::error_already_set();
+}
+
+/// A scene in motion, as `hexaplast run` has it.
+class Scene {
+ public:
+  Scene(const path& file, const std::vector<std::string>& assignments, const std::vector<std::string>& plugins,
+        std::vector<path> plugin_path, bool sofa_compat)
+      : scene_(std::make_shared<scene::Scene>(load(file, assignments, plugins, std::move(plugin_path), sofa_compat))),
+        state_(&scene::only_state(*scene_)),
+        solver_(&scene::only_solver(*scene_)),
+        field_(scene::find_body(*scene_)) {
+    // the arrays of the body keep the whole scene alive
+    if (field_) body_ = std::make_shared<BodyState>(std::shared_ptr<const hexaplast::Body>(scene_, field_->body()));
+    if (scene::Component* settings = scene::find_settings(*scene_); settings && settings->is_given("steps"))
+      planned_steps_ = settings->integer("steps");
+    warn(*scene_);
+  }
+
+  StepReport step() {
+    const Turn turn(taken());
+    return advance();
+  }
+
+  void run(std::optional<long> steps) {
+    if (!steps && !planned_steps_)
+      throw InputError("the number of steps is not given: neither here nor by RunSettings.steps in the scene");
+    const long end = steps ? num_steps_ + *steps : *planned_steps_;
+    const Turn turn(taken());
+    while (num_steps_ < end) {
+      advance();
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  }
+
+  void reset() {
+    const Turn turn(taken());
+    scene_->reset();
+    num_steps_ = 0;
+    if (body_) body_->refresh();
+  }
+
+  const PointArray& positions() { return state_->positions(); }
+  const PointArray& velocities() { return state_->velocities(); }
+  const std::shared_ptr<BodyState>& body() const { return body_; }
+  scene::OdeSolver& solver() { return *solver_; }
+  long num_steps() const { return num_steps_; }
+  std::optional<long> planned_steps() const { return planned_steps_; }
+  double time() { return scene_->time(); }
+  double dt() { return scene_->dt(); }
+
+  /// Null where the scene has only masses.
+  const hexaplast::Body* core_body() const { return field_ ? field_->body() : nullptr; }
+  std::atomic_flag& taken() { return body_ ? body_->taken() : taken_; }
+
+ private:
+  static scene::Scene load(const path& file, const std::vector<std::string>& assignments,
+                           const std::vector<std::string>& plugins, std::vector<path> plugin_path, bool sofa_compat) {
+    plugin_path.push_back(installed_plugins());
+    scene::Factory factory;
+    scene::PluginLoader loader(factory, plugin_path);
+    loader.load("Hexaplast");  // the stock components, which every scene needs
+    for (const std::string& plugin : plugins) loader.load(plugin);
+
+    const scene::Grammar grammar = sofa_compat ? scene::Grammar::kSofaCompatible : scene::Grammar::kStrict;
+    scene::Scene scene = scene::read_scene(file, factory, loader, grammar);
+    // a scene with mistakes may lack what an override is meant for: then init reports the mistakes
+    if (!scene.diagnostics().has_errors())
+      for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
+    scene.init();
+    return scene;
+  }
+
+  StepReport advance() {
+    StepReport report;
+    {
+      const py::gil_scoped_release others_may_run;
+      try {
+        report.solve = scene_->step();
+      } catch (const NumericalError& error) {
+        throw NumericalError(fmt::format("step {}: {}", num_steps_ + 1, error.what()));
+      }
+      ++num_steps_;
+      if (field_) report.flow = *field_->flow_report();
+      if (body_) body_->refresh();
+    }
+    warn(*scene_);
+    return report;
+  }
+
+  std::shared_ptr<scene::Scene> scene_;
+  scene::MechanicalState* state_;
+  scene::OdeSolver* solver_;
+  const scene::ForceField* field_;
+  std::shared_ptr<BodyState> body_;
+  std::atomic_flag taken_;  // of a scene without body
+  std::optional<long> planned_steps_;
+  long num_steps_ = 0;
+};
+
+std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,
+                                  const std::vector<path>& plugin_path, bool sofa_compat) {
+  return std::make_unique<Scene>(file, assignments_from(overrides), plugins, plugin_path, sofa_compat);
+}
+
+}  // namespace
+
+void add_scene(py::module_& module) {
+  py::class_<Scene>(module, "Scene",
+                    "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
+                    "velocities are read-only views that follow it.")
+      .def(py::init(&make_scene), py::arg("file"), py::arg("overrides") = py::dict(), py::kw_only(),
+           py::arg("plugins") = std::vector<std::string>(), py::arg("plugin_path") = std::vector<path>(),
+           py::arg("sofa_compat") = false,
+           "overrides: {'bar/material.yieldStress': 500, ...}, as --set of the command takes them")
+      .def_property_readonly("body", &Scene::body, "BodyState; None where the scene has only masses")
+      .def_property_readonly(
+          "positions", [](py::object self) { return view(self.cast<Scene&>().positions(), self); }, "(n, 3) [m]")
+      .def_property_readonly(
+          "velocities", [](py::object self) { return view(self.cast<Scene&>().velocities(), self); }, "(n, 3) [m/s]")
+      .def_property_readonly("dt", &Scene::dt, "[s]")
+      .def_property_readonly("time", &Scene::time, "[s]")
+      .def_property_readonly("num_steps", &Scene::num_steps, "steps so far")
+      .def_property_readonly("planned_steps", &Scene::planned_steps, "those of RunSettings; None where it says none")
+      .def_property_readonly(
+          "kinetic_energy",
+          [](Scene& s) {
+            const Turn turn(s.taken());
+            return s.solver().kinetic_energy();
+          },
+          "[J]")
+      .def_property_readonly(
+          "elastic_energy",
+          [](Scene& s) {
+            const Turn turn(s.taken());
+            return s.core_body() ? s.core_body()->energy(s.positions()) : 0.0;
+          },
+          "[J]")
+      .def("step", &Scene::step, "One time step")
+      .def("run", &Scene::run, py::arg("steps") = py::none(),
+           "Several steps; without a number, up to those that the scene's RunSettings say")
+      .def("reset", &Scene::reset, "Back to the beginning")
+      .def(
+          "state_hash",
+          [](Scene& s) {
+            const Turn turn(s.taken());
+            return output::state_hash(s.num_steps(), s.positions(), s.velocities(), s.core_body());
+          },
+          "16 hexadecimal digits, as `hexaplast run` prints them");
+
+  module.def(
+      "run",
+      [](const path& file, std::optional<long> steps, const py::dict& overrides) {
+        std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, false);
+        scene->run(steps);
+        return scene;
+      },
+      py::arg("file"), py::arg("steps") = py::none(), py::arg("overrides") = py::dict(),
+      "Runs a scene file and returns it as it then is");
+}
+
+}  // namespace hexaplast::python

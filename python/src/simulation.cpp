@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include "body.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
+#include "hexaplast/moving_body.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "step_report.hpp"
+
+namespace hexaplast::python {
+namespace {
+
+std::unique_ptr<LinearSolver> solver_from(const std::string& name, double tolerance, int iterations) {
+  if (name == "direct") return nullptr;  // the library's own choice
+  if (name != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", name));
+  if (!(tolerance > 0 && tolerance < 1))
+    throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
+  if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
+  return std::make_unique<PreconditionedConjugateGradients>(tolerance, iterations, Preconditioner::kAuto);
+}
+
+/// A body in motion, and the Python object of that body.
+class Simulation {
+ public:
+  Simulation(std::shared_ptr<Body> body, Motion motion, std::unique_ptr<LinearSolver> solver)
+      : body_(std::move(body)),
+        forces_(std::make_shared<PointArray>(PointArray::Zero(body_->body().mesh().num_nodes(), 3))) {
+    if (body_->is_in_simulation()) throw InputError("the body is in a simulation already");
+    motion.load = [forces = forces_](double, ConstPoints, Points f) { f += *forces; };
+    // a copy, so that the body is as before where the motion is refused
+    moving_ = std::make_shared<MovingBody>(hexaplast::Body(body_->body()), std::move(motion), std::move(solver));
+    body_->enter_simulation(std::shared_ptr<hexaplast::Body>(moving_, &moving_->body));
+  }
+
+  MovingBody& get() { return *moving_; }
+  const std::shared_ptr<Body>& body() const { return body_; }
+  std::atomic_flag& taken() { return body_->taken(); }
+  int num_nodes() const { return moving_->body.mesh().num_nodes(); }
+
+  /// Steps under constant forces [N], none where they are not given.
+  StepReport run(long steps, py::object forces) {
+    const PointArray external = forces.is_none() ? PointArray::Zero(num_nodes(), 3)
+                                                 : PointArray(as_points(points("forces", forces, num_nodes())));
+    const Turn turn(taken());
+    *forces_ = external;
+    StepReport report;
+    for (long k = 0; k < steps; ++k) {
+      {
+        const py::gil_scoped_release others_may_run;
+        report.flow = moving_->step();
+        report.solve = moving_->latest;
+        body_->refresh();
+      }
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+    return report;
+  }
+
+  void reset() {
+    const Turn turn(taken());
+    moving_->reset();
+    body_->refresh();
+  }
+
+  void set_state(py::handle positions, py::handle velocities) {
+    const RealArray x = points("positions", positions, num_nodes()), v = points("velocities", velocities, num_nodes());
+    if (!as_points(x).allFinite() || !as_points(v).allFinite())
+      throw InputError("positions and velocities must be finite");
+    const Turn turn(taken());
+    moving_->x = as_points(x);
+    moving_->v = as_points(v);
+  }
+
+ private:
+  std::shared_ptr<Body> body_;
+  std::shared_ptr<PointArray> forces_;
+  std::shared_ptr<MovingBody> moving_;
+};
+
+}  // namespace
+
+void add_simulation(py::module_& module) {
+  py::class_<StepReport>(module, "StepReport", "What happened in one time step.")
+      .def_property_readonly(
+          "iterations", [](const StepReport& r) { return r.solve.iterations; },
+          "of the linear solver; 1 for a direct one")
+      .def_property_readonly(
+          "residual", [](const StepReport& r) { return r.solve.residual; },
+          "[-] relative, that the linear solver left; 0 for a direct one")
+      .def_property_readonly(
+          "converged", [](const StepReport& r) { return r.solve.converged; },
+          "False: the linear solver stopped before its tolerance")
+      .def_property_readonly(
+          "flow", [](const StepReport& r) { return r.flow; }, "FlowReport of the plastic step");
+
+  py::class_<Simulation>(
+      module, "Simulation",
+      "A body in motion: lumped masses, gravity, nodal forces, nodes that are fixed or led. One step is one implicit\n"
+      "Euler step of the world and one plastic flow. positions and velocities are read-only views that follow it.")
+      .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
+                       double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
+                       int iterations) {
+             const Motion motion{.density = density,
+                                 .dt = dt,
+                                 .gravity = Vec3(gravity[0], gravity[1], gravity[2]),
+                                 .euler = {.rayleigh_mass = rayleigh_mass, .rayleigh_stiffness = rayleigh_stiffness}};
+             return std::make_unique<Simulation>(std::move(body), motion, solver_from(solver, tolerance, iterations));
+           }),
+           py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
+           py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
+           py::arg("rayleigh_stiffness") = 0.0, py::arg("solver") = "direct", py::arg("tolerance") = 1e-6,
+           py::arg("iterations") = 1000,
+           "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: direct\n"
+           "(sparse Cholesky), or cg (conjugate gradients to a relative residual of tolerance)")
+      .def_property_readonly("body", &Simulation::body)
+      .def_property_readonly(
+          "positions", [](py::object self) { return view(self.cast<Simulation&>().get().x, self); }, "(n, 3) [m]")
+      .def_property_readonly(
+          "velocities", [](py::object self) { return view(self.cast<Simulation&>().get().v, self); }, "(n, 3) [m/s]")
+      .def_property_readonly(
+          "masses", [](py::object self) { return view(self.cast<Simulation&>().get().mass, self); },
+          "(n,) [kg] of the nodes")
+      .def_property_readonly(
+          "dt", [](Simulation& s) { return s.get().dt(); }, "[s]")
+      .def_property_readonly(
+          "time", [](Simulation& s) { return s.get().time(); }, "[s]")
+      .def_property_readonly(
+          "num_steps", [](Simulation& s) { return s.get().steps(); }, "steps so far")
+      .def_property_readonly(
+          "kinetic_energy",
+          [](Simulation& s) {
+            const Turn turn(s.taken());
+            const std::vector<double>& mass = s.get().mass;
+            const auto size = static_cast<Eigen::Index>(mass.size());
+            return kinetic_energy(Eigen::Map<const Eigen::VectorXd>(mass.data(), size), s.get().v);
+          },
+          "[J]")
+      .def_property_readonly(
+          "elastic_energy",
+          [](Simulation& s) {
+            const Turn turn(s.taken());
+            return s.get().body.energy(s.get().x);
+          },
+          "[J]")
+      .def(
+          "step", [](Simulation& s, py::object forces) { return s.run(1, std::move(forces)); },
+          py::arg("forces") = py::none(), "One time step under nodal forces (n, 3) [N]; without, under none")
+      .def(
+          "run",
+          [](Simulation& s, long steps, py::object forces) {
+            if (steps < 1) throw InputError(fmt::format("steps = {} must be at least 1", steps));
+            return s.run(steps, std::move(forces));
+          },
+          py::arg("steps"), py::arg("forces") = py::none(),
+          "Several steps under constant nodal forces (n, 3) [N]; reports the last one")
+      .def(
+          "fix",
+          [](Simulation& s, py::handle nodes) {
+            const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
+            const Turn turn(s.taken());
+            s.get().fix(numbers);
+          },
+          py::arg("nodes"), "Nodes (numbers, or a mask) keep their places from now on")
+      .def(
+          "lead",
+          [](Simulation& s, py::handle nodes, py::handle places) {
+            const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
+            const RealArray to = points("places", places, static_cast<Eigen::Index>(numbers.size()));
+            const Turn turn(s.taken());
+            s.get().lead(numbers, as_points(to));
+          },
+          py::arg("nodes"), py::arg("places"),
+          "Nodes (numbers, or a mask) move to places (one row [m] per node) in the next step, and stand still after it")
+      .def(
+          "release",
+          [](Simulation& s, py::handle nodes) {
+            const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
+            const Turn turn(s.taken());
+            s.get().release(numbers);
+          },
+          py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
+      .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
+           "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")
+      .def("reset", &Simulation::reset, "Back to the beginning; fixed nodes stay fixed")
+      .def(
+          "fields",
+          [](Simulation& s) {
+            const Turn turn(s.taken());
+            return s.get().body.fields(s.get().x);
+          },
+          "Fields at the present positions")
+      .def(
+          "state_hash",
+          [](Simulation& s) {
+            const Turn turn(s.taken());
+            return s.get().state_hash();
+          },
+          "16 hexadecimal digits over positions, velocities and everything plastic");
+}
+
+}  // namespace hexaplast::python

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A body against hand values and difference quotients."""
+import math
+
+import numpy as np
+import pytest
+
+import hexaplast
+
+POSITIONS, HEXAHEDRA = hexaplast.grid((2, 1, 2), (0, 0, 0), (0.2, 0.1, 0.2))
+YOUNG, POISSON = 5000.0, 0.3
+MU = YOUNG / (2 * (1 + POISSON))
+LAMBDA = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
+VOLUME = 0.2 * 0.1 * 0.2
+RANDOM = np.random.default_rng(31)
+
+
+def elastic():
+    return hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(young_modulus=YOUNG, poisson_ratio=POISSON))
+
+
+def test_energy_of_a_stretched_and_turned_body_is_that_of_hand():
+    stretch = np.array([1.2, 0.9, 1.05])
+    turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    x = POSITIONS * stretch @ turn.T + [3, 2, 1]
+    strain = stretch - 1
+    expected = VOLUME * (MU * (strain**2).sum() + LAMBDA / 2 * strain.sum() ** 2)
+    assert elastic().energy(x) == pytest.approx(expected, rel=1e-12)
+
+
+def test_force_is_the_slope_of_the_energy():
+    body = elastic()
+    x = POSITIONS + RANDOM.uniform(-0.02, 0.02, POSITIONS.shape)
+    f = body.force(x)
+    h = 1e-6
+    for node in (0, 5, 11):
+        for axis in range(3):
+            dx = np.zeros_like(x)
+            dx[node, axis] = h
+            slope = (body.energy(x + dx) - body.energy(x - dx)) / (2 * h)
+            assert -f[node, axis] == pytest.approx(slope, rel=1e-6, abs=1e-6 * abs(f).max())
+
+
+def test_stiffness_product_is_the_slope_of_the_force():
+    # at rest, where holding the rotations fixed drops nothing
+    body = elastic()
+    dx = RANDOM.uniform(-1, 1, POSITIONS.shape)
+    h = 1e-7
+    slope = (body.force(POSITIONS + h * dx) - body.force(POSITIONS - h * dx)) / (2 * h)
+    assert body.stiffness_product(POSITIONS, dx) == pytest.approx(slope, rel=1e-5, abs=1e-6 * abs(slope).max())
+
+
+def test_flow_is_that_of_hand():
+    # stretched along z at constant volume: the stress is 2 mu (D - 1) + lambda tr(D - 1), of which a share flows
+    tau, rate, dt, s = 200.0, 4.0, 0.01, 1.3
+    material = hexaplast.Material(
+        young_modulus=YOUNG, poisson_ratio=POISSON, yield_stress=tau, flow_rate=rate, hardening=0.5
+    )
+    body = hexaplast.Body(POSITIONS, HEXAHEDRA, material)
+    report = body.flow(POSITIONS * [s**-0.5, s**-0.5, s], dt)
+    assert report.yielded == 4
+
+    deviator = 2 * MU * (np.array([s**-0.5, s**-0.5, s]) - (2 * s**-0.5 + s) / 3)
+    mises = math.sqrt(1.5 * (deviator**2).sum())
+    share = rate * dt * (mises - tau) / mises
+    strain = share * math.sqrt(2 / 3) * math.log(s) * math.sqrt(1.5)
+    assert body.corner_plastic_strain == pytest.approx(np.full((4, 8), strain), rel=1e-12)
+    assert body.corner_yield_stress == pytest.approx(np.full((4, 8), tau + 0.5 * share * mises), rel=1e-12)
+    length = np.ptp(body.material_positions[:, 2])
+    assert length == pytest.approx(0.2 * s**share, rel=1e-6)
+    assert body.volume(body.material_positions) == pytest.approx(VOLUME, rel=1e-9)
+    assert body.dissipated_energy > 0
+
+    fields = body.fields(POSITIONS)
+    assert fields.plastic_strain == pytest.approx(np.full(4, strain), rel=1e-12)
+    assert fields.yield_stress == pytest.approx(np.full(4, tau + 0.5 * share * mises), rel=1e-12)
+    assert fields.volume_ratio == pytest.approx(np.ones(4), abs=1e-9)
+    assert fields.strain == pytest.approx(np.full(4, 1 - s**-share), rel=1e-6)
+
+
+def test_evaluation_leaves_the_history_alone_and_reset_clears_it():
+    body = hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(yield_stress=50, flow_rate=4))
+    virgin = body.history_hash()
+    x = POSITIONS * [1, 1, 1.2]
+    body.energy(x), body.force(x), body.fields(x), body.stiffness_product(x, x)
+    assert body.history_hash() == virgin
+    body.flow(x, 0.01)
+    assert body.history_hash() != virgin
+    body.reset()
+    assert body.history_hash() == virgin
+
+
+def test_each_hexahedron_may_have_its_own_material():
+    materials = [hexaplast.Material(yield_stress=tau, flow_rate=4) for tau in (10, math.inf, 20, math.inf)]
+    body = hexaplast.Body(POSITIONS, HEXAHEDRA, materials)
+    assert body.corner_yield_stress[:, 0].tolist() == [10, math.inf, 20, math.inf]
+    report = body.flow(POSITIONS * [1, 1, 1.1], 0.01)
+    assert report.yielded == 2
+    assert (body.corner_plastic_strain > 0).all(axis=1).tolist() == [True, False, True, False]
+
+
+def test_removed_hexahedra_carry_nothing():
+    body = elastic()
+    x = POSITIONS * [1, 1, 1.1]
+    whole = body.energy(x)
+    body.remove([3, 1])
+    assert body.removed == [3, 1]
+    assert body.alive.tolist() == [True, False, True, False]
+    assert body.energy(x) == pytest.approx(whole / 2, rel=1e-12)
+    assert body.original_volume == pytest.approx(VOLUME / 2, rel=1e-12)
+
+
+def test_what_the_library_refuses_is_a_value_error_with_its_message():
+    with pytest.raises(ValueError, match=r"poisson.*0\.5"):
+        hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(poisson_ratio=0.5))
+    with pytest.raises(ValueError, match="3"):
+        hexaplast.Body(POSITIONS, HEXAHEDRA, [hexaplast.Material()] * 3)
+    with pytest.raises(ValueError, match="gradient = 'vertices' must be one of blended, vertex, centre"):
+        hexaplast.Settings(gradient="vertices")
+    with pytest.raises(ValueError, match="precision = 'half'"):
+        hexaplast.Settings().precision = "half"
+    with pytest.raises(TypeError):
+        hexaplast.Material(5000)  # by name alone
+    body = hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(yield_stress=50, flow_rate=4))
+    with pytest.raises(ValueError):
+        body.flow(POSITIONS, 0.3)  # rate dt above 1
+    before = body.history_hash()
+    broken = np.array(POSITIONS)
+    broken[7, 1] = math.nan
+    with pytest.raises(ArithmeticError, match="7"):
+        body.flow(broken, 0.01)
+    assert body.history_hash() == before
+    with pytest.raises(ValueError, match=r"positions: shape \(12, 3\), must be \(18, 3\)"):
+        body.energy(POSITIONS[:12])
+
+
+def test_settings_and_materials_are_plain_data():
+    material = hexaplast.Material(yield_stress=7)
+    material.flow_rate = 2
+    assert "yield_stress=7" in repr(material) and "flow_rate=2" in repr(material)
+    settings = hexaplast.Settings(rotation_plasticity="none")
+    assert settings != hexaplast.Settings()
+    settings.rotation_plasticity = "objective"
+    assert settings == hexaplast.Settings()
+    for name, words in {
+        "gradient": ("blended", "vertex", "centre"),
+        "yield_norm": ("vonMises", "frobenius", "spectral"),
+        "rotation_plasticity": ("objective", "vertex", "centre", "none"),
+        "rotation_frame": ("bestFit", "world"),
+        "averaging": ("gaussNewton", "gaussNewtonIsolated", "localGlobal", "jacobi"),
+        "precision": ("double", "mixed"),
+    }.items():
+        for word in words:
+            setattr(settings, name, word)
+            assert getattr(settings, name) == word
+            assert f"{name}='{word}'" in repr(settings)

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Scene files, against what the command makes of them."""
+import gc
+import json
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+
+import hexaplast
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
+BAR = SCENES / "bar_stretch_high.scn"
+
+
+def command(*arguments):
+    return subprocess.run(
+        [os.environ["HEXAPLAST_COMMAND"], *map(str, arguments)], capture_output=True, text=True, check=True
+    ).stdout
+
+
+def test_a_scene_has_the_bits_of_the_command(tmp_path):
+    final = tmp_path / "final.json"
+    command("run", BAR, "--steps", 40, "--final", final, "--set", "bar/material.yieldStress=250", "--quiet")
+    state = json.loads(final.read_text())
+
+    scene = hexaplast.run(BAR, steps=40, overrides={"bar/material.yieldStress": 250})
+    assert scene.state_hash() == state["state_hash"]
+    assert scene.positions.tolist() == state["positions"]
+    assert scene.velocities.tolist() == state["velocities"]
+    assert scene.body.material_positions.tolist() == state["material_positions"]
+    assert scene.body.fields(scene.positions).volume_ratio.tolist() == state["volume_ratio"]
+    assert scene.time == pytest.approx(0.4) and scene.num_steps == 40 and scene.dt == 0.01
+    assert scene.planned_steps == 500
+
+
+def test_steps_runs_and_resets_are_one_motion():
+    scene = hexaplast.Scene(BAR)
+    positions, plastic_strain = scene.positions, scene.body.corner_plastic_strain
+    rest = positions.copy()
+    for _ in range(10):
+        report = scene.step()
+    assert report.converged and report.flow.removed == 0
+    scene.run(10)
+    once = scene.state_hash()
+    assert (positions != rest).any()
+    scene.reset()
+    assert (positions == rest).all() and (plastic_strain == 0).all() and scene.num_steps == 0
+    scene.run(20)
+    assert scene.state_hash() == once
+    assert scene.elastic_energy > 0 and scene.kinetic_energy > 0
+
+
+def test_the_same_bar_from_arrays_moves_alike():
+    scene = hexaplast.Scene(BAR)
+    positions, hexahedra = hexaplast.grid((3, 3, 10), (-0.15, -0.15, -0.5), (0.15, 0.15, 0.5))
+    material = hexaplast.Material(young_modulus=5000, poisson_ratio=0.45, yield_stress=300, flow_rate=4, hardening=0.2)
+    settings = hexaplast.Settings(yield_norm="frobenius", rotation_plasticity="none")
+    body = hexaplast.Body(positions, hexahedra, material, settings)
+    simulation = hexaplast.Simulation(body, rayleigh_mass=0.1, rayleigh_stiffness=0.1)
+    simulation.fix(abs(positions[:, 2]) < 0.01)
+    forces = np.zeros_like(positions)
+    for k in range(1, 31):
+        forces[[165, 166, 169, 170], 2] = 22.5 * k / 50
+        forces[[5, 6, 9, 10], 2] = -22.5 * k / 50
+        simulation.step(forces)
+        scene.step()
+    assert simulation.positions == pytest.approx(scene.positions, abs=1e-10)
+    assert body.corner_plastic_strain.max() > 0
+    assert body.corner_plastic_strain == pytest.approx(scene.body.corner_plastic_strain, abs=1e-10)
+
+
+def test_views_of_a_scene_keep_it_alive():
+    scene = hexaplast.run(BAR, steps=15)
+    views = [scene.positions, scene.body.material_positions, scene.body.hexahedra]
+    body = scene.body
+    expected = [view.copy() for view in views]
+    energy = body.energy(expected[0])
+    del scene
+    gc.collect()
+    for view, values in zip(views, expected):
+        assert not view.flags.writeable and (view == values).all()
+    assert body.energy(views[0]) == energy
+
+
+def test_overrides_are_numbers_texts_truths_and_lists():
+    overrides = {
+        "bar/material.yieldStress": np.float64(280.1234567890123),
+        "bar/material.yieldNorm": "vonMises",
+        "bar/EulerImplicitSolver1.firstOrder": False,
+        "bar/pullUp.points": np.array([165, 166]),
+        "bar/pullUp.forces": [[0, 0, 0], (0, 0, 2.5), [0, 0, 2.5], [0, 0, 0]],
+        ".dt": 0.005,
+    }
+    as_text = {
+        "bar/material.yieldStress": "280.1234567890123",
+        "bar/material.yieldNorm": "vonMises",
+        "bar/EulerImplicitSolver1.firstOrder": "false",
+        "bar/pullUp.points": "165 166",
+        "bar/pullUp.forces": "0 0 0  0 0 2.5  0 0 2.5  0 0 0",
+        ".dt": "0.005",
+    }
+    assert hexaplast.run(BAR, 5, overrides).state_hash() == hexaplast.run(BAR, 5, as_text).state_hash()
+    with pytest.raises(TypeError, match="None"):
+        hexaplast.Scene(BAR, {"bar/material.yieldStress": None})
+
+
+def test_what_the_command_refuses_is_refused_with_its_message(tmp_path):
+    with pytest.raises(OSError, match="missing.scn"):
+        hexaplast.Scene(tmp_path / "missing.scn")
+    with pytest.raises(ValueError, match="bar/material.yieldStres"):
+        hexaplast.Scene(BAR, {"bar/material.yieldStres": 250})
+
+    wrong = tmp_path / "wrong.scn"
+    wrong.write_text("<Node>\n  <RegularGridTopologie n='2 2 2'/>\n</Node>")
+    with pytest.raises(ValueError, match="(?s)wrong.scn:2: error.*RegularGridTopology"):
+        hexaplast.Scene(wrong)
+    wrong.write_text("<Node>")
+    with pytest.raises(ValueError, match="wrong.scn"):
+        hexaplast.Scene(wrong)
+    wrong.write_text("<Node/>")
+    with pytest.raises(ValueError, match="0 mechanical states"):
+        hexaplast.Scene(wrong)
+
+    with pytest.raises(ImportError, match="Absent"):
+        hexaplast.Scene(BAR, plugins=["Absent"], plugin_path=[tmp_path])
+    with pytest.raises(ArithmeticError, match="step 3: the force of node"):
+        hexaplast.run(BAR, 5, {"bar/pullUp.forces": "0 0 0  0 0 1e308  0 0 1e308  0 0 0", "bar/pullUp.times": "0 0.02 1 2"})
+
+
+def test_a_run_without_a_number_of_steps_takes_the_scene_s(tmp_path):
+    scene = hexaplast.Scene(BAR, {"RunSettings1.steps": 3})
+    scene.run()
+    assert scene.num_steps == scene.planned_steps == 3
+    scene.run()  # there already
+    assert scene.num_steps == 3
+
+    silent = tmp_path / "silent.scn"
+    silent.write_text("\n".join(line for line in BAR.read_text().splitlines() if "<RunSettings" not in line))
+    scene = hexaplast.Scene(silent)
+    assert scene.planned_steps is None
+    with pytest.raises(ValueError, match="number of steps"):
+        scene.run()
+
+
+def test_remarks_of_a_scene_are_warnings():
+    with pytest.warns(UserWarning, match="(?s)bar_stretch_high.scn:.*warning"):
+        hexaplast.Scene(BAR, {"bar/material.plasticFlowRate": 20})  # times dt above what is advised
+
+
+def test_a_scene_of_masses_alone_has_no_body(tmp_path):
+    file = tmp_path / "mass.scn"
+    file.write_text(
+        "<Node dt='0.1' gravity='0 0 -10'><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/>"
+        "<MechanicalObject position='0 0 1'/><UniformMass totalMass='2'/></Node>"
+    )
+    scene = hexaplast.run(file, steps=1)
+    assert scene.body is None and scene.elastic_energy == 0
+    assert scene.positions[0] == pytest.approx([0, 0, 0.9])
+    assert scene.kinetic_energy == pytest.approx(2 * 1.0**2 / 2)

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Bodies in motion, against hand values."""
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import hexaplast
+
+
+def bar(cells=(1, 1, 4), **material):
+    """0.1 x 0.1 x 0.4 m along z."""
+    positions, hexahedra = hexaplast.grid(cells, (0, 0, 0), (0.1, 0.1, 0.4))
+    return hexaplast.Body(positions, hexahedra, hexaplast.Material(**material))
+
+
+def test_free_fall_is_that_of_implicit_euler():
+    simulation = hexaplast.Simulation(bar(), density=700, dt=0.02, gravity=(0, 0, -10))
+    simulation.run(10)
+    fall = -10 * 0.02**2 * 55  # 1 + 2 + ... + 10
+    assert simulation.positions[:, 2] == pytest.approx(simulation.body.original_positions[:, 2] + fall, abs=1e-12)
+    assert simulation.velocities[:, 2] == pytest.approx(np.full(20, -2.0), abs=1e-10)
+    assert simulation.num_steps == 10 and simulation.time == pytest.approx(0.2) and simulation.dt == 0.02
+    mass = 700 * 0.1 * 0.1 * 0.4
+    assert simulation.masses.sum() == pytest.approx(mass, rel=1e-12)
+    assert simulation.kinetic_energy == pytest.approx(mass * 2.0**2 / 2, rel=1e-9)
+    assert simulation.elastic_energy == pytest.approx(0, abs=1e-15)
+
+
+@pytest.mark.parametrize("solver", ["direct", "cg"])
+def test_a_bar_at_rest_under_a_pull_has_the_length_of_hand(solver):
+    # without lateral contraction the axial stress is E (s - 1), also at large stretch: s = 1 + F / (E A)
+    body = bar(young_modulus=5000, poisson_ratio=0)
+    simulation = hexaplast.Simulation(body, rayleigh_mass=5, rayleigh_stiffness=0.1, solver=solver, tolerance=1e-10)
+    z = body.original_positions[:, 2]
+    simulation.fix(z == 0)
+    forces = np.zeros((20, 3))
+    forces[z == 0.4, 2] = 10 / 4
+    report = simulation.run(400, forces)
+    assert report.converged and report.iterations >= 1
+    stretch = 1 + 10 / (5000 * 0.1 * 0.1)
+    assert simulation.positions[:, 2] == pytest.approx(z * stretch, abs=1e-7)
+    # the elastic energy is half the work of a force that grows slowly
+    assert simulation.elastic_energy == pytest.approx(10 * 0.4 * (stretch - 1) / 2, rel=1e-5)
+
+    simulation.run(400)  # forces hold for the steps they are given to
+    assert simulation.positions[:, 2] == pytest.approx(z, abs=1e-6)
+
+
+def test_led_nodes_arrive_and_then_stand_still():
+    body = bar(young_modulus=5000, poisson_ratio=0.3)
+    simulation = hexaplast.Simulation(body, rayleigh_stiffness=0.05)
+    z = body.original_positions[:, 2]
+    top = z == 0.4
+    simulation.fix(z == 0)
+    for k in range(1, 6):
+        places = body.original_positions[top] + [0, 0.002 * k, 0.004 * k]
+        simulation.lead(top, places)
+        simulation.step()
+        assert simulation.positions[top] == pytest.approx(places, abs=1e-14)
+    simulation.run(5)
+    assert simulation.positions[top] == pytest.approx(places, abs=1e-14)
+    simulation.release(top)
+    simulation.run(5)
+    assert (simulation.positions[top, 2] < places[:, 2]).all()
+
+
+def test_what_was_stretched_past_yield_stays_longer_and_reset_repeats_the_bits():
+    body = bar(cells=(2, 2, 6), yield_stress=100, flow_rate=4)
+    simulation = hexaplast.Simulation(body, rayleigh_mass=1, rayleigh_stiffness=0.1)
+    z = body.original_positions[:, 2]
+    simulation.fix(z == 0)
+    forces = np.zeros_like(body.original_positions)
+    forces[z == 0.4, 2] = 5 / 9
+
+    def run():
+        assert simulation.run(60, forces).flow.yielded > 0
+        simulation.run(20)
+        return simulation.state_hash()
+
+    once = run()
+    assert body.material_positions[z == 0.4, 2].mean() > 0.42
+    fields = simulation.fields()
+    assert fields.plastic_strain == pytest.approx(body.corner_plastic_strain.mean(axis=1), rel=1e-12)
+    assert fields.yield_stress == pytest.approx(body.corner_yield_stress.max(axis=1), rel=1e-15)
+    simulation.reset()
+    assert simulation.num_steps == 0
+    assert run() == once
+
+
+def test_set_state_replaces_positions_and_velocities():
+    simulation = hexaplast.Simulation(bar(), gravity=(0, 0, 0))
+    x = simulation.body.original_positions + [1, 2, 3]
+    simulation.set_state(x, np.tile([0.5, 0, 0], (20, 1)))
+    simulation.step()
+    assert simulation.positions == pytest.approx(x + [0.005, 0, 0], abs=1e-12)
+    with pytest.raises(ValueError, match="finite"):
+        simulation.set_state(x * np.inf, x)
+
+
+def test_a_step_that_fails_is_an_arithmetic_error_and_changes_nothing():
+    simulation = hexaplast.Simulation(bar())
+    simulation.fix([0, 1, 2, 3])
+    simulation.run(3, np.full((20, 3), 0.01))
+    before = simulation.state_hash()
+    forces = np.zeros((20, 3))
+    forces[13, 2] = np.nan
+    with pytest.raises(ArithmeticError, match="13"):
+        simulation.step(forces)
+    assert simulation.state_hash() == before
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ({"dt": 0}, "dt = 0: must be"),
+        ({"density": -1}, "density = -1"),
+        ({"gravity": (0, 0, np.inf)}, "gravity"),
+        ({"rayleigh_mass": -0.5}, "rayleigh_mass = -0.5"),
+        ({"solver": "magic"}, "solver = 'magic' must be one of direct, cg"),
+        ({"solver": "cg", "tolerance": 0}, "tolerance = 0"),
+        ({"solver": "cg", "iterations": 0}, "iterations = 0"),
+    ],
+)
+def test_settings_out_of_range_are_refused(arguments, message):
+    with pytest.raises(ValueError) as caught:
+        hexaplast.Simulation(bar(), **arguments)
+    assert message in str(caught.value)
+
+
+def test_wrong_arguments_are_refused():
+    with pytest.raises(TypeError):
+        hexaplast.Simulation(None)
+    body = bar()
+    simulation = hexaplast.Simulation(body)
+    assert simulation.body is body
+    with pytest.raises(ValueError, match="in a simulation already"):
+        hexaplast.Simulation(body)
+    with pytest.raises(ValueError, match="steps = 0"):
+        simulation.run(0)
+    with pytest.raises(ValueError, match=r"forces: shape \(19, 3\), must be \(20, 3\)"):
+        simulation.step(np.zeros((19, 3)))
+
+
+def test_steps_let_other_threads_run_and_refuse_a_second_caller():
+    simulation = hexaplast.Simulation(bar(cells=(6, 6, 18)))
+    simulation.fix(simulation.body.original_positions[:, 2] == 0)
+    refused = 0
+    thread = threading.Thread(target=simulation.step)
+    thread.start()
+    while thread.is_alive():
+        # reached within the step, because the step does not keep Python's lock
+        try:
+            simulation.kinetic_energy
+        except RuntimeError as error:
+            assert "another thread" in str(error)
+            refused += 1
+        time.sleep(0.0005)
+    thread.join()
+    assert refused > 0
+    assert simulation.num_steps == 1
+
+
+def test_results_do_not_depend_on_the_number_of_threads():
+    hashes = set()
+    before = hexaplast.num_threads()
+    try:
+        for count in (1, 3):
+            hexaplast.set_num_threads(count)
+            assert hexaplast.num_threads() == count
+            simulation = hexaplast.Simulation(bar(cells=(3, 3, 9), yield_stress=20, flow_rate=4), gravity=(0, 0, 9))
+            simulation.fix(simulation.body.original_positions[:, 2] == 0)
+            simulation.run(15)
+            hashes.add(simulation.state_hash())
+    finally:
+        hexaplast.set_num_threads(before)
+    assert len(hashes) == 1
+    with pytest.raises(ValueError):
+        hexaplast.set_num_threads(0)
