@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The worked example of a plugin, built against an installation as its readers build it.
+// What somebody outside the project sees: a plugin and a program built against an installation, and the packages.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -67,6 +67,91 @@ TEST_F(OutsidePlugin, IsBuiltFromTheInstallationAndFoundByName) {
   EXPECT_EQ(listed.code, 0);
   EXPECT_NE(listed.out.find("stiffness: one number [N/m], must be > 0; default 1"), std::string::npos) << listed.out;
   EXPECT_EQ(installed("run " + scene + " --set cube/TetherForceField1.stiffness=-1").code, 2);
+}
+
+TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
+  const std::string cmake = "'" HEXAPLAST_CMAKE "' ",
+                    consumer = std::string(HEXAPLAST_SOURCE_DIR) + "/examples/consumer";
+  must(cmake + "--install '" HEXAPLAST_BUILD_DIR "' --prefix prefix");
+  must(cmake + "-S " + quoted(consumer) +
+       " -B build -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" -DCMAKE_CXX_COMPILER='" HEXAPLAST_COMPILER "'");
+  must(cmake + "--build build");
+  const Outcome strain = shell("build/consumer");
+  EXPECT_EQ(strain.code, 0);
+
+  // pkg-config tells the same without CMake; its flags link what CMake has compiled
+  const std::string pkg_config =
+      "PKG_CONFIG_PATH=\"$PWD/prefix/" HEXAPLAST_LIBDIR "/pkgconfig\" pkg-config --define-prefix ";
+  must(pkg_config + "--exact-version=" HEXAPLAST_VERSION " hexaplast");
+  must("'" HEXAPLAST_COMPILER "' -std=c++20 -fsyntax-only $(" + pkg_config + "--cflags hexaplast) " +
+       quoted(consumer + "/main.cpp"));
+  must("'" HEXAPLAST_COMPILER "' build/CMakeFiles/consumer.dir/main.cpp.o -o linked $(" + pkg_config +
+       "--libs hexaplast) -Wl,-rpath,\"$PWD/prefix/" HEXAPLAST_LIBDIR "\"");
+  EXPECT_EQ(shell("./linked").out, strain.out);
+
+  // components by name, and versions that are not compatible
+  const auto finds = [&](const std::string& what) {
+    write("CMakeLists.txt",
+          "cmake_minimum_required(VERSION 3.22)\nproject(Asks LANGUAGES CXX)\nfind_package(Hexaplast " + what +
+              " REQUIRED)\n");
+    return shell(cmake + "-S . -B asked --fresh -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" -DCMAKE_CXX_COMPILER='" +
+                 HEXAPLAST_COMPILER "'")
+               .code == 0;
+  };
+  EXPECT_TRUE(finds("0.1 COMPONENTS scene components output"));
+  EXPECT_FALSE(finds("COMPONENTS teapot"));
+  EXPECT_FALSE(finds("0.2"));
+}
+
+/// The packages of `cpack -G DEB`, unpacked into a folder that stands for /.
+class DebianPackages : public OutsidePlugin {
+ protected:
+  void SetUp() override {
+    OutsidePlugin::SetUp();
+    if (shell("command -v dpkg-deb dpkg-shlibdeps").code != 0) GTEST_SKIP() << "no Debian here";
+    must("cd '" HEXAPLAST_BUILD_DIR "' && '" HEXAPLAST_CPACK "' -G DEB -B \"$OLDPWD/packages\"");
+  }
+
+  std::string field(const std::string& package, const std::string& name) {
+    return shell("dpkg-deb -f packages/" + package + "_*.deb " + name).out;
+  }
+  std::string files(const std::string& package) { return shell("dpkg-deb -c packages/" + package + "_*.deb").out; }
+};
+
+TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
+  const std::string library = files("libhexaplast"), headers = files("libhexaplast-dev"),
+                    tools = files("hexaplast-tools");
+  const auto has = [](const std::string& list, const std::string& file) {
+    return list.find(file) != std::string::npos;
+  };
+  EXPECT_TRUE(has(library, "/libhexaplast.so." HEXAPLAST_VERSION "\n")) << library;
+  EXPECT_TRUE(has(library, "/hexaplast/plugins/libHexaplast.so\n")) << library;
+  EXPECT_FALSE(has(library, "/libhexaplast.so\n") || has(library, ".hpp") || has(library, "/bin/")) << library;
+  EXPECT_TRUE(has(headers, "/hexaplast/body.hpp\n") && has(headers, "/libhexaplast.so ->")) << headers;
+  EXPECT_TRUE(has(headers, "/HexaplastConfig.cmake\n") && has(headers, "/pkgconfig/hexaplast.pc\n")) << headers;
+  EXPECT_TRUE(has(tools, "/bin/hexaplast\n") && has(tools, "/man1/hexaplast.1")) << tools;
+  EXPECT_TRUE(has(tools, "/bash-completion/completions/hexaplast\n")) << tools;
+  for (const char* package : {"libhexaplast", "libhexaplast-dev", "hexaplast-tools"})
+    EXPECT_TRUE(has(files(package), std::string("/doc/") + package + "/copyright\n")) << package;
+
+  EXPECT_TRUE(has(field("libhexaplast", "Depends"), "libcholmod3")) << field("libhexaplast", "Depends");
+  EXPECT_TRUE(has(field("libhexaplast-dev", "Depends"), "libeigen3-dev") &&
+              has(field("libhexaplast-dev", "Depends"), "libhexaplast (= " HEXAPLAST_VERSION))
+      << field("libhexaplast-dev", "Depends");
+  EXPECT_TRUE(has(field("hexaplast-tools", "Depends"), "libhexaplast")) << field("hexaplast-tools", "Depends");
+
+  must("mkdir root && for deb in packages/*.deb; do dpkg-deb -x $deb root; done");
+  const Outcome run = shell("root/usr/bin/hexaplast run '" + std::string(HEXAPLAST_SOURCE_DIR) +
+                            "/scenes/bar_stretch_high.scn' --steps 2");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(has(run.out, "state hash"));
+  // position-independent, with tables of addresses that are read-only from the start
+  for (const char* binary : {"root/usr/bin/hexaplast", "$(find root -name 'libhexaplast.so.*' -type f)"}) {
+    const std::string headers_of = shell(std::string("readelf -W -h -l -d ") + binary).out;
+    EXPECT_TRUE(has(headers_of, "DYN (") && has(headers_of, "GNU_RELRO") && has(headers_of, "NOW")) << headers_of;
+  }
+  // nothing of the build tree is left in what is delivered
+  EXPECT_NE(shell("grep -rl '" HEXAPLAST_BUILD_DIR "' root").code, 0) << content(directory_ / "out");
 }
 
 }  // namespace

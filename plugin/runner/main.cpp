@@ -16,6 +16,7 @@
 #include "output/recorder.hpp"
 #include "runner/bench.hpp"
 #include "runner/check.hpp"
+#include "runner/command_page.hpp"
 #include "runner/compare.hpp"
 #include "runner/element.hpp"
 #include "runner/exit_code.hpp"
@@ -451,6 +452,8 @@ int main(int argc, char** argv) {
   add_list(app, list_options);
   BenchOptions bench_options;
   add_bench(app, bench_options);
+  std::string page_format;
+  add_page(app, page_format);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -459,6 +462,10 @@ int main(int argc, char** argv) {
 
   if (app.got_subcommand("view"))
     return report_errors(view_options.scene.file.string(), [&] { return view(view_options); });
+  if (app.got_subcommand("page")) {
+    fmt::print("{}", page_format == "man" ? man_page(app, HEXAPLAST_VERSION) : bash_completion(app));
+    return std::fflush(stdout) == 0 ? kOk : kInputOutput;
+  }
   if (app.got_subcommand("element"))
     return report_errors(element_options.file, [&] {
       run_element(element_options);

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Debian packages: cpack -G DEB in a build tree, or scripts/package.
+set(packages library development tools)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libhexaplast)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libhexaplast-dev)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME hexaplast-tools)
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "Libraries, and the stock components that scenes are made of.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "What programs and plugins are built with: headers, CMake and pkg-config files.")
+set(CPACK_COMPONENT_TOOLS_DESCRIPTION "The hexaplast command, its pictures and its window.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
+set(CPACK_COMPONENT_DEVELOPMENT_DEPENDS library)
+set(CPACK_COMPONENT_TOOLS_DEPENDS library)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS fonts-dejavu-core)
+
+if(TARGET hexaplast_python)
+  list(APPEND packages python)
+  execute_process(COMMAND ${HEXAPLAST_PYTHON} -c "import sys; print('%d.%d' % sys.version_info[:2])"
+                  OUTPUT_VARIABLE python_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+  execute_process(COMMAND ${HEXAPLAST_PYTHON} -c "import sys; print('%d.%d' % (sys.version_info[0], sys.version_info[1] + 1))"
+                  OUTPUT_VARIABLE python_next_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hexaplast)
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Python module: bodies and scenes, with numpy arrays.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_COMPONENT_PYTHON_DEPENDS library)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= ${python_version}), python3 (<< ${python_next_version}), python3-numpy")
+endif()
+
+execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/changelog.gz)
+foreach(package IN LISTS packages)
+  string(TOUPPER ${package} upper)
+  install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright ${PROJECT_BINARY_DIR}/changelog.gz COMPONENT ${package}
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
+  set(CPACK_DEBIAN_${upper}_PACKAGE_SHLIBDEPS ON)
+endforeach()
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)  # headers alone
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL ${packages})
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_PACKAGE_NAME hexaplast)
+set(CPACK_PACKAGE_VENDOR "Hexaplast")
+set(CPACK_PACKAGE_CONTACT "Hexaplast maintainers <maintainers@hexaplast.invalid>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+include(CPack)

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Pulls a bar for two seconds, lets go, and reads what stays.
+#include <cstdio>
+#include <hexaplast/mesh/grid.hpp>
+#include <hexaplast/moving_body.hpp>
+
+int main() {
+  using namespace hexaplast;
+  Body bar(regular_grid({2, 2, 8}, {0, 0, 0}, {.1, .1, .4}),
+           {{.young_modulus = 5000, .poisson_ratio = .45, .yield_stress = 300, .flow_rate = 4}});
+  Motion motion{.fixed = {0, 1, 2, 3, 4, 5, 6, 7, 8}};  // nodes run along x first: these lie at z = 0
+  motion.load = [](double time, ConstPoints, Points f) {
+    if (time < 2) f.bottomRows(9).col(2).array() += .4;  // [N] at each node of the other end
+  };
+  MovingBody moving(std::move(bar), motion);
+  moving.run(500);  // steps of 10 ms
+  std::printf("plastic strain %.4f\n", moving.body.fields(moving.x).plastic_strain[0]);
+}

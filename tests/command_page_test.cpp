@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The manual page and the completion against what --help says of every subcommand.
+#include <regex>
+#include <set>
+
+#include "support/command.hpp"
+
+namespace {
+
+using hexaplast::support::Command;
+using hexaplast::support::content;
+
+class CommandPage : public Command {
+ protected:
+  std::string help(const std::string& path) { return hexaplast(path + " --help").out; }
+
+  /// First words of the lines of a section of the help text.
+  static std::set<std::string> entries(const std::string& help, const std::string& section) {
+    std::set<std::string> found;
+    const std::size_t begin = help.find(section + ":\n");
+    if (begin == std::string::npos) return found;
+    std::istringstream lines(help.substr(begin + section.size() + 2));
+    for (std::string line; std::getline(lines, line) && !line.empty();) {
+      std::smatch match;
+      if (!std::regex_search(line, match, std::regex("^  ([^ ]+)"))) continue;
+      std::istringstream names(match[1].str());
+      for (std::string name; std::getline(names, name, ',');) found.insert(name);
+    }
+    return found;
+  }
+
+  /// Calls visit(path, help) for the command and every subcommand, however deep.
+  template <class Visit>
+  int for_each_command(const std::string& path, const Visit& visit) {
+    const std::string text = help(path);
+    visit(path, text);
+    int count = 1;
+    for (const std::string& name : entries(text, "Subcommands"))
+      count += for_each_command(path.empty() ? name : path + " " + name, visit);
+    return count;
+  }
+
+  /// What bash offers after these words, the last one unfinished.
+  std::set<std::string> completed(const std::string& words) {
+    write("ask.sh", "source ./completion\nCOMP_WORDS=(hexaplast " + words +
+                        ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_hexaplast\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n");
+    const auto asked = shell("bash ask.sh");
+    EXPECT_EQ(asked.code, 0) << asked.err;
+    EXPECT_EQ(asked.err, "") << words;
+    std::set<std::string> offered;
+    std::istringstream lines(asked.out);
+    for (std::string line; std::getline(lines, line);)
+      if (!line.empty()) offered.insert(line);
+    return offered;
+  }
+};
+
+TEST_F(CommandPage, TellsEveryOptionOfEverySubcommand) {
+  const std::string page = hexaplast("page man").out;
+  ASSERT_EQ(page.find(".TH HEXAPLAST 1"), 0u);
+  const auto hyphened = [](std::string text) { return std::regex_replace(text, std::regex("-"), "\\-"); };
+  const int count = for_each_command("", [&](const std::string& path, const std::string& text) {
+    const std::string head = path.empty() ? ".SH OPTIONS" : ".SS \"hexaplast " + hyphened(path) + "\"\n";
+    const std::size_t begin = page.find(head);
+    ASSERT_NE(begin, std::string::npos) << path;
+    const std::string section = page.substr(begin, page.find("\n.S", begin + 1) - begin);
+    const std::set<std::string> options = entries(text, "Options");
+    ASSERT_GE(options.size(), 2u) << text;
+    for (const std::string& option : options)
+      EXPECT_NE(section.find("\\fB" + hyphened(option) + "\\fR"), std::string::npos) << path << ": " << option;
+  });
+  EXPECT_GT(count, 14) << "the walk has lost its object";
+  EXPECT_EQ(page.find(".SS \"hexaplast page"), std::string::npos) << "page is for the build alone";
+}
+
+TEST_F(CommandPage, CompletesEveryOptionOfEverySubcommand) {
+  write("completion", hexaplast("page bash").out);
+  for_each_command("", [&](const std::string& path, const std::string& text) {
+    EXPECT_EQ(completed(path + " -"), entries(text, "Options")) << path;
+    const std::set<std::string> inner = entries(text, "Subcommands");
+    if (!inner.empty()) {
+      EXPECT_EQ(completed(path + " ''"), inner) << path;
+    }
+  });
+}
+
+TEST_F(CommandPage, CompletesValues) {
+  write("completion", hexaplast("page bash").out);
+  write("bar.scn", "");
+  EXPECT_EQ(completed("ru"), (std::set<std::string>{"run"}));
+  EXPECT_EQ(completed("run --qu"), (std::set<std::string>{"--quiet"}));
+  EXPECT_EQ(completed("mesh offset --direction ''"), (std::set<std::string>{"inward", "outward", "both"}));
+  EXPECT_EQ(completed("mesh export bar.scn --format v"), (std::set<std::string>{"vtu"}));
+  EXPECT_EQ(completed("run b"), (std::set<std::string>{"bar.scn"}));
+  EXPECT_EQ(completed("run bar.scn --final b"), (std::set<std::string>{"bar.scn"}));
+  EXPECT_EQ(completed("run bar.scn --steps ''"), (std::set<std::string>{}));
+}
+
+}  // namespace
