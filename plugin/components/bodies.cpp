@@ -10,6 +10,7 @@
 #include "components/components.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/filling.hpp"
+#include "scene/potential.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::components {
@@ -26,7 +27,7 @@ Enum chosen(const std::string& word, std::initializer_list<std::pair<std::string
 }
 
 /// A body as a force field. What it does not say otherwise is elastic.
-class HexahedronField : public scene::ForceField {
+class HexahedronField : public scene::ForceField, public scene::Potential {
  public:
   using ForceField::ForceField;
 
@@ -66,6 +67,7 @@ class HexahedronField : public scene::ForceField {
     body_->to_kernels(factor, system);
     return true;
   }
+  double potential_energy(double, ConstPoints x) const override { return body_->energy(x); }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   void end_step(double dt) override {

@@ -11,12 +11,13 @@
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
+#include "scene/potential.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class GraspForceField final : public scene::ForceField, public scene::Instrument {
+class GraspForceField final : public scene::ForceField, public scene::Instrument, public scene::Potential {
  public:
   GraspForceField() : ForceField(attributes::kGraspForceField) {}
 
@@ -66,6 +67,7 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   bool to_kernels(double factor, KernelSystem& system) const override {
     return grip_.add_stiffness_diagonal(lags_, factor, system.diagonal);
   }
+  double potential_energy(double time, ConstPoints x) const override { return grip_.energy(tool_at(time), x); }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   std::optional<Vec3> place(double time) const override {

@@ -36,14 +36,27 @@ Mat3 Grip::stiffness_at(const Vec3& lag) const {
   return -share(most_force) / lag.norm() * (Mat3::Identity() - direction * direction.transpose());
 }
 
-PointArray Grip::add_force(const Vec3& tool, ConstPoints x, Points f) const {
+PointArray Grip::lags_at(const Vec3& tool, ConstPoints x) const {
   PointArray lags(arms.rows(), 3);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    lags.row(row) = tool.transpose() + arms.row(row) - x.row(nodes[i]);
-    f.row(nodes[i]) += force(lags.row(row).transpose()).transpose();
-  }
+  for (Eigen::Index i = 0; i < lags.rows(); ++i) lags.row(i) = tool.transpose() + arms.row(i) - x.row(nodes[i]);
   return lags;
+}
+
+PointArray Grip::add_force(const Vec3& tool, ConstPoints x, Points f) const {
+  PointArray lags = lags_at(tool, x);
+  for (Eigen::Index i = 0; i < lags.rows(); ++i) f.row(nodes[i]) += force(lags.row(i).transpose()).transpose();
+  return lags;
+}
+
+double Grip::energy(const Vec3& tool, ConstPoints x) const {
+  const PointArray lags = lags_at(tool, x);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < lags.rows(); ++i) {
+    const Vec3 lag = lags.row(i).transpose();
+    const double k = share(stiffness), F = share(most_force);
+    sum += is_at_limit(lag) ? F * lag.norm() - F * F / (2 * k) : k * lag.squaredNorm() / 2;
+  }
+  return sum;
 }
 
 Vec3 Grip::total_force(ConstPoints lags) const {

@@ -22,8 +22,11 @@ std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, cons
 ///   df_i/dx_i = -k I                                   |g_i| <= F / k
 ///             = -F / |g_i| (I - g_i g_i^T / |g_i|^2)   beyond
 ///
-/// The forces come from a convex potential, k |g|^2 / 2 and then F |g| - F^2 / 2k, so that minus their derivative is
-/// symmetric and positive semi-definite; their sum is never greater than most_force.
+///   psi_i = k |g_i|^2 / 2                            |g_i| <= F / k
+///         = F |g_i| - F^2 / 2k                       beyond
+///
+/// The potential is convex, so that minus the derivative of the forces is symmetric and positive semi-definite; the sum
+/// of the forces is never greater than most_force.
 struct Grip {
   std::vector<int> nodes = {};                                  ///< empty: the grip is open
   PointArray arms = {};                                         ///< [m] one row per node, from the tool
@@ -37,6 +40,9 @@ struct Grip {
   /// f += forces [N]. Returns the lags [m], one row per held node, to which the stiffness below refers.
   PointArray add_force(const Vec3& tool, ConstPoints x, Points f) const;
 
+  /// Sum of psi_i [J]: the forces are minus its gradient with respect to x.
+  double energy(const Vec3& tool, ConstPoints x) const;
+
   /// Sum of the forces [N] at some lags: what the tool exerts on the body.
   Vec3 total_force(ConstPoints lags) const;
 
@@ -49,6 +55,7 @@ struct Grip {
  private:
   double share(double of_all) const { return of_all / static_cast<double>(nodes.size()); }
   bool is_at_limit(const Vec3& lag) const;
+  PointArray lags_at(const Vec3& tool, ConstPoints x) const;
   Vec3 force(const Vec3& lag) const;
   Mat3 stiffness_at(const Vec3& lag) const;
 };

@@ -8,184 +8,227 @@
 
 #include <random>
 
+#include "block_scene.h"
 #include "hexaplast/body.hpp"
 #include "sofa_scene.h"
 
-namespace hexaplast::sofa_plugin::test {
-namespace {
+namespace hexaplast::sofa_plugin::test
+{
+namespace
+{
 
 using Field = sofa::core::objectmodel::Data<DataTypes::VecDeriv>;
 
-const std::string kGrid = R"xml(<RegularGridTopology name="grid" n="3 3 4" min="0 0 0" max="0.2 0.2 0.3"/>)xml";
+class ForceFieldChecks : public testing::Test
+{
+protected:
+    PointArray random(double size, unsigned seed) const
+    {
+        std::mt19937 engine(seed);
+        std::uniform_real_distribution<double> number(-size, size);
+        PointArray field(rest.rows(), 3);
+        for (Eigen::Index i = 0; i < field.size(); ++i) field.data()[i] = number(engine);
+        return field;
+    }
+    void move_to(const PointArray& x)
+    {
+        auto positions = scene.state().writePositions();
+        view(positions.wref()) = x;
+    }
+    PointArray force_at(const PointArray& x)
+    {
+        sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+        Field f, v;
+        view(*position.beginEdit()) = PointArray(0, 3);
+        position.beginEdit()->resize(x.rows());
+        view(*position.beginEdit()) = x;
+        v.beginEdit()->resize(x.rows());
+        f.beginEdit()->resize(x.rows());
+        scene.field().addForce(sofa::core::mechanicalparams::defaultInstance(), f, position, v);
+        return view(f.getValue());
+    }
+    double energy_at(const PointArray& x)
+    {
+        sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+        position.beginEdit()->resize(x.rows());
+        view(*position.beginEdit()) = x;
+        return scene.field().getPotentialEnergy(sofa::core::mechanicalparams::defaultInstance(), position);
+    }
+    PointArray product(const PointArray& dx, const sofa::core::MechanicalParams& params)
+    {
+        Field df, d;
+        d.beginEdit()->resize(dx.rows());
+        view(*d.beginEdit()) = dx;
+        df.beginEdit()->resize(dx.rows());
+        scene.field().addDForce(&params, df, d);
+        return view(df.getValue());
+    }
 
-/// 2 x 2 x 3 cubes of 0.1 m in a node of their own.
-std::string block(const std::string& attributes, const std::string& topology = kGrid, const std::string& before = "") {
-  std::string scene = "<Node name='root' dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/>";
-  for (const char* module :
-       {"StateContainer", "Topology.Container.Grid", "Topology.Container.Dynamic", "AnimationLoop"})
-    scene += std::string("<RequiredPlugin pluginName='Sofa.Component.") + module + "'/>";
-  return scene + before + "<Node name='tissue'>" + topology +
-         "<MechanicalObject name='nodes' template='Vec3d'/><HexahedronElastoplasticFEMForceField name='body' "
-         "template='Vec3d' youngModulus='5000' poissonRatio='0.3' " +
-         attributes + "/></Node></Node>";
-}
-
-const std::string kPlastic = R"(yieldStress="100" plasticFlowRate="5" hardening="0.3")";
-
-class ForceFieldChecks : public testing::Test {
- protected:
-  PointArray random(double size, unsigned seed) const {
-    std::mt19937 engine(seed);
-    std::uniform_real_distribution<double> number(-size, size);
-    PointArray field(rest.rows(), 3);
-    for (Eigen::Index i = 0; i < field.size(); ++i) field.data()[i] = number(engine);
-    return field;
-  }
-  void move_to(const PointArray& x) {
-    auto positions = scene.state().writePositions();
-    view(positions.wref()) = x;
-  }
-  PointArray force_at(const PointArray& x) {
-    sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
-    Field f, v;
-    view(*position.beginEdit()) = PointArray(0, 3);
-    position.beginEdit()->resize(x.rows());
-    view(*position.beginEdit()) = x;
-    v.beginEdit()->resize(x.rows());
-    f.beginEdit()->resize(x.rows());
-    scene.field().addForce(sofa::core::mechanicalparams::defaultInstance(), f, position, v);
-    return view(f.getValue());
-  }
-  double energy_at(const PointArray& x) {
-    sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
-    position.beginEdit()->resize(x.rows());
-    view(*position.beginEdit()) = x;
-    return scene.field().getPotentialEnergy(sofa::core::mechanicalparams::defaultInstance(), position);
-  }
-  PointArray product(const PointArray& dx, const sofa::core::MechanicalParams& params) {
-    Field df, d;
-    d.beginEdit()->resize(dx.rows());
-    view(*d.beginEdit()) = dx;
-    df.beginEdit()->resize(dx.rows());
-    scene.field().addDForce(&params, df, d);
-    return view(df.getValue());
-  }
-
-  SofaScene scene = SofaScene::from_text(block(kPlastic));
-  const PointArray rest = scene.positions();
-  const PointArray deformed = rest + random(0.02, 1);
-  sofa::core::MechanicalParams params;
+    SofaScene scene = SofaScene::from_text(block(kPlastic));
+    const PointArray rest = scene.positions();
+    const PointArray deformed = rest + random(0.02, 1);
+    sofa::core::MechanicalParams params;
 };
 
-TEST_F(ForceFieldChecks, ForceIsThatOfTheCoreAndSumsToNothing) {
-  Body body(scene.body().mesh(), scene.body().model().materials, scene.body().model().settings);
-  PointArray expected = PointArray::Zero(rest.rows(), 3);
-  body.linearize(deformed);
-  body.add_force(expected);
-  const PointArray f = force_at(deformed);
-  EXPECT_EQ(f, expected);
-  EXPECT_LE(f.colwise().sum().norm(), 1e-12 * f.norm());
-  EXPECT_LE(force_at(rest).norm(), 1e-12 * f.norm());
+TEST_F(ForceFieldChecks, ForceIsThatOfTheCoreAndSumsToNothing)
+{
+    Body body(scene.body().mesh(), scene.body().model().materials, scene.body().model().settings);
+    PointArray expected = PointArray::Zero(rest.rows(), 3);
+    body.linearize(deformed);
+    body.add_force(expected);
+    const PointArray f = force_at(deformed);
+    EXPECT_EQ(f, expected);
+    EXPECT_LE(f.colwise().sum().norm(), 1e-12 * f.norm());
+    EXPECT_LE(force_at(rest).norm(), 1e-12 * f.norm());
 }
 
-TEST_F(ForceFieldChecks, EnergyFallsAsTheForceWorks) {
-  const PointArray dx = random(1e-5, 2), f = force_at(deformed);
-  const double change = energy_at(deformed + dx) - energy_at(deformed - dx);
-  const double work = 2 * f.cwiseProduct(dx).sum();
-  EXPECT_NEAR(change, -work, 1e-6 * std::abs(work));
+TEST_F(ForceFieldChecks, EnergyFallsAsTheForceWorks)
+{
+    const PointArray dx = random(1e-5, 2), f = force_at(deformed);
+    const double change = energy_at(deformed + dx) - energy_at(deformed - dx);
+    const double work = 2 * f.cwiseProduct(dx).sum();
+    EXPECT_NEAR(change, -work, 1e-6 * std::abs(work));
 }
 
-TEST_F(ForceFieldChecks, ProductIsTheChangeOfTheForceNearRest) {
-  const PointArray dx = random(1e-6, 3);
-  const PointArray change = (force_at(rest + dx) - force_at(rest - dx)) / 2;
-  force_at(rest);
-  params.setKFactor(1);
-  EXPECT_LE((product(dx, params) - change).norm(), 1e-5 * change.norm());
+TEST_F(ForceFieldChecks, ProductIsTheChangeOfTheForceNearRest)
+{
+    const PointArray dx = random(1e-6, 3);
+    const PointArray change = (force_at(rest + dx) - force_at(rest - dx)) / 2;
+    force_at(rest);
+    params.setKFactor(1);
+    EXPECT_LE((product(dx, params) - change).norm(), 1e-5 * change.norm());
 }
 
-TEST_F(ForceFieldChecks, FactorsAndRayleighDampingScaleTheProduct) {
-  const PointArray dx = random(1e-3, 4);
-  force_at(deformed);
-  params.setKFactor(1);
-  const PointArray one = product(dx, params);
-  params.setKFactor(-0.02);
-  params.setBFactor(-0.5);
-  scene.field().rayleighStiffness.setValue(0.1);
-  EXPECT_LE((product(dx, params) - (-0.02 - 0.5 * 0.1) * one).norm(), 1e-12 * one.norm());
+TEST_F(ForceFieldChecks, FactorsAndRayleighDampingScaleTheProduct)
+{
+    const PointArray dx = random(1e-3, 4);
+    force_at(deformed);
+    params.setKFactor(1);
+    const PointArray one = product(dx, params);
+    params.setKFactor(-0.02);
+    params.setBFactor(-0.5);
+    scene.field().rayleighStiffness.setValue(0.1);
+    EXPECT_LE((product(dx, params) - (-0.02 - 0.5 * 0.1) * one).norm(), 1e-12 * one.norm());
 }
 
-TEST_F(ForceFieldChecks, MatrixIsTheProduct) {
-  const PointArray dx = random(1e-3, 5);
-  force_at(deformed);
-  params.setKFactor(1);
-  const PointArray expected = product(dx, params);
-  const auto size = static_cast<int>(3 * rest.rows());
-  sofa::linearalgebra::FullMatrix<SReal> K(size + 6, size + 6);
-  K.clear();
-  unsigned int offset = 6;
-  scene.field().addKToMatrix(&K, 2, offset);
-  PointArray found = PointArray::Zero(rest.rows(), 3);
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) found.data()[i] += K.element(6 + i, 6 + j) * dx.data()[j];
-  EXPECT_LE((found - 2 * expected).norm(), 1e-12 * found.norm());
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(K.element(i, i), 0);
+TEST_F(ForceFieldChecks, MatrixIsTheProduct)
+{
+    const PointArray dx = random(1e-3, 5);
+    force_at(deformed);
+    params.setKFactor(1);
+    const PointArray expected = product(dx, params);
+    const auto size = static_cast<int>(3 * rest.rows());
+    sofa::linearalgebra::FullMatrix<SReal> K(size + 6, size + 6);
+    K.clear();
+    unsigned int offset = 6;
+    scene.field().addKToMatrix(&K, 2, offset);
+    PointArray found = PointArray::Zero(rest.rows(), 3);
+    for (int i = 0; i < size; ++i)
+        for (int j = 0; j < size; ++j) found.data()[i] += K.element(6 + i, 6 + j) * dx.data()[j];
+    EXPECT_LE((found - 2 * expected).norm(), 1e-12 * found.norm());
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(K.element(i, i), 0);
 }
 
-TEST_F(ForceFieldChecks, EvaluationRemembersNothingAndOneStepFlowsOnce) {
-  const PointArray stretched = rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal();
-  const PointArray first = force_at(stretched);
-  for (int time = 0; time < 10; ++time) force_at(deformed);
-  EXPECT_EQ(force_at(stretched), first);
-  EXPECT_EQ(scene.body().history().material, rest);
+TEST_F(ForceFieldChecks, EvaluationRemembersNothingAndOneStepFlowsOnce)
+{
+    const PointArray stretched = rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal();
+    const PointArray first = force_at(stretched);
+    for (int time = 0; time < 10; ++time) force_at(deformed);
+    EXPECT_EQ(force_at(stretched), first);
+    EXPECT_EQ(scene.body().history().material, rest);
 
-  move_to(stretched);
-  scene.step();  // no solver: positions stay
-  Body body(scene.body().mesh(), scene.body().model().materials, scene.body().model().settings);
-  body.flow(stretched, 0.01);
-  EXPECT_EQ(scene.body().history().material, body.history().material);
-  EXPECT_NE(scene.body().history().material, rest);
+    move_to(stretched);
+    scene.step();  // no solver: positions stay
+    Body body(scene.body().mesh(), scene.body().model().materials, scene.body().model().settings);
+    body.flow(stretched, 0.01);
+    EXPECT_EQ(scene.body().history().material, body.history().material);
+    EXPECT_NE(scene.body().history().material, rest);
 
-  scene.reset();
-  EXPECT_EQ(scene.body().history().material, rest);
+    scene.reset();
+    EXPECT_EQ(scene.body().history().material, rest);
 }
 
-TEST_F(ForceFieldChecks, OutputsShowThePlasticState) {
-  move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
-  scene.step();
-  const auto* strain =
-      dynamic_cast<sofa::core::objectmodel::Data<sofa::type::vector<SReal>>*>(scene.field().findData("plasticStrain"));
-  ASSERT_TRUE(strain);
-  const ElementFields fields = scene.body().fields(scene.positions());
-  ASSERT_EQ(strain->getValue().size(), fields.plastic_strain.size());
-  for (std::size_t e = 0; e < fields.plastic_strain.size(); ++e) {
-    EXPECT_GT(fields.plastic_strain[e], 0);
-    EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
-  }
-  const auto* material =
-      dynamic_cast<sofa::core::objectmodel::Data<DataTypes::VecCoord>*>(scene.field().findData("materialPositions"));
-  ASSERT_TRUE(material);
-  EXPECT_EQ(PointArray(view(material->getValue())), scene.body().history().material);
+TEST_F(ForceFieldChecks, OutputsShowThePlasticState)
+{
+    move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+    scene.step();
+    const auto* strain = dynamic_cast<sofa::core::objectmodel::Data<sofa::type::vector<SReal>>*>(
+        scene.field().findData("plasticStrain"));
+    ASSERT_TRUE(strain);
+    const ElementFields fields = scene.body().fields(scene.positions());
+    ASSERT_EQ(strain->getValue().size(), fields.plastic_strain.size());
+    for (std::size_t e = 0; e < fields.plastic_strain.size(); ++e)
+    {
+        EXPECT_GT(fields.plastic_strain[e], 0);
+        EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
+    }
+    const auto* material =
+        dynamic_cast<sofa::core::objectmodel::Data<DataTypes::VecCoord>*>(scene.field().findData("materialPositions"));
+    ASSERT_TRUE(material);
+    EXPECT_EQ(PointArray(view(material->getValue())), scene.body().history().material);
 }
 
-TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun) {
-  move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
-  scene.step();
-  const PointArray material = scene.body().history().material, f = force_at(deformed);
-  scene.field().findData("youngModulus")->read("15000");
-  scene.field().reinit();
-  EXPECT_LE((force_at(deformed) - 3 * f).norm(), 1e-10 * f.norm());
-  EXPECT_EQ(scene.body().history().material, material);
+TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun)
+{
+    move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+    scene.step();
+    const PointArray material = scene.body().history().material, f = force_at(deformed);
+    scene.field().findData("youngModulus")->read("15000");
+    scene.field().reinit();
+    EXPECT_LE((force_at(deformed) - 3 * f).norm(), 1e-10 * f.norm());
+    EXPECT_EQ(scene.body().history().material, material);
 
-  scene.field().findData("gradient")->read("vertex");
-  scene.field().reinit();
-  EXPECT_TRUE(is_invalid(scene.field())) << "what cannot change is refused";
+    scene.field().findData("gradient")->read("vertex");
+    scene.field().reinit();
+    EXPECT_TRUE(is_invalid(scene.field())) << "what cannot change is refused";
 }
 
-TEST(ForceField, RefusesWhatTheAttributeTableRefuses) {
-  SofaScene scene = SofaScene::from_text(block(R"(hardening="0.3")"));
-  EXPECT_FALSE(is_invalid(scene.field()));
-  EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).field(), std::runtime_error);
-  EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).field(), std::runtime_error);
+TEST(ForceField, HalfFullHexahedraOfASparseGridCarryHalf)
+{
+    SofaScene scene = SofaScene::from_text(block(
+        kPlastic, "<SparseGridTopology name='cage' fileTopology='" HEXAPLAST_SCENES "/mesh/liver.obj' n='16 7 10'/>"));
+    const std::vector<Material>& materials = scene.body().model().materials;
+    ASSERT_EQ(materials.size(), static_cast<std::size_t>(scene.body().mesh().num_elements()));
+    EXPECT_EQ(materials.front().young_modulus, 2500) << "cells that the surface passes through come first";
+    EXPECT_EQ(materials.front().yield_stress, 50);
+    EXPECT_EQ(materials.back().young_modulus, 5000);
+}
+
+TEST(ForceField, RefusesWhatTheAttributeTableRefuses)
+{
+    SofaScene scene = SofaScene::from_text(block(R"(hardening="0.3")"));
+    EXPECT_FALSE(is_invalid(scene.field()));
+    EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).field(), std::runtime_error);
+    EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).field(), std::runtime_error);
+}
+
+// What an instrument stores in its springs, against the work on a small way.
+TEST(Instrument, EnergyRisesAsItsForceIsWorkedAgainst)
+{
+    SofaScene scene = SofaScene::from_text(block(
+        "", kGrid, "",
+        "<GraspForceField name='tool' template='Vec3d' radius='0.15' keyTimes='0' positions='0 0 0.3' "
+        "stiffness='800' maxForce='12'/><TangentialForceField name='wheel' template='Vec3d' indices='3' axis='0 0 1' "
+        "times='0' forces='2'/>"));
+    const PointArray rest = scene.positions();
+    scene.step();  // it closes
+    std::vector<GuestForceField*> fields;
+    scene.root().get<GuestForceField>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
+    ASSERT_EQ(fields.size(), 3u);
+    const auto* params = sofa::core::mechanicalparams::defaultInstance();
+    const auto energy_at = [&](GuestForceField& field, const PointArray& x)
+    {
+        sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+        position.beginEdit()->resize(x.rows());
+        view(*position.beginEdit()) = x;
+        return field.getPotentialEnergy(params, position);
+    };
+    GuestForceField& tool = *fields[1];
+    EXPECT_EQ(energy_at(tool, rest), 0);
+    PointArray x = rest;
+    x.rowwise() += Eigen::RowVector3d(0.003, 0, -0.004);  // the springs of the grip, 800 N/m together, by 5 mm
+    EXPECT_NEAR(energy_at(tool, x), 800 * 0.005 * 0.005 / 2, 1e-12);
+    EXPECT_EQ(energy_at(*fields[2], x), 0) << "forces that turn with their node have no potential";
 }
 
 const std::string kSource = "<Node name='source'>" + kGrid + "</Node>";
@@ -193,43 +236,46 @@ const std::string kDynamicTopology = R"xml(
     <HexahedronSetTopologyContainer name="cells" position="@../source/grid.position" hexahedra="@../source/grid.hexahedra"/>
     <HexahedronSetTopologyModifier name="modifier" removeIsolated="false"/>)xml";
 
-TEST(Topology, HexahedraThatSofaRemovesLeaveTheBody) {
-  SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", kDynamicTopology, kSource));
-  auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
-  modifier.removeHexahedra({3});
-  EXPECT_EQ(scene.body().history().removed, std::vector<int>{3});
-  modifier.removeHexahedra({3, 0});  // the last one has taken the place of the third
-  EXPECT_EQ(scene.body().history().alive, (std::vector<unsigned char>{0, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0}));
-  scene.step();
-  scene.reset();
-  EXPECT_EQ(scene.body().history().removed.size(), 3u) << "the topology stays torn";
+TEST(Topology, HexahedraThatSofaRemovesLeaveTheBody)
+{
+    SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", kDynamicTopology, kSource));
+    auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
+    modifier.removeHexahedra({3});
+    EXPECT_EQ(scene.body().history().removed, std::vector<int>{3});
+    modifier.removeHexahedra({3, 0});  // the last one has taken the place of the third
+    EXPECT_EQ(scene.body().history().alive, (std::vector<unsigned char>{0, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0}));
+    scene.step();
+    scene.reset();
+    EXPECT_EQ(scene.body().history().removed.size(), 3u) << "the topology stays torn";
 }
 
-TEST(Topology, HexahedraThatBreakLeaveIt) {
-  const std::string breaking = kPlastic + R"( fractureStretch="1.001" topology="@cells")";
-  SofaScene scene = SofaScene::from_text(block(breaking, kDynamicTopology, kSource));
-  auto& cells = *scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>()
-                     .getContext()
-                     ->getMeshTopologyLink();
-  ASSERT_EQ(cells.getNbHexahedra(), 12u);
-  auto positions = scene.state().writePositions();
-  // the upper slice alone is stretched
-  for (auto& x : positions)
-    if (x[2] > 0.25) x[2] += 0.1;
-  for (int step = 0; step < 20; ++step) scene.step();
-  EXPECT_EQ(scene.body().history().removed.size(), 4u);
-  EXPECT_EQ(cells.getNbHexahedra(), 8u);
-  for (const int e : scene.body().history().removed) EXPECT_GE(e, 8);
+TEST(Topology, HexahedraThatBreakLeaveIt)
+{
+    const std::string breaking = kPlastic + R"( fractureStretch="1.001" topology="@cells")";
+    SofaScene scene = SofaScene::from_text(block(breaking, kDynamicTopology, kSource));
+    auto& cells = *scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>()
+                       .getContext()
+                       ->getMeshTopologyLink();
+    ASSERT_EQ(cells.getNbHexahedra(), 12u);
+    auto positions = scene.state().writePositions();
+    // the upper slice alone is stretched
+    for (auto& x : positions)
+        if (x[2] > 0.25) x[2] += 0.1;
+    for (int step = 0; step < 20; ++step) scene.step();
+    EXPECT_EQ(scene.body().history().removed.size(), 4u);
+    EXPECT_EQ(cells.getNbHexahedra(), 8u);
+    for (const int e : scene.body().history().removed) EXPECT_GE(e, 8);
 }
 
-TEST(Topology, NodesMayNotGo) {
-  std::string renumbering = kDynamicTopology;
-  renumbering.replace(renumbering.find("false"), 5, "true");
-  SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", renumbering, kSource));
-  auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
-  GuestForceField& field = scene.field();
-  modifier.removeHexahedra({0});
-  EXPECT_TRUE(is_invalid(field));
+TEST(Topology, NodesMayNotGo)
+{
+    std::string renumbering = kDynamicTopology;
+    renumbering.replace(renumbering.find("false"), 5, "true");
+    SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", renumbering, kSource));
+    auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
+    GuestForceField& field = scene.field();
+    modifier.removeHexahedra({0});
+    EXPECT_TRUE(is_invalid(field));
 }
 
 }  // namespace

@@ -9,53 +9,62 @@
 #include <sofa/simulation/common/init.h>
 #include <sofa/simulation/graph/init.h>
 
-namespace hexaplast::sofa_plugin::test {
-namespace {
+namespace hexaplast::sofa_plugin::test
+{
+namespace
+{
 
 /// SOFA as runSofa starts it, with our plugin and its own modules within reach.
-void start_sofa() {
-  [[maybe_unused]] static const bool started = [] {
-    sofa::simulation::common::init();
-    sofa::simulation::graph::init();
-    sofa::helper::system::PluginRepository.addFirstPath(HEXAPLAST_SOFA_MODULES);
-    auto& manager = sofa::helper::system::PluginManager::getInstance();
-    manager.loadPluginByPath(HEXAPLAST_SOFA_PLUGIN);
-    sofa::core::ObjectFactory::getInstance()->registerObjectsFromPlugin("Hexaplast");
-    return true;
-  }();
+void start_sofa()
+{
+    [[maybe_unused]] static const bool started = []
+    {
+        sofa::simulation::common::init();
+        sofa::simulation::graph::init();
+        sofa::helper::system::PluginRepository.addFirstPath(HEXAPLAST_SOFA_MODULES);
+        auto& manager = sofa::helper::system::PluginManager::getInstance();
+        manager.loadPluginByPath(HEXAPLAST_SOFA_PLUGIN);
+        sofa::core::ObjectFactory::getInstance()->registerObjectsFromPlugin("Hexaplast");
+        return true;
+    }();
 }
 
 }  // namespace
 
-SofaScene SofaScene::from_file(const std::filesystem::path& file) {
-  start_sofa();
-  return SofaScene(sofa::simulation::node::load(file.string()));
+SofaScene SofaScene::from_file(const std::filesystem::path& file)
+{
+    start_sofa();
+    return SofaScene(sofa::simulation::node::load(file.string()));
 }
 
-SofaScene SofaScene::from_text(const std::string& text) {
-  start_sofa();
-  return SofaScene(sofa::simulation::SceneLoaderXML::loadFromMemory("test.scn", text.c_str()));
+SofaScene SofaScene::from_text(const std::string& text)
+{
+    start_sofa();
+    return SofaScene(sofa::simulation::SceneLoaderXML::loadFromMemory("test.scn", text.c_str()));
 }
 
-SofaScene::SofaScene(sofa::simulation::Node::SPtr root) : root_(std::move(root)) {
-  if (!root_) throw std::runtime_error("SOFA does not load the scene");
-  sofa::simulation::node::initRoot(root_.get());
-  sofa::simulation::node::reset(root_.get());
+SofaScene::SofaScene(sofa::simulation::Node::SPtr root) : root_(std::move(root))
+{
+    if (!root_) throw std::runtime_error("SOFA does not load the scene");
+    sofa::simulation::node::initRoot(root_.get());
+    sofa::simulation::node::reset(root_.get());
 }
 
-SofaScene::~SofaScene() {
-  if (root_) sofa::simulation::node::unload(root_);
+SofaScene::~SofaScene()
+{
+    if (root_) sofa::simulation::node::unload(root_);
 }
 
 void SofaScene::step() { sofa::simulation::node::animate(root_.get(), root_->getDt()); }
 void SofaScene::reset() { sofa::simulation::node::reset(root_.get()); }
 
-GuestForceField& SofaScene::field() {
-  std::vector<GuestForceField*> fields;
-  root_->getContext()->get<GuestForceField>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
-  for (GuestForceField* field : fields)
-    if (field->guest() && field->guest()->body()) return *field;
-  throw std::runtime_error("no body in the scene");
+GuestForceField& SofaScene::field()
+{
+    std::vector<GuestForceField*> fields;
+    root_->getContext()->get<GuestForceField>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
+    for (GuestForceField* field : fields)
+        if (field->guest() && field->guest()->body()) return *field;
+    throw std::runtime_error("no body in the scene");
 }
 
 }  // namespace hexaplast::sofa_plugin::test

@@ -7,37 +7,41 @@
 #include <filesystem>
 #include <string>
 
-namespace hexaplast::sofa_plugin::test {
+namespace hexaplast::sofa_plugin::test
+{
 
 /// A scene in SOFA, initialised and reset as runSofa does.
-class SofaScene {
- public:
-  static SofaScene from_file(const std::filesystem::path& file);
-  static SofaScene from_text(const std::string& text);
-  ~SofaScene();
-  SofaScene(SofaScene&&) = default;
+class SofaScene
+{
+public:
+    static SofaScene from_file(const std::filesystem::path& file);
+    static SofaScene from_text(const std::string& text);
+    ~SofaScene();
+    SofaScene(SofaScene&&) = default;
 
-  void step();
-  void reset();
+    void step();
+    void reset();
 
-  template <class T>
-  T& only() {
-    T* found = nullptr;
-    root_->getContext()->get(found, sofa::core::objectmodel::BaseContext::SearchDown);
-    if (!found) throw std::runtime_error("no such component in the scene");
-    return *found;
-  }
+    template <class T>
+    T& only()
+    {
+        T* found = nullptr;
+        root_->getContext()->get(found, sofa::core::objectmodel::BaseContext::SearchDown);
+        if (!found) throw std::runtime_error("no such component in the scene");
+        return *found;
+    }
 
-  MechanicalState& state() { return *dynamic_cast<MechanicalState*>(field().getMState()); }
-  GuestForceField& field();  ///< the one with a body
-  const Body& body() { return *field().guest()->body(); }
+    sofa::core::objectmodel::BaseContext& root() { return *root_->getContext(); }
+    MechanicalState& state() { return *dynamic_cast<MechanicalState*>(field().getMState()); }
+    GuestForceField& field();  ///< the one with a body
+    const Body& body() { return *field().guest()->body(); }
 
-  PointArray positions() { return view(state().readPositions().ref()); }
-  PointArray velocities() { return view(state().readVelocities().ref()); }
+    PointArray positions() { return view(state().readPositions().ref()); }
+    PointArray velocities() { return view(state().readVelocities().ref()); }
 
- private:
-  explicit SofaScene(sofa::simulation::Node::SPtr root);
-  sofa::simulation::Node::SPtr root_;
+private:
+    explicit SofaScene(sofa::simulation::Node::SPtr root);
+    sofa::simulation::Node::SPtr root_;
 };
 
 }  // namespace hexaplast::sofa_plugin::test

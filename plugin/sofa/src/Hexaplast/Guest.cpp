@@ -1,126 +1,151 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/Guest.h>
+#include <sofa/component/topology/container/grid/SparseGridTopology.h>
 
 #include "components/components.hpp"
 
-namespace hexaplast::sofa_plugin {
-namespace {
+namespace hexaplast::sofa_plugin
+{
+namespace
+{
 
 constexpr attributes::Description kState{
     .class_name = "MechanicalState", .category = "MechanicalState", .help = "The state of the host.", .templates = ""};
 constexpr attributes::Description kTopology{
     .class_name = "Topology", .category = "Topology", .help = "The topology of the host.", .templates = ""};
 
-/// The hexahedra of a SOFA topology. Their nodes are those of the state.
-class Topology final : public scene::Topology {
- public:
-  explicit Topology(MeshTopology& source) : scene::Topology(kTopology) {
-    for (const auto& hexahedron : source.getHexahedra()) {
-      Hexahedron& corners = hexahedra_.emplace_back();
-      for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
+using sofa::component::topology::container::grid::SparseGridTopology;
+
+/// The hexahedra of a SOFA topology, and how full a sparse grid says they are. Their nodes are those of the state.
+class Topology final : public scene::Topology
+{
+public:
+    explicit Topology(MeshTopology& source) : scene::Topology(kTopology)
+    {
+        for (const auto& hexahedron : source.getHexahedra())
+        {
+            Hexahedron& corners = m_hexahedra.emplace_back();
+            for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
+        }
+        if (auto* grid = dynamic_cast<SparseGridTopology*>(&source))
+            for (sofa::Index e = 0; e < m_hexahedra.size(); ++e) m_fill.push_back(grid->getStiffnessCoef(e));
     }
-  }
 
-  const PointArray& positions() override { return positions_; }
-  const std::vector<Hexahedron>& hexahedra() override { return hexahedra_; }
+    const PointArray& positions() override { return m_positions; }
+    const std::vector<Hexahedron>& hexahedra() override { return m_hexahedra; }
+    std::span<const double> fill() override { return m_fill; }
 
- private:
-  PointArray positions_ = PointArray(0, 3);
-  std::vector<Hexahedron> hexahedra_;
+private:
+    PointArray m_positions = PointArray(0, 3);
+    std::vector<Hexahedron> m_hexahedra;
+    std::vector<double> m_fill;
 };
 
 }  // namespace
 
 /// Nodes of a SOFA state, as they were when they were copied last.
-class Guest::State final : public scene::MechanicalState {
- public:
-  explicit State(const sofa_plugin::MechanicalState& source)
-      : scene::MechanicalState(kState), rest_positions_(view(source.readRestPositions().ref())) {}
+class Guest::State final : public scene::MechanicalState
+{
+public:
+    explicit State(const sofa_plugin::MechanicalState& source)
+        : scene::MechanicalState(kState), m_restPositions(view(source.readRestPositions().ref()))
+    {
+    }
 
-  PointArray& positions() override { return positions_; }
-  PointArray& velocities() override { return velocities_; }
-  const PointArray& rest_positions() const override { return rest_positions_; }
-  void add_external_force(Points) const override {}  // SOFA's own business
+    PointArray& positions() override { return m_positions; }
+    PointArray& velocities() override { return m_velocities; }
+    const PointArray& rest_positions() const override { return m_restPositions; }
+    void add_external_force(Points) const override {}  // SOFA's own business
 
- private:
-  PointArray positions_, velocities_, rest_positions_;
+private:
+    PointArray m_positions, m_velocities, m_restPositions;
 };
 
-const scene::Factory& guests() {
-  static const scene::Factory factory = [] {
-    scene::Factory made;
-    components::add_bodies(made);
-    components::add_loads(made);
-    components::add_instruments(made);
-    components::add_shapes(made);
-    components::add_solvers(made);
-    return made;
-  }();
-  return factory;
+const scene::Factory& guests()
+{
+    static const scene::Factory factory = []
+    {
+        scene::Factory made;
+        components::add_bodies(made);
+        components::add_loads(made);
+        components::add_instruments(made);
+        components::add_shapes(made);
+        components::add_solvers(made);
+        return made;
+    }();
+    return factory;
 }
 
 Guest::Guest(SofaComponent& host, const attributes::Description& description, AttributeData& attributes,
              sofa_plugin::MechanicalState* state, MeshTopology* topology)
-    : host_(host), attributes_(attributes), sofa_state_(state) {
-  const scene::Place place = place_of(host);
-  const auto introduce = [&](scene::Object& object, const std::string& name) {
-    object.introduce(name, place, scene_.diagnostics());
-  };
-  scene::Node& root = scene_.root();
-  introduce(root, "root");
-  if (state) {
-    auto stand_in = std::make_unique<State>(*state);
-    state_ = stand_in.get();
-    introduce(root.add(std::move(stand_in)), state->getName());
+    : m_host(host), m_attributes(attributes), m_sofaState(state)
+{
+    const scene::Place place = place_of(host);
+    const auto introduce = [&](scene::Object& object, const std::string& name)
+    { object.introduce(name, place, m_scene.diagnostics()); };
+    scene::Node& root = m_scene.root();
+    introduce(root, "root");
+    if (state)
+    {
+        auto stand_in = std::make_unique<State>(*state);
+        m_state = stand_in.get();
+        introduce(root.add(std::move(stand_in)), state->getName());
+        copy_positions();
+    }
+    if (topology) introduce(root.add(std::make_unique<Topology>(*topology)), topology->getName());
+    m_component = &root.add(guests().make(description.class_name));
+    introduce(*m_component, host.getName());
+
+    attributes.give_all_to(*m_component);
+    if (const auto* context = host.getContext())
+    {
+        root.find_data("dt")->give(double{context->getDt()}, place);
+    }
+    m_scene.init();
+    pass_on_warnings();
+}
+
+void Guest::follow_attributes()
+{
+    m_attributes.give_to(*m_component);
+    m_component->follow_inputs();
+    pass_on_warnings();
+}
+
+void Guest::begin_step(double time, double dt)
+{
+    m_attributes.give_to(*m_component);
+    m_scene.root().clock().time = time;
+    m_scene.root().clock().dt = dt;
     copy_positions();
-  }
-  if (topology) introduce(root.add(std::make_unique<Topology>(*topology)), topology->getName());
-  component_ = &root.add(guests().make(description.class_name));
-  introduce(*component_, host.getName());
-
-  attributes.give_all_to(*component_);
-  if (const auto* context = host.getContext()) {
-    root.find_data("dt")->give(double{context->getDt()}, place);
-  }
-  scene_.init();
-  pass_on_warnings();
+    scene::begin_step(m_scene.root());
+    pass_on_warnings();
 }
 
-void Guest::follow_attributes() {
-  attributes_.give_to(*component_);
-  component_->follow_inputs();
-  pass_on_warnings();
+void Guest::end_step(double dt)
+{
+    copy_positions();
+    scene::end_step(m_scene.root(), dt);
+    m_scene.root().clock().time += dt;
+    pass_on_warnings();
 }
 
-void Guest::begin_step(double time, double dt) {
-  attributes_.give_to(*component_);
-  scene_.root().clock().time = time;
-  scene_.root().clock().dt = dt;
-  copy_positions();
-  scene::begin_step(scene_.root());
-  pass_on_warnings();
+void Guest::reset()
+{
+    m_scene.reset();
+    copy_positions();
 }
 
-void Guest::end_step(double dt) {
-  copy_positions();
-  scene::end_step(scene_.root(), dt);
-  scene_.root().clock().time += dt;
-  pass_on_warnings();
+void Guest::copy_positions()
+{
+    if (!m_state) return;
+    m_state->positions() = view(m_sofaState->readPositions().ref());
+    m_state->velocities() = view(m_sofaState->readVelocities().ref());
 }
 
-void Guest::reset() {
-  scene_.reset();
-  copy_positions();
-}
-
-void Guest::copy_positions() {
-  if (!state_) return;
-  state_->positions() = view(sofa_state_->readPositions().ref());
-  state_->velocities() = view(sofa_state_->readVelocities().ref());
-}
-
-void Guest::pass_on_warnings() {
-  for (const scene::Message& message : scene_.diagnostics().take_warnings()) msg_warning(&host_) << message.text;
+void Guest::pass_on_warnings()
+{
+    for (const scene::Message& message : m_scene.diagnostics().take_warnings()) msg_warning(&m_host) << message.text;
 }
 
 }  // namespace hexaplast::sofa_plugin

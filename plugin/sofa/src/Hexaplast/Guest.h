@@ -14,19 +14,22 @@
 #include "scene/factory.hpp"
 #include "scene/scene.hpp"
 
-namespace hexaplast::sofa_plugin {
+namespace hexaplast::sofa_plugin
+{
 
 using DataTypes = sofa::defaulttype::Vec3Types;
 using MechanicalState = sofa::core::behavior::MechanicalState<DataTypes>;
 using MeshTopology = sofa::core::topology::BaseMeshTopology;
 
 /// Nodal fields of SOFA as ours, and back: the same memory.
-inline Eigen::Map<const PointArray> view(const DataTypes::VecCoord& field) {
-  static_assert(sizeof(DataTypes::Coord) == 3 * sizeof(double), "SOFA must be built with double precision");
-  return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
+inline Eigen::Map<const PointArray> view(const DataTypes::VecCoord& field)
+{
+    static_assert(sizeof(DataTypes::Coord) == 3 * sizeof(double), "SOFA must be built with double precision");
+    return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
 }
-inline Eigen::Map<PointArray> view(DataTypes::VecCoord& field) {
-  return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
+inline Eigen::Map<PointArray> view(DataTypes::VecCoord& field)
+{
+    return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
 }
 
 /// The components of ours that SOFA can have as guests, by class name.
@@ -37,65 +40,78 @@ const scene::Factory& guests();
 ///
 /// Calls throw scene::SceneError, scene::Rejection, InputError or NumericalError where the guest refuses or gives up;
 /// attempt() turns them into messages of the host.
-class Guest {
- public:
-  /// Makes and initialises a guest of the class in `description`. state, topology: null where the guest uses none.
-  Guest(SofaComponent& host, const attributes::Description& description, AttributeData& attributes,
-        MechanicalState* state, MeshTopology* topology);
+class Guest
+{
+public:
+    /// Makes and initialises a guest of the class in `description`. state, topology: null where the guest uses none.
+    Guest(SofaComponent& host, const attributes::Description& description, AttributeData& attributes,
+          MechanicalState* state, MeshTopology* topology);
 
-  template <class T>
-  T& as() {
-    return dynamic_cast<T&>(*component_);
-  }
+    template <class T>
+    T& as()
+    {
+        return dynamic_cast<T&>(*m_component);
+    }
 
-  /// Hands on what changed among the attributes; the guest refuses what cannot change during a run.
-  void follow_attributes();
+    /// Hands on what changed among the attributes; the guest refuses what cannot change during a run.
+    void follow_attributes();
 
-  /// At the beginning of a step, which follows the attributes first.
-  void begin_step(double time, double dt);
+    /// At the beginning of a step, which follows the attributes first.
+    void begin_step(double time, double dt);
 
-  /// At the end of a step, positions accepted.
-  void end_step(double dt);
+    /// At the end of a step, positions accepted.
+    void end_step(double dt);
 
-  void reset();
+    void reset();
 
- private:
-  class State;
+private:
+    class State;
 
-  /// Present positions of the host's state for the stand-in.
-  void copy_positions();
-  void pass_on_warnings();
+    /// Present positions of the host's state for the stand-in.
+    void copy_positions();
+    void pass_on_warnings();
 
-  SofaComponent& host_;
-  AttributeData& attributes_;
-  MechanicalState* sofa_state_;
-  scene::Scene scene_;
-  State* state_ = nullptr;
-  scene::Component* component_ = nullptr;
+    SofaComponent& m_host;
+    AttributeData& m_attributes;
+    MechanicalState* m_sofaState;
+    scene::Scene m_scene;
+    State* m_state = nullptr;
+    scene::Component* m_component = nullptr;
 };
 
 /// What a component of SOFA does with errors of its guest: it says what is wrong, becomes invalid and stops the
 /// animation. True when `call` came through.
 template <class Call>
-bool attempt(SofaComponent& host, const Call& call) {
-  const auto fail = [&](const char* what) {
-    msg_error(&host) << what;
-    host.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
-    if (auto* root = host.getContext() ? host.getContext()->getRootContext() : nullptr) root->setAnimate(false);
-    return false;
-  };
-  try {
-    call();
-    return true;
-  } catch (const scene::SceneError& error) {
-    return fail(error.what());
-  } catch (const scene::Rejection& error) {
-    return fail(error.what());
-  } catch (const InputError& error) {
-    return fail(error.what());
-  } catch (const NumericalError& error) {
-    return fail(error.what());
-  }
+bool attempt(SofaComponent& host, const Call& call)
+{
+    const auto fail = [&](const char* what)
+    {
+        msg_error(&host) << what;
+        host.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
+        if (auto* root = host.getContext() ? host.getContext()->getRootContext() : nullptr) root->setAnimate(false);
+        return false;
+    };
+    try
+    {
+        call();
+        return true;
+    }
+    catch (const scene::SceneError& error)
+    {
+        return fail(error.what());
+    }
+    catch (const scene::Rejection& error)
+    {
+        return fail(error.what());
+    }
+    catch (const InputError& error)
+    {
+        return fail(error.what());
+    }
+    catch (const NumericalError& error)
+    {
+        return fail(error.what());
+    }
 }
 
 }  // namespace hexaplast::sofa_plugin

@@ -12,7 +12,8 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
 
-namespace hexaplast::sofa_plugin {
+namespace hexaplast::sofa_plugin
+{
 
 using sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier;
 using sofa::core::objectmodel::ComponentState;
@@ -22,124 +23,143 @@ HexahedronElastoplasticFEMForceField::HexahedronElastoplasticFEMForceField()
     : GuestForceField(attributes::kHexahedronElastoplasticFEMForceField),
       d_drawMaterialShape(initData(&d_drawMaterialShape, false, "drawMaterialShape",
                                    "Draws the edges of the shape that the body has without forces.")),
-      l_topology(initLink("topology", "The hexahedra; the topology of the node where it is not given.")) {
-  for (sofa::core::BaseData* output : attributes().outputs()) outputs_.addOutput(output);
+      l_topology(initLink("topology", "The hexahedra; the topology of the node where it is not given."))
+{
+    for (sofa::core::BaseData* output : attributes().outputs()) m_outputs.addOutput(output);
 }
 
-void HexahedronElastoplasticFEMForceField::Outputs::update() {
-  cleanDirty();
-  if (owner_.works()) owner_.attributes().fetch_from(*owner_.guest());
+void HexahedronElastoplasticFEMForceField::Outputs::update()
+{
+    cleanDirty();
+    if (m_owner.works()) m_owner.attributes().fetch_from(*m_owner.guest());
 }
 
-void HexahedronElastoplasticFEMForceField::init() {
-  if (!l_topology) l_topology.set(getContext()->getMeshTopologyLink());
-  if (!l_topology) {
-    msg_error() << "needs a topology with hexahedra in its node or above, or a link to one";
-    d_componentState.setValue(ComponentState::Invalid);
-    return;
-  }
-  original_.resize(l_topology->getNbHexahedra());
-  std::iota(original_.begin(), original_.end(), 0);
-  GuestForceField::init();
-  outputs_.setDirtyValue();
+void HexahedronElastoplasticFEMForceField::init()
+{
+    if (!l_topology) l_topology.set(getContext()->getMeshTopologyLink());
+    if (!l_topology)
+    {
+        msg_error() << "needs a topology with hexahedra in its node or above, or a link to one";
+        d_componentState.setValue(ComponentState::Invalid);
+        return;
+    }
+    m_original.resize(l_topology->getNbHexahedra());
+    std::iota(m_original.begin(), m_original.end(), 0);
+    GuestForceField::init();
+    m_outputs.setDirtyValue();
 }
 
-void HexahedronElastoplasticFEMForceField::reset() {
-  GuestForceField::reset();
-  if (works() && original_.size() < static_cast<std::size_t>(guest()->body()->mesh().num_elements())) {
-    // the topology stays torn, and so does the body
-    std::vector<bool> is_left(guest()->body()->mesh().num_elements(), false);
-    for (const int e : original_) is_left[e] = true;
-    std::vector<int> gone;
-    for (int e = 0; e < static_cast<int>(is_left.size()); ++e)
-      if (!is_left[e]) gone.push_back(e);
-    guest()->remove_elements(gone);
-  }
-  outputs_.setDirtyValue();
+void HexahedronElastoplasticFEMForceField::reset()
+{
+    GuestForceField::reset();
+    if (works() && m_original.size() < static_cast<std::size_t>(guest()->body()->mesh().num_elements()))
+    {
+        // the topology stays torn, and so does the body
+        std::vector<bool> is_left(guest()->body()->mesh().num_elements(), false);
+        for (const int e : m_original) is_left[e] = true;
+        std::vector<int> gone;
+        for (int e = 0; e < static_cast<int>(is_left.size()); ++e)
+            if (!is_left[e]) gone.push_back(e);
+        guest()->remove_elements(gone);
+    }
+    m_outputs.setDirtyValue();
 }
 
-void HexahedronElastoplasticFEMForceField::step_ended() {
-  outputs_.setDirtyValue();
-  if (guest()->flow_report()->removed > 0) tear_topology();
+void HexahedronElastoplasticFEMForceField::stepEnded()
+{
+    m_outputs.setDirtyValue();
+    if (guest()->flow_report()->removed > 0) tearTopology();
 }
 
-void HexahedronElastoplasticFEMForceField::tear_topology() {
-  HexahedronSetTopologyModifier* modifier = nullptr;
-  l_topology->getContext()->get(modifier, sofa::core::objectmodel::BaseContext::Local);
-  if (!modifier) return;  // the body is torn, and what is drawn from the topology is not
-  if (modifier->removeIsolated.getValue()) {
-    msg_warning() << "hexahedra broke, but " << modifier->getName()
-                  << " would take nodes away with them: removeIsolated must be false. The topology stays whole.";
-    return;
-  }
-  const std::vector<unsigned char>& alive = guest()->body()->history().alive;
-  sofa::type::vector<sofa::Index> gone;
-  for (std::size_t i = 0; i < original_.size(); ++i)
-    if (!alive[original_[i]]) gone.push_back(static_cast<sofa::Index>(i));
-  modifier->removeHexahedra(gone);
+void HexahedronElastoplasticFEMForceField::tearTopology()
+{
+    HexahedronSetTopologyModifier* modifier = nullptr;
+    l_topology->getContext()->get(modifier, sofa::core::objectmodel::BaseContext::Local);
+    if (!modifier) return;  // the body is torn, and what is drawn from the topology is not
+    if (modifier->removeIsolated.getValue())
+    {
+        msg_warning() << "hexahedra broke, but " << modifier->getName()
+                      << " would take nodes away with them: removeIsolated must be false. The topology stays whole.";
+        return;
+    }
+    const std::vector<unsigned char>& alive = guest()->body()->history().alive;
+    sofa::type::vector<sofa::Index> gone;
+    for (std::size_t i = 0; i < m_original.size(); ++i)
+        if (!alive[m_original[i]]) gone.push_back(static_cast<sofa::Index>(i));
+    modifier->removeHexahedra(gone);
 }
 
 // A removed hexahedron's place is taken by the last one, in the order of the list.
-void HexahedronElastoplasticFEMForceField::handleTopologyChange(sofa::core::topology::Topology* changed) {
-  if (!works() || changed != l_topology.get()) return;
-  attempt(*this, [&] {
-    std::vector<int> gone;
-    for (auto change = l_topology->beginChange(); change != l_topology->endChange(); ++change) {
-      switch ((*change)->getChangeType()) {
-        case sofa::core::topology::HEXAHEDRAREMOVED:
-          for (const sofa::Index i : static_cast<const sofa::core::topology::HexahedraRemoved*>(*change)->getArray()) {
-            gone.push_back(original_[i]);
-            original_[i] = original_.back();
-            original_.pop_back();
-          }
-          break;
-        case sofa::core::topology::HEXAHEDRAADDED:
-        case sofa::core::topology::POINTSREMOVED:
-        case sofa::core::topology::POINTSADDED:
-        case sofa::core::topology::POINTSRENUMBERING:
-          throw InputError(
-              "hexahedra may be removed from its topology, but nothing added or renumbered: set "
-              "removeIsolated=\"false\" in HexahedronSetTopologyModifier");
-        default:
-          break;
-      }
-    }
-    guest()->remove_elements(gone);
-  });
+void HexahedronElastoplasticFEMForceField::handleTopologyChange(sofa::core::topology::Topology* changed)
+{
+    if (!works() || changed != l_topology.get()) return;
+    attempt(*this,
+            [&]
+            {
+                std::vector<int> gone;
+                for (auto change = l_topology->beginChange(); change != l_topology->endChange(); ++change)
+                {
+                    switch ((*change)->getChangeType())
+                    {
+                        case sofa::core::topology::HEXAHEDRAREMOVED:
+                            for (const sofa::Index i :
+                                 static_cast<const sofa::core::topology::HexahedraRemoved*>(*change)->getArray())
+                            {
+                                gone.push_back(m_original[i]);
+                                m_original[i] = m_original.back();
+                                m_original.pop_back();
+                            }
+                            break;
+                        case sofa::core::topology::HEXAHEDRAADDED:
+                        case sofa::core::topology::POINTSREMOVED:
+                        case sofa::core::topology::POINTSADDED:
+                        case sofa::core::topology::POINTSRENUMBERING:
+                            throw InputError(
+                                "hexahedra may be removed from its topology, but nothing added or renumbered: set "
+                                "removeIsolated=\"false\" in HexahedronSetTopologyModifier");
+                        default:
+                            break;
+                    }
+                }
+                guest()->remove_elements(gone);
+            });
 }
 
-void HexahedronElastoplasticFEMForceField::draw(const sofa::core::visual::VisualParams* vparams) {
-  if (!works() || !vparams->displayFlags().getShowForceFields()) return;
-  auto* tool = vparams->drawTool();
-  const auto lifeCycle = tool->makeStateLifeCycle();
-  if (vparams->displayFlags().getShowWireFrame()) tool->setPolygonMode(0, true);
-  tool->enableLighting();
+void HexahedronElastoplasticFEMForceField::draw(const sofa::core::visual::VisualParams* vparams)
+{
+    if (!works() || !vparams->displayFlags().getShowForceFields()) return;
+    auto* tool = vparams->drawTool();
+    const auto lifeCycle = tool->makeStateLifeCycle();
+    if (vparams->displayFlags().getShowWireFrame()) tool->setPolygonMode(0, true);
+    tool->enableLighting();
 
-  const Body& body = *guest()->body();
-  const auto x = view(mstate->readPositions().ref());
-  const std::vector<unsigned char>& alive = body.history().alive;
-  const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
-  const double most = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
-  static sofa::helper::ColorMap colours(256, "Blue to Red");
-  const auto colour = colours.getEvaluator(0.0, std::max(most, 1e-6));
-  const auto faces = body.mesh().boundary_faces(alive);
-  std::vector<sofa::type::Vec3> corners;
-  std::vector<RGBAColor> shades;
-  for (const auto& face : faces)
-    for (const int node : face) {
-      corners.emplace_back(x(node, 0), x(node, 1), x(node, 2));
-      shades.push_back(colour(strain[node]));
-    }
-  tool->drawQuads(corners, shades);
+    const Body& body = *guest()->body();
+    const auto x = view(mstate->readPositions().ref());
+    const std::vector<unsigned char>& alive = body.history().alive;
+    const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
+    const double most = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
+    static sofa::helper::ColorMap colours(256, "Blue to Red");
+    const auto colour = colours.getEvaluator(0.0, std::max(most, 1e-6));
+    const auto faces = body.mesh().boundary_faces(alive);
+    std::vector<sofa::type::Vec3> corners;
+    std::vector<RGBAColor> shades;
+    for (const auto& face : faces)
+        for (const int k : {0, 1, 2, 0, 2, 3})
+        {  // two triangles: SOFA does not light quads in the colours of their corners
+            const int node = face[k];
+            corners.emplace_back(x(node, 0), x(node, 1), x(node, 2));
+            shades.push_back(colour(strain[node]));
+        }
+    tool->drawTriangles(corners, shades);
 
-  if (!d_drawMaterialShape.getValue()) return;
-  const PointArray& material = body.history().material;
-  std::vector<sofa::type::Vec3> ends;
-  for (const auto& face : faces)
-    for (std::size_t k = 0; k < face.size(); ++k)
-      for (const int node : {face[k], face[(k + 1) % face.size()]})
-        ends.emplace_back(material(node, 0), material(node, 1), material(node, 2));
-  tool->drawLines(ends, 1, RGBAColor::gray());
+    if (!d_drawMaterialShape.getValue()) return;
+    const PointArray& material = body.history().material;
+    std::vector<sofa::type::Vec3> ends;
+    for (const auto& face : faces)
+        for (std::size_t k = 0; k < face.size(); ++k)
+            for (const int node : {face[k], face[(k + 1) % face.size()]})
+                ends.emplace_back(material(node, 0), material(node, 1), material(node, 2));
+    tool->drawLines(ends, 1, RGBAColor::gray());
 }
 
 }  // namespace hexaplast::sofa_plugin

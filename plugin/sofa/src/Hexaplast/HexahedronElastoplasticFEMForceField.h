@@ -7,47 +7,50 @@
 
 #include <vector>
 
-namespace hexaplast::sofa_plugin {
+namespace hexaplast::sofa_plugin
+{
 
 /// Hexahedral corotational finite elements that stretch, yield and stay stretched. Plastic flow happens once per time
 /// step, at AnimateEndEvent. Attributes and outputs: plugin/attributes/hexaplast.hpp.
-class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField final : public GuestForceField {
- public:
-  SOFA_CLASS(HexahedronElastoplasticFEMForceField, GuestForceField);
+class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField final : public GuestForceField
+{
+public:
+    SOFA_CLASS(HexahedronElastoplasticFEMForceField, GuestForceField);
 
-  sofa::core::objectmodel::Data<bool> d_drawMaterialShape;  ///< draws the edges of the shape without forces
+    sofa::core::objectmodel::Data<bool> d_drawMaterialShape;  ///< draws the edges of the shape without forces
+    sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
+                                        sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
+                                            sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
+        l_topology;  ///< the hexahedra
 
-  void init() override;
-  void reset() override;
-  void draw(const sofa::core::visual::VisualParams* vparams) override;
-  void handleTopologyChange(sofa::core::topology::Topology* changed) override;
+    void init() override;
+    void reset() override;
+    void draw(const sofa::core::visual::VisualParams* vparams) override;
+    void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
- protected:
-  HexahedronElastoplasticFEMForceField();
+protected:
+    HexahedronElastoplasticFEMForceField();
 
-  MeshTopology* topology() override { return l_topology.get(); }
-  void step_ended() override;
+    MeshTopology* topology() override { return l_topology.get(); }
+    void stepEnded() override;
 
- private:
-  /// Hexahedra that went in the latest step leave the topology, where that can be.
-  void tear_topology();
+private:
+    /// Hexahedra that went in the latest step leave the topology, where that can be.
+    void tearTopology();
 
-  sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
-                                      sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
-                                          sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-      l_topology;
-  std::vector<int> original_;  // number that each hexahedron of the topology has in the body
+    std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
 
-  /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.
-  class Outputs final : public sofa::core::objectmodel::DDGNode {
-   public:
-    explicit Outputs(HexahedronElastoplasticFEMForceField& owner) : owner_(owner) {}
-    void update() override;
+    /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.
+    class Outputs final : public sofa::core::objectmodel::DDGNode
+    {
+    public:
+        explicit Outputs(HexahedronElastoplasticFEMForceField& owner) : m_owner(owner) {}
+        void update() override;
 
-   private:
-    HexahedronElastoplasticFEMForceField& owner_;
-  };
-  Outputs outputs_{*this};
+    private:
+        HexahedronElastoplasticFEMForceField& m_owner;
+    };
+    Outputs m_outputs{*this};
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/GuestForceField.h>
-#include <Hexaplast/init.h>
+#include <Hexaplast/registration.h>
 #include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/core/objectmodel/DataFileName.h>
 #include <sofa/simulation/AnimateEndEvent.h>
@@ -8,8 +8,10 @@
 #include "hexaplast/body.hpp"
 #include "output/recorder.hpp"
 
-namespace hexaplast::sofa_plugin {
-namespace {
+namespace hexaplast::sofa_plugin
+{
+namespace
+{
 
 constexpr attributes::Description kFinalStateExporter{
     .class_name = "FinalStateExporter",
@@ -19,54 +21,64 @@ constexpr attributes::Description kFinalStateExporter{
         "hexaplast run --final does. Stands behind the force field in its node.",
     .templates = ""};
 
-class FinalStateExporter final : public sofa::core::objectmodel::BaseObject {
- public:
-  SOFA_CLASS(FinalStateExporter, sofa::core::objectmodel::BaseObject);
+class FinalStateExporter final : public sofa::core::objectmodel::BaseObject
+{
+public:
+    SOFA_CLASS(FinalStateExporter, sofa::core::objectmodel::BaseObject);
 
-  void init() override {
-    if (d_filename.getValue().empty() || d_step.getValue() < 1) {
-      msg_error() << "needs filename, and exportAtStep of at least 1";
-      d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
+    void init() override
+    {
+        if (d_filename.getValue().empty() || d_step.getValue() < 1)
+        {
+            msg_error() << "needs filename, and exportAtStep of at least 1";
+            d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
+        }
     }
-  }
-  void reset() override { num_steps_ = 0; }
+    void reset() override { m_numSteps = 0; }
 
-  void handleEvent(sofa::core::objectmodel::Event* event) override {
-    if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || is_invalid(*this)) return;
-    if (++num_steps_ != d_step.getValue()) return;
-    GuestForceField* field = nullptr;
-    getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);
-    const Body* body = field && field->guest() ? field->guest()->body() : nullptr;
-    if (!body) {
-      msg_error() << "finds no body in its node or above";
-      return;
+    void handleEvent(sofa::core::objectmodel::Event* event) override
+    {
+        if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || is_invalid(*this)) return;
+        if (++m_numSteps != d_step.getValue()) return;
+        GuestForceField* field = nullptr;
+        getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);
+        const Body* body = field && field->guest() ? field->guest()->body() : nullptr;
+        if (!body)
+        {
+            msg_error() << "finds no body in its node or above";
+            return;
+        }
+        const auto* state = field->getMState();
+        try
+        {
+            output::write_final(d_filename.getValue(), m_numSteps, getContext()->getTime(),
+                                view(state->readPositions().ref()), view(state->readVelocities().ref()), *body);
+        }
+        catch (const std::runtime_error& error)
+        {
+            msg_error() << error.what();
+        }
     }
-    const auto* state = field->getMState();
-    try {
-      output::write_final(d_filename.getValue(), num_steps_, getContext()->getTime(),
-                          view(state->readPositions().ref()), view(state->readVelocities().ref()), *body);
-    } catch (const std::runtime_error& error) {
-      msg_error() << error.what();
+
+protected:
+    FinalStateExporter()
+        : d_filename(initData(&d_filename, "filename", "The JSON file.")),
+          d_step(initData(&d_step, 0, "exportAtStep", "The step after which the state is written."))
+    {
+        f_listening.setValue(true);
     }
-  }
 
- protected:
-  FinalStateExporter()
-      : d_filename(initData(&d_filename, "filename", "The JSON file.")),
-        d_step(initData(&d_step, 0, "exportAtStep", "The step after which the state is written.")) {
-    f_listening.setValue(true);
-  }
-
- private:
-  sofa::core::objectmodel::Data<std::string> d_filename;
-  sofa::core::objectmodel::Data<int> d_step;
-  int num_steps_ = 0;
+private:
+    sofa::core::objectmodel::Data<std::string> d_filename;
+    sofa::core::objectmodel::Data<int> d_step;
+    int m_numSteps = 0;
 };
 
 }  // namespace
 
-void register_exporter(sofa::core::ObjectFactory* factory) {
-  register_component<FinalStateExporter>(factory, kFinalStateExporter);
+void register_exporter(sofa::core::ObjectFactory* factory)
+{
+    register_component<FinalStateExporter>(factory, kFinalStateExporter);
 }
 
 }  // namespace hexaplast::sofa_plugin

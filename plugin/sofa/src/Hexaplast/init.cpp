@@ -1,47 +1,51 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/init.h>
+#include <Hexaplast/registration.h>
 
 #include <cstdlib>
 
 #include "attributes/hexaplast.hpp"
 #include "hexaplast/base/parallel.hpp"
 
-namespace hexaplast::sofa_plugin {
+namespace hexaplast::sofa_plugin
+{
 
-void register_bodies(sofa::core::ObjectFactory* factory) {
-  register_component<HexahedronElastoplasticFEMForceField>(factory, attributes::kHexahedronElastoplasticFEMForceField);
+void register_bodies(sofa::core::ObjectFactory* factory)
+{
+    register_component<HexahedronElastoplasticFEMForceField>(factory,
+                                                             attributes::kHexahedronElastoplasticFEMForceField);
 }
 
-namespace {
-
-/// OMP_NUM_THREADS says how many threads the kernels have; one where it is not set. Results do not depend on it.
-void take_threads_from_environment() {
-  const char* asked = std::getenv("OMP_NUM_THREADS");
-  const int count = asked ? std::atoi(asked) : 0;
-  if (count > 0) set_num_threads(count);
+// OMP_NUM_THREADS says how many threads the kernels have; one where it is not set. Results do not depend on it.
+void init()
+{
+    const char* asked = std::getenv("OMP_NUM_THREADS");
+    const int count = asked ? std::atoi(asked) : 0;
+    if (count > 0) set_num_threads(count);
 }
-
-}  // namespace
 
 }  // namespace hexaplast::sofa_plugin
 
 // What SOFA looks for in a plugin.
-extern "C" {
-SOFA_EXPORT_DYNAMIC_LIBRARY void initExternalModule() { hexaplast::sofa_plugin::take_threads_from_environment(); }
-SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleName() { return hexaplast::sofa_plugin::MODULE_NAME; }
-SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleVersion() { return hexaplast::sofa_plugin::MODULE_VERSION; }
-SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleLicense() { return "LGPL"; }
-SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleDescription() {
-  return "Real-time hexahedral corotational elastoplastic FEM for surgery simulation";
-}
-SOFA_EXPORT_DYNAMIC_LIBRARY void registerObjects(sofa::core::ObjectFactory* factory) {
-  using namespace hexaplast::sofa_plugin;
-  register_bodies(factory);
-  register_loads(factory);
-  register_topologies(factory);
-  register_solver(factory);
-  register_exporter(factory);
-  register_settings(factory);
-}
+extern "C"
+{
+    SOFA_EXPORT_DYNAMIC_LIBRARY void initExternalModule() { hexaplast::sofa_plugin::init(); }
+    SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleName() { return hexaplast::sofa_plugin::MODULE_NAME; }
+    SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleVersion() { return hexaplast::sofa_plugin::MODULE_VERSION; }
+    SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleLicense() { return "LGPL"; }
+    SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleDescription()
+    {
+        return "Real-time hexahedral corotational elastoplastic FEM for surgery simulation";
+    }
+    SOFA_EXPORT_DYNAMIC_LIBRARY void registerObjects(sofa::core::ObjectFactory* factory)
+    {
+        using namespace hexaplast::sofa_plugin;
+        register_bodies(factory);
+        register_loads(factory);
+        register_topologies(factory);
+        register_solver(factory);
+        register_exporter(factory);
+        register_settings(factory);
+    }
 }

@@ -6,7 +6,8 @@
 
 /// What differs between the releases of SOFA that the plugin is compiled against, v24.12 to v26.06. No other file asks
 /// for the version.
-namespace hexaplast::sofa_plugin {
+namespace hexaplast::sofa_plugin
+{
 
 static_assert(SOFA_VERSION >= 241200, "Hexaplast needs SOFA v24.12 or later");
 
@@ -17,8 +18,9 @@ using SofaComponent = sofa::core::objectmodel::BaseObject;
 #endif
 
 /// Whether a component has been found not to work (v24.12 has no question of its own for that).
-inline bool is_invalid(const SofaComponent& component) {
-  return component.d_componentState.getValue() == sofa::core::objectmodel::ComponentState::Invalid;
+inline bool is_invalid(const SofaComponent& component)
+{
+    return component.d_componentState.getValue() == sofa::core::objectmodel::ComponentState::Invalid;
 }
 
 }  // namespace hexaplast::sofa_plugin

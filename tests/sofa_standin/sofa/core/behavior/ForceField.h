@@ -18,6 +18,7 @@ class BaseForceField : public objectmodel::BaseComponent {
  public:
   virtual void buildStiffnessMatrix(StiffnessMatrix*) = 0;
   virtual void buildDampingMatrix(DampingMatrix*) = 0;
+  virtual void addMBKdx(const MechanicalParams* params, MultiVecDerivId df) = 0;
 
   objectmodel::Data<SReal> rayleighStiffness{
       initData(&rayleighStiffness, 0, "rayleighStiffness", "Damping proportional to the stiffness.")};
@@ -34,6 +35,11 @@ class ForceField : public BaseForceField {
     if (!mstate) mstate.set(getContext()->template get<MechanicalState<DataTypes>>());
   }
   MechanicalState<DataTypes>* getMState() const { return mstate.get(); }
+
+  void addMBKdx(const MechanicalParams* params, MultiVecDerivId df) override {
+    if (params->kFactor() == 0 && params->bFactor() == 0) return;
+    addDForce(params, *mstate->write(df.getId(mstate)), *mstate->read(params->dx().getId(mstate)));
+  }
 
   virtual void addForce(const MechanicalParams*, DataVecDeriv& f, const DataVecCoord& x, const DataVecDeriv& v) = 0;
   virtual void addDForce(const MechanicalParams*, DataVecDeriv& df, const DataVecDeriv& dx) = 0;

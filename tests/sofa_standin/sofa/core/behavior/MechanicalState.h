@@ -2,8 +2,11 @@
 // Part of a stand-in for SOFA: knows just what the adapter calls, for tests without SOFA. See README.md there.
 #pragma once
 
+#include <sofa/core/MultiVecId.h>
 #include <sofa/core/objectmodel/BaseComponent.h>
 #include <sofa/defaulttype/VecTypes.h>
+
+#include <map>
 
 namespace sofa::core::behavior {
 
@@ -28,9 +31,18 @@ class MechanicalState : public BaseMechanicalState {
   helper::WriteAccessor<VecCoord> writeRestPositions() { return helper::getWriteAccessor(rest_position_); }
   helper::WriteAccessor<VecDeriv> writeVelocities() { return helper::getWriteAccessor(velocity_); }
 
+  /// The vector of some number, of zeros when it is new.
+  const objectmodel::Data<VecDeriv>* read(VecDerivId id) { return write(id); }
+  objectmodel::Data<VecDeriv>* write(VecDerivId id) {
+    auto& vector = vectors_[id];
+    vector.beginEdit()->resize(getSize());
+    return &vector;
+  }
+
  private:
   objectmodel::Data<VecCoord> position_, rest_position_;
   objectmodel::Data<VecDeriv> velocity_;
+  std::map<VecDerivId, objectmodel::Data<VecDeriv>> vectors_;
 };
 
 }  // namespace sofa::core::behavior

@@ -9,6 +9,12 @@
 
 namespace sofa::core {
 class ExecParams {};
+namespace execparams {
+inline const ExecParams* defaultInstance() {
+  static const ExecParams params;
+  return &params;
+}
+}  // namespace execparams
 }  // namespace sofa::core
 namespace sofa::core::topology {
 class Topology;

@@ -11,7 +11,7 @@ namespace sofa::helper::visual {
 /// Keeps what it is told to draw, where a test reads it.
 class DrawTool {
  public:
-  struct Quads {
+  struct Triangles {
     std::vector<type::Vec3> corners;
     std::vector<type::RGBAColor> colours;  // one per corner
   };
@@ -33,14 +33,14 @@ class DrawTool {
   StateLifeCycle makeStateLifeCycle() { return StateLifeCycle(open_states); }
   void setPolygonMode(int, bool wireframe) { is_wireframe = wireframe; }
   void enableLighting() { is_lit = true; }
-  void drawQuads(const std::vector<type::Vec3>& corners, const std::vector<type::RGBAColor>& colours) {
-    quads.push_back({corners, colours});
+  void drawTriangles(const std::vector<type::Vec3>& corners, const std::vector<type::RGBAColor>& colours) {
+    triangles.push_back({corners, colours});
   }
   void drawLines(const std::vector<type::Vec3>& ends, float, const type::RGBAColor& colour) {
     lines.push_back({ends, colour});
   }
 
-  std::vector<Quads> quads;
+  std::vector<Triangles> triangles;
   std::vector<Lines> lines;
   int open_states = 0;
   bool is_wireframe = false, is_lit = false;

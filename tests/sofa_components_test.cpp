@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The components of the SOFA plugin beside the body, and what SOFA learns of them when it loads it.
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "attributes/hexaplast.hpp"
+#include "attributes/shapes.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "support/sofa_adapter.hpp"
+
+extern "C" {
+void initExternalModule();
+const char* getModuleName();
+const char* getModuleLicense();
+}
+
+namespace hexaplast::sofa_plugin::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
+  std::set<std::string> names;
+  for (const auto& [name, entry] : factory().entries) names.insert(name);
+  EXPECT_EQ(names,
+            (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField", "GraspForceField",
+                                   "TubeGridTopology", "SheetGridTopology", "SpherePatchGridTopology",
+                                   "MultigridCGLinearSolver", "FinalStateExporter", "RunSettings"}));
+  for (const attributes::Description* each :
+       {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
+        &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
+        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kRunSettings}) {
+    const auto& entry = factory().entries.at(std::string(each->class_name));
+    EXPECT_EQ(entry.help, each->help);
+    EXPECT_EQ(entry.template_name, each->category == "ForceField" ? "Vec3d" : "") << each->class_name;
+  }
+}
+
+TEST(SofaPlugin, SaysWhoItIsAndTakesThreadsFromTheEnvironment) {
+  EXPECT_STREQ(getModuleName(), "Hexaplast");
+  EXPECT_STREQ(getModuleLicense(), "LGPL");
+  const char* given = std::getenv("OMP_NUM_THREADS");
+  const std::string before = given ? given : "";
+  const int threads = num_threads();
+  setenv("OMP_NUM_THREADS", std::to_string(threads + 1).c_str(), 1);
+  initExternalModule();
+  EXPECT_EQ(num_threads(), threads + 1);
+  if (given)
+    setenv("OMP_NUM_THREADS", before.c_str(), 1);
+  else
+    unsetenv("OMP_NUM_THREADS");
+  set_num_threads(threads);
+}
+
+TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
+  int num_defaults = 0;
+  for (const attributes::Description* each :
+       {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
+        &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
+        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kRunSettings}) {
+    const auto component = factory().entries.at(std::string(each->class_name)).make();
+    for (const attributes::Attribute& attribute : each->attributes) {
+      if (attribute.type == attributes::Type::kLink) continue;
+      const auto* data = component->findData(std::string(attribute.name));
+      ASSERT_TRUE(data) << each->class_name << "." << attribute.name;
+      EXPECT_FALSE(data->isSet()) << "a default is not given";
+      std::istringstream expected{std::string(attribute.initial)}, found(data->getValueString());
+      for (std::string word, other; expected >> word; ++num_defaults) {
+        ASSERT_TRUE(found >> other) << each->class_name << "." << attribute.name;
+        if (attribute.type == attributes::Type::kWord || attribute.type == attributes::Type::kBool)
+          EXPECT_EQ(other, word) << attribute.name;
+        else
+          EXPECT_EQ(std::stod(other), std::stod(word)) << attribute.name;
+      }
+    }
+  }
+  EXPECT_GT(num_defaults, 40);
+}
+
+TEST_F(Adapter, TangentialForcesTurnAboutTheAxis) {
+  auto& field =
+      make_field("TangentialForceField",
+                 {{"indices", "4"}, {"axis", "0 0 2"}, {"centre", "0.01 0.02 0"}, {"times", "0"}, {"forces", "3"}});
+  tell<AnimateBeginEvent>();
+  const double across = deformed(4, 0) - 0.01, along = deformed(4, 1) - 0.02, reach = std::hypot(across, along);
+  PointArray expected = zero;
+  expected.row(4) << -3 * along / reach, 3 * across / reach, 0;
+  EXPECT_TRUE(support::agrees(force(field, deformed), expected, 1e-14));
+  EXPECT_EQ(energy(field, deformed), 0);
+  EXPECT_NE(said().find("no potential energy"), std::string::npos) << said();
+}
+
+TEST_F(Adapter, TheInstrumentShowsWhatItHolds) {
+  const double reach = (mesh.positions().row(0) - mesh.positions().row(1)).norm() / 2;
+  std::ostringstream place;
+  place.precision(17);
+  place << mesh.positions().row(0);
+  auto& field =
+      make_field("GraspForceField", {{"keyTimes", "0"}, {"positions", place.str()}, {"radius", std::to_string(reach)}});
+  EXPECT_TRUE(value<vector<sofa::Index>>(field, "grasped").empty());
+  step(mesh.positions());
+  EXPECT_EQ(value<vector<sofa::Index>>(field, "grasped"), vector<sofa::Index>{0}) << said();
+  PointArray pulled = mesh.positions();
+  pulled.row(0) += Eigen::RowVector3d(0.002, 0, 0);  // against a spring of 1000 N/m
+  EXPECT_NEAR(energy(field, pulled), 1000 * 0.002 * 0.002 / 2, 1e-12);
+}
+
+TEST_F(Adapter, TopologiesHandTheirGridToTheHost) {
+  auto& sheet = dynamic_cast<MeshTopology&>(
+      make("SheetGridTopology", {{"cells", "2 3 1"}, {"size", "0.2 0.6"}, {"thickness", "0.01"}}));
+  sheet.init();
+  EXPECT_EQ(sheet.getNbHexahedra(), 6u);
+  const auto x = view(sheet.d_seqPoints.getValue());
+  ASSERT_EQ(x.rows(), 3 * 4 * 2);
+  const Vec3 size = x.colwise().maxCoeff() - x.colwise().minCoeff();
+  EXPECT_TRUE(support::agrees(size, Vec3(0.2, 0.6, 0.01), 1e-14));
+  for (const auto& hexahedron : sheet.getHexahedra())
+    for (const sofa::Index node : hexahedron) EXPECT_LT(node, 24u);
+
+  BaseComponent& nothing = make("SheetGridTopology", {{"cells", "0 3 1"}});
+  nothing.init();
+  EXPECT_TRUE(nothing.isComponentStateInvalid());
+  EXPECT_NE(said().find("SheetGridTopology.cells"), std::string::npos) << said();
+}
+
+TEST_F(Adapter, TheExporterWritesTheStateAfterItsStep) {
+  const fs::path file = fs::path(testing::TempDir()) / ("sofa_adapter_final_" + std::to_string(getpid()) + ".json");
+  fs::remove(file);
+  auto& field = make_body(kPlastic);
+  make("FinalStateExporter", {{"filename", file.string()}, {"exportAtStep", "2"}}).init();
+  step(deformed);
+  EXPECT_FALSE(fs::exists(file));
+  step(stretched);
+  ASSERT_TRUE(fs::exists(file)) << said();
+  const auto json = nlohmann::json::parse(std::ifstream(file));
+  fs::remove(file);
+  for (int n = 0; n < mesh.num_nodes(); ++n)
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(json["positions"][n][i].get<double>(), stretched(n, i));
+      EXPECT_EQ(json["material_positions"][n][i].get<double>(), field.guest()->body()->history().material(n, i));
+    }
+
+  BaseComponent& nameless = make("FinalStateExporter", {{"exportAtStep", "2"}});
+  nameless.init();
+  EXPECT_TRUE(nameless.isComponentStateInvalid());
+}
+
+TEST_F(Adapter, SettingsOfARunAreThereForScripts) {
+  BaseComponent& settings = make("RunSettings", {{"steps", "300"}});
+  EXPECT_EQ(value<int>(settings, "steps"), 300);
+  EXPECT_EQ(value<int>(settings, "outputEvery"), 25);
+}
+
+}  // namespace
+}  // namespace hexaplast::sofa_plugin::test

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// MultigridCGLinearSolver on the vectors of a SOFA graph: by our kernels where they know everything in the system, by
+// the products of the graph otherwise.
+#include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
+#include <sofa/core/behavior/BaseMass.h>
+
+#include <Eigen/Dense>
+
+#include "support/sofa_adapter.hpp"
+
+namespace hexaplast::sofa_plugin::test {
+namespace {
+
+using sofa::component::linearsolver::GraphScatteredMatrix;
+using sofa::component::linearsolver::GraphScatteredVector;
+using sofa::component::linearsolver::MatrixLinearSolver;
+using sofa::core::MechanicalParams;
+using sofa::core::MultiVecDerivId;
+using DataVecCoord = Data<DataTypes::VecCoord>;
+using DataVecDeriv = Data<DataTypes::VecDeriv>;
+
+/// Node n weighs 0.01 + 0.001 n kg.
+class Weights final : public sofa::core::behavior::Mass<DataTypes> {
+ public:
+  SOFA_CLASS(Weights, sofa::core::behavior::Mass<DataTypes>);
+
+  static double of(int node) { return 0.01 + 0.001 * node; }
+  bool isDiagonal() const override { return is_lumped; }
+  void addMDx(const MechanicalParams*, DataVecDeriv& f, const DataVecDeriv& dx, SReal factor) override {
+    ++num_products;
+    auto to = view(*f.beginEdit());
+    const auto from = view(dx.getValue());
+    for (int n = 0; n < to.rows(); ++n) to.row(n) += factor * of(n) * from.row(n);
+  }
+
+  bool is_lumped = true;
+  int num_products = 0;
+};
+
+/// Ties node 7 to the ground; nothing of ours.
+class Spring : public sofa::core::behavior::ForceField<DataTypes> {
+ public:
+  SOFA_CLASS(Spring, sofa::core::behavior::ForceField<DataTypes>);
+
+  void addForce(const MechanicalParams*, DataVecDeriv&, const DataVecCoord&, const DataVecDeriv&) override {}
+  void addDForce(const MechanicalParams* params, DataVecDeriv& df, const DataVecDeriv& dx) override {
+    view(*df.beginEdit()).row(7) -= params->kFactor() * stiffness * view(dx.getValue()).row(7);
+  }
+  void addKToMatrix(sofa::linearalgebra::BaseMatrix*, SReal, unsigned int&) override {}
+  void buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix*) override {}
+  void buildDampingMatrix(sofa::core::behavior::DampingMatrix*) override {}
+  SReal getPotentialEnergy(const MechanicalParams*, const DataVecCoord&) const override { return 0; }
+
+  double stiffness = 300;  // [N/m]
+};
+
+/// A load that SOFA's scenes prescribe, known by its name.
+class ConstantForceField final : public Spring {
+ public:
+  SOFA_CLASS(ConstantForceField, Spring);
+  ConstantForceField() { stiffness = 0; }
+};
+
+/// Holds nodes 0 to 3; with a slope, node 4 slides on a plane.
+class Held final : public sofa::core::behavior::BaseProjectiveConstraintSet {
+ public:
+  SOFA_CLASS(Held, sofa::core::behavior::BaseProjectiveConstraintSet);
+
+  void projectResponse(const MechanicalParams*, MultiVecDerivId dx) override {
+    auto* state = getContext()->get<MechanicalState>();
+    auto v = view(*state->write(dx.getId(state))->beginEdit());
+    v.topRows(4).setZero();
+    if (!has_slope) return;
+    const Eigen::RowVector3d normal(0, 0.6, 0.8);
+    v.row(4) -= v.row(4).dot(normal) * normal;
+  }
+
+  bool has_slope = false;
+};
+
+class MultigridSolver : public Adapter {
+ protected:
+  static constexpr double kStiffnessFactor = -0.0004, kDampingFactor = -0.02, kRayleighStiffness = 0.1;
+
+  MultigridSolver() {
+    weights.init();
+    tissue.add(New<Held>::make(), "held");
+    force(body, deformed);
+    PointArray load = random.field(mesh.num_nodes(), 1);
+    load.topRows(4).setZero();
+    view(*nodes.write(1)->beginEdit()) = load;
+  }
+
+  GuestForceField& solver_needs_a_body() {
+    return make_body({{"youngModulus", "7000"}, {"poissonRatio", "0.3"}, {"rayleighStiffness", "0.1"}});
+  }
+
+  /// x of (M + b B + k K) x = b, as SOFA asks for it.
+  PointArray solve(const Attributes& attributes = {{"tolerance", "1e-11"}, {"iterations", "500"}}) {
+    auto& made = make("MultigridCGLinearSolver", attributes);
+    solver = &made;
+    made.init();
+    GraphScatteredMatrix A;
+    A.mparams.setMFactor(1);
+    A.mparams.setBFactor(kDampingFactor);
+    A.mparams.setKFactor(kStiffnessFactor);
+    GraphScatteredVector x(0), b(1);
+    dynamic_cast<MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>&>(made).solve(A, x, b);
+    return view(nodes.read(0)->getValue());
+  }
+
+  /// The same by elimination, with a spring at node 7.
+  PointArray expected(double spring = 0) {
+    const int size = 3 * mesh.num_nodes();
+    DenseMatrix A(size);
+    unsigned int offset = 0;
+    body.addKToMatrix(&A, kStiffnessFactor + kDampingFactor * kRayleighStiffness, offset);
+    for (int i = 0; i < size; ++i) A.values(i, i) += Weights::of(i / 3) - (i / 3 == 7 ? kStiffnessFactor * spring : 0);
+    const int num_free = size - 12;  // nodes 0 to 3 are held
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(size);
+    x.tail(num_free) = A.values.bottomRightCorner(num_free, num_free)
+                           .ldlt()
+                           .solve(flat(PointArray(view(nodes.read(1)->getValue()))).tail(num_free));
+    return Eigen::Map<const PointArray>(x.data(), mesh.num_nodes(), 3);
+  }
+
+  Weights& weights = tissue.add(New<Weights>::make(), "weights");
+  GuestForceField& body = solver_needs_a_body();
+  BaseComponent* solver = nullptr;
+};
+
+TEST_F(MultigridSolver, SolvesByTheKernelsWhatTheyKnow) {
+  auto& load = tissue.add(New<ConstantForceField>::make(), "load");
+  load.init();
+  EXPECT_TRUE(support::agrees(solve(), expected(), 1e-9)) << said();
+  EXPECT_EQ(weights.num_products, 1) << "SOFA is asked for the masses alone";
+  EXPECT_EQ(said(), "");
+}
+
+TEST_F(MultigridSolver, AsksSofaForWhatTheKernelsDoNotKnow) {
+  auto& spring = tissue.add(New<Spring>::make(), "spring");
+  spring.init();
+  EXPECT_TRUE(support::agrees(solve(), expected(spring.stiffness), 1e-9)) << said();
+  EXPECT_GT(weights.num_products, 5);
+}
+
+TEST_F(MultigridSolver, AsksSofaForTheProductWithMassesThatAreNotLumped) {
+  weights.is_lumped = false;
+  EXPECT_TRUE(support::agrees(solve(), expected(), 1e-9)) << said();
+  EXPECT_GT(weights.num_products, 5);
+}
+
+TEST_F(MultigridSolver, KeepsToConstraintsThatCoupleCoordinates) {
+  tissue.get<Held>()->has_slope = true;
+  nodes.write(1)->beginEdit()->at(4) = {0.1, 0.8, -0.6};  // along the slope
+  const PointArray x = solve();
+  EXPECT_NEAR(0.6 * x(4, 1) + 0.8 * x(4, 2), 0, 1e-14);
+  EXPECT_GT(x.row(4).norm(), 1e-3);
+  EXPECT_GT(weights.num_products, 5);
+}
+
+TEST_F(MultigridSolver, SaysWhenItStopsEarly) {
+  auto& spring = tissue.add(New<Spring>::make(), "spring");
+  spring.init();
+  solve({{"tolerance", "1e-11"}, {"iterations", "2"}});
+  EXPECT_NE(said().find("stopped after 2 iterations"), std::string::npos) << said();
+}
+
+TEST_F(MultigridSolver, FollowsTheOneStateThatFollowsNoOther) {
+  BaseContext& points = tissue.add_child("points");
+  points.add(New<MechanicalState>::make(), "points");
+  points.add(New<sofa::core::BaseMapping>::make(), "mapping");
+  EXPECT_TRUE(support::agrees(solve(), expected(), 1e-9)) << said();
+
+  tissue.add_child("another").add(New<MechanicalState>::make(), "nodes");
+  solve();
+  EXPECT_TRUE(solver->isComponentStateInvalid());
+  EXPECT_NE(said().find("there must be one independent MechanicalObject"), std::string::npos) << said();
+}
+
+TEST_F(MultigridSolver, RefusesBadValues) {
+  solve({{"tolerance", "0"}});
+  EXPECT_TRUE(solver->isComponentStateInvalid());
+  EXPECT_NE(said().find("MultigridCGLinearSolver.tolerance"), std::string::npos) << said();
+}
+
+}  // namespace
+}  // namespace hexaplast::sofa_plugin::test

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Part of a stand-in for SOFA: knows just what the adapter calls, for tests without SOFA. See README.md there.
+#pragma once
+
+#include <sofa/core/objectmodel/BaseComponent.h>
+
+namespace sofa::core {
+
+/// Says that the state of its node follows another one.
+class BaseMapping : public objectmodel::BaseComponent {
+ public:
+  SOFA_CLASS(BaseMapping, objectmodel::BaseComponent);
+};
+
+}  // namespace sofa::core

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Part of a stand-in for SOFA: knows just what the adapter calls, for tests without SOFA. See README.md there.
+#pragma once
+
+#include <sofa/core/MechanicalParams.h>
+#include <sofa/core/objectmodel/BaseComponent.h>
+
+namespace sofa::core::behavior {
+
+class BaseProjectiveConstraintSet : public objectmodel::BaseComponent {
+ public:
+  virtual void projectResponse(const MechanicalParams*, MultiVecDerivId dx) = 0;
+};
+
+}  // namespace sofa::core::behavior
