@@ -72,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(Bars, ShippedSceneInSofa,
                          [](const auto& info) { return info.param.scene; });
 INSTANTIATE_TEST_SUITE_P(Tissue, ShippedSceneInSofa,
                          testing::Values(Case{"peritoneum_tear", 60, 1e-5}, Case{"vessel_mobilise", 60, 1e-9},
-                                         Case{"fatty_tissue", 60, 1e-5}),
+                                         Case{"fatty_tissue", 60, 1e-5}, Case{"liver_cage", 60, 1e-5}),
                          [](const auto& info) { return info.param.scene; });
 
 }  // namespace
