@@ -284,6 +284,37 @@ TEST(GmshFile, MayHaveTheOtherByteOrder) {
   EXPECT_EQ(mesh.edges, (std::vector<Edge>{{1, 0}}));
 }
 
+TEST(VtuFile, GivesItsDataInTheOrderOfPointsAndCells) {
+  const auto file = [](const std::string& data) {
+    return "<VTKFile type='UnstructuredGrid' byte_order='LittleEndian'><UnstructuredGrid>\n"
+           "<Piece NumberOfPoints='4' NumberOfCells='2'><Points><DataArray type='Float64' format='ascii'>"
+           "0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points><Cells>"
+           "<DataArray type='Int32' Name='connectivity' format='ascii'>0 1 2 0 2 3</DataArray>"
+           "<DataArray type='Int32' Name='offsets' format='ascii'>3 6</DataArray>"
+           "<DataArray type='UInt8' Name='types' format='ascii'>5 5</DataArray></Cells>\n" +
+           data + "</Piece></UnstructuredGrid></VTKFile>";
+  };
+  const ImportedState state = parse_vtu_state(
+      file("<PointData><DataArray type='Float32' Name='flow' NumberOfComponents='2' format='ascii'>1 2 3 4 5 6 7 8.5"
+           "</DataArray></PointData><CellData><DataArray type='String' Name='note' format='ascii'>a b</DataArray>"
+           "<DataArray type='Int64' Name='id' format='ascii'>-3 7</DataArray></CellData>"),
+      "a.vtu");
+  EXPECT_EQ(state.mesh.triangles.size(), 2u);
+  ASSERT_EQ(state.point_data.size(), 1u);
+  EXPECT_EQ(state.point_data[0].name, "flow");
+  EXPECT_EQ(state.point_data[0].num_components, 2);
+  EXPECT_EQ(state.point_data[0].values, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8.5}));
+  ASSERT_EQ(state.cell_data.size(), 1u) << "text is passed over";
+  EXPECT_EQ(state.cell_data[0].values, (std::vector<double>{-3, 7}));
+
+  const auto reading = [&](const std::string& data) { return [=] { parse_vtu_state(file(data), "a.vtu"); }; };
+  EXPECT_TRUE(refuses<InputError>(
+      reading("<CellData><DataArray type='Int64' Name='id' format='ascii'>1</DataArray></CellData>"), {"a.vtu:3"}));
+  EXPECT_TRUE(refuses<InputError>(
+      reading("<CellData><DataArray type='Int64' NumberOfComponents='0' format='ascii'/></CellData>"),
+      {"a.vtu:3", "NumberOfComponents '0', must lie in [1, 4096]"}));
+}
+
 // Raw bytes behind the XML, in either byte order, with numbers of several sizes, and in two pieces.
 TEST(VtuFile, MayAppendRawBytes) {
   for (const bool is_foreign : {false, true}) {

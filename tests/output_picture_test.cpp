@@ -172,7 +172,7 @@ output::Staging with_skin_of_bar(bool shows_hexahedra) {
   output::Staging staging;
   staging.skins = {skin_of_bar()};
   staging.shows_hexahedra = shows_hexahedra;
-  staging.towards = Vec3(1, 0, 0);
+  staging.viewpoint = output::Viewpoint{.towards = Vec3(1, 0, 0), .up = {}};
   return staging;
 }
 
@@ -234,7 +234,7 @@ TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {
   // seen along -z: node 8 is the corner at the lower left, the instrument holds the middle of the face
   output::Staging staging;
   staging.fixed_nodes = {8};
-  staging.towards = Vec3(0, 0, 1);
+  staging.viewpoint = output::Viewpoint{.towards = Vec3(0, 0, 1), .up = {}};
   Gallery marked(body.mesh(), "marked", 2, staging);
   const std::array instruments{Vec3(0.05, 0.05, 0.2)};
   marked.add(0, 0, body.mesh().positions(), {1, 0}, {}, instruments);  // the face in sight is sand, not blue

@@ -146,23 +146,57 @@ TEST(VisualStyle, TellsWhatItsLastWordSays) {
   const auto shown = [](const std::string& flags) {
     scene::Scene scene = read_and_init("<Node><VisualStyle displayFlags='" + flags + "'/></Node>");
     const auto* style = scene.root().local<scene::VisualStyle>();
-    return std::pair(style->shows_visual_models(), style->shows_behaviour_models());
+    return std::tuple(style->shows_visual_models(), style->shows_behaviour_models(), style->shows_wireframe());
   };
-  using Answers = std::pair<std::optional<bool>, std::optional<bool>>;
-  EXPECT_EQ(shown("showWireframe showForceFields"), (Answers{{}, {}}));
-  EXPECT_EQ(shown("showBehaviorModels hideVisualModels"), (Answers{false, true}));
-  EXPECT_EQ(shown("hideAll showVisual"), (Answers{true, false}));
+  using Answers = std::tuple<std::optional<bool>, std::optional<bool>, bool>;
+  EXPECT_EQ(shown("showWireframe showForceFields"), (Answers{{}, {}, true}));
+  EXPECT_EQ(shown("showBehaviorModels hideVisualModels"), (Answers{false, true, false}));
+  EXPECT_EQ(shown("showWireframe hideAll showVisual"), (Answers{true, false, false}));
+}
+
+std::optional<scene::Viewpoint> viewpoint(const std::string& attributes) {
+  scene::Scene scene = read_and_init("<Node><InteractiveCamera " + attributes + "/></Node>");
+  return scene.root().local<scene::Camera>()->viewpoint();
 }
 
 TEST(InteractiveCamera, LooksFromItsPositionAtItsTarget) {
-  const auto towards = [](const std::string& attributes) {
-    scene::Scene scene = read_and_init("<Node><InteractiveCamera " + attributes + " fieldOfView='45'/></Node>");
-    return scene.root().local<scene::Camera>()->towards();
-  };
-  EXPECT_EQ(towards("position='1 2 3' lookAt='1 1 5'"), Vec3(0, 1, -2));
-  EXPECT_FALSE(towards("position='1 2 3'"));
+  const std::optional<scene::Viewpoint> seen = viewpoint("position='1 2 3' lookAt='1 1 5'");
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->towards, Vec3(0, 1, -2));
+  EXPECT_FALSE(seen->up);
+  EXPECT_FALSE(seen->eye) << "distance and detail are fitted";
+  EXPECT_FALSE(viewpoint("position='1 2 3' fieldOfView='45'"));
   EXPECT_EQ(errors_of("<Node><InteractiveCamera position='1 2 3' lookAt='1 2 3'/></Node>"),
             "test.scn:1: error: InteractiveCamera.lookAt: is the camera's own position: must be another point");
+}
+
+TEST(InteractiveCamera, StandsAtItsPositionWhereItHasAFieldOfView) {
+  const std::optional<scene::Viewpoint> seen = viewpoint("position='1 2 3' lookAt='1 1 5' fieldOfView='30'");
+  ASSERT_TRUE(seen && seen->eye);
+  EXPECT_EQ(seen->eye->position, Vec3(1, 2, 3));
+  EXPECT_EQ(seen->eye->looks_at, Vec3(1, 1, 5));
+  EXPECT_EQ(seen->eye->field_of_view, 30);
+  EXPECT_TRUE(seen->eye->is_perspective);
+  const std::string parallel = "position='0 0 1' lookAt='0 0 0' fieldOfView='30' projectionType=";
+  EXPECT_FALSE(viewpoint(parallel + "'Orthographic'")->eye->is_perspective);
+  EXPECT_FALSE(viewpoint(parallel + "'1'")->eye->is_perspective);
+  EXPECT_TRUE(viewpoint(parallel + "'0'")->eye->is_perspective);
+}
+
+// A quarter turn about x looks up along y instead of along -z, and has z at its head.
+TEST(InteractiveCamera, TurnsByItsOrientation) {
+  const std::string quarter = "orientation='0.70710678118654752 0 0 0.70710678118654752'";
+  const std::optional<scene::Viewpoint> seen = viewpoint(quarter);
+  ASSERT_TRUE(seen && seen->up);
+  EXPECT_LT((seen->towards - Vec3(0, -1, 0)).norm(), 1e-15);
+  EXPECT_LT((*seen->up - Vec3(0, 0, 1)).norm(), 1e-15);
+  EXPECT_FALSE(seen->eye);
+  const auto placed = viewpoint(quarter + " position='1 2 3' distance='4' fieldOfView='20'");
+  EXPECT_LT((placed->eye->looks_at - Vec3(1, 6, 3)).norm(), 1e-14);
+  EXPECT_EQ(errors_of("<Node><InteractiveCamera orientation='0 0 1'/></Node>"),
+            "test.scn:1: error: InteractiveCamera.orientation: must be four numbers, a quaternion x y z w");
+  EXPECT_EQ(errors_of("<Node><InteractiveCamera orientation='0 0 0 0'/></Node>"),
+            "test.scn:1: error: InteractiveCamera.orientation: is 0 0 0 0, which turns to nowhere");
 }
 
 TEST(Mapping, RefusesWhatDoesNotFit) {

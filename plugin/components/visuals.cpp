@@ -40,15 +40,19 @@ class VisualStyle final : public scene::VisualStyle {
       if (flag == "hideVisualModels" || flag == "hideVisual" || flag == "hideAll") visual_models_ = false;
       if (flag == "showBehaviorModels" || flag == "showBehavior" || flag == "showAll") behaviour_models_ = true;
       if (flag == "hideBehaviorModels" || flag == "hideBehavior" || flag == "hideAll") behaviour_models_ = false;
+      if (flag == "showWireframe") wireframe_ = true;
+      if (flag == "hideWireframe" || flag == "hideAll") wireframe_ = false;
     }
   }
   void refresh() override { init(); }
 
   std::optional<bool> shows_visual_models() const override { return visual_models_; }
   std::optional<bool> shows_behaviour_models() const override { return behaviour_models_; }
+  bool shows_wireframe() const override { return wireframe_; }
 
  private:
   std::optional<bool> visual_models_, behaviour_models_;
+  bool wireframe_ = false;
 };
 
 class InteractiveCamera final : public scene::Camera {
@@ -56,19 +60,47 @@ class InteractiveCamera final : public scene::Camera {
   InteractiveCamera() : Camera(attributes::kInteractiveCamera) {}
 
   void init() override {
-    if (!is_given("position") || !is_given("lookAt")) return;
-    for (const char* name : {"position", "lookAt"})
-      if (vectors3(name).rows() != 1) reject(name, "must be one point");
-    const Vec3 towards = vectors3("position").row(0) - vectors3("lookAt").row(0);
-    if (!(towards.norm() > 0)) reject("lookAt", "is the camera's own position: must be another point");
-    towards_ = towards;
+    viewpoint_.reset();
+    const Vec3 position = point("position"), target = point("lookAt");
+    const bool has_position = is_given("position"), has_orientation = is_given("orientation");
+    if (has_position && is_given("lookAt")) {
+      if (!((position - target).norm() > 0)) reject("lookAt", "is the camera's own position: must be another point");
+      viewpoint_ = scene::Viewpoint{position - target, {}, eye(position, target)};
+    } else if (has_orientation) {
+      const Eigen::Quaterniond turn = orientation();
+      const Vec3 towards = turn * Vec3::UnitZ();
+      viewpoint_ = scene::Viewpoint{towards, turn * Vec3::UnitY(), {}};
+      if (has_position) viewpoint_->eye = eye(position, position - real("distance") * towards);
+    }
   }
   void refresh() override { init(); }
 
-  std::optional<Vec3> towards() const override { return towards_; }
+  const std::optional<scene::Viewpoint>& viewpoint() const override { return viewpoint_; }
 
  private:
-  std::optional<Vec3> towards_;
+  Vec3 point(const char* name) {
+    if (!is_given(name)) return Vec3::Zero();
+    const PointArray points = vectors3(name);
+    if (points.rows() != 1) reject(name, "must be one point");
+    return points.row(0).transpose();
+  }
+
+  Eigen::Quaterniond orientation() {
+    const std::vector<double>& turn = reals("orientation");
+    if (turn.size() != 4) reject("orientation", "must be four numbers, a quaternion x y z w");
+    const Eigen::Quaterniond quaternion(turn[3], turn[0], turn[1], turn[2]);
+    if (!(quaternion.norm() > 0)) reject("orientation", "is 0 0 0 0, which turns to nowhere");
+    return quaternion.normalized();
+  }
+
+  std::optional<scene::Viewpoint::Eye> eye(const Vec3& position, const Vec3& looks_at) {
+    if (!is_given("fieldOfView")) return std::nullopt;
+    const std::string& projection = text("projectionType");
+    return scene::Viewpoint::Eye{position, looks_at, real("fieldOfView"),
+                                 projection == "Perspective" || projection == "0"};
+  }
+
+  std::optional<scene::Viewpoint> viewpoint_;
 };
 
 }  // namespace

@@ -6,11 +6,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
 #include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/sections.hpp"
-#include "output/axis.hpp"
 #include "output/lighting.hpp"
 
 namespace hexaplast::output {
@@ -19,37 +18,20 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr Colour kPaper{1, 1, 1};
-constexpr Colour kInk{0.13f, 0.13f, 0.15f};
-constexpr Colour kFaint{0.45f, 0.46f, 0.48f};
-constexpr Colour kOriginal{0.70f, 0.73f, 0.77f};
-constexpr Colour kGhost{0.945f, 0.950f, 0.958f};
-constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
 constexpr Colour kCage{0.25f, 0.30f, 0.38f};
-constexpr Colour kSteel{0.16f, 0.36f, 0.55f};
 
-// the page: what lies outside these margins belongs to the title above and the colour bar below [pixels]
-constexpr float kMargin = 56, kTop = 92, kBottom = 128;
-constexpr float kTitleLine = 52;
-constexpr float kBarWidth = 460, kBarHeight = 14, kBarTop = 648;
-constexpr float kKeyLine = 25;
+constexpr float kPatch = 12;             // size on the page of the flat pieces that a face is drawn with
+constexpr int kMostParts = 8;            // of them along an edge
+constexpr int kCutParts = 4;             // of a hexahedron along each direction, for its cut
+constexpr float kNearer = 4e-3f;         // depth by which marks stand before the surface that they are on
+constexpr float kOutlineNearer = 1e-4f;  // the same of the outline of what stands behind
 
-// the viewer stands to the right of the body's side and above it
-constexpr float kAzimuth = 24 * std::numbers::pi_v<float> / 180;
-constexpr float kElevation = 22 * std::numbers::pi_v<float> / 180;
-
-constexpr float kPatch = 12;      // [pixels] size of the flat pieces that a face is drawn with
-constexpr int kMostParts = 8;     // of them along an edge
-constexpr float kNearer = 4e-3f;  // depth by which marks stand before the surface that they are on
-
-// element edges grow fainter with their length, so that on fine meshes they do not cover the colours [pixels]
+// element edges grow fainter with their length on the page, so that on fine meshes they do not cover the colours
 constexpr float kShortestEdge = 4, kLongestEdge = 48;
-constexpr float kWidestEdge = 1.2f, kCageWidth = 1.1f;
+constexpr float kWidestEdge = 1.2f, kCageWidth = 1.1f, kWireWidth = 1.5f, kCutWidth = 1.6f;
 constexpr float kStrongestEdge = 0.75f, kCageOpacity = 0.3f;
 
-constexpr float kDot = 3.2f;                   // [pixels] radius of the mark of a fixed node, at most
-constexpr float kRing = 9, kRingWidth = 2.4f;  // [pixels] of the mark of an instrument
-constexpr int kCircle = 28;                    // corners of a round mark
+constexpr float kDot = 3.2f;  // radius of the mark of a fixed node, at most
 
 /// Brightness of what receives a share of the light: never dark, so that colours stay comparable with the colour bar.
 float brightness(float received) { return std::min(1.0f, 0.52f + 0.50f * received); }
@@ -76,28 +58,92 @@ std::vector<Surface::Face> faces_of(const Skin& skin) {
   return faces;
 }
 
-Drawing::Vertex on_circle(Drawing::Vertex centre, float radius, int corner) {
-  const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(corner) / kCircle;
-  centre.x += radius * std::cos(angle);
-  centre.y += radius * std::sin(angle);
-  return centre;
+/// A place with its colour, not yet on the page.
+struct Corner {
+  Vector3f place;
+  Colour colour;
+};
+
+Corner operator*(float share, const Corner& corner) { return {share * corner.place, share * corner.colour}; }
+Corner operator+(const Corner& a, const Corner& b) {
+  return {a.place + b.place,
+          {a.colour.red + b.colour.red, a.colour.green + b.colour.green, a.colour.blue + b.colour.blue}};
 }
 
-/// The mark of a fixed node.
-void draw_dot(Drawing::Vertex centre, float radius, Drawing& picture) {
-  centre.colour = kInk;
-  for (int k = 0; k < kCircle; ++k)
-    picture.triangles.push_back({{centre, on_circle(centre, radius, k), on_circle(centre, radius, k + 1)}});
+double height(const Plane& plane, const Vector3f& place) { return plane.height(place.cast<double>()); }
+
+/// Weights of a quad's corners at a place in it.
+std::array<float, 4> weights_at(float s, float t) { return {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t}; }
+
+bool straddles(const Plane& plane, const std::vector<Vector3f>& points, const Surface::Face& face) {
+  const auto is_above = [&](int point) { return height(plane, points[point]) >= 0; };
+  return std::ranges::any_of(face, is_above) && !std::ranges::all_of(face, is_above);
 }
 
-/// The mark of an instrument, with a rim that sets it off from any colour.
-void draw_ring(Drawing::Vertex centre, Drawing& picture) {
-  for (const auto& [colour, width] : {std::pair{kPaper, kRingWidth + 2.4f}, std::pair{kSteel, kRingWidth}}) {
-    centre.colour = colour;
-    for (int k = 0; k < kCircle; ++k)
-      picture.lines.push_back({on_circle(centre, kRing, k), on_circle(centre, kRing, k + 1), width});
+/// Hands out the parts of a triangle that lie above all planes.
+template <class Take>
+void for_each_part(const std::array<Corner, 3>& triangle, std::span<const Plane> above, const Take& take) {
+  if (above.empty()) {
+    take(triangle);
+    return;
   }
+  const Plane& plane = above.front();
+  std::array<TriangleShares, 4> part;
+  const int count = part_above(
+      {height(plane, triangle[0].place), height(plane, triangle[1].place), height(plane, triangle[2].place)}, part);
+  const auto corner = [&](int k) {
+    const auto share = [&](int c) { return static_cast<float>(part[k][c]); };
+    return share(0) * triangle[0] + share(1) * triangle[1] + share(2) * triangle[2];
+  };
+  for (int k = 2; k < count; ++k) for_each_part({corner(0), corner(k - 1), corner(k)}, above.subspan(1), take);
 }
+
+/// Draws what lies in front of the camera, and in what is left of a body that is cut.
+class Pen {
+ public:
+  Pen(const Camera& camera, std::vector<Plane> above, Drawing& picture)
+      : camera_(camera), above_(std::move(above)), picture_(picture) {}
+
+  void fill(const std::array<Corner, 3>& triangle) const {
+    for_each_part(triangle, above_, [&](const std::array<Corner, 3>& part) {
+      picture_.triangles.push_back({{vertex(part[0]), vertex(part[1]), vertex(part[2])}});
+    });
+  }
+
+  void line(Corner from, Corner to, float width, float opacity) const {
+    for (const Plane& plane : above_) {
+      const double at_from = height(plane, from.place), at_to = height(plane, to.place);
+      if (at_from < 0 && at_to < 0) return;
+      if (at_from >= 0 && at_to >= 0) continue;
+      const auto share = static_cast<float>(at_from / (at_from - at_to));
+      (at_from < 0 ? from : to) = (1 - share) * from + share * to;
+    }
+    picture_.lines.push_back({vertex(from), vertex(to), width, opacity});
+    if (!is_behind_) return;
+    for (Drawing::Vertex* end : {&picture_.lines.back().from, &picture_.lines.back().to}) end->depth -= kOutlineNearer;
+  }
+
+  /// Whether a place is seen at all.
+  bool reaches(const Vector3f& place) const {
+    return std::ranges::all_of(above_, [&](const Plane& plane) { return height(plane, place) >= 0; });
+  }
+
+  /// From now on: behind everything that is drawn otherwise.
+  void step_back() { is_behind_ = true; }
+
+ private:
+  Drawing::Vertex vertex(const Corner& corner) const {
+    Drawing::Vertex vertex = camera_.project(corner.place);
+    if (is_behind_) vertex.depth = 0.93f + 0.06f * vertex.depth;
+    vertex.colour = corner.colour;
+    return vertex;
+  }
+
+  const Camera& camera_;
+  std::vector<Plane> above_;
+  Drawing& picture_;
+  bool is_behind_ = false;
+};
 
 std::vector<Vector3f> single(ConstPoints points) {
   std::vector<Vector3f> places;
@@ -134,8 +180,8 @@ Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Stag
     : mesh_(mesh),
       title_(std::move(title)),
       time_decimals_(time_decimals),
-      long_axis_(end_sections(mesh).axis),
       staging_(std::move(staging)),
+      viewpoint_(staging_.viewpoint.value_or(beside(end_sections(mesh).axis))),
       original_(std::make_shared<Boundary>(mesh, std::span<const unsigned char>())),
       current_(original_) {
   for (const Skin& skin : staging_.skins) {
@@ -144,10 +190,16 @@ Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Stag
     skins_.push_back({Embedding(mesh.positions(), mesh.hexahedra(), skin.points), std::move(faces), std::move(whole)});
     current_skins_.push_back(skins_.back().whole);
   }
+  if (staging_.cut) {
+    // what is left lies above
+    Plane& cut = *staging_.cut;
+    const double viewer = viewpoint_.eye ? cut.height(viewpoint_.eye->position) : cut.normal.dot(viewpoint_.towards);
+    if (viewer > 0) cut = {-cut.normal, -cut.offset};
+  }
 }
 
-void Gallery::add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain,
-                  std::span<const unsigned char> alive, std::span<const Vec3> instruments) {
+// What is left from now on.
+void Gallery::follow(std::span<const unsigned char> alive) {
   const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
   if (all_alive) {
     current_ = original_;
@@ -165,24 +217,40 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
     }
     current_alive_.assign(alive.begin(), alive.end());
   }
+}
 
+void Gallery::add(long step, double time, ConstPoints positions, const std::vector<double>& values,
+                  std::span<const unsigned char> alive, std::span<const Vec3> instruments, const PointArray* ghost) {
+  follow(alive);
   State state;
   state.step = step;
   state.time = time;
-  PointArray strain = PointArray::Zero(mesh_.num_nodes(), 3);  // in its first column
-  strain.col(0) = Eigen::VectorXd::Map(nodal_means(mesh_, plastic_strain, alive).data(), mesh_.num_nodes());
+  PointArray at_nodes = PointArray::Zero(mesh_.num_nodes(), 3);  // in its first column
+  at_nodes.col(0) = Eigen::VectorXd::Map(
+      (entry_of(staging_.quantity).of_nodes ? values : nodal_means(mesh_, values, alive)).data(), mesh_.num_nodes());
   state.body = {current_->surface, current_->points_at(positions), {}};
-  for (const int node : current_->node_of_point) state.body.strain.push_back(static_cast<float>(strain(node, 0)));
+  for (const int node : current_->node_of_point) state.body.values.push_back(static_cast<float>(at_nodes(node, 0)));
+  // a skin that reaches out of the hexahedra continues their values, and shall not pass them
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  for (const float value : state.body.values) {
+    if (!std::isfinite(value)) continue;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
   for (std::size_t s = 0; s < skins_.size(); ++s) {
     const Embedding& embedding = skins_[s].embedding;
-    PointArray points(embedding.num_points(), 3), values(embedding.num_points(), 3);
+    PointArray points(embedding.num_points(), 3), blended(embedding.num_points(), 3);
     embedding.apply(positions, points);
-    embedding.apply(strain, values);
+    embedding.apply(at_nodes, blended);
     Shown shown{current_skins_[s], single(points), {}};
-    for (Eigen::Index n = 0; n < values.rows(); ++n)
-      shown.strain.push_back(std::max(0.0f, static_cast<float>(values(n, 0))));  // outside, weights may be negative
+    for (Eigen::Index n = 0; n < blended.rows(); ++n) {
+      const auto value = static_cast<float>(blended(n, 0));
+      shown.values.push_back(std::isfinite(value) && least <= most ? std::clamp(value, least, most) : value);
+    }
     state.skins.push_back(std::move(shown));
   }
+  if (!staging_.ghost.empty()) state.ghosts = ghosts_at(ghost);
+  if (staging_.cut && shows_body()) state.cut = cut_face(positions, at_nodes, alive);
 
   std::vector<bool> is_outside(mesh_.num_nodes(), false);
   for (const int node : current_->node_of_point) is_outside[node] = true;
@@ -192,6 +260,33 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
   states_.push_back(std::move(state));
 }
 
+std::vector<Gallery::Shown> Gallery::ghosts_at(const PointArray* nodes) const {
+  std::vector<Shown> ghosts;
+  if (skins_.empty() && nodes) ghosts.push_back({current_->surface, current_->points_at(*nodes), {}});
+  if (skins_.empty() && !nodes) ghosts.push_back({original_->surface, original_->surface->original(), {}});
+  for (std::size_t s = 0; s < skins_.size(); ++s) {
+    if (!nodes) {
+      ghosts.push_back({skins_[s].whole, skins_[s].whole->original(), {}});
+      continue;
+    }
+    PointArray points(skins_[s].embedding.num_points(), 3);
+    skins_[s].embedding.apply(*nodes, points);
+    ghosts.push_back({current_skins_[s], single(points), {}});
+  }
+  return ghosts;
+}
+
+Gallery::CutFace Gallery::cut_face(ConstPoints positions, const PointArray& values,
+                                   std::span<const unsigned char> alive) const {
+  const PlaneCut cut(positions, mesh_.hexahedra(), *staging_.cut, alive, kCutParts);
+  PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
+  cut.apply(positions, points);
+  cut.apply(values, blended);
+  CutFace face{single(points), {}, cut.triangles(), cut.inner_lines(), cut.outline()};
+  for (Eigen::Index n = 0; n < blended.rows(); ++n) face.values.push_back(static_cast<float>(blended(n, 0)));
+  return face;
+}
+
 std::vector<const Gallery::Shown*> Gallery::shown_in(const State& state) const {
   std::vector<const Shown*> shown;
   if (shows_body()) shown.push_back(&state.body);
@@ -199,237 +294,209 @@ std::vector<const Gallery::Shown*> Gallery::shown_in(const State& state) const {
   return shown;
 }
 
-Drawing::Vertex Gallery::View::project(const Vector3f& point) const {
-  const float width = kWidth - 2 * kMargin, height = kHeight - kTop - kBottom;
-  return {.x = kMargin + width / 2 + pixels_per_metre * (right.dot(point) - centre.x()),
-          .y = kTop + height / 2 - pixels_per_metre * (up.dot(point) - centre.y()),
-          .depth = 0.1f + 0.8f * (nearest - towards.dot(point)) / (nearest - farthest),
-          .colour = {}};
+// What is drawn lies above these.
+std::vector<Plane> Gallery::sides(const Camera& camera) const {
+  std::vector<Plane> above;
+  if (camera.front()) above.push_back(*camera.front());
+  if (staging_.cut) above.push_back(*staging_.cut);
+  return above;
 }
 
-Gallery::View Gallery::fitted_view() const {
-  View view;
-
-  // the long axis runs to the right; y stands upright, as in SOFA's scenes, unless it is the long one
-  Vector3f upright = Vector3f::Unit(long_axis_ == 1 ? 2 : 1);
-  if (staging_.towards) {
-    view.towards = staging_.towards->normalized().cast<float>();
-    upright = Vector3f::UnitY();
-    if (upright.cross(view.towards).norm() < 1e-3f) upright = -Vector3f::UnitZ();  // seen from above
-  } else {
-    const Vector3f along = Vector3f::Unit(long_axis_), side = along.cross(upright);
-    view.towards = std::cos(kElevation) * (std::cos(kAzimuth) * side + std::sin(kAzimuth) * along) +
-                   std::sin(kElevation) * upright;
-  }
-  view.right = upright.cross(view.towards).normalized();
-  view.up = view.towards.cross(view.right);
-
-  Eigen::AlignedBox3f seen;
-  const auto extend = [&](const Places& points) {
-    for (const Vector3f& point : points)
-      seen.extend(Vector3f(view.right.dot(point), view.up.dot(point), view.towards.dot(point)));
-  };
-  if (skins_.empty() || shows_cage()) extend(original_->surface->original());
-  for (const EmbeddedSkin& skin : skins_) extend(skin.whole->original());
+void Gallery::fit(Camera& camera, Scale& scale) const {
   for (const State& state : states_) {
-    if (skins_.empty() || shows_cage()) extend(state.body.points);
-    for (const Shown& skin : state.skins) extend(skin.points);
-    extend(state.instruments);
-    for (const Shown* shown : shown_in(state))
-      for (const float value : shown->strain) view.greatest_strain = std::max(view.greatest_strain, value);
+    if (skins_.empty() || shows_cage()) camera.see(state.body.points);
+    for (const Shown& skin : state.skins) camera.see(skin.points);
+    for (const Shown& ghost : state.ghosts) camera.see(ghost.points);
+    camera.see(state.instruments);
+    for (const Shown* shown : shown_in(state)) scale.see(shown->values);
+    scale.see(state.cut.values);
   }
-
-  view.centre = seen.center().head<2>();
-  view.pixels_per_metre =
-      std::min((kWidth - 2 * kMargin) / seen.sizes().x(), (kHeight - kTop - kBottom) / seen.sizes().y());
-  view.nearest = seen.max().z();
-  view.farthest = std::min(seen.min().z(), view.nearest - 1e-3f * seen.sizes().norm());  // flat ones have no depth
-  return view;
+  if (skins_.empty() || shows_cage()) camera.see(original_->surface->original());
+  camera.fit(Page(staging_.width, staging_.height).window());
 }
 
-Drawing Gallery::drawing(const State& state, const View& view) const {
-  Drawing picture{.width = kWidth, .height = kHeight, .background = kPaper, .triangles = {}, .lines = {}, .texts = {}};
-  draw_original(view, picture);
-  draw_surfaces(state, view, picture);
-  draw_edges(state, view, picture);
-  draw_marks(state, view, picture);
-  draw_keys(picture);
-
-  const auto write = [&](float x, float y, float size, Drawing::Align align, Colour colour, std::string words) {
-    picture.texts.push_back(
-        {.x = x, .y = y, .size = size, .align = align, .bold = false, .colour = colour, .words = std::move(words)});
-  };
-  write(kMargin, kTitleLine, 25, Drawing::Align::kLeft, kInk, title_);
-  picture.texts.back().bold = true;
-  write(kWidth - kMargin, kTitleLine, 25, Drawing::Align::kRight, kInk,
-        fmt::format("t = {:.{}f} s", state.time, time_decimals_));
-
-  const float left = (kWidth - kBarWidth) / 2;
-  if (view.greatest_strain == 0) {
-    write(kWidth / 2, kBarTop + kBarHeight / 2 + 5, 17, Drawing::Align::kCentre, kInk, "no plastic strain in this run");
-    return picture;
+Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& scale) const {
+  Page page(staging_.width, staging_.height);
+  Drawing& picture = page.drawing();
+  draw_ghosts(state, camera, picture);
+  if (staging_.is_wireframe) {
+    draw_wires(state, camera, scale, picture);
+  } else {
+    draw_surfaces(state, camera, scale, picture);
+    draw_edges(state, camera, picture);
   }
-
-  // colour bar: every pixel column has its own colour
-  for (int column = 0; column < static_cast<int>(kBarWidth); ++column) {
-    const Colour colour = colour_of((column + 0.5) / kBarWidth);
-    const float x0 = left + column, x1 = x0 + 1, y0 = kBarTop, y1 = kBarTop + kBarHeight;
-    const Drawing::Vertex a{x0, y0, 0, colour}, b{x1, y0, 0, colour}, c{x1, y1, 0, colour}, d{x0, y1, 0, colour};
-    picture.triangles.push_back({{a, b, c}});
-    picture.triangles.push_back({{a, c, d}});
-  }
-  write(kWidth / 2, kBarTop - 12, 17, Drawing::Align::kCentre, kInk, "plastic strain [–]");
-  const Ticks ticks = ticks_within(0, view.greatest_strain, 6);
-  for (const double value : ticks.values) {
-    const float x = left + kBarWidth * static_cast<float>(value / view.greatest_strain);
-    picture.lines.push_back({{x, kBarTop + kBarHeight, 0, kInk}, {x, kBarTop + kBarHeight + 6, 0, kInk}, 1.3f});
-    write(x, kBarTop + kBarHeight + 24, 16, Drawing::Align::kCentre, kInk, ticks.label(value));
-  }
-  return picture;
+  draw_marks(state, camera, page);
+  page.add_title(title_, fmt::format("t = {:.{}f} s", state.time, time_decimals_));
+  page.add_colour_bar(scale);
+  page.add_keys(keys(scale));
+  return std::move(page).finished();
 }
 
-// The original shape is a pale shadow behind everything else, however near it is.
-void Gallery::draw_original(const View& view, Drawing& picture) const {
-  const auto behind = [&](const Vector3f& point, float nearer, const Colour& colour) {
-    Drawing::Vertex vertex = view.project(point);
-    vertex.depth = 0.93f + 0.06f * vertex.depth - nearer;
-    vertex.colour = colour;
-    return vertex;
-  };
-  const auto draw = [&](const Surface& surface) {
-    const Places& points = surface.original();
-    for (const auto& [a, b, c, d] : surface.faces()) {
-      const Drawing::Vertex corner = behind(points[a], 0, kGhost), opposite = behind(points[c], 0, kGhost);
-      picture.triangles.push_back({{corner, behind(points[b], 0, kGhost), opposite}});
-      picture.triangles.push_back({{corner, opposite, behind(points[d], 0, kGhost)}});
+// The ghost is a pale shadow behind everything else, however near it is.
+void Gallery::draw_ghosts(const State& state, const Camera& camera, Drawing& picture) const {
+  std::vector<Plane> in_front;
+  if (camera.front()) in_front.push_back(*camera.front());
+  Pen pen(camera, std::move(in_front), picture);
+  pen.step_back();
+  for (const Shown& ghost : state.ghosts) {
+    const Places& points = ghost.points;
+    for (const auto& [a, b, c, d] : ghost.surface->faces()) {
+      pen.fill({{{points[a], kGhost}, {points[b], kGhost}, {points[c], kGhost}}});
+      pen.fill({{{points[a], kGhost}, {points[c], kGhost}, {points[d], kGhost}}});
     }
-    for (const auto& [a, b] : surface.outline(points, view.towards))
-      picture.lines.push_back({behind(points[a], 1e-4f, kOriginal), behind(points[b], 1e-4f, kOriginal), 1.3f});
-  };
-  if (skins_.empty()) draw(*original_->surface);
-  for (const EmbeddedSkin& skin : skins_) draw(*skin.whole);
+    for (const auto& [a, b] : ghost.surface->outline(points, camera.towards()))
+      pen.line({points[a], kOriginal}, {points[b], kOriginal}, 1.3f, 1);
+  }
 }
 
-void Gallery::draw_surfaces(const State& state, const View& view, Drawing& picture) const {
+void Gallery::draw_surfaces(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const {
   const std::vector<const Shown*> shown = shown_in(state);
+  const std::vector<Plane> above = sides(camera);
+  const Pen pen(camera, above, picture);
+
+  // light is kept off by what is left alone
   Places points;
   std::vector<Triangle> triangles;
-  for (const Shown* one : shown) {
+  const auto keep = [&](const std::array<Corner, 3>& part) {
     const int first = static_cast<int>(points.size());
-    points.insert(points.end(), one->points.begin(), one->points.end());
-    for (const Surface::Face& face : one->surface->faces()) {
-      triangles.push_back({first + face[0], first + face[1], first + face[2]});
-      if (!Surface::is_triangle(face)) triangles.push_back({first + face[0], first + face[2], first + face[3]});
+    for (const Corner& corner : part) points.push_back(corner.place);
+    triangles.push_back({first, first + 1, first + 2});
+  };
+  const auto place_above = [&](const Vector3f& a, const Vector3f& b, const Vector3f& c) {
+    for_each_part({{{a, {}}, {b, {}}, {c, {}}}}, above, keep);
+  };
+  for (const Shown* one : shown)
+    for (const auto& [a, b, c, d] : one->surface->faces()) {
+      place_above(one->points[a], one->points[b], one->points[c]);
+      if (c != d) place_above(one->points[a], one->points[c], one->points[d]);
     }
-  }
-  Lighting lighting(view.up, view.towards);
+  for (const auto& [a, b, c] : state.cut.triangles)
+    keep({{{state.cut.points[a], {}}, {state.cut.points[b], {}}, {state.cut.points[c], {}}}});
+  Lighting lighting(camera.up(), camera.towards());
   lighting.place(points, triangles);
 
-  const Vector3f halfway = (0.8f * view.up + 1.42f * view.towards - 0.43f * view.right).normalized();
-  const auto lit = [&](const Vector3f& place, Vector3f normal, float strain) {
-    if (normal.dot(view.towards) < 0) normal = -normal;
-    const float received = lighting.received(place, normal);
+  const Vector3f halfway = (0.8f * camera.up() + 1.42f * camera.towards() - 0.43f * camera.right()).normalized();
+  const auto lit = [&](const Vector3f& at, Vector3f normal, float value) {
+    if (normal.dot(camera.towards()) < 0) normal = -normal;
+    const float received = lighting.received(at, normal);
     const float gleam = 0.16f * received * std::pow(std::max(0.0f, normal.dot(halfway)), 40.0f);
-    const double share = view.greatest_strain > 0 ? strain / view.greatest_strain : 0;
-    return gleaming(brightness(received) * colour_of(share), gleam);
+    return gleaming(brightness(received) * scale.colour(value), gleam);
   };
 
   for (const Shown* one : shown) {
     const Surface& surface = *one->surface;
     const std::vector<std::array<Vector3f, 4>> normals = surface.corner_normals(one->points);
-    const int across = static_cast<int>(mean_edge(surface) * view.pixels_per_metre / kPatch);
-    std::vector<Drawing::Vertex> grid;
+    const int across = static_cast<int>(mean_edge(surface) * camera.scale() / kPatch);
+    std::vector<Corner> grid;
     for (std::size_t f = 0; f < surface.faces().size(); ++f) {
-      // a warped quad is a bilinear patch: cut finely enough, it shows no preferred diagonal
       const Surface::Face& face = surface.faces()[f];
-      const int parts = std::clamp(across, Surface::is_triangle(face) ? 1 : 2, kMostParts);
+      const auto at = [&](const std::array<float, 4>& weight) {
+        Vector3f place = Vector3f::Zero(), outwards = Vector3f::Zero();
+        float value = 0;
+        for (int k = 0; k < 4; ++k) {
+          place += weight[k] * one->points[face[k]];
+          outwards += weight[k] * normals[f][k];
+          value += weight[k] * one->values[face[k]];
+        }
+        return Corner{place, lit(place, outwards.normalized(), value)};
+      };
+      // a warped quad is a bilinear patch: cut finely enough, it shows no preferred diagonal
+      const bool meets_cut = staging_.cut && !Surface::is_triangle(face) && straddles(*staging_.cut, one->points, face);
+      const int parts = meets_cut ? kCutParts : std::clamp(across, Surface::is_triangle(face) ? 1 : 2, kMostParts);
       grid.resize((parts + 1) * (parts + 1));
       for (int j = 0; j <= parts; ++j)
-        for (int i = 0; i <= parts; ++i) {
-          const float s = static_cast<float>(i) / parts, t = static_cast<float>(j) / parts;
-          const std::array<float, 4> weight{(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
-          Vector3f place = Vector3f::Zero(), outwards = Vector3f::Zero();
-          float strain = 0;
-          for (int k = 0; k < 4; ++k) {
-            place += weight[k] * one->points[face[k]];
-            outwards += weight[k] * normals[f][k];
-            strain += weight[k] * one->strain[face[k]];
-          }
-          Drawing::Vertex& vertex = grid[j * (parts + 1) + i];
-          vertex = view.project(place);
-          vertex.colour = lit(place, outwards.normalized(), strain);
-        }
+        for (int i = 0; i <= parts; ++i)
+          grid[j * (parts + 1) + i] = at(weights_at(static_cast<float>(i) / parts, static_cast<float>(j) / parts));
       for (int j = 0; j < parts; ++j)
         for (int i = 0; i < parts; ++i) {
-          const Drawing::Vertex* low = &grid[j * (parts + 1) + i];
-          const Drawing::Vertex* high = low + parts + 1;
-          picture.triangles.push_back({{low[0], low[1], high[1]}});
-          picture.triangles.push_back({{low[0], high[1], high[0]}});
+          const Corner* low = &grid[j * (parts + 1) + i];
+          const Corner* high = low + parts + 1;
+          if (meets_cut) {
+            // as the cut face sees it, so that the two meet
+            const Corner middle = 0.25f * low[0] + 0.25f * low[1] + 0.25f * high[0] + 0.25f * high[1];
+            pen.fill({{low[0], low[1], middle}});
+            pen.fill({{low[1], high[1], middle}});
+            pen.fill({{high[1], high[0], middle}});
+            pen.fill({{high[0], low[0], middle}});
+            continue;
+          }
+          pen.fill({{low[0], low[1], high[1]}});
+          pen.fill({{low[0], high[1], high[0]}});
         }
     }
   }
+
+  if (state.cut.triangles.empty()) return;
+  // nothing is left above the cut face in the viewer's direction
+  const Pen on_cut(camera, camera.front() ? std::vector{*camera.front()} : std::vector<Plane>(), picture);
+  const Vector3f normal = -staging_.cut->normal.cast<float>();
+  std::vector<Corner> corners;
+  for (std::size_t n = 0; n < state.cut.points.size(); ++n)
+    corners.push_back({state.cut.points[n], lit(state.cut.points[n], normal, state.cut.values[n])});
+  for (const auto& [a, b, c] : state.cut.triangles) on_cut.fill({{corners[a], corners[b], corners[c]}});
 }
 
-void Gallery::draw_edges(const State& state, const View& view, Drawing& picture) const {
-  if (!staging_.shows_hexahedra) return;
+void Gallery::draw_edges(const State& state, const Camera& camera, Drawing& picture) const {
+  if (!staging_.shows_hexahedra || !staging_.shows_edges) return;
   const Surface& surface = *state.body.surface;
-  const float length = mean_edge(surface) * view.pixels_per_metre;
+  const float length = mean_edge(surface) * camera.scale();
   if (length < kShortestEdge) return;
   const float share = std::min(1.0f, length / kLongestEdge);
   const Colour colour = shows_cage() ? kCage : kEdge;
   const float width = shows_cage() ? kCageWidth : kWidestEdge * std::sqrt(share);
   const float opacity = shows_cage() ? kCageOpacity : kStrongestEdge * share;
-  for (const auto& [a, b] : surface.edges()) {
-    Drawing::Line line{view.project(state.body.points[a]), view.project(state.body.points[b]), width, opacity};
-    line.from.colour = line.to.colour = colour;
-    picture.lines.push_back(line);
-  }
+  const Pen pen(camera, sides(camera), picture);
+  for (const auto& [a, b] : surface.edges())
+    pen.line({state.body.points[a], colour}, {state.body.points[b], colour}, width, opacity);
+
+  const Pen on_cut(camera, camera.front() ? std::vector{*camera.front()} : std::vector<Plane>(), picture);
+  const Places& points = state.cut.points;
+  for (const auto& [a, b] : state.cut.inner_lines)
+    on_cut.line({points[a], colour}, {points[b], colour}, width, opacity);
+  for (const auto& [a, b] : state.cut.outline) on_cut.line({points[a], kEdge}, {points[b], kEdge}, kCutWidth, 1);
 }
 
-void Gallery::draw_marks(const State& state, const View& view, Drawing& picture) const {
+void Gallery::draw_wires(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const {
+  const Pen pen(camera, sides(camera), picture);
+  std::vector<const Shown*> shown;
+  if (staging_.shows_hexahedra) shown.push_back(&state.body);
+  for (const Shown& skin : state.skins) shown.push_back(&skin);
+  for (const Shown* one : shown)
+    for (const auto& [a, b] : one->surface->edges())
+      pen.line({one->points[a], scale.colour(one->values[a])}, {one->points[b], scale.colour(one->values[b])},
+               kWireWidth, 1);
+}
+
+void Gallery::draw_marks(const State& state, const Camera& camera, Page& page) const {
+  const Pen pen(camera, sides(camera), page.drawing());
   if (shows_body()) {
-    const float radius = std::min(kDot, mean_edge(*state.body.surface) * view.pixels_per_metre / 6);
+    const float radius = std::min(kDot, mean_edge(*state.body.surface) * camera.scale() / 6);
     for (const Vector3f& place : state.fixed) {
-      Drawing::Vertex centre = view.project(place);
+      if (!pen.reaches(place)) continue;
+      Drawing::Vertex centre = camera.project(place);
       centre.depth -= kNearer;
-      draw_dot(centre, radius, picture);
+      page.add_dot(centre, radius);
     }
   }
   for (const Vector3f& place : state.instruments) {
-    Drawing::Vertex centre = view.project(place);
+    if (camera.front() && height(*camera.front(), place) < 0) continue;
+    Drawing::Vertex centre = camera.project(place);
     centre.depth = 0;  // seen also where it lies within the tissue
-    draw_ring(centre, picture);
+    page.add_ring(centre);
   }
 }
 
-// What the marks mean, one below the other at the lower left.
-void Gallery::draw_keys(Drawing& picture) const {
+// What the marks mean.
+std::vector<Key> Gallery::keys(const Scale& scale) const {
   const auto appears = [&](Places State::*marks) {
     return std::ranges::any_of(states_, [&](const State& state) { return !(state.*marks).empty(); });
   };
-  const bool has_dots = shows_body() && appears(&State::fixed), has_rings = appears(&State::instruments);
-  float y = kBarTop + kBarHeight / 2 - kKeyLine * static_cast<float>(has_dots + has_rings) / 2;
-  const auto name = [&](std::string words) {
-    picture.texts.push_back({.x = kMargin + 42,
-                             .y = y + 5,
-                             .size = 15,
-                             .align = Drawing::Align::kLeft,
-                             .bold = false,
-                             .colour = kFaint,
-                             .words = std::move(words)});
-    y += kKeyLine;
-  };
-
-  picture.lines.push_back({{kMargin, y, 0, kOriginal}, {kMargin + 32, y, 0, kOriginal}, 1.5f});
-  name("original shape");
-  if (has_dots) {
-    draw_dot({kMargin + 16, y, 0, {}}, kDot, picture);
-    name("fixed");
-  }
-  if (has_rings) {
-    draw_ring({kMargin + 16, y, 0, {}}, picture);
-    name("instrument");
-  }
+  std::vector<Key> keys;
+  if (!staging_.ghost.empty()) keys.push_back({Key::Mark::kLine, staging_.ghost});
+  if (shows_body() && appears(&State::fixed)) keys.push_back({Key::Mark::kDot, "fixed"});
+  if (appears(&State::instruments)) keys.push_back({Key::Mark::kRing, "instrument"});
+  if (scale.has_gaps()) keys.push_back({Key::Mark::kGap, fmt::format("no {}", scale.quantity().label)});
+  return keys;
 }
 
 }  // namespace hexaplast::output

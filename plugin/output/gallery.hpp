@@ -9,6 +9,10 @@
 
 #include "hexaplast/mesh/embed.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/mesh/plane_cut.hpp"
+#include "output/camera.hpp"
+#include "output/page.hpp"
+#include "output/quantity.hpp"
 #include "output/renderer.hpp"
 #include "output/surface.hpp"
 
@@ -23,29 +27,35 @@ struct Skin {
 
 /// What pictures of a body show besides its state, and from where.
 struct Staging {
-  std::vector<Skin> skins;       ///< shown in place of the hexahedra
-  bool shows_hexahedra = true;   ///< beside skins: as edges
-  std::vector<int> fixed_nodes;  ///< marked by dots
-  std::optional<Vec3> towards;   ///< the direction in which the viewer stands; none: beside the long axis, and above
+  std::vector<Skin> skins;             ///< shown in place of the hexahedra
+  bool shows_hexahedra = true;         ///< beside skins: as edges
+  bool shows_edges = true;             ///< those of hexahedra
+  bool is_wireframe = false;           ///< edges in colours, and nothing else
+  std::vector<int> fixed_nodes;        ///< marked by dots
+  std::optional<Viewpoint> viewpoint;  ///< none: beside the long axis, and above
+  Quantity quantity = Quantity::kPlasticStrain;
+  std::optional<std::pair<double, double>> range;  ///< of the colours, ascending; none: of what is shown
+  std::optional<Plane> cut;              ///< what lies on the viewer's side of it is left out; either side may be above
+  std::string ghost = "original shape";  ///< name of the pale shape behind; empty: there is none
+  int width = 1280, height = 720;        ///< [pixels]
 };
 
 /// Collects states of a run and shows them: the smooth-shaded surface of the hexahedra with their edges, or the skins
-/// that are embedded in them, coloured by plastic strain. Strain is averaged at nodes and blended between them. All
-/// pictures share one camera, fitted to every state collected, and one colour scale, from 0 to the greatest plastic
-/// strain shown; that is why states are kept (in single precision, surface only) until the run is over.
+/// that are embedded in them, coloured by a quantity. Values of hexahedra are averaged at nodes and blended between
+/// them. All pictures share one camera, fitted to every state collected, and one colour scale; that is why states are
+/// kept (in single precision, surface only) until the run is over.
 class Gallery {
  public:
-  static constexpr int kWidth = 1280, kHeight = 720;  // [pixels]
-
   /// title: shown in every picture. time_decimals: of the time stamps. The mesh must outlive the gallery. Throws
   /// InputError or NumericalError where a skin cannot be embedded.
   Gallery(const HexMesh& mesh, std::string title, int time_decimals, Staging staging = {});
 
-  /// positions: num_nodes x 3 [m]; plastic_strain: one per hexahedron [-]; alive, if not empty: one per hexahedron, 0
-  /// for those that are removed and not shown, and neither is what is embedded in them; instruments: where those are
-  /// that hold something [m].
-  void add(long step, double time, ConstPoints positions, const std::vector<double>& plastic_strain,
-           std::span<const unsigned char> alive = {}, std::span<const Vec3> instruments = {});
+  /// positions: num_nodes x 3 [m]; values: of the quantity, one per hexahedron or per node; alive, if not empty: one
+  /// per hexahedron, 0 for those that are removed and not shown, and neither is what is embedded in them; instruments:
+  /// where those are that hold something [m]; ghost: nodes of the pale shape [m], null: the original positions.
+  void add(long step, double time, ConstPoints positions, const std::vector<double>& values,
+           std::span<const unsigned char> alive = {}, std::span<const Vec3> instruments = {},
+           const PointArray* ghost = nullptr);
 
   int num_states() const { return static_cast<int>(states_.size()); }
   long step(int state) const { return states_[state].step; }
@@ -54,8 +64,10 @@ class Gallery {
   template <class Draw>
   void for_each_drawing(const Draw& draw) const {
     if (states_.empty()) return;
-    const View view = fitted_view();
-    for (int s = 0; s < num_states(); ++s) draw(s, drawing(states_[s], view));
+    Camera camera(viewpoint_);
+    Scale scale(staging_.quantity, staging_.range);
+    fit(camera, scale);
+    for (int s = 0; s < num_states(); ++s) draw(s, drawing(states_[s], camera, scale));
   }
 
  private:
@@ -81,7 +93,15 @@ class Gallery {
   struct Shown {
     std::shared_ptr<const Surface> surface;  // shared by all states between two removals
     Places points;                           // [m]
-    std::vector<float> strain;               // [-] one per point
+    std::vector<float> values;               // one per point
+  };
+
+  /// Where the body is cut through.
+  struct CutFace {
+    Places points;  // [m]
+    std::vector<float> values;
+    std::vector<Triangle> triangles;
+    std::vector<Edge> inner_lines, outline;
   };
 
   struct State {
@@ -89,37 +109,34 @@ class Gallery {
     double time = 0;  // [s]
     Shown body;
     std::vector<Shown> skins;
+    std::vector<Shown> ghosts;  // without values
+    CutFace cut;
     Places fixed, instruments;  // [m]
-  };
-
-  /// An orthographic camera, and the colour scale.
-  struct View {
-    Eigen::Vector3f right, up, towards;  // unit vectors; `towards` points at the viewer
-    Eigen::Vector2f centre;              // [m] along right and up, of what is shown
-    float pixels_per_metre = 1;
-    float nearest = 0, farthest = 1;  // [m] along `towards`
-    float greatest_strain = 0;
-
-    Drawing::Vertex project(const Eigen::Vector3f& point) const;
   };
 
   bool shows_cage() const { return !skins_.empty() && staging_.shows_hexahedra; }
   bool shows_body() const { return skins_.empty() && staging_.shows_hexahedra; }
 
+  void follow(std::span<const unsigned char> alive);
+  std::vector<Shown> ghosts_at(const PointArray* nodes) const;
+  CutFace cut_face(ConstPoints positions, const PointArray& values, std::span<const unsigned char> alive) const;
+
   std::vector<const Shown*> shown_in(const State& state) const;  // filled, not as edges
-  View fitted_view() const;
-  Drawing drawing(const State& state, const View& view) const;
-  void draw_original(const View& view, Drawing& picture) const;
-  void draw_surfaces(const State& state, const View& view, Drawing& picture) const;
-  void draw_edges(const State& state, const View& view, Drawing& picture) const;
-  void draw_marks(const State& state, const View& view, Drawing& picture) const;
-  void draw_keys(Drawing& picture) const;
+  std::vector<Plane> sides(const Camera& camera) const;
+  void fit(Camera& camera, Scale& scale) const;
+  Drawing drawing(const State& state, const Camera& camera, const Scale& scale) const;
+  void draw_ghosts(const State& state, const Camera& camera, Drawing& picture) const;
+  void draw_surfaces(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const;
+  void draw_edges(const State& state, const Camera& camera, Drawing& picture) const;
+  void draw_wires(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const;
+  void draw_marks(const State& state, const Camera& camera, Page& page) const;
+  std::vector<Key> keys(const Scale& scale) const;
 
   const HexMesh& mesh_;
   std::string title_;
   int time_decimals_;
-  int long_axis_;
   Staging staging_;
+  Viewpoint viewpoint_;
   std::vector<EmbeddedSkin> skins_;
   std::shared_ptr<const Boundary> original_, current_;
   std::vector<std::shared_ptr<const Surface>> current_skins_;

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <optional>
 
+#include "output/film.hpp"
 #include "output/plot.hpp"
 #include "output/png_file.hpp"
 #include "output/vtu.hpp"
@@ -35,6 +36,21 @@ std::vector<long> steps_to_draw(long num_steps, int count) {
   return steps;
 }
 
+constexpr double kFilmRate = 25;  // [1/s] pictures of a film
+
+/// The steps that a film shows: the first state, and then at most kFilmRate states a second; ascending.
+std::vector<long> steps_to_film(long num_steps, double dt) {
+  std::vector<long> steps;
+  const double stride = std::max(1.0, 1 / (kFilmRate * dt));
+  for (long i = 0; std::lround(static_cast<double>(i) * stride) <= num_steps; ++i)
+    steps.push_back(std::lround(static_cast<double>(i) * stride));
+  return steps;
+}
+
+std::unique_ptr<Film> film_of(const RunPlan& plan) {
+  return plan.video.empty() ? nullptr : open_film(plan.video, std::min(kFilmRate, 1 / plan.dt));
+}
+
 double mean_displacement(const std::vector<int>& nodes, ConstPoints from, ConstPoints to) {
   double sum = 0;
   for (const int node : nodes) sum += (to.row(node) - from.row(node)).norm();
@@ -50,29 +66,32 @@ fs::path prepared(fs::path directory, bool force) {
 
 struct Recorder::Files {
   Files(fs::path where, const Body& of, RunPlan run, RendererSource source)
-      : directory(prepared(std::move(where), run.force)),
+      : plan(std::move(run)),
+        film(film_of(plan)),
+        directory(prepared(std::move(where), plan.force)),
         body(of),
-        plan(std::move(run)),
         renderer(std::move(source)),
         ruler(body),
         history(directory / "history.csv"),
         removed(directory / "removed.csv"),
         series(directory / "mesh.pvd"),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
+    if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
     history.append(kHeader);
     removed.append("step,time,hexahedron");
-    if (plan.num_frames > 0) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
+    if (plan.num_frames > 0 || film) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
   }
 
+  RunPlan plan;
+  std::unique_ptr<Film> film;  // null: none wanted; before anything is written, since it may be refused
   fs::path directory;
   const Body& body;
-  RunPlan plan;
   RendererSource renderer;
   Ruler ruler;
   LineFile history, removed;
   TimeSeries series;
-  std::vector<long> to_draw;       // ascending
-  std::optional<Gallery> gallery;  // absent: no pictures wanted
+  std::vector<long> to_draw, to_film;  // ascending
+  std::optional<Gallery> gallery;      // absent: no pictures wanted
 
   // the latest state, so that a run that ends early still shows where it ended
   StepRecord latest;
@@ -84,6 +103,8 @@ struct Recorder::Files {
   void append_removed(const StepRecord& record);
   void append_row(const StepRecord& record, const Measures& measures, ConstPoints positions);
   void write_mesh();
+  bool is_drawn(long step) const { return std::ranges::binary_search(to_draw, step); }
+  bool is_filmed(long step) const { return std::ranges::binary_search(to_film, step); }
   void keep_for_picture();
   std::vector<std::string> draw_pictures();
 };
@@ -104,7 +125,7 @@ void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoin
   files.append_row(record, measures, positions);
   if (record.step % std::max(files.plan.output_every, 1) == 0 || record.step == files.plan.num_steps)
     files.write_mesh();
-  if (std::ranges::binary_search(files.to_draw, record.step)) files.keep_for_picture();
+  if (files.is_drawn(record.step) || files.is_filmed(record.step)) files.keep_for_picture();
 }
 
 std::vector<std::string> Recorder::finish() {
@@ -148,23 +169,31 @@ void Recorder::Files::write_mesh() {
 }
 
 void Recorder::Files::keep_for_picture() {
-  gallery->add(latest.step, latest.time, latest_positions, body.fields(latest_positions).plastic_strain,
-               body.history().alive, latest.instruments);
+  gallery->add(latest.step, latest.time, latest_positions,
+               values_of(plan.staging.quantity, body, latest_positions, latest_velocities), body.history().alive,
+               latest.instruments);
 }
 
 std::vector<std::string> Recorder::Files::draw_pictures() {
   const fs::path frames = directory / "frames";
   std::error_code error;
-  fs::create_directory(frames, error);
+  if (plan.num_frames > 0) fs::create_directory(frames, error);
   if (error) throw OutputError(fmt::format("{}: cannot be created: {}", frames.string(), error.message()));
   try {
     const std::unique_ptr<Renderer> draw = renderer();
     gallery->for_each_drawing([&](int state, const Drawing& drawing) {
-      write_png(frames / fmt::format("frame_{:06}.png", gallery->step(state)), draw->render(drawing));
+      const long step = gallery->step(state);
+      const Image image = draw->render(drawing);
+      const bool is_last = state == gallery->num_states() - 1;
+      if (plan.num_frames > 0 && (is_drawn(step) || is_last))
+        write_png(frames / fmt::format("frame_{:06}.png", step), image);
+      if (film && (is_filmed(step) || is_last)) film->add(image);
     });
   } catch (const RendererUnavailable& reason) {
+    if (film) throw OutputError(fmt::format("{}: no film: {}", plan.video.string(), reason.what()));
     return {fmt::format("no pictures: {}", reason.what())};
   }
+  if (film) film->finish();
   return {};
 }
 

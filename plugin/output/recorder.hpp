@@ -24,6 +24,7 @@ struct RunPlan {
   bool force = false;     ///< write into a directory that holds an earlier run
   std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
   Staging staging = {};                ///< of the pictures
+  std::filesystem::path video = {};    ///< film of the run in real time, at most 25 pictures a second; empty: none
 };
 
 /// One accepted step, or the initial state (step 0).
@@ -57,7 +58,8 @@ class Recorder {
   void record(const StepRecord& record, ConstPoints positions, ConstPoints velocities);
 
   /// Completes the files and draws the pictures; call once, also after a run that ended early. Returns warnings (one
-  /// sentence each), e.g. that no renderer is installed. Throws OutputError.
+  /// sentence each), e.g. that no renderer is installed. Throws OutputError, also where a film was wanted and there is
+  /// no renderer.
   std::vector<std::string> finish();
 
  private:

@@ -25,6 +25,7 @@
 #include "runner/mesh_export.hpp"
 #include "runner/mesh_info.hpp"
 #include "runner/mesh_make.hpp"
+#include "runner/render.hpp"
 #include "runner/run.hpp"
 #include "runner/view.hpp"
 #include "scene/reader.hpp"
@@ -92,6 +93,11 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(0, 100'000))
       ->needs(out);
+  add_field(*run, options.field)->needs(out);
+  run->add_option("--video", options.video, "Film of the run in real time: .mp4 by ffmpeg, or .png, animated")
+      ->type_name("FILE")
+      ->needs(out)
+      ->check(refuse_film_name);
   run->add_flag("--force", options.force, "Write into a directory that holds an earlier run")->needs(out);
   run->add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
@@ -452,6 +458,8 @@ int main(int argc, char** argv) {
   add_list(app, list_options);
   BenchOptions bench_options;
   add_bench(app, bench_options);
+  RenderOptions render_options;
+  add_render(app, render_options)->footer(kExitCodes);
   std::string page_format;
   add_page(app, page_format);
   try {
@@ -492,6 +500,11 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("list"))
     return report_errors("hexaplast", [&] {
       list(list_options);
+      return kOk;
+    });
+  if (app.got_subcommand("render"))
+    return report_errors(render_options.run.string(), [&] {
+      render(render_options);
       return kOk;
     });
   // the stream alone: warnings are kept for the manifest of the run

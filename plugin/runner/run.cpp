@@ -16,6 +16,7 @@
 #include "runner/journal.hpp"
 #include "runner/kept_warnings.hpp"
 #include "runner/progress.hpp"
+#include "runner/render.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
 
@@ -39,6 +40,8 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
       loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
   plan.staging = staging_of(simulation);
+  plan.staging.quantity = quantity_named(options.field);
+  if (options.video) plan.video = *options.video;
   return plan;
 }
 

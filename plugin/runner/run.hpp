@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "runner/scene_file.hpp"
 
@@ -16,9 +17,11 @@ struct RunOptions {
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
   std::optional<int> threads;
-  std::optional<int> frames;  ///< pictures; needs `out`
-  bool force = false;         ///< write over an earlier run; needs `out`
-  bool quiet = false;         ///< errors only
+  std::optional<int> frames;                   ///< pictures; needs `out`
+  std::string field;                           ///< what pictures show, by the word of a quantity; empty: plastic strain
+  std::optional<std::filesystem::path> video;  ///< film of the run; needs `out`
+  bool force = false;                          ///< write over an earlier run; needs `out`
+  bool quiet = false;                          ///< errors only
 };
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and

@@ -6,7 +6,7 @@
 
 namespace hexaplast::runner {
 
-/// How pictures show a scene: its skins, its held nodes and the direction of its camera.
+/// How pictures show a scene: its skins, its held nodes and its camera.
 output::Staging staging_of(Simulation& simulation);
 
 }  // namespace hexaplast::runner

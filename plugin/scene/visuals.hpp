@@ -36,6 +36,21 @@ class VisualStyle : public Component {
 
   virtual std::optional<bool> shows_visual_models() const = 0;  ///< none: not said
   virtual std::optional<bool> shows_behaviour_models() const = 0;
+  virtual bool shows_wireframe() const = 0;  ///< edges alone
+};
+
+/// From where something is seen.
+struct Viewpoint {
+  Vec3 towards;            ///< from what is looked at to the viewer; not 0
+  std::optional<Vec3> up;  ///< none: y, as far as may be
+
+  /// Where exactly the viewer stands; none: distance and detail are fitted to what is shown.
+  struct Eye {
+    Vec3 position, looks_at;  ///< [m]
+    double field_of_view;     ///< [deg] from the lower to the upper border
+    bool is_perspective;
+  };
+  std::optional<Eye> eye;
 };
 
 /// From where.
@@ -44,7 +59,7 @@ class Camera : public Component {
   static constexpr std::string_view kCategory = "Camera";
   using Component::Component;
 
-  virtual std::optional<Vec3> towards() const = 0;  ///< from what is looked at to the camera; none: not said
+  virtual const std::optional<Viewpoint>& viewpoint() const = 0;  ///< none: not said
 };
 
 /// A component that is also an instrument in the surgeon's hand.

@@ -202,9 +202,11 @@ class Rate {
 /// Where the viewer stands at first: as in the pictures of a run.
 Camera first_camera(const HexMesh& mesh, const output::Staging& staging) {
   const int long_axis = end_sections(mesh).axis;
-  if (staging.towards) {
-    const bool from_above = Vec3::UnitY().cross(staging.towards->normalized()).norm() < 0.05;
-    return {from_above ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitY()), *staging.towards};
+  if (staging.viewpoint) {
+    const Vec3& towards = staging.viewpoint->towards;
+    const bool from_above = Vec3::UnitY().cross(towards.normalized()).norm() < 0.05;
+    const Vec3 up = staging.viewpoint->up.value_or(from_above ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitY()));
+    return {up, towards};
   }
   const Vec3 upright = Vec3::Unit(long_axis == 1 ? 2 : 1), along = Vec3::Unit(long_axis);
   return {upright, along.cross(upright) + 0.45 * along + 0.42 * upright};

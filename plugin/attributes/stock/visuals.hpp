@@ -49,9 +49,10 @@ inline constexpr Description kOglModel{
 inline constexpr Attribute kVisualStyleAttributes[] = {
     {.name = "displayFlags",
      .type = Type::kText,
-     .help = "Words, of which two pairs count here: showVisualModels (the default) or hideVisualModels for surfaces, "
-             "showBehaviorModels or hideBehaviorModels for hexahedra; these are shown by default where no surface is, "
-             "and beside a surface as edges."},
+     .help = "Words, of which three pairs count here: showVisualModels (the default) or hideVisualModels for surfaces, "
+             "showBehaviorModels or hideBehaviorModels for hexahedra, which are shown by default where no surface is, "
+             "and beside a surface as edges; showWireframe for edges alone, in the colours of what they bound, or "
+             "hideWireframe (the default)."},
 };
 inline constexpr Description kVisualStyle{.class_name = "VisualStyle",
                                           .category = "Visual",
@@ -61,9 +62,26 @@ inline constexpr Description kVisualStyle{.class_name = "VisualStyle",
 inline constexpr Attribute kInteractiveCameraAttributes[] = {
     {.name = "position", .type = Type::kVectors3, .unit = "m", .help = "Where the viewer stands: one point."},
     {.name = "lookAt", .type = Type::kVectors3, .unit = "m", .help = "What the viewer looks at: one point."},
-    visual_attribute("orientation"),
-    visual_attribute("distance"),
-    visual_attribute("fieldOfView"),
+    {.name = "orientation",
+     .type = Type::kReals,
+     .help = "In place of lookAt: a quaternion x y z w that turns a camera from looking along -z, y pointing up."},
+    {.name = "distance",
+     .type = Type::kReal,
+     .initial = "1",
+     .unit = "m",
+     .range = kPositive,
+     .help = "From the camera to what it looks at, beside an orientation."},
+    {.name = "fieldOfView",
+     .type = Type::kReal,
+     .unit = "deg",
+     .range = {.least = 0, .most = 180, .without_least = true, .without_most = true},
+     .help = "Angle from the lower to the upper border. Where it is given, pictures are taken from the camera's very "
+             "position; otherwise its direction counts, and distance and detail are fitted to the run."},
+    {.name = "projectionType",
+     .type = Type::kWord,
+     .initial = "Perspective",
+     .words = "Perspective Orthographic 0 1",
+     .help = "Beside fieldOfView; 0 is Perspective. Fitted pictures are orthographic."},
     visual_attribute("zNear"),
     visual_attribute("zFar"),
     visual_attribute("computeZClip"),
@@ -71,7 +89,6 @@ inline constexpr Attribute kInteractiveCameraAttributes[] = {
     visual_attribute("maxBBox"),
     visual_attribute("widthViewport"),
     visual_attribute("heightViewport"),
-    visual_attribute("projectionType"),
     visual_attribute("activated"),
     visual_attribute("fixedLookAt"),
     visual_attribute("zoomSpeed"),
@@ -82,9 +99,8 @@ inline constexpr Description kInteractiveCamera{
     .class_name = "InteractiveCamera",
     .category = "Visual",
     .help =
-        "From where pictures are taken: of position and lookAt together the direction counts, y pointing up; "
-        "distance and detail are fitted to the run. Without them, from beside the body's longest axis and a little "
-        "above. The first one in the scene counts.",
+        "From where pictures are taken: from position towards lookAt, y pointing up, or as the orientation says. "
+        "Without them, from beside the body's longest axis and a little above. The first one in the scene counts.",
     .attributes = kInteractiveCameraAttributes};
 
 }  // namespace hexaplast::attributes

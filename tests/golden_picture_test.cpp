@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Whole pictures against those in tests/data/pictures, pixel by pixel. A picture that differs is written into the
+// working directory of the test.
+#include <png.h>
+
+#include <numbers>
+
+#include "output/gallery.hpp"
+#include "output/png_file.hpp"
+#include "output/section_page.hpp"
+#include "output_support.hpp"
+
+namespace hexaplast {
+namespace {
+
+namespace fs = std::filesystem;
+using output::Drawing;
+using output::Gallery;
+using output::Image;
+using output::Quantity;
+using output::Staging;
+
+constexpr int kWidth = 320, kHeight = 180;
+
+/// Pixels may differ by this much, which is less than a step of the colour map; and so many may differ by more, at the
+/// borders of what is drawn.
+constexpr int kTolerance = 8;
+constexpr int kMostDifferent = 60;
+
+Image read_png(const fs::path& file) {
+  png_image read{};
+  read.version = PNG_IMAGE_VERSION;
+  if (!png_image_begin_read_from_file(&read, file.c_str())) return {};
+  read.format = PNG_FORMAT_RGB;
+  Image image{static_cast<int>(read.width), static_cast<int>(read.height),
+              std::vector<std::uint8_t>(PNG_IMAGE_SIZE(read))};
+  png_image_finish_read(&read, nullptr, image.pixels.data(), 0, nullptr);
+  return image;
+}
+
+int num_different(const Image& a, const Image& b) {
+  if (a.pixels.size() != b.pixels.size() || a.width != b.width) return a.width * a.height;
+  int count = 0;
+  for (std::size_t k = 0; k < a.pixels.size(); k += 3) {
+    int most = 0;
+    for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a.pixels[k + c] - b.pixels[k + c]));
+    count += most > kTolerance;
+  }
+  return count;
+}
+
+Image golden(const std::string& name) { return read_png(fs::path(HEXAPLAST_TEST_DATA) / "pictures" / (name + ".png")); }
+
+void expect_golden(const std::string& name, const Drawing& drawing) {
+  const Image image = output::load_renderer()->render(drawing);
+  const int count = num_different(image, golden(name));
+  if (count <= kMostDifferent) return;
+  const fs::path actual = fs::current_path() / (name + "_actual.png");
+  output::write_png(actual, image);
+  ADD_FAILURE() << count << " pixels differ from tests/data/pictures/" << name << ".png; see " << actual;
+}
+
+/// A bar of 2 x 3 x 7 hexahedra, twisted by 80 degrees and bent a little.
+const HexMesh& bar() {
+  static const HexMesh mesh = support::block({2, 3, 7}, 0.1);
+  return mesh;
+}
+
+PointArray bent_bar(double twist = 80) {
+  PointArray x = bar().positions();
+  for (Eigen::Index n = 0; n < x.rows(); ++n) {
+    const double share = x(n, 2) / 0.7, angle = twist * share * std::numbers::pi / 180;
+    const Vec3 across(x(n, 0) - 0.1, x(n, 1) - 0.15, 0);
+    x.row(n) = Eigen::AngleAxisd(angle, Vec3::UnitZ()) * across + Vec3(0.1, 0.15 + 0.1 * share * share, x(n, 2));
+  }
+  return x;
+}
+
+std::vector<double> some_values() {
+  std::vector<double> values(bar().num_elements());
+  for (std::size_t e = 0; e < values.size(); ++e)
+    values[e] = 0.02 * static_cast<double>(e % 6) + 0.004 * static_cast<double>(e);
+  return values;
+}
+
+Staging small() {
+  Staging staging;
+  staging.width = kWidth;
+  staging.height = kHeight;
+  for (int n = 0; n < 12; ++n) staging.fixed_nodes.push_back(n);  // those at z = 0
+  return staging;
+}
+
+Drawing picture(const Staging& staging, const std::vector<double>& values = some_values(),
+                const std::vector<unsigned char>& alive = {}) {
+  Gallery gallery(bar(), "twisted bar", 2, staging);
+  const std::array instruments{Vec3(0.1, 0.25, 0.7)};
+  gallery.add(12, 0.24, bent_bar(), values, alive, instruments);
+  Drawing drawing;
+  gallery.for_each_drawing([&](int, const Drawing& one) { drawing = one; });
+  return drawing;
+}
+
+TEST(GoldenPicture, OfABody) { expect_golden("body", picture(small())); }
+
+TEST(GoldenPicture, OfABodyThatIsCut) {
+  Staging staging = small();
+  staging.cut = Plane{Vec3::UnitZ(), 0.42};
+  staging.viewpoint = output::Viewpoint{
+      Vec3(0.9, 0.7, 1.4), {}, output::Viewpoint::Eye{Vec3(1.0, 0.9, 1.6), Vec3(0.1, 0.2, 0.3), 32, true}};
+  staging.quantity = Quantity::kVolumeRatio;
+  staging.range = std::pair(0.05, 0.2);
+  expect_golden("cut", picture(staging));
+}
+
+TEST(GoldenPicture, OfWhatHasNoValueAndWhatIsRemoved) {
+  Staging staging = small();
+  staging.quantity = Quantity::kYield;
+  staging.viewpoint = output::Viewpoint{Vec3(1, 0.4, -0.3), {}};
+  std::vector<double> values = some_values();
+  for (std::size_t e = 0; e < 12; ++e) values[e] = std::numeric_limits<double>::infinity();
+  std::vector<unsigned char> alive(values.size(), 1);
+  for (const std::size_t gone : {21u, 23u, 25u, 27u}) alive[gone] = 0;
+  expect_golden("holes", picture(staging, values, alive));
+}
+
+TEST(GoldenPicture, OfWires) {
+  Staging staging = small();
+  staging.is_wireframe = true;
+  staging.ghost.clear();
+  staging.fixed_nodes.clear();
+  expect_golden("wires", picture(staging));
+}
+
+TEST(GoldenPicture, OfSections) {
+  output::SectionPage page;
+  page.title = "twisted bar";
+  page.remark = "t = 0.24 s";
+  page.axis = 2;
+  page.count = 5;
+  page.width = kWidth;
+  page.height = kHeight;
+  expect_golden("sections", page.drawing(bar(), bent_bar(), some_values(), {}, bar().positions()));
+}
+
+// What these tests are there to find.
+TEST(GoldenPicture, DiffersFromOneOfAnotherCamera) {
+  Staging staging = small();
+  const Vec3 towards = output::beside(2).towards;
+  staging.viewpoint = output::Viewpoint{Eigen::AngleAxisd(0.05, Vec3::UnitY()) * towards, {}};
+  EXPECT_GT(num_different(output::load_renderer()->render(picture(staging)), golden("body")), 10 * kMostDifferent);
+}
+
+TEST(GoldenPicture, DiffersFromOneWithoutLight) {
+  Drawing drawing = picture(small());
+  for (Drawing::Triangle& triangle : drawing.triangles)
+    for (Drawing::Vertex& corner : triangle.corner)
+      if (corner.depth > 0.1f && corner.depth < 0.9f)
+        for (float* part : {&corner.colour.red, &corner.colour.green, &corner.colour.blue}) *part *= 0.8f;
+  EXPECT_GT(num_different(output::load_renderer()->render(drawing), golden("body")), 10 * kMostDifferent);
+}
+
+}  // namespace
+}  // namespace hexaplast

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/mesh/plane_cut.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/mesh/trilinear.hpp"
+#include "support/compare.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+const Vec3 kDiagonal = Vec3(1, 1, 1).normalized();
+const double kHexagon = 3 * std::sqrt(3.0) / 4;  // cut of the unit cube through its centre, across its diagonal
+
+PlaneCut cut(const HexMesh& mesh, const Plane& plane, std::span<const unsigned char> alive = {}) {
+  return PlaneCut(mesh.positions(), mesh.hexahedra(), plane, alive);
+}
+
+PointArray points_of(const PlaneCut& cut, const PointArray& nodes) {
+  PointArray points(cut.num_points(), 3);
+  cut.apply(nodes, points);
+  return points;
+}
+
+double length(const std::vector<Edge>& lines, const PointArray& points) {
+  double sum = 0;
+  for (const auto& [a, b] : lines) sum += (points.row(a) - points.row(b)).norm();
+  return sum;
+}
+
+TEST(PlaneCut, OfACubeAcrossItsDiagonalIsARegularHexagon) {
+  const HexMesh mesh = support::block({1, 1, 1}, 2);
+  const PlaneCut hexagon = cut(mesh, {kDiagonal, std::sqrt(3.0)});
+  EXPECT_NEAR(hexagon.area(), 4 * kHexagon, 1e-14);
+  EXPECT_NEAR(length(hexagon.outline(), points_of(hexagon, mesh.positions())), 6 * std::sqrt(2.0), 1e-14);
+  EXPECT_TRUE(hexagon.inner_lines().empty());
+}
+
+TEST(PlaneCut, AreasOfManyHexahedraAddUpToThatOfTheBlock) {
+  const HexMesh mesh = support::block({3, 4, 5}, 0.1);
+  const PlaneCut aslant = cut(mesh, {Vec3(3, 0, 4) / 5, 0.33});
+  // through x = 0 at z = 0.4125 and through x = 0.3 at z = 0.1875
+  EXPECT_NEAR(aslant.area(), 0.4 * std::hypot(0.3, 0.225), 1e-15);
+  EXPECT_NEAR(length(aslant.outline(), points_of(aslant, mesh.positions())), 2 * (0.4 + 0.375), 1e-14);
+}
+
+// Area vectors transform by the cofactor: the cut of the cube's image by normal . x = d has the area of the cube's cut
+// times det A / |A^T normal|.
+TEST(PlaneCut, OfAParallelepipedIsExact) {
+  Mat3 A;
+  A << 1.2, 0.3, -0.1, 0.2, 0.9, 0.4, -0.3, 0.1, 1.5;
+  const HexMesh cube = support::block({2, 2, 2}, 0.5);
+  const HexMesh mesh(support::mapped(cube.positions(), A), cube.hexahedra());
+  const Vec3 normal = (A.transpose().inverse() * Vec3(1, 1, 1)).normalized();  // so that A^T normal is diagonal
+  const double size = (A.transpose() * normal).norm();
+  const PlaneCut image = cut(mesh, {normal, size * std::sqrt(3.0) / 2});
+  EXPECT_NEAR(image.area(), kHexagon * A.determinant() / size, 1e-14);
+}
+
+// Areas along a line add up to the volume. Between two heights of corners or of their means the area is a quadratic, so
+// that Simpson's rule is exact.
+TEST(PlaneCut, AreasOfAWarpedHexahedronAddUpToItsExactVolume) {
+  const ElementPoints x = support::distorted_hexahedron(1, 0.2, 7);
+  const HexMesh mesh = support::single_element(x);
+  const Vec3 normal = Vec3(0.3, -0.5, 0.8).normalized();
+  std::vector<double> heights;
+  const auto add_mean = [&](std::span<const int> corners) {
+    Vec3 mean = Vec3::Zero();
+    for (const int corner : corners) mean += x.row(corner).transpose() / static_cast<double>(corners.size());
+    heights.push_back(normal.dot(mean));
+  };
+  const Hexahedron all{0, 1, 2, 3, 4, 5, 6, 7};
+  add_mean(all);
+  for (const int& corner : all) add_mean({&corner, 1});
+  for (const auto& face : kFaces) add_mean(face);
+  std::ranges::sort(heights);
+
+  double sum = 0;
+  for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
+    const double from = heights[k], width = heights[k + 1] - from;
+    const auto area = [&](double share) { return cut(mesh, {normal, from + share * width}).area(); };
+    // at a height itself nothing jumps
+    sum += width * (area(1e-12) + 4 * area(0.5) + area(1 - 1e-12)) / 6;
+  }
+  EXPECT_NEAR(sum, volume(x), 1e-10);
+}
+
+TEST(PlaneCut, OfAWarpedHexahedronIsBetterInMoreParts) {
+  const HexMesh mesh = support::single_element(support::distorted_hexahedron(1, 0.3, 9));
+  const Plane plane{Vec3(1, 2, 3).normalized(), 0.05};
+  const auto area = [&](int parts) { return PlaneCut(mesh.positions(), mesh.hexahedra(), plane, {}, parts).area(); };
+  const double best = area(32), one = std::abs(area(1) - best), four = std::abs(area(4) - best);
+  EXPECT_GT(one, 1e-4);
+  EXPECT_LT(four, one / 8);
+
+  const HexMesh flat = support::block({2, 2, 2}, 0.5);
+  const PlaneCut parted(flat.positions(), flat.hexahedra(), {kDiagonal, std::sqrt(3.0) / 2}, {}, 3);
+  EXPECT_NEAR(parted.area(), kHexagon, 1e-14);
+  EXPECT_NEAR(length(parted.outline(), points_of(parted, flat.positions())), 3 * std::sqrt(2.0), 1e-13);
+  EXPECT_NEAR(length(parted.inner_lines(), points_of(parted, flat.positions())), 3 * std::sqrt(2.0) / 2 * 2, 1e-13);
+}
+
+TEST(PlaneCut, PointsLieInThePlaneAndCarryFields) {
+  const HexMesh mesh = support::distorted_block({3, 2, 4}, 0.5, 0.15, 41);
+  const Plane plane{Vec3(1, 2, 3).normalized(), 1.1};
+  const PlaneCut warped = cut(mesh, plane);
+  ASSERT_GT(warped.num_points(), 20);
+  const PointArray points = points_of(warped, mesh.positions());
+  for (Eigen::Index n = 0; n < points.rows(); ++n) EXPECT_NEAR(plane.height(points.row(n).transpose()), 0, 1e-14);
+
+  Mat3 A;
+  A << 2, 1, 0, -1, 3, 1, 0.5, 0, -2;
+  const PointArray field = support::mapped(mesh.positions(), A, Vec3(1, 2, 3));
+  EXPECT_LE(support::max_abs(points_of(warped, field) - support::mapped(points, A, Vec3(1, 2, 3))), 1e-13);
+
+  for (const auto& [a, b, c] : warped.triangles()) {
+    const Vec3 normal = (points.row(b) - points.row(a)).cross(points.row(c) - points.row(a)).transpose();
+    EXPECT_GE(normal.dot(plane.normal), 0);
+  }
+}
+
+// Every place of the outline has one line that comes and one that goes: there is no gap between neighbours.
+TEST(PlaneCut, OutlineOfAWarpedBlockIsClosed) {
+  const HexMesh mesh = support::distorted_block({3, 2, 4}, 0.5, 0.15, 43);
+  const PlaneCut warped(mesh.positions(), mesh.hexahedra(), {Vec3(1, 2, 3).normalized(), 1.1}, {}, 2);
+  const PointArray points = points_of(warped, mesh.positions());
+  const auto lines_at = [&](int point) {
+    int count = 0;
+    for (const Edge& line : warped.outline())
+      for (const int end : line) count += (points.row(end) - points.row(point)).norm() < 1e-12;
+    return count;
+  };
+  ASSERT_GT(warped.outline().size(), 20u);
+  for (const auto& [a, b] : warped.outline()) {
+    EXPECT_EQ(lines_at(a), 2);
+    EXPECT_EQ(lines_at(b), 2);
+  }
+}
+
+TEST(PlaneCut, AlongFacesBelongsToWhatIsBelow) {
+  const HexMesh mesh = support::block({2, 2, 3}, 1);
+  const std::vector<unsigned char> upper{0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+  EXPECT_DOUBLE_EQ(cut(mesh, {Vec3::UnitZ(), 1}).area(), 4);
+  EXPECT_DOUBLE_EQ(cut(mesh, {Vec3::UnitZ(), 3}).area(), 4);
+  EXPECT_DOUBLE_EQ(cut(mesh, {Vec3::UnitZ(), 0}).area(), 0);
+  EXPECT_DOUBLE_EQ(cut(mesh, {Vec3::UnitZ(), 1}, upper).area(), 0);
+  EXPECT_DOUBLE_EQ(cut(mesh, {-Vec3::UnitZ(), -1}, upper).area(), 4);
+}
+
+// Planes through the nodes, and through the divisions of hexahedra, of a block that stands aslant: all heights there
+// are ones of rounding, of either sign.
+TEST(PlaneCut, HasNoHolesWhereRoundingDecides) {
+  const HexMesh upright = support::block({3, 4, 7}, 0.1);
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+  const HexMesh mesh(support::mapped(upright.positions(), turn, Vec3(0.3, 0.1, -0.2)), upright.hexahedra());
+  const Vec3 normal = turn.col(2);
+  for (const double place : {0.1, 0.3, 0.325, 0.35, 0.4, 0.6})
+    for (const int parts : {1, 2, 4}) {
+      const double offset = place + normal.dot(Vec3(0.3, 0.1, -0.2));
+      const PlaneCut across(mesh.positions(), mesh.hexahedra(), {normal, offset}, {}, parts);
+      EXPECT_NEAR(across.area(), 0.12, 1e-12) << place << " in " << parts;
+    }
+}
+
+TEST(PlaneCut, LeavesOutWhatIsRemoved) {
+  const HexMesh mesh = support::block({2, 2, 1}, 1);
+  const std::vector<unsigned char> alive{1, 0, 1, 1};
+  const PlaneCut rest = cut(mesh, {Vec3::UnitZ(), 0.5}, alive);
+  EXPECT_DOUBLE_EQ(rest.area(), 3);
+  const PointArray points = points_of(rest, mesh.positions());
+  EXPECT_NEAR(length(rest.outline(), points), 8, 1e-14);
+  EXPECT_NEAR(length(rest.inner_lines(), points), 2, 1e-14);
+}
+
+TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
+  const HexMesh mesh = support::block({2, 1, 1}, 1);
+  const Vec3 normal = Vec3(3, 0, -4) / 5;
+  const auto [least, most] = extent_along(normal, mesh.positions(), mesh.hexahedra());
+  EXPECT_DOUBLE_EQ(least, -0.8);
+  EXPECT_DOUBLE_EQ(most, 1.2);
+  EXPECT_EQ(extent_along(normal, mesh.positions(), mesh.hexahedra(), std::vector<unsigned char>{1, 0}).second, 0.6);
+  EXPECT_EQ(extent_along(normal, mesh.positions(), {}), std::pair(0.0, 0.0));
+  EXPECT_EQ(cut(mesh, {normal, -0.81}).area(), 0);
+  EXPECT_GT(cut(mesh, {normal, -0.79}).area(), 0);
+}
+
+TEST(PartAbove, OfATriangleHasTheShareOfItsAreaThatItsHeightsSay) {
+  const std::array<Vec3, 3> corner{Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 2, 0)};
+  const auto area_above = [&](const std::array<double, 3>& height) {
+    std::array<TriangleShares, 4> part;
+    const int count = part_above(height, part);
+    std::vector<Vec3> places;
+    for (int k = 0; k < count; ++k)
+      places.push_back(part[k][0] * corner[0] + part[k][1] * corner[1] + part[k][2] * corner[2]);
+    double area = 0;  // signed: a part that turned the other way would count negative
+    for (int k = 2; k < count; ++k) area += (places[k - 1] - places[0]).cross(places[k] - places[0]).z() / 2;
+    return area;
+  };
+  EXPECT_DOUBLE_EQ(area_above({1, 1, 1}), 3);
+  EXPECT_DOUBLE_EQ(area_above({0, 0, 0}), 3);
+  EXPECT_DOUBLE_EQ(area_above({-1, -1, -2}), 0);
+  // one corner above: similar triangles, shares 1/2 and 1/4 of the edges; and the other way round
+  EXPECT_NEAR(area_above({1, -1, -3}), 3 * 0.5 * 0.25, 1e-15);
+  EXPECT_NEAR(area_above({-1, 1, 3}), 3 * (1 - 0.5 * 0.25), 1e-15);
+  EXPECT_NEAR(area_above({-3, 1, -1}), 3 * 0.5 * 0.25, 1e-15);
+}
+
+}  // namespace
+}  // namespace hexaplast

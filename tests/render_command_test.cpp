@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// hexaplast render, and the pictures that hexaplast run makes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "support/command.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::content;
+using support::Outcome;
+
+/// A bar without any held node, so that a picture shows nothing that its files do not know: pulled at both ends, it
+/// yields.
+const std::string kBar =
+    "<Node name='root' gravity='0 0 0' dt='0.01'>\n<DefaultAnimationLoop/><RunSettings steps='10' outputEvery='5'/>"
+    "<EulerImplicitSolver/><SparseLDLSolver/>\n<RegularGridTopology n='2 2 4' max='0.25 0.25 0.75'/><MechanicalObject/>"
+    "<DiagonalMass massDensity='1000'/>\n<HexahedronElastoplasticFEMForceField youngModulus='5000' poissonRatio='0.3' "
+    "yieldStress='100' plasticFlowRate='4'/>\n<ConstantForceField indices='0 1 2 3' forces='0 0 -4'/>"
+    "<ConstantForceField indices='12 13 14 15' forces='0 0.5 4'/></Node>";
+
+class Render : public support::Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    write("bar.scn", kBar);
+    const Outcome run = hexaplast("run bar.scn --out bar --frames 1 --quiet");
+    ASSERT_EQ(run.code, 0) << run.err;
+  }
+
+  /// The picture that options make.
+  std::string picture(const std::string& options) {
+    const Outcome outcome = hexaplast("render bar -o picture.png " + options);
+    EXPECT_EQ(outcome.code, 0) << options << ": " << outcome.err;
+    return content(directory_ / "picture.png");
+  }
+
+  void expect_refusal(const std::string& options, int code, const std::string& part) {
+    const Outcome outcome = hexaplast("render " + options);
+    EXPECT_EQ(outcome.code, code) << options;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << options << ": " << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(directory_ / "render.png")) << options;
+  }
+
+  void replace(const std::string& file, const std::string& from, const std::string& to) {
+    std::string text = content(directory_ / file);
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, text.npos) << from;
+    write(file, text.replace(at, from.size(), to));
+  }
+};
+
+TEST_F(Render, MakesThePictureThatTheRunMade) {
+  EXPECT_EQ(picture(""), content(directory_ / "bar/frames/frame_000010.png"));
+  EXPECT_EQ(hexaplast("render bar/mesh.pvd").code, 0);
+  EXPECT_EQ(content(directory_ / "render.png"), picture("")) << "its default name";
+}
+
+TEST_F(Render, FindsStatesByStepAndByTime) {
+  const std::string fifth = picture("--step 5");
+  EXPECT_NE(fifth, picture(""));
+  EXPECT_EQ(fifth, picture("--time 0.06"));
+  EXPECT_EQ(picture("--time 99"), picture("--step 10"));
+  expect_refusal("bar --step 7", 2, "--step 7: this run holds 0, 5, 10");
+}
+
+TEST_F(Render, EveryOptionChangesThePicture) {
+  const std::string plain = picture("");
+  std::vector<std::string> seen{plain};
+  for (const char* options :
+       {"--field stress", "--field yield", "--field volume_ratio", "--field speed", "--range 0:0.5", "--view top",
+        "--view 1,0.2,-0.3", "--camera 1,1,2:0.1,0.1,0.4:30", "--slice z:0.4", "--sections z:3", "--sections x:2",
+        "--shape rest", "--ghost rest", "--ghost none", "--no-edges", "--slice x:0.1 --field stress"}) {
+    seen.push_back(picture(options));
+    EXPECT_EQ(std::ranges::count(seen, seen.back()), 1) << options;
+  }
+  EXPECT_EQ(picture("--view front"), picture("--view 0,0,2"));
+}
+
+TEST_F(Render, HasTheSizeAskedFor) {
+  const auto side = [](const std::string& png, std::size_t at) {
+    return 256 * static_cast<unsigned char>(png[at + 2]) + static_cast<unsigned char>(png[at + 3]);
+  };
+  const std::string small = picture("--size 320x200");
+  EXPECT_EQ(side(small, 16), 320);
+  EXPECT_EQ(side(small, 20), 200);
+  EXPECT_EQ(side(picture(""), 16), 1280);
+}
+
+TEST_F(Render, RefusesOptionsThatMakeNoSense) {
+  for (const char* size : {"320", "63x200", "320x4097", "320x", "32.5x200", "axb"})
+    expect_refusal(std::string("bar --size ") + size, 2, "each from 64 to 4096 pixels");
+  for (const char* range : {"1", "1:1", "2:1", "a:b", "0:nan", "0:1:2"})
+    expect_refusal(std::string("bar --range ") + range, 2, "two numbers LO:HI");
+  for (const char* view : {"up", "1,2", "0,0,0", "1,2,inf"})
+    expect_refusal(std::string("bar --view ") + view, 2, "front, back, left, right, top, bottom");
+  for (const char* camera : {"1,2,3", "1,2,3:1,2,3:30", "1,2,3:0,0,0:180", "1,2,3:0,0:30", "1,2,3:30"})
+    expect_refusal(std::string("bar --camera ") + camera, 2, "field of view");
+  for (const char* slice : {"0.1", "w:0.1", "x:", "x:one"})
+    expect_refusal(std::string("bar --slice ") + slice, 2, "an axis and a place on it");
+  expect_refusal("bar --slice x:0.4", 2, "--slice x:0.4: does not meet the body, which lies between");
+  for (const char* sections : {"z", "z:0", "z:2.5", "z:101"})
+    expect_refusal(std::string("bar --sections ") + sections, 2, "how many sections, from 1 to 100");
+  expect_refusal("bar --field colour", 2, "--field");
+  expect_refusal("bar --sections z:3 --slice z:0.1", 2, "--sections");
+  expect_refusal("bar --video film.gif", 2, ".mp4, .png or .apng");
+}
+
+TEST_F(Render, SaysWhatIsMissing) {
+  expect_refusal("nowhere", 5, "nowhere: is not there");
+  expect_refusal("bar.scn", 3, "bar.scn:");
+  write("empty.pvd", "<VTKFile><Collection/></VTKFile>");
+  expect_refusal("empty.pvd", 3, "names no state");
+  write("odd.pvd", "<VTKFile>\n<Collection>\n<DataSet timestep='soon' file='a.vtu'/></Collection></VTKFile>");
+  expect_refusal("odd.pvd", 3, "odd.pvd:3: DataSet.timestep 'soon'");
+
+  replace("bar/mesh_000010.vtu", "Name=\"stress_norm\"", "Name=\"other\"");
+  expect_refusal("bar --field stress", 3,
+                 "mesh_000010.vtu: holds no array 'stress_norm' of cells; it holds: id, part, other");
+  replace("bar/mesh_000005.vtu", "NumberOfPoints=\"16\"", "NumberOfPoints=\"15\"");
+  expect_refusal("bar --step 5", 3, "mesh_000005.vtu:");
+  std::filesystem::remove(directory_ / "bar/mesh_000000.vtu");
+  expect_refusal("bar", 3, "mesh_000000.vtu");
+  EXPECT_EQ(hexaplast("render bar -o nowhere/picture.png").code, 3);
+}
+
+TEST_F(Render, KeepsAnOlderPictureWhereItFails) {
+  const std::string plain = picture("");
+  EXPECT_EQ(hexaplast("render bar -o picture.png --slice x:9").code, 2);
+  EXPECT_EQ(content(directory_ / "picture.png"), plain);
+  EXPECT_EQ(hexaplast("render bar -o bar").code, 5) << "a directory";
+}
+
+int num_frames(const std::string& film) {
+  const std::size_t at = film.find("acTL");
+  return at == film.npos ? 0 : static_cast<unsigned char>(film[at + 7]);
+}
+
+TEST_F(Render, MakesFilms) {
+  ASSERT_EQ(hexaplast("render bar --video film.png --size 160x90 --field stress").code, 0);
+  EXPECT_EQ(num_frames(content(directory_ / "film.png")), 3);
+
+  // a run of 0.1 s: steps 0, 4, 8 at 25 pictures a second, and the last one
+  const Outcome run = hexaplast("run bar.scn --out again --video run.png --frames 0 --field speed --quiet");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(num_frames(content(directory_ / "run.png")), 4);
+  EXPECT_FALSE(std::filesystem::exists(directory_ / "again/frames"));
+}
+
+TEST_F(Render, FieldOfARunIsThatOfItsPictures) {
+  ASSERT_EQ(hexaplast("run bar.scn --out bar --force --frames 1 --field stress --quiet").code, 0);
+  EXPECT_EQ(picture("--field stress"), content(directory_ / "bar/frames/frame_000010.png"));
+  EXPECT_EQ(hexaplast("run bar.scn --out bar --force --field warmth").code, 2);
+}
+
+TEST_F(Render, MakesFilmsWithFfmpegOrSaysWhyNot) {
+  const Outcome missing = hexaplast("render bar --video film.mp4", "PATH=/nonexistent");
+  EXPECT_EQ(missing.code, 5);
+  EXPECT_NE(missing.err.find("needs the program ffmpeg"), std::string::npos) << missing.err;
+  EXPECT_EQ(hexaplast("run bar.scn --out third --video film.mp4 --quiet", "PATH=/nonexistent").code, 5);
+  EXPECT_FALSE(std::filesystem::exists(directory_ / "third/history.csv")) << "said before the first step";
+
+  std::filesystem::create_directory(directory_ / "bin");
+  write("bin/ffmpeg", "#!/bin/sh\n/bin/cat > /dev/null\necho 'no such encoder' >&2\nexit 1\n");
+  ASSERT_EQ(shell("chmod +x bin/ffmpeg").code, 0);
+  const Outcome failed = hexaplast("render bar --video film.mp4 --size 64x64", "PATH=$PWD/bin");
+  EXPECT_EQ(failed.code, 5);
+  EXPECT_NE(failed.err.find("film.mp4: ffmpeg ended with code 1: no such encoder"), std::string::npos) << failed.err;
+}
+
+}  // namespace
