@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <istream>
+#include <ostream>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/finite.hpp"
@@ -27,6 +31,47 @@ void add_array(StateHash& hash, const std::vector<T>& array) {
 double moved(double threshold, double before, double now) {
   if (before == now) return threshold;
   return std::isfinite(threshold) && std::isfinite(now) ? std::max(0.0, threshold + now - before) : now;
+}
+
+constexpr std::array<char, 8> kSavedMagic = {'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'};
+constexpr std::uint32_t kSavedVersion = 1;
+
+/// XXH64 of what a saved history belongs to.
+std::uint64_t identity_of(const Model& model) {
+  StateHash hash;
+  Archive archive([&](const void* data, std::size_t size) { hash.add(data, size); });
+  PointArray positions = model.mesh.positions();
+  std::vector<Hexahedron> hexahedra = model.mesh.hexahedra();
+  Settings settings = model.settings;
+  archive(positions, hexahedra, settings.gradient, settings.yield_norm, settings.rotation, settings.rotation_frame,
+          settings.averaging, settings.averaging_steps, settings.averaging_tolerance, settings.precision,
+          settings.volume_restitution, settings.inversion_threshold);
+  return hash.value();
+}
+
+void serialize_materials(Archive& archive, std::vector<Material>& materials) {
+  std::uint64_t count = materials.size();
+  archive(count);
+  if (archive.reads()) {
+    if (count > archive.rest()) throw InputError(fmt::format("{} materials are announced", count));
+    materials.resize(count);
+  }
+  for (Material& m : materials)
+    archive(m.young_modulus, m.poisson_ratio, m.yield_stress, m.flow_rate, m.rotation_yield, m.rotation_flow_rate,
+            m.hardening, m.fracture_stress, m.fracture_stretch);
+}
+
+/// More than the saved materials and history of a model can take.
+std::size_t greatest_saved_size(const Model& model, const History& history) {
+  const auto present = serialized_size([&](Archive& archive) { const_cast<History&>(history).serialize(archive); });
+  const auto num_elements = static_cast<std::size_t>(model.mesh.num_elements());
+  return present + 1024 + num_elements * (sizeof(Material) + sizeof(CornerTensors) + sizeof(int));
+}
+
+void read_exactly(std::istream& in, void* data, std::size_t size) {
+  in.read(static_cast<char*>(data), static_cast<std::streamsize>(size));
+  if (static_cast<std::size_t>(in.gcount()) != size)
+    throw InputError(fmt::format("a saved body ends {} bytes too early", size - static_cast<std::size_t>(in.gcount())));
 }
 
 }  // namespace
@@ -119,16 +164,87 @@ void Body::set_materials(std::vector<Material> materials) {
       history.rotation_yield[e][i] = moved(history.rotation_yield[e][i], before.rotation_yield, now.rotation_yield);
     }
   }
-  ++history.version;
+  take(std::move(changed), std::move(history));
+}
 
-  model_ = std::move(changed);
+void Body::take(Model model, History history) {
+  const long version = history_.version;
+  model_ = std::move(model);
   history_ = std::move(history);
+  history_.version = version + 1;  // what was derived from the old history is old
   at_ = Linearization(model_);
   flow_.reset();
   if (model_.can_flow()) flow_.emplace(model_);
   mostly_flows_ = false;
   checked_dt_ = 0;
   hierarchy_.reset();
+}
+
+void Body::write(Archive& archive) const {
+  std::vector<Material> materials = model_.materials;
+  serialize_materials(archive, materials);
+  const_cast<History&>(history_).serialize(archive);  // which writes, and changes nothing
+}
+
+std::pair<Model, History> Body::read(Archive& archive) const {
+  std::vector<Material> materials;
+  serialize_materials(archive, materials);
+  Model model(model_, std::move(materials));
+  History history(model);
+  history.serialize(archive);
+  validate(model, history);
+  return {std::move(model), std::move(history)};
+}
+
+void Body::serialize(Archive& archive) {
+  if (!archive.reads()) return write(archive);
+  auto [model, history] = read(archive);
+  take(std::move(model), std::move(history));
+}
+
+void Body::save(std::ostream& out) const {
+  StateHash hash;
+  Archive archive([&](const void* data, std::size_t size) {
+    out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+    hash.add(data, size);
+  });
+  std::array<char, 8> magic = kSavedMagic;
+  std::uint32_t version = kSavedVersion;
+  std::uint64_t identity = identity_of(model_), size = serialized_size([&](Archive&counting) { write(counting); });
+  archive(magic, version, identity, size);
+  write(archive);
+  std::uint64_t checksum = hash.value();
+  archive(checksum);
+  if (!out) throw InputError("the stream does not take a saved body");
+}
+
+void Body::load(std::istream& in) {
+  std::array<std::byte, sizeof kSavedMagic + sizeof kSavedVersion + 2 * sizeof(std::uint64_t)> header;
+  read_exactly(in, header.data(), header.size());
+  std::array<char, 8> magic;
+  std::uint32_t version = 0;
+  std::uint64_t identity = 0, size = 0, checksum = 0;
+  Archive head{std::span<const std::byte>(header)};
+  head(magic, version, identity, size);
+  if (magic != kSavedMagic) throw InputError("this is no saved body");
+  if (version != kSavedVersion)
+    throw InputError(fmt::format("the saved body has format version {}, must be {}", version, kSavedVersion));
+  if (identity != identity_of(model_)) throw InputError("the saved body has another mesh or other settings");
+  if (size > greatest_saved_size(model_, history_))
+    throw InputError(fmt::format("the saved body is damaged: {} bytes are announced", size));
+
+  std::vector<std::byte> bytes(size);
+  read_exactly(in, bytes.data(), bytes.size());
+  read_exactly(in, &checksum, sizeof checksum);
+  StateHash hash;
+  hash.add(header.data(), header.size());
+  hash.add(bytes.data(), bytes.size());
+  if (hash.value() != checksum) throw InputError("the saved body is damaged: its checksum does not fit");
+
+  Archive contents{std::span<const std::byte>(bytes)};
+  auto [model, history] = read(contents);
+  if (contents.rest() != 0) throw InputError(fmt::format("the saved body has {} bytes too many", contents.rest()));
+  take(std::move(model), std::move(history));
 }
 
 void Body::reset() {

@@ -180,8 +180,8 @@ TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
 
   const auto weight = [](double, ConstPoints, Points f) { f.col(2).array() -= 0.04; };
   const auto rest = [&](Body& body, LinearSolver& solver) {
-    LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0),
-                               support::nodes_at(body.mesh(), 0, 0), weight);
+    LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0), support::nodes_at(body.mesh(), 0, 0),
+                      weight);
     PointArray x = body.mesh().positions();
     NewtonRaphson newton({.iterations = 50,
                           .relative_successive = 0,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/moving_body.hpp"
 
-#include <limits>
+#include <thread>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/grid.hpp"
@@ -137,6 +137,26 @@ TEST(MovingBody, RepeatsItsBitsAfterReset) {
   moving.run(40);
   EXPECT_EQ(moving.state_hash(), once);
   EXPECT_EQ(moving.x.data(), memory) << "a view of the positions would dangle";
+}
+
+TEST(MovingBody, ManyInOneProcessDoNotDisturbEachOther) {
+  MovingBody alone(yielding_bar(), pulling());
+  alone.run(40);
+  std::vector<std::unique_ptr<MovingBody>> by_turns, at_once;
+  for (int k = 0; k < 12; ++k) {
+    by_turns.push_back(std::make_unique<MovingBody>(yielding_bar(), pulling()));
+    at_once.push_back(std::make_unique<MovingBody>(yielding_bar(), pulling()));
+  }
+  for (int step = 0; step < 40; ++step)
+    for (const auto& body : by_turns) body->step();
+  {
+    std::vector<std::jthread> threads;
+    for (const auto& body : at_once) threads.emplace_back([&body] { body->run(40); });
+  }
+  for (int k = 0; k < 12; ++k) {
+    EXPECT_EQ(by_turns[k]->state_hash(), alone.state_hash());
+    EXPECT_EQ(at_once[k]->state_hash(), alone.state_hash());
+  }
 }
 
 TEST(MovingBody, RefusesWhatCannotMove) {

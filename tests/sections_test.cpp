@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hexaplast/kinematics/polar.hpp"
+#include "hexaplast/mesh/axial_pull.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 
@@ -62,6 +63,22 @@ TEST(Twist, OfARigidTurnAboutTheAxisIsZero) {
   const HexMesh mesh = support::block({2, 2, 6}, 0.1);
   const PointArray turned = support::mapped(mesh.positions(), rotation_exp(Vec3(0, 0, 3.1)), Vec3(1, 2, 3));
   EXPECT_NEAR(twist(mesh, end_sections(mesh), turned), 0, 1e-12);
+}
+
+TEST(AxialPull, IsTheSameForOneLoadedEndAndForTwo) {
+  const HexMesh mesh = regular_grid({2, 2, 5}, Vec3(0, 0, -1), Vec3(0.2, 0.2, 2));
+  const EndSections ends = end_sections(mesh);
+  PointArray forces = PointArray::Zero(mesh.num_nodes(), 3);
+  const auto load = [&](const std::vector<int>& section, double force) {
+    for (const int n : section) forces.row(n) += Vec3(3, -1, force / static_cast<double>(section.size())).transpose();
+  };
+  load(ends.most, 7);
+  EXPECT_NEAR(axial_pull(mesh, ends, forces), 7, 1e-12);
+  load(ends.least, -7);
+  EXPECT_NEAR(axial_pull(mesh, ends, forces), 7, 1e-12);
+  load(ends.most, -7);
+  EXPECT_NEAR(axial_pull(mesh, ends, forces), 7, 1e-12);
+  EXPECT_NEAR(axial_pull(mesh, ends, -forces), -7, 1e-12);  // it is compressed
 }
 
 }  // namespace

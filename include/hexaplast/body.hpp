@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <iosfwd>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
@@ -74,6 +76,28 @@ class Body {
   /// Back to the virgin state.
   void reset();
 
+  /// Writes the history, and the materials that its thresholds belong to, so that a body that loads it goes on as this
+  /// one does, bit for bit. The world state (positions, velocities) is the host's. Between two time steps.
+  ///
+  ///   bytes | content, little-endian
+  ///       8 | "HXPBODY" and a zero
+  ///       4 | format version, 1
+  ///       8 | XXH64 of mesh and settings
+  ///       8 | size of what follows
+  ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)
+  ///       8 | XXH64 of all bytes before
+  ///
+  /// Throws InputError when the stream does not take it all.
+  void save(std::ostream& out) const;
+
+  /// Takes over what `save` wrote for a body of the same mesh and settings, materials included; reads no byte beyond.
+  /// Throws InputError for what is damaged, of another format version or of another body; this body is then as before.
+  void load(std::istream& in);
+
+  /// Materials and history as they stand in such a stream, for hosts that know by themselves what belongs together and
+  /// that it is undamaged. Throws InputError when they cannot be this body's; it is then as before.
+  void serialize(Archive& archive);
+
   const Model& model() const { return model_; }
   const HexMesh& mesh() const { return model_.mesh; }
   const History& history() const { return history_; }
@@ -90,6 +114,10 @@ class Body {
   void add_to(StateHash& hash) const;
 
  private:
+  void write(Archive& archive) const;
+  std::pair<Model, History> read(Archive& archive) const;
+  void take(Model model, History history);  // in place of the present ones
+
   Model model_;
   History history_;
   Linearization at_;

@@ -54,6 +54,14 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     num_announced_ = 0;
   }
 
+  void serialize(Archive& archive) override {
+    body_->serialize(archive);
+    archive(report_.yielded, report_.inverted, report_.guarded, report_.repaired, report_.removed,
+            report_.worst_volume_error, report_.averaging.skipped, report_.averaging.fell_back,
+            report_.averaging.iterations, report_.averaging.residual, report_.averaging.converged);
+    num_announced_ = body_->history().removed.size();
+  }
+
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
     body_->linearize(x);
     body_->add_force(f);

@@ -90,6 +90,8 @@ class KeyedMotion final : public NodeConstraint {
     first_ = needed_ready<scene::MechanicalState>().positions();
   }
 
+  void serialize(Archive& archive) override { archive(first_); }
+
   void project_motion(double time, Points x, Points v) const override {
     const KeyPhase phase = phase_at(times_, time);
     if (!lies_between_keys(phase)) return;
@@ -130,6 +132,8 @@ class AffineMotion final : public NodeConstraint {
     first_ = needed_ready<scene::MechanicalState>().positions();
     last_ = (first_ * A.transpose()).rowwise() + vector3("translation").transpose();
   }
+
+  void serialize(Archive& archive) override { archive(first_, last_); }
 
   void project_motion(double time, Points x, Points v) const override {
     clear(v);

@@ -10,6 +10,7 @@
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/file_export.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/links.hpp"
@@ -61,6 +62,7 @@ class VTKExporter final : public Exporter {
     ++num_steps_;
     if (num_steps_ % every == 0) write();
   }
+  void serialize(Archive& archive) override { archive(num_steps_, num_files_); }
 
  private:
   struct Source {
@@ -218,6 +220,10 @@ class WriteState final : public Exporter {
     next_ = 0;
     latest_ = 0;
   }
+  void serialize(Archive& archive) override {
+    archive(next_, latest_, size_);
+    if (archive.reads() && size_ > 0) go_on();
+  }
 
  private:
   // Times are met within a tenth of a step.
@@ -231,6 +237,18 @@ class WriteState final : public Exporter {
     return true;
   }
 
+  /// Cuts off what was written after the checkpoint.
+  void go_on() {
+    std::error_code failure;
+    const std::uintmax_t present = fs::file_size(file_, failure);
+    if (failure || present < size_)
+      throw InputError(fmt::format("'{}' has not the {} bytes that the checkpoint knows of", file_.string(), size_));
+    stream_.close();
+    fs::resize_file(file_, size_, failure);
+    if (!failure) stream_.open(file_, std::ios::binary | std::ios::app);
+    if (failure || !stream_) fail(file_);
+  }
+
   void write(double time) {
     if (!stream_.is_open()) stream_.open(file_, std::ios::binary);
     fmt::print(stream_, "T= {}\n", time);
@@ -238,6 +256,7 @@ class WriteState final : public Exporter {
     if (boolean("writeX0")) write("X0", state_->rest_positions());
     if (boolean("writeV")) write("V", state_->velocities());
     if (!stream_.flush()) fail(file_);
+    size_ = static_cast<std::uint64_t>(stream_.tellp());
   }
   void write(const char* name, const PointArray& field) {
     fmt::print(stream_, "  {}= {}\n", name, fmt::join(field.data(), field.data() + field.size(), " "));
@@ -249,6 +268,7 @@ class WriteState final : public Exporter {
   std::optional<double> period_;  // [s]
   std::size_t next_ = 0;          // of times_
   double latest_ = 0;             // [s] time that was met last
+  std::uint64_t size_ = 0;        // [byte] of the file
   std::ofstream stream_;
 };
 

@@ -8,6 +8,7 @@
 #include "attributes/hexaplast.hpp"
 #include "components/components.hpp"
 #include "components/key_times.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
@@ -53,6 +54,14 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   void reset() override {
     open();
     has_closed_ = false;
+  }
+
+  void serialize(Archive& archive) override {
+    archive(grip_.nodes, grip_.arms, has_closed_, lags_);
+    const auto num_held = static_cast<Eigen::Index>(grip_.nodes.size());
+    if (grip_.arms.rows() != num_held || lags_.rows() != num_held ||
+        std::ranges::any_of(grip_.nodes, [&](int node) { return node < 0 || node >= state_->num_nodes(); }))
+      throw InputError("a grip is saved on nodes that are not there");
   }
 
   void add_force(double time, ConstPoints x, ConstPoints, Points f) override {

@@ -156,6 +156,10 @@ class FaceLoad : public Load {
     if (has_lost_faces_) init();
     has_lost_faces_ = false;
   }
+  void serialize(Archive& archive) override {
+    archive(has_lost_faces_);
+    if (archive.reads() && has_lost_faces_) leave_out(scene::Remains(needed_ready<scene::MechanicalState>()));
+  }
 
  protected:
   virtual void leave_out(const scene::Remains& remains) = 0;  ///< all faces that are not left

@@ -3,6 +3,7 @@
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/placement.hpp"
 #include "scene/interfaces.hpp"
 
@@ -35,6 +36,14 @@ class MechanicalObject final : public scene::MechanicalState {
   void reset() override {
     positions_ = first_positions_;
     velocities_ = first_velocities_;
+  }
+
+  void serialize(Archive& archive) override {
+    const Eigen::Index num_rows = first_positions_.rows();
+    archive(positions_, velocities_);
+    if (positions_.rows() != num_rows || velocities_.rows() != num_rows)
+      throw InputError(fmt::format("{} positions and {} velocities are saved for {} nodes", positions_.rows(),
+                                   velocities_.rows(), num_rows));
   }
 
   PointArray& positions() override { return positions_; }

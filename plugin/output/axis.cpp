@@ -48,4 +48,19 @@ Ticks ticks_around(double least, double most, int count) {
   return multiples(std::floor(least / step + kOverhang) * step, std::ceil(most / step - kOverhang) * step, step);
 }
 
+Ticks ticks_logarithmic(double least, double most, int count) {
+  constexpr double kSlack = 1e-9;  // an end that is round but for rounding counts
+  Ticks ticks{.least = least, .most = most, .values = {}, .decimals = -1};
+  std::vector<double> powers;
+  for (double k = std::floor(std::log10(least)); k <= std::ceil(std::log10(most)); ++k)
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double value = digit * std::pow(10, k);
+      if (value < least * (1 - kSlack) || value > most * (1 + kSlack)) continue;
+      ticks.values.push_back(value);
+      if (digit == 1) powers.push_back(value);
+    }
+  if (static_cast<int>(ticks.values.size()) > count && !powers.empty()) ticks.values = powers;
+  return ticks;
+}
+
 }  // namespace hexaplast::output

@@ -6,10 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
 #include <vector>
+
+#include "hexaplast/base/error.hpp"
+#include "output/checkpoint.hpp"
 
 namespace hexaplast::output {
 namespace fs = std::filesystem;
@@ -27,14 +31,6 @@ void sync_directory(const fs::path& directory) {
   ::close(handle);
 }
 
-/// prefix, at least one digit, suffix.
-bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix) {
-  if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
-    return false;
-  const std::string_view digits = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
-  return std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
-
 std::string_view without_part(std::string_view name) {
   return name.ends_with(kPart) ? name.substr(0, name.size() - kPart.size()) : name;
 }
@@ -50,7 +46,8 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
   };
   collect(directory, [](std::string_view name) {
     return name == "history.csv" || name == "removed.csv" || name == "mesh.pvd" || name == "plot.svg" ||
-           name == "manifest.json" || name == "report.html" || is_numbered(name, "mesh_", ".vtu");
+           name == "manifest.json" || name == "report.html" || is_numbered(name, "mesh_", ".vtu") ||
+           is_numbered(name, "checkpoint_", ".hxc");
   });
   if (fs::is_directory(directory / "frames"))
     collect(directory / "frames", [](std::string_view name) { return is_numbered(name, "frame_", ".png"); });
@@ -59,6 +56,13 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
 }
 
 }  // namespace
+
+bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix) {
+  if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
+    return false;
+  const std::string_view digits = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+  return std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
 
 WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
   // a link keeps pointing where it points; a device, a pipe or a directory must not be replaced by a file
@@ -95,15 +99,52 @@ LineFile::LineFile(fs::path path) : path_(std::move(path)) {
   if (!file_) fail(path_, "cannot be created", errno);
 }
 
+LineFile::LineFile(fs::path path, Archive& saved) : path_(std::move(path)) {
+  std::uint64_t size = 0, checksum = 0;
+  saved(size, checksum);
+  file_ = std::fopen(path_.c_str(), "r+be");
+  if (!file_) fail(path_, "cannot be opened", errno);
+
+  std::array<char, 65536> buffer;
+  while (size_ < size) {
+    const std::size_t found = std::fread(buffer.data(), 1, std::min<std::uint64_t>(buffer.size(), size - size_), file_);
+    if (found == 0) break;
+    hash_.add(buffer.data(), found);
+    size_ += found;
+  }
+  if (size_ < size || hash_.value() != checksum) {
+    std::fclose(file_);
+    throw InputError(fmt::format("{} does not begin with the {} bytes that the run had written at the checkpoint",
+                                 path_.string(), size));
+  }
+  if (::ftruncate(::fileno(file_), static_cast<off_t>(size)) != 0 || std::fseek(file_, 0, SEEK_END) != 0) {
+    const int error = errno;
+    std::fclose(file_);
+    fail(path_, "cannot be written", error);
+  }
+}
+
 LineFile::~LineFile() { std::fclose(file_); }
 
 void LineFile::append(std::string_view lines) {
-  if (std::fwrite(lines.data(), 1, lines.size(), file_) != lines.size() || std::fputc('\n', file_) == EOF ||
-      std::fflush(file_) != 0)
-    fail(path_, "cannot be written", errno);
+  add(lines);
+  add("\n");
+  if (std::fflush(file_) != 0) fail(path_, "cannot be written", errno);
 }
 
-void prepare_directory(const fs::path& directory, bool force) {
+void LineFile::add(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(path_, "cannot be written", errno);
+  size_ += text.size();
+  hash_.add(text.data(), text.size());
+}
+
+void LineFile::save(Archive& archive) {
+  if (::fsync(::fileno(file_)) != 0) fail(path_, "cannot be written", errno);
+  std::uint64_t checksum = hash_.value();
+  archive(size_, checksum);
+}
+
+void make_directory(const fs::path& directory) {
   std::error_code error;
   const fs::file_status status = fs::status(directory, error);
   if (!fs::exists(status)) {
@@ -114,7 +155,10 @@ void prepare_directory(const fs::path& directory, bool force) {
   }
   if (!fs::is_directory(status)) throw OutputError(directory.string() + ": is a file; an output directory is needed");
   if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) fail(directory, "cannot be written", errno);
+}
 
+void prepare_directory(const fs::path& directory, bool force) {
+  make_directory(directory);
   const fs::path frames = directory / "frames";
   if (fs::exists(frames) && !fs::is_directory(frames))
     throw OutputError(frames.string() + ": is a file where the directory of the pictures belongs");
@@ -128,6 +172,19 @@ void prepare_directory(const fs::path& directory, bool force) {
                                   earlier.front().lexically_relative(directory).string()));
   for (const fs::path& file : earlier)
     if (::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);
+}
+
+void prepare_to_go_on(const fs::path& directory, long step,
+                      const std::function<bool(const std::string& name)>& is_kept) {
+  if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) fail(directory, "cannot be written", errno);
+  const auto stays = [&](const fs::path& file) {
+    const std::string name = file.filename().string();
+    if (name.ends_with(kPart)) return false;
+    if (is_numbered(name, "checkpoint_", ".hxc")) return step_of(file) <= step;
+    return name == "history.csv" || name == "removed.csv" || name == "mesh.pvd" || is_kept(name);
+  };
+  for (const fs::path& file : files_of_earlier_run(directory))
+    if (!stays(file) && ::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);
 }
 
 }  // namespace hexaplast::output

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include "hexaplast/base/archive.hpp"
+#include "hexaplast/base/hash.hpp"
 
 namespace hexaplast::output {
 
@@ -40,24 +45,48 @@ class LineFile {
  public:
   /// Creates the file or empties it.
   explicit LineFile(std::filesystem::path path);
+
+  /// Goes on with a file at the length that a checkpoint knows of; what was written after it is cut off. Throws
+  /// InputError when the file does not begin with the lines that were written then.
+  LineFile(std::filesystem::path path, Archive& saved);
   ~LineFile();
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
   void append(std::string_view lines);  ///< one line, or several with a line feed between them
 
+  /// Flushes the lines to disk and writes down how many bytes they are, and their checksum.
+  void save(Archive& archive);
+
  private:
+  void add(std::string_view text);
+
   std::filesystem::path path_;
   std::FILE* file_ = nullptr;
+  std::uint64_t size_ = 0;  // [byte]
+  StateHash hash_;          // of all lines
 };
 
 /// Ending of the names of unfinished files.
 inline constexpr std::string_view kPart = ".part";
 
+/// Creates `directory`, or checks that it can be written. Throws OutputError when the place is a file or cannot be
+/// written.
+void make_directory(const std::filesystem::path& directory);
+
 /// Makes `directory` ready for a new run: creates it, or checks that it can be written and holds no earlier run; with
 /// `force` the files of an earlier run (history.csv, removed.csv, mesh.pvd, mesh_N.vtu, frames/frame_N.png, plot.svg,
-/// manifest.json, report.html) are removed, others stay. Throws OutputError, before anything is changed, when the place
-/// is a file, cannot be written, or holds an earlier run and `force` is not set.
+/// manifest.json, report.html, checkpoint_N.hxc) are removed, others stay. Throws OutputError, before anything is
+/// changed, when the place is a file, cannot be written, or holds an earlier run and `force` is not set.
 void prepare_directory(const std::filesystem::path& directory, bool force);
+
+/// Makes the directory of a run ready to go on after `step`: removes what was left unfinished, and what only the end of
+/// a run or later steps have written (pictures, plot.svg, states and checkpoints of later steps, as far as `is_kept`
+/// does not want them). Throws OutputError when it cannot be written.
+void prepare_to_go_on(const std::filesystem::path& directory, long step,
+                      const std::function<bool(const std::string& name)>& is_kept);
+
+/// Whether a file name is prefix, digits, suffix.
+bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix);
 
 }  // namespace hexaplast::output

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 
@@ -57,6 +58,13 @@ double mean_displacement(const std::vector<int>& nodes, ConstPoints from, ConstP
   return nodes.empty() ? 0 : sum / static_cast<double>(nodes.size());
 }
 
+std::string mesh_name(long step) { return fmt::format("mesh_{:06}.vtu", step); }
+
+/// The step in the name of a .vtu file.
+long step_of_mesh(const std::string& name) {
+  return std::strtol(name.c_str() + std::string_view("mesh_").size(), nullptr, 10);
+}
+
 fs::path prepared(fs::path directory, bool force) {
   prepare_directory(directory, force);
   return directory;
@@ -79,7 +87,26 @@ struct Recorder::Files {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
     history.append(kHeader);
     removed.append("step,time,hexahedron");
-    if (plan.num_frames > 0 || film) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
+    open_gallery();
+  }
+
+  Files(fs::path where, const Body& of, RunPlan run, Archive& saved, RendererSource source)
+      : plan(std::move(run)),
+        directory(std::move(where)),
+        body(of),
+        renderer(std::move(source)),
+        ruler(body),
+        history(directory / "history.csv", saved),
+        removed(directory / "removed.csv", saved),
+        series(directory / "mesh.pvd"),
+        to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
+    long step = 0;
+    series.serialize(saved);
+    saved(step, step_on_disk, num_removed);
+    // the last state of a run that was to be shorter is none that this one writes
+    series.keep([&](const std::string& vtu) { return wants_mesh(step_of_mesh(vtu)); });
+    prepare_to_go_on(directory, step, [&](const std::string& name) { return series.has(name); });
+    open_gallery();
   }
 
   RunPlan plan;
@@ -100,6 +127,10 @@ struct Recorder::Files {
   std::size_t num_removed = 0;  // hexahedra that removed.csv lists
   bool finished = false;
 
+  void open_gallery() {
+    if (plan.num_frames > 0 || film) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
+  }
+  bool wants_mesh(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
   void append_removed(const StepRecord& record);
   void append_row(const StepRecord& record, const Measures& measures, ConstPoints positions);
   void write_mesh();
@@ -112,7 +143,18 @@ struct Recorder::Files {
 Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, RendererSource renderer)
     : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), std::move(renderer))) {}
 
+Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, Archive& saved, RendererSource renderer)
+    : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), saved, std::move(renderer))) {}
+
 Recorder::~Recorder() = default;
+
+void Recorder::save(Archive& archive) {
+  Files& files = *files_;
+  files.history.save(archive);
+  files.removed.save(archive);
+  files.series.serialize(archive);
+  archive(files.latest.step, files.step_on_disk, files.num_removed);
+}
 
 void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities) {
   Files& files = *files_;
@@ -123,8 +165,7 @@ void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoin
   const Measures measures = files.ruler.measure(positions);
   files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
   files.append_row(record, measures, positions);
-  if (record.step % std::max(files.plan.output_every, 1) == 0 || record.step == files.plan.num_steps)
-    files.write_mesh();
+  if (files.wants_mesh(record.step)) files.write_mesh();
   if (files.is_drawn(record.step) || files.is_filmed(record.step)) files.keep_for_picture();
 }
 
@@ -162,7 +203,7 @@ void Recorder::Files::append_row(const StepRecord& record, const Measures& measu
 }
 
 void Recorder::Files::write_mesh() {
-  const std::string name = fmt::format("mesh_{:06}.vtu", latest.step);
+  const std::string name = mesh_name(latest.step);
   write_vtu(directory / name, body, latest_positions, latest_velocities);
   series.add(latest.time, name);
   step_on_disk = latest.step;

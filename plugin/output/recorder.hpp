@@ -51,7 +51,17 @@ class Recorder {
   Recorder(
       std::filesystem::path directory, const Body& body, RunPlan plan,
       RendererSource renderer = [] { return load_renderer(); });
+
+  /// Goes on with the files of a run where save() left them, whatever was written later: a run that is interrupted and
+  /// gone on with writes the same as one that is not, but for the wall times and for the pictures, which show what is
+  /// still to come. plan.force does not matter. Throws InputError when the files are not those of the checkpoint.
+  Recorder(
+      std::filesystem::path directory, const Body& body, RunPlan plan, Archive& saved,
+      RendererSource renderer = [] { return load_renderer(); });
   ~Recorder();
+
+  /// After record(): what the files hold, flushed to disk, into a checkpoint.
+  void save(Archive& archive);
 
   /// positions, velocities: world state after the step, the body being as that step left it. Call once with step 0
   /// before the first step, then once per step. Throws OutputError.

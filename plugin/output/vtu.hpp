@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -32,9 +33,22 @@ class TimeSeries {
   /// before.
   void add(double time, const std::string& vtu);
 
+  /// Names and times, into a checkpoint or from one.
+  void serialize(Archive& archive);
+
+  /// Leaves out those entries that are not wanted, and replaces the file. Throws OutputError.
+  void keep(const std::function<bool(const std::string& vtu)>& is_wanted);
+  bool has(const std::string& vtu) const;
+
  private:
+  struct Entry {
+    double time = 0;  // [s]
+    std::string vtu;
+  };
+  void write(const std::vector<Entry>& entries) const;
+
   std::filesystem::path file_;
-  std::string entries_;
+  std::vector<Entry> entries_;
 };
 
 }  // namespace hexaplast::output

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -20,13 +21,16 @@
 #include "runner/compare.hpp"
 #include "runner/element.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/fit.hpp"
 #include "runner/list.hpp"
 #include "runner/mesh_cage.hpp"
 #include "runner/mesh_export.hpp"
 #include "runner/mesh_info.hpp"
 #include "runner/mesh_make.hpp"
 #include "runner/render.hpp"
+#include "runner/resume.hpp"
 #include "runner/run.hpp"
+#include "runner/sweep.hpp"
 #include "runner/view.hpp"
 #include "scene/reader.hpp"
 
@@ -74,6 +78,17 @@ void add_scene(CLI::App& command, SceneOptions& options) {
   add_plugin_options(command, options.plugins, options.plugin_path);
 }
 
+long parse_every(const std::string& text) {
+  constexpr std::string_view kEvery = "every=";
+  long steps = 0;
+  const char* end = text.data() + text.size();
+  if (text.starts_with(kEvery)) {
+    const auto [stop, error] = std::from_chars(text.data() + kEvery.size(), end, steps);
+    if (error == std::errc() && stop == end && steps >= 1 && steps <= 1'000'000'000L) return steps;
+  }
+  throw CLI::ValidationError("--checkpoint", fmt::format("'{}' must be every=N with a number of steps from 1", text));
+}
+
 void add_run(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a scene headless");
   add_scene(*run, options.scene);
@@ -86,12 +101,19 @@ void add_run(CLI::App& app, RunOptions& options) {
              "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory")
           ->type_name("DIR");
   run->add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  run->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
   run->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")
       ->check(CLI::Range(0, 100'000))
+      ->needs(out);
+  run->add_option_function<std::string>(
+         "--checkpoint", [&options](const std::string& text) { options.checkpoint_every = parse_every(text); },
+         "Write a checkpoint every N steps, at the end and when a signal ends the run: hexaplast resume goes on from "
+         "it")
+      ->type_name("every=N")
       ->needs(out);
   add_field(*run, options.field)->needs(out);
   run->add_option("--video", options.video, "Film of the run in real time: .mp4 by ffmpeg, or .png, animated")
@@ -458,10 +480,16 @@ int main(int argc, char** argv) {
   add_list(app, list_options);
   BenchOptions bench_options;
   add_bench(app, bench_options);
+  ResumeOptions resume_options;
+  add_resume(app, resume_options)->footer(kExitCodes);
   RenderOptions render_options;
   add_render(app, render_options)->footer(kExitCodes);
   std::string page_format;
   add_page(app, page_format);
+  SweepOptions sweep_options;
+  add_scene(*add_sweep(app, sweep_options), sweep_options.scene);
+  FitOptions fit_options;
+  add_scene(*add_fit(app, fit_options), fit_options.scene);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -507,9 +535,17 @@ int main(int argc, char** argv) {
       render(render_options);
       return kOk;
     });
+  if (app.got_subcommand("sweep"))
+    return report_errors(sweep_options.scene.file.string(), [&] { return sweep(sweep_options); });
+  if (app.got_subcommand("fit"))
+    return report_errors(fit_options.scene.file.string(), [&] { return fit(fit_options); });
   // the stream alone: warnings are kept for the manifest of the run
-  if (run_options.quiet) spdlog::default_logger()->sinks().front()->set_level(spdlog::level::err);
-  run_options.command = {"hexaplast"};
-  run_options.command.insert(run_options.command.end(), argv + 1, argv + argc);
+  if (run_options.quiet || resume_options.quiet)
+    spdlog::default_logger()->sinks().front()->set_level(spdlog::level::err);
+  std::vector<std::string> words = {"hexaplast"};
+  words.insert(words.end(), argv + 1, argv + argc);
+  run_options.command = resume_options.command = words;
+  if (app.got_subcommand("resume"))
+    return report_errors(resume_options.run.string(), [&] { return resume(resume_options); });
   return report_errors(run_options.scene.file.string(), [&] { return run(run_options); });
 }

@@ -16,19 +16,26 @@ constexpr auto kInterval = std::chrono::milliseconds(100);  // between two redra
 
 }  // namespace
 
-Progress::Progress(long num_steps, bool is_wanted)
-    : num_steps_(num_steps), is_shown_(is_wanted && isatty(STDERR_FILENO) != 0) {}
+Progress::Progress(long total, bool is_wanted) : total_(total), is_shown_(is_wanted && isatty(STDERR_FILENO) != 0) {}
+
+bool Progress::is_due(long done) const { return is_shown_ && (Clock::now() - last_ >= kInterval || done >= total_); }
 
 void Progress::show(long step, double time, int yielded) {
-  const Clock::time_point now = Clock::now();
-  if (!is_shown_ || (now - last_ < kInterval && step < num_steps_)) return;
-  last_ = now;
+  if (!is_due(step)) return;
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  draw(step,
+       fmt::format("t = {:.3f} s  {:.0f} steps/s  {} yielded", time, static_cast<double>(step) / seconds, yielded));
+}
 
-  const double seconds = std::chrono::duration<double>(now - begin_).count();
-  const int filled = static_cast<int>(kBarWidth * step / std::max(num_steps_, 1L));
-  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{}  t = {:.3f} s  {:.0f} steps/s  {} yielded", std::string(filled, '#'),
-             std::string(kBarWidth - filled, '.'), step, num_steps_, time, static_cast<double>(step) / seconds,
-             yielded);
+void Progress::show(long done, std::string_view words) {
+  if (is_due(done)) draw(done, words);
+}
+
+void Progress::draw(long done, std::string_view words) {
+  last_ = Clock::now();
+  const int filled = static_cast<int>(kBarWidth * std::min(done, total_) / std::max(total_, 1L));
+  fmt::print(stderr, "\r\x1b[K[{}{}] {}/{}  {}", std::string(filled, '#'), std::string(kBarWidth - filled, '.'), done,
+             total_, words);
   std::fflush(stderr);
   is_on_screen_ = true;
 }

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "hexaplast/base/error.hpp"
@@ -19,6 +20,7 @@
 #include "runner/render.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
+#include "runner/summary_file.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -45,15 +47,33 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   return plan;
 }
 
+void write_checkpoint(Simulation& simulation, output::Recorder& recorder, long num_steps, const RunOptions& options) {
+  RunOptions kept = options;
+  kept.steps = num_steps;
+  std::string working_directory = std::filesystem::current_path().string(), simd = simd_target();
+  const output::CheckpointSection sections[] = {
+      {"run", [&](Archive& archive) { serialize(archive, kept, working_directory, simd); }},
+      {"scene", [&](Archive& archive) { simulation.serialize(archive); }},
+      {"output", [&](Archive& archive) { recorder.save(archive); }},
+  };
+  output::write_checkpoint(*options.out, simulation.latest().step, simulation.scene_identity(), sections);
+}
+
 // Steps until the end, a signal, or a failure. After a failure the files hold everything up to the last good step.
-void advance(Simulation& simulation, long num_steps, output::Recorder* recorder, bool shows_progress) {
+void advance(Simulation& simulation, long num_steps, output::Recorder* recorder, const RunOptions& options,
+             bool begins) {
   const auto record = [&] {
     if (recorder)
       recorder->record(simulation.latest(), simulation.state().positions(), simulation.state().velocities());
   };
-  record();
+  long saved = simulation.latest().step;  // step of the newest checkpoint
+  const auto save = [&] {
+    saved = simulation.latest().step;
+    write_checkpoint(simulation, *recorder, num_steps, options);
+  };
+  if (begins) record();
 
-  Progress progress(num_steps, shows_progress);
+  Progress progress(num_steps, !options.quiet);
   while (simulation.latest().step < num_steps && requested_signal() == 0) {
     try {
       simulation.step();
@@ -64,7 +84,9 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
     record();
     const output::StepRecord& latest = simulation.latest();
     progress.show(latest.step, latest.time, latest.flow.yielded);
+    if (options.checkpoint_every && latest.step % *options.checkpoint_every == 0) save();
   }
+  if (options.checkpoint_every && saved != simulation.latest().step) save();
 }
 
 /// Which hexahedra a body has lost, as far as a line holds them.
@@ -75,6 +97,24 @@ std::string removed_line(const std::vector<int>& removed, const Totals& totals, 
                      totals.latest_removal, num_pieces, num_pieces == 1 ? "" : "s",
                      fmt::join(removed.begin(), removed.begin() + static_cast<std::ptrdiff_t>(named), ", "),
                      named < removed.size() ? ", ..." : "");
+}
+
+/// Brings a simulation to where a checkpoint of its scene was written.
+void restore(Simulation& simulation, const output::Checkpoint& start, long num_steps) {
+  const std::string file = start.file().string();
+  if (start.scene_hash() != simulation.scene_identity())
+    throw InputError(
+        fmt::format("{} is of another scene: the files that it came from have changed, or its options", file));
+  Archive archive = start.section("scene");
+  try {
+    simulation.serialize(archive);
+    if (archive.rest() != 0) throw InputError(fmt::format("{} bytes are left", archive.rest()));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{} cannot be gone on with: {}", file, error.what()));
+  }
+  if (simulation.latest().step >= num_steps)
+    throw UsageError(
+        fmt::format("{} has all {} steps of the run already: --steps gives more", file, simulation.latest().step));
 }
 
 std::string hash_of(Simulation& simulation) {
@@ -132,7 +172,7 @@ void warn_of_stalls(const Simulation& simulation) {
 /// What a run writes; absent: not asked for.
 struct Files {
   std::optional<output::Recorder> recorder;
-  std::optional<output::WholeFile> final_state;
+  std::optional<output::WholeFile> final_state, summary;
   std::optional<Journal> journal;
 };
 
@@ -147,14 +187,18 @@ output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOp
 }
 
 // Steps, completes the files and says what came out.
-void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOptions& options) {
-  advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, !options.quiet);
+void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOptions& options, bool begins) {
+  advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, options, begins);
 
   if (files.recorder)
     for (const std::string& warning : files.recorder->finish()) spdlog::warn("warning: {}", warning);
   if (files.final_state)
     output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
                         simulation.state().velocities(), *simulation.body());
+  if (files.summary) {
+    files.summary->write(summary_json(simulation).dump(1) + "\n");
+    files.summary->commit();
+  }
   if (!options.quiet) print_summary(simulation, options.scene.file);
   if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
   log_warnings(simulation.scene());
@@ -172,30 +216,71 @@ void note_failure(Journal& journal, const char* reason) {
 
 }  // namespace
 
-int run(const RunOptions& options) {
+void serialize(Archive& archive, RunOptions& options, std::string& working_directory, std::string& simd) {
+  const auto pass = [&]<class T>(std::optional<T>& value) {
+    bool is_given = value.has_value();
+    archive(is_given);
+    if (!is_given) return value.reset();
+    if (archive.reads()) value.emplace();
+    archive(*value);
+  };
+  const auto pass_path = [&](path& value) {
+    std::string text = value.string();
+    archive(text);
+    value = text;
+  };
+  pass_path(options.scene.file);
+  archive(options.scene.overrides, options.scene.plugins);
+  std::uint64_t num_directories = options.scene.plugin_path.size();
+  archive(num_directories);
+  options.scene.plugin_path.resize(
+      std::min<std::uint64_t>(num_directories, archive.reads() ? archive.rest() : num_directories));
+  for (path& directory : options.scene.plugin_path) pass_path(directory);
+  archive(options.scene.sofa_compat, options.field);
+  pass(options.steps);
+  pass(options.frames);
+  pass(options.checkpoint_every);
+  path final_state = options.final_state.value_or(path());
+  pass_path(final_state);
+  if (!final_state.empty()) options.final_state = final_state;
+  archive(working_directory, simd);
+}
+
+int run(const RunOptions& options, const output::Checkpoint* start) {
   if (options.threads) set_num_threads(*options.threads);
   watch_signals();
 
   const KeptWarnings warnings;
   Simulation simulation(options.scene);
   const Body* body = simulation.body();
-  if (!body && (options.out || options.final_state))
-    throw scene::SceneError(scene::format_error(simulation.scene().root().place(),
-                                                "no body in the scene: --out and --final have nothing to write"));
+  if (!body && (options.out || options.final_state || options.summary))
+    throw scene::SceneError(scene::format_error(
+        simulation.scene().root().place(), "no body in the scene: --out, --final and --summary have nothing to write"));
   const long num_steps = required_steps(simulation, options.steps);
+  // of the scene as it begins
+  output::Manifest manifest = manifest_of(simulation, num_steps, options);
+  output::RunPlan plan;
+  if (options.out) plan = plan_of(simulation, num_steps, options);
+  if (start) restore(simulation, *start, num_steps);
 
   // opened before the first step, so that a long run does not end in a file that cannot be written
   Files files;
-  if (options.out) files.recorder.emplace(*options.out, *body, plan_of(simulation, num_steps, options));
+  if (options.out && start) {
+    Archive saved = start->section("output");
+    files.recorder.emplace(*options.out, *body, std::move(plan), saved);
+  } else if (options.out) {
+    files.recorder.emplace(*options.out, *body, std::move(plan));
+  }
   if (options.final_state) files.final_state.emplace(*options.final_state);
-  if (options.out) files.journal.emplace(*options.out, manifest_of(simulation, num_steps, options));
+  if (options.summary) files.summary.emplace(*options.summary);
+  if (options.out) files.journal.emplace(*options.out, std::move(manifest));
 
   const auto note_steps = [&] {
     files.journal->manifest().steps_done = simulation.latest().step;
     files.journal->manifest().warnings = warnings.texts();
   };
   try {
-    carry_out(simulation, num_steps, files, options);
+    carry_out(simulation, num_steps, files, options, !start);
   } catch (const std::exception& error) {
     if (files.journal) {
       note_steps();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "output/checkpoint.hpp"
 #include "runner/scene_file.hpp"
 
 namespace hexaplast::runner {
@@ -16,16 +17,23 @@ struct RunOptions {
   std::optional<long> steps;                         ///< otherwise from the scene's RunSettings
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
+  std::optional<std::filesystem::path> summary;      ///< JSON of what the run came to (summary_file.hpp)
   std::optional<int> threads;
   std::optional<int> frames;                   ///< pictures; needs `out`
   std::string field;                           ///< what pictures show, by the word of a quantity; empty: plastic strain
   std::optional<std::filesystem::path> video;  ///< film of the run; needs `out`
+  std::optional<long> checkpoint_every;        ///< steps; needs `out`
   bool force = false;                          ///< write over an earlier run; needs `out`
   bool quiet = false;                          ///< errors only
 };
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and
-/// the files are whole. Throws what the rooms below throw.
-int run(const RunOptions& options);
+/// the files are whole. `start`: a checkpoint of the same scene from which to go on, instead of from the beginning,
+/// with the files in `options.out`. Throws what the rooms below throw.
+int run(const RunOptions& options, const output::Checkpoint* start = nullptr);
+
+/// What a checkpoint knows of its run, beside the state: options (but for those of one call: threads, quiet), the
+/// directory from which it was begun, and the instruction set.
+void serialize(Archive& archive, RunOptions& options, std::string& working_directory, std::string& simd);
 
 }  // namespace hexaplast::runner

@@ -37,7 +37,7 @@ scene::PluginLoader load_components(scene::Factory& factory, const std::vector<s
   return loader;
 }
 
-scene::Scene load_scene(const SceneOptions& options) {
+scene::Scene read_scene(const SceneOptions& options) {
   // Both are needed for reading alone: the code of a loaded plugin stays.
   scene::Factory factory;
   scene::PluginLoader plugins = load_components(factory, options.plugins, options.plugin_path);
@@ -47,6 +47,11 @@ scene::Scene load_scene(const SceneOptions& options) {
   // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
   if (!scene.diagnostics().has_errors())
     for (const std::string& assignment : options.overrides) scene::override_attribute(scene, assignment);
+  return scene;
+}
+
+scene::Scene load_scene(const SceneOptions& options) {
+  scene::Scene scene = read_scene(options);
   scene.init();
   log_warnings(scene);
   return scene;

@@ -23,6 +23,10 @@ struct SceneOptions {
 scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
                                     const std::vector<std::filesystem::path>& plugin_path);
 
+/// Reads a scene and replaces the attributes, without init. A scene with mistakes is left as read: init throws them.
+/// Throws what reading a scene throws (scene/reader.hpp).
+scene::Scene read_scene(const SceneOptions& options);
+
 /// Reads and initialises a scene, and logs its warnings. Throws what reading a scene throws (scene/reader.hpp).
 scene::Scene load_scene(const SceneOptions& options);
 

@@ -7,6 +7,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/scene_identity.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
@@ -15,7 +16,8 @@ Simulation::Simulation(const SceneOptions& options)
     : scene_(load_scene(options)),
       state_(&only_state(scene_)),
       solver_(&only_solver(scene_)),
-      field_(find_body(scene_)) {
+      field_(find_body(scene_)),
+      scene_identity_(identity_of(scene_)) {
   if (scene::Component* settings = find_settings(scene_)) {
     output_every_ = settings->integer("outputEvery");
     if (settings->is_given("steps")) num_steps_ = settings->integer("steps");
@@ -50,6 +52,16 @@ void Simulation::reset() {
   scene_.reset();
   latest_ = record_of(0, {}, 0);
   totals_ = {};
+}
+
+void Simulation::serialize(Archive& archive) {
+  long step = latest_.step;
+  SolveReport solve{.iterations = latest_.solver_iterations, .residual = latest_.residual};
+  double step_ms = latest_.step_ms;
+  archive(step, solve.iterations, solve.residual, step_ms, totals_.step_ms, totals_.iterations, totals_.stalled_solves,
+          totals_.stalled_averaging, totals_.first_removal, totals_.latest_removal);
+  scene_.serialize(archive);
+  if (archive.reads()) latest_ = record_of(step, solve, step_ms);
 }
 
 output::StepRecord Simulation::record_of(long step, const SolveReport& solve, double step_ms) {

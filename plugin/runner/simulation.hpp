@@ -34,6 +34,13 @@ class Simulation {
   /// Back to the beginning.
   void reset();
 
+  /// Where it stands, into a checkpoint between two steps, or from one right after construction: it goes on bit for
+  /// bit. Throws InputError when it was another scene's (Scene::serialize).
+  void serialize(Archive& archive);
+
+  /// Of the scene as it is carried out (identity_of).
+  std::uint64_t scene_identity() const { return scene_identity_; }
+
   const output::StepRecord& latest() const { return latest_; }  ///< that of step 0 before the first step
   const Totals& totals() const { return totals_; }
 
@@ -54,6 +61,7 @@ class Simulation {
   scene::MechanicalState* state_;
   scene::OdeSolver* solver_;
   const scene::ForceField* field_;  // that has the body
+  std::uint64_t scene_identity_;
   std::optional<long> num_steps_;
   int output_every_ = 25;
   output::StepRecord latest_;

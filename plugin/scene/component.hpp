@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "hexaplast/base/archive.hpp"
 #include "scene/object.hpp"
 
 namespace hexaplast::scene {
@@ -23,6 +24,7 @@ class Node;
 ///   hexahedra_removed
 ///               from within the end_step of a body that has lost hexahedra, or between two steps
 ///   reset       at any time between steps: back to the state after init
+///   serialize   at any time between steps: into a checkpoint, or, after init, from one
 ///
 /// Any of them may refuse the scene with reject() or InputError, and give up with NumericalError.
 class Component : public Object {
@@ -35,6 +37,11 @@ class Component : public Object {
   virtual void begin_step() {}
   virtual void end_step(double /*dt*/) {}
   virtual void reset() {}
+
+  /// Lists what the next step depends on and neither the attributes nor init give, once for both directions: it is
+  /// written into a checkpoint between two steps, and read from one after init, by a scene that is to go on bit for bit
+  /// (Archive). What came from refresh is there again. Throws InputError for values that cannot be.
+  virtual void serialize(Archive& /*archive*/) {}
 
   /// A body of the scene has lost hexahedra, in the step that ends or by ForceField::remove_elements: `field.body()` is
   /// without them already, its history lists them among all that have gone, and field.node() tells where it stands.

@@ -164,6 +164,8 @@ class LinearSolver : public Component {
   using Component::Component;
 
   virtual hexaplast::LinearSolver& method() = 0;
+
+  void serialize(Archive& archive) override { method().serialize(archive); }
 };
 
 /// Advances the mechanical state of its node, or of a node below, by one time step.

@@ -299,18 +299,14 @@ Scene read_scene(const std::filesystem::path& file, const Factory& factory, Plug
   return read_scene_text(text, file.string(), factory, plugins, grammar);
 }
 
-void override_attribute(Scene& scene, std::string_view assignment) {
+Data& named_attribute(Scene& scene, std::string_view name, std::string_view words) {
   const auto refuse = [&](const std::string& what, const std::string& hint = {}) {
-    throw OverrideError(format_error({"--set " + std::string(assignment), 0}, what, hint));
+    throw OverrideError(format_error({std::string(words), 0}, what, hint));
   };
-
-  const std::size_t equals = assignment.find('=');
-  const std::size_t dot = assignment.substr(0, equals).rfind('.');
-  if (equals == assignment.npos || dot == assignment.npos)
-    refuse("must be PATH.attribute=VALUE; the root's own attributes are .attribute=VALUE");
-  std::string_view path = assignment.substr(0, dot);
-  const std::string_view attribute = assignment.substr(dot + 1, equals - dot - 1);
-  const std::string_view value = assignment.substr(equals + 1);
+  const std::size_t dot = name.rfind('.');
+  if (dot == name.npos) refuse("must be PATH.attribute=VALUE; the root's own attributes are .attribute=VALUE");
+  std::string_view path = name.substr(0, dot);
+  const std::string_view attribute = name.substr(dot + 1);
 
   Object* target = &scene.root();
   // the root may be named or left out
@@ -329,14 +325,23 @@ void override_attribute(Scene& scene, std::string_view assignment) {
     refuse(fmt::format("{} '{}' has no attribute '{}'", target->class_name(), target->name(), attribute),
            did_you_mean(attribute, known));
   }
+  return *data;
+}
+
+void override_attribute(Scene& scene, std::string_view assignment, std::string_view option) {
+  const std::string words = fmt::format("{} {}", option, assignment);
+  const std::size_t equals = assignment.find('=');
+  // without one there is no value, and the name is not looked for
+  Data& data = named_attribute(scene, equals == assignment.npos ? "" : assignment.substr(0, equals), words);
   try {
-    data->read(value, {"--set " + std::string(assignment), 0});
+    data.read(assignment.substr(equals + 1), {words, 0});
   } catch (const InputError& error) {
-    refuse(fmt::format("{}.{}: {}", target->class_name(), attribute, error.what()));
+    throw OverrideError(format_error(
+        {words, 0}, fmt::format("{}.{}: {}", data.owner().class_name(), data.attribute().name, error.what())));
   }
-  if (data->link().empty()) return;
+  if (data.link().empty()) return;
   Diagnostics found;
-  resolve_link(*data, found);
+  resolve_link(data, found);
   try {
     found.throw_errors();
   } catch (const SceneError& error) {

@@ -47,7 +47,11 @@ class OverrideError : public std::runtime_error {
 };
 
 /// Replaces an attribute between reading and init: "bar/material.yieldStress=500", "root.dt=0.005". PATH is a link path
-/// from the root, which may be named itself. Throws OverrideError.
-void override_attribute(Scene& scene, std::string_view assignment);
+/// from the root, which may be named itself. `option` is what the command line calls it. Throws OverrideError.
+void override_attribute(Scene& scene, std::string_view assignment, std::string_view option = "--set");
+
+/// The attribute that `name`, PATH.attribute, means; `words` are the option of the command line that messages begin
+/// with. Throws OverrideError.
+Data& named_attribute(Scene& scene, std::string_view name, std::string_view words);
 
 }  // namespace hexaplast::scene

@@ -86,6 +86,67 @@ SolveReport Scene::step() {
   }
 }
 
+namespace {
+
+std::string address(const Component& component) {
+  const std::string path = component.node().path();
+  return fmt::format("{}{}{} ({})", path, path == "/" ? "" : "/", component.name(), component.class_name());
+}
+
+}  // namespace
+
+void Scene::serialize(Archive& archive) {
+  archive(root_->clock().time);
+  if (archive.reads()) return restore(archive);
+  root_->for_each<Component>([&](Component& component) {
+    std::string own_address = address(component);
+    bool awaits_refresh = component.seen_inputs_ != component.inputs_version();
+    std::uint64_t size = serialized_size([&](Archive& counting) { component.serialize(counting); });
+    archive(own_address, awaits_refresh, size);
+    component.serialize(archive);
+  });
+}
+
+void Scene::restore(Archive& archive) {
+  struct Saved {
+    Component& component;
+    bool awaits_refresh;
+    std::span<const std::byte> bytes;
+  };
+  std::vector<Saved> all;
+  root_->for_each<Component>([&](Component& component) {
+    std::string saved_address;
+    bool awaits_refresh = false;
+    std::uint64_t size = 0;
+    archive(saved_address, awaits_refresh, size);
+    if (saved_address != address(component))
+      throw InputError(fmt::format("{} stands where {} was saved", address(component), saved_address));
+    all.push_back({component, awaits_refresh, archive.take(size)});
+  });
+
+  const auto read_all = [&] {
+    for (const Saved& saved : all) {
+      Archive own(saved.bytes);
+      saved.component.serialize(own);
+      if (own.rest() != 0)
+        throw InputError(
+            fmt::format("{} keeps {} bytes, {} were saved", address(saved.component), own.size(), saved.bytes.size()));
+    }
+  };
+  // what follows others is made anew from their state, and its own memory comes on top of that
+  read_all();
+  try {
+    for (const Saved& saved : all) saved.component.follow_inputs();
+  } catch (const Rejection& rejection) {
+    throw SceneError(rejection.what());
+  }
+  read_all();
+  for (const Saved& saved : all) {
+    saved.component.mark_inputs_seen();
+    if (saved.awaits_refresh) saved.component.seen_inputs_ = -1;
+  }
+}
+
 void begin_step(Node& node) {
   node.for_each<Component>([](Component& component) {
     component.follow_inputs();

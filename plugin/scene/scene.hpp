@@ -38,6 +38,10 @@ class Scene {
   /// One time step. Throws SceneError, InputError or NumericalError.
   SolveReport step();
 
+  /// Time and all components (Component::serialize): into a checkpoint between two steps, or from one right after init.
+  /// Throws InputError when the components of the scene are not those that were written, or keep another state.
+  void serialize(Archive& archive);
+
   double time() { return root_->clock().time; }
   double dt() { return root_->clock().dt; }
 
@@ -45,6 +49,7 @@ class Scene {
   void init(Node& node);
   void init(Component& component);
   void bwd_init(Node& node);
+  void restore(Archive& archive);
   void bwd_init(Component& component);
   template <class Call>
   void attempt(Component& component, const Call& call);

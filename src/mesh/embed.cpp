@@ -202,8 +202,7 @@ bool Embedding::is_left(std::span<const int> cell,
     if (!hold_together(std::span(of_cell).subspan(before))) return false;
   }
   std::ranges::sort(of_cell);
-  const auto repeated = std::ranges::unique(of_cell);
-  of_cell.erase(repeated.begin(), repeated.end());
+  of_cell.erase(std::unique(of_cell.begin(), of_cell.end()), of_cell.end());
   return hold_together(of_cell);
 }
 

@@ -117,4 +117,22 @@ void CholeskySolver::reset() {
   matrix_ = BlockMatrix();
 }
 
+void CholeskySolver::serialize(Archive& archive) {
+  std::vector<std::vector<int>> columns(matrix_.num_nodes());
+  for (int n = 0; n < matrix_.num_nodes(); ++n)
+    for (const auto& entry : matrix_.row(n)) columns[n].push_back(entry.column);
+  archive(columns);
+  if (!archive.reads()) return;
+
+  const int num_nodes = static_cast<int>(columns.size());
+  for (const std::vector<int>& row : columns)
+    for (const int column : row)
+      if (column < 0 || column >= num_nodes)
+        throw InputError(fmt::format("the pattern of a matrix of {} nodes has a column {}", num_nodes, column));
+  reset();
+  matrix_ = BlockMatrix(num_nodes);
+  for (int n = 0; n < num_nodes; ++n)
+    for (const int column : columns[n]) matrix_.add(n, column, Mat3::Zero());
+}
+
 }  // namespace hexaplast

@@ -128,6 +128,10 @@ void SolverPreconditionedConjugateGradients::reset() {
   if (preconditioner_) preconditioner_->reset();
 }
 
+void SolverPreconditionedConjugateGradients::serialize(Archive& archive) {
+  if (preconditioner_) preconditioner_->serialize(archive);
+}
+
 namespace {
 
 /// A cycle in single precision as a preconditioner of a system in double.

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/state/history.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 
@@ -11,6 +17,20 @@ CornerTensors identities() {
   CornerTensors tensors;
   tensors.fill(Mat3::Identity());
   return tensors;
+}
+
+void require(bool holds, std::string_view what) {
+  if (!holds) throw InputError(fmt::format("the plastic history does not belong to this body: {}", what));
+}
+
+template <class Tensors>
+bool all_finite(const Tensors& tensors) {
+  return std::ranges::all_of(tensors, [](const auto& tensor) { return tensor.allFinite(); });
+}
+
+template <class Holds>
+bool all_values(const std::vector<CornerValues>& values, const Holds& holds) {
+  return std::ranges::all_of(values, [&](const CornerValues& corners) { return std::ranges::all_of(corners, holds); });
 }
 
 }  // namespace
@@ -50,6 +70,44 @@ void History::set_element(int e, const ElementHistory& element) {
   rotation_yield[e] = element.rotation_yield;
   plastic_strain[e] = element.plastic_strain;
   if (!plastic_stretch.empty()) plastic_stretch[e] = element.plastic_stretch;
+}
+
+void History::serialize(Archive& archive) {
+  archive(rest_shape, rotation_map, yield_stress, rotation_yield, material, plastic_strain, plastic_stretch,
+          dissipated_energy, alive, removed, averaging_increment);
+  if (archive.reads()) removed.reserve(alive.size());  // a step allocates nothing
+}
+
+void validate(const Model& model, const History& history) {
+  const auto num_elements = static_cast<std::size_t>(model.mesh.num_elements());
+  const Eigen::Index num_nodes = model.mesh.num_nodes();
+  const std::size_t num_maps = num_elements * static_cast<std::size_t>(model.maps_per_element());
+  require(history.rest_shape.size() == num_elements && history.yield_stress.size() == num_elements &&
+              history.rotation_yield.size() == num_elements && history.plastic_strain.size() == num_elements &&
+              history.alive.size() == num_elements,
+          "it is of another number of hexahedra");
+  require(history.material.rows() == num_nodes, "it is of another number of nodes");
+  require(history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
+              history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0),
+          "it is of other settings or materials");
+
+  const auto is_threshold = [](double value) { return value >= 0; };
+  require(all_values(history.yield_stress, is_threshold) && all_values(history.rotation_yield, is_threshold),
+          "a yield threshold is negative or no number");
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  require(history.material.allFinite() && history.averaging_increment.allFinite() && all_finite(history.rest_shape) &&
+              all_finite(history.rotation_map) && all_values(history.plastic_strain, is_finite) &&
+              std::isfinite(history.dissipated_energy) &&
+              std::ranges::all_of(history.plastic_stretch,
+                                  [](const CornerTensors& tensors) { return all_finite(tensors); }),
+          "a value is not finite");
+
+  std::vector<unsigned char> left(num_elements, 1);
+  for (const int e : history.removed) {
+    require(e >= 0 && e < model.mesh.num_elements() && left[e], "its removed hexahedra do not exist, or went twice");
+    left[e] = 0;
+  }
+  require(left == history.alive, "removed hexahedra and those that are left do not add up");
 }
 
 }  // namespace hexaplast

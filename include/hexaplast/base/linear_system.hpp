@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/chunked_operator.hpp"
 #include "hexaplast/base/types.hpp"
@@ -66,6 +67,9 @@ class LinearSolver {
 
   /// Forgets what it kept of earlier solves (warm start, factors).
   virtual void reset() {}
+
+  /// Passes on what it keeps of earlier solves and the next one depends on, to the last bit.
+  virtual void serialize(Archive& /*archive*/) {}
 };
 
 }  // namespace hexaplast

@@ -16,6 +16,10 @@ class CholeskySolver final : public LinearSolver {
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   void reset() override;
 
+  /// The pattern, which holds what earlier systems coupled too: the order of elimination, and with it the last bits,
+  /// comes from it.
+  void serialize(Archive& archive) override;
+
  private:
   struct Factor;
   std::unique_ptr<Factor> factor_;

@@ -21,6 +21,7 @@ class ConjugateGradients final : public LinearSolver {
   ~ConjugateGradients() override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   void reset() override;
+  void serialize(Archive& archive) override { archive(first_solve_, previous_); }
 
  private:
   ConjugateGradientSettings settings_;
@@ -40,6 +41,7 @@ class SolverPreconditionedConjugateGradients final : public LinearSolver {
       : tolerance_(tolerance), iterations_(iterations), preconditioner_(preconditioner) {}
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   void reset() override;
+  void serialize(Archive& archive) override;
 
  private:
   double tolerance_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/state/model.hpp"
 
@@ -22,8 +23,8 @@ struct ElementHistory {
   CornerTensors plastic_stretch;  ///< product of the S^p, in the rest frame; identity unless the model tracks it
 };
 
-/// Everything plastic; changes once per accepted time step, by flow(), and between two steps when the host takes elements
-/// out or changes the material (Body). A checkpoint saves exactly this.
+/// Everything plastic; changes once per accepted time step, by flow(), and between two steps when the host takes
+/// elements out or changes the material (Body). A checkpoint saves exactly this.
 struct History {
   std::vector<ElementPoints> rest_shape;       ///< y per element
   std::vector<Mat3> rotation_map;              ///< Pi per element, or per element and corner (Model::maps_per_element)
@@ -44,6 +45,13 @@ struct History {
 
   ElementHistory element(int e) const;
   void set_element(int e, const ElementHistory& element);
+
+  /// Every array, in the order above; `version` belongs to the process alone.
+  void serialize(Archive& archive);
 };
+
+/// Throws InputError where a history cannot be one of this model: arrays of other sizes, numbers that are not finite,
+/// removed elements that are alive.
+void validate(const Model& model, const History& history);
 
 }  // namespace hexaplast

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hexaplast/base/archive.hpp"
+
+namespace hexaplast::output {
+
+/// A part of a checkpoint.
+struct CheckpointSection {
+  std::string_view name;  ///< at most 8 bytes
+  std::function<void(Archive&)> serialize;
+};
+
+/// Writes checkpoint_<step>.hxc into the directory of a run, whole, and removes all but the newest two there.
+/// docs/checkpoints.md has the format. Throws OutputError; what was there before is then still there.
+void write_checkpoint(const std::filesystem::path& directory, long step, std::uint64_t scene_hash,
+                      std::span<const CheckpointSection> sections);
+
+/// A checkpoint that has been read and found undamaged.
+class Checkpoint {
+ public:
+  /// Throws OutputError when the file cannot be read, InputError when it is no checkpoint, is of another format version
+  /// or is damaged: every byte of it is covered by a checksum.
+  explicit Checkpoint(std::filesystem::path file);
+
+  const std::filesystem::path& file() const { return file_; }
+  std::uint64_t scene_hash() const { return scene_hash_; }
+
+  /// Throws InputError where there is no such section. The archive must not outlive this.
+  Archive section(std::string_view name) const;
+
+ private:
+  struct Section {
+    std::string name;
+    std::span<const std::byte> bytes;
+  };
+
+  std::filesystem::path file_;
+  std::vector<std::byte> bytes_;
+  std::uint64_t scene_hash_ = 0;
+  std::vector<Section> sections_;
+};
+
+/// The checkpoints in the directory of a run, the newest first.
+std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& directory);
+
+/// The step in the name of a checkpoint.
+long step_of(const std::filesystem::path& checkpoint);
+
+}  // namespace hexaplast::output

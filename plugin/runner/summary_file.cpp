@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/summary_file.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace hexaplast::runner {
+
+nlohmann::ordered_json summary_json(Simulation& simulation) {
+  const Body& body = *simulation.body();
+  const PointArray& x = simulation.state().positions();
+  const output::StepRecord& latest = simulation.latest();
+  const Totals& totals = simulation.totals();
+  const output::Summary summary = output::summarise(body, x);
+  const double largest_plastic_strain = std::ranges::max(body.fields(x).plastic_strain);
+
+  return {{"state_hash", output::state_hash(latest.step, x, simulation.state().velocities(), &body)},
+          {"steps", latest.step},
+          {"time", simulation.time()},
+          {"step_ms", totals.step_ms / static_cast<double>(std::max(latest.step, 1L))},
+          {"solver_iterations", totals.iterations},
+          {"stalled_solves", totals.stalled_solves},
+          {"stalled_averaging", totals.stalled_averaging},
+          {"nodes", simulation.state().num_nodes()},
+          {"hexahedra", body.mesh().num_elements()},
+          {"removed", body.history().removed.size()},
+          {"plastic_elongation", summary.plastic_elongation},
+          {"plastic_twist_deg", summary.plastic_twist_deg},
+          {"world_elongation", summary.world_elongation},
+          {"world_twist_deg", summary.world_twist_deg},
+          {"material_volume_ratio", summary.material_volume_ratio},
+          {"volume_error", summary.material_volume_ratio - 1},
+          {"world_volume_ratio", summary.world_volume_ratio},
+          {"worst_element_volume_error", summary.worst_element_volume_error},
+          {"largest_plastic_strain", largest_plastic_strain},
+          {"kinetic_energy", latest.kinetic_energy},
+          {"elastic_energy", body.energy(x)},
+          {"dissipated_energy", body.history().dissipated_energy}};
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "runner/simulation.hpp"
+
+namespace hexaplast::runner {
+
+/// What a run has come to, for programs: state_hash, steps, time [s], step_ms (mean wall time of a step),
+/// solver_iterations (of all steps), stalled_solves, stalled_averaging, nodes, hexahedra, removed, the last row of
+/// history.csv by its names (elongations, twists, volume ratios, energies), volume_error (material_volume_ratio - 1),
+/// worst_element_volume_error and largest_plastic_strain. The simulation has a body.
+nlohmann::ordered_json summary_json(Simulation& simulation);
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hexaplast::runner {
+
+/// What can be measured on a specimen and on a body alike.
+enum class Quantity { kElongation, kPlasticElongation, kTwist, kPlasticTwist, kForce };
+
+struct QuantityEntry {
+  Quantity quantity;
+  std::string_view column;  ///< of the file
+  std::string_view unit;    ///< empty: a share
+  std::string_view label;   ///< in pictures
+  double shown_scale;       ///< from the column's unit to the label's
+};
+
+/// elongation (or world_elongation), plastic_elongation, twist_deg (or world_twist_deg), plastic_twist_deg, force.
+std::span<const QuantityEntry> quantities();
+const QuantityEntry& entry_of(Quantity quantity);
+
+/// A measured curve: over time where the file has that column, otherwise over force.
+struct TargetCurve {
+  struct Column {
+    Quantity quantity;
+    std::vector<double> values;  ///< per row
+  };
+  std::filesystem::path file;
+  std::vector<int> lines;       ///< of the file, per row
+  std::vector<double> times;    ///< [s] ascending; empty: the curve is over force
+  std::vector<double> forces;   ///< [N] in the order of the experiment; empty: the curve is over time
+  std::vector<Column> columns;  ///< that are compared; at least one
+
+  std::size_t num_rows() const { return lines.size(); }
+};
+
+/// Reads a CSV file: a line of column names, then rows of numbers; empty lines and those that begin with # are passed
+/// over. `compare` names the columns that are compared; empty: all but the first of time and force that the file has,
+/// and then each must be known. Throws FileError where the file cannot be read, and SceneError with file and line.
+TargetCurve read_target(const std::filesystem::path& file, const std::vector<std::string>& compare);
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A body's history through a stream, as host applications keep it.
+#include <sstream>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "support/compare.hpp"
+#include "support/materials.hpp"
+#include "support/motion.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::kEdge;
+using support::kStep;
+
+std::string hash_of(const Body& body) {
+  StateHash hash;
+  body.add_to(hash);
+  return hash.text();
+}
+
+std::string saved(const Body& body) {
+  std::ostringstream out;
+  body.save(out);
+  return out.str();
+}
+
+void load(Body& body, const std::string& bytes) {
+  std::istringstream in(bytes);
+  body.load(in);
+}
+
+/// What the body says of such bytes; empty: it takes them.
+std::string refusal(Body& body, const std::string& bytes) {
+  try {
+    load(body, bytes);
+    return {};
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+Material breaking() {
+  Material material = support::yielding(100, 0.01);
+  material.fracture_stretch = 1.02;
+  return material;
+}
+
+Body make_body(Precision precision = Precision::kDouble, std::array<int, 3> cells = {2, 2, 3}) {
+  return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking()}, {.precision = precision});
+}
+
+/// Several plastic steps at positions that wander away from the original ones.
+void flow(Body& body, int first, int last) {
+  for (int step = first; step < last; ++step) {
+    support::Random random(100 + step);
+    const PointArray& X = body.mesh().positions();
+    const PointArray stretched = X * Vec3(1.0 + 0.02 * step, 1, 1).asDiagonal();
+    body.flow(stretched + random.field(static_cast<int>(X.rows()), 0.1 * kEdge), kStep);
+  }
+}
+
+TEST(SavedBody, GoesOnBitForBit) {
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    Body straight = make_body(precision), first = make_body(precision), second = make_body(precision);
+    for (Body* body : {&straight, &first}) {
+      flow(*body, 0, 7);
+      body->remove(std::vector<int>{5});
+    }
+    load(second, saved(first));
+    EXPECT_EQ(hash_of(second), hash_of(first));
+    EXPECT_EQ(second.history().removed, first.history().removed);
+
+    flow(straight, 7, 12);
+    flow(second, 7, 12);
+    EXPECT_EQ(hash_of(second), hash_of(straight));
+    EXPECT_GT(straight.history().removed.size(), 1u) << "the case is to tear";
+  }
+}
+
+TEST(SavedBody, TakesThePlaceOfWhatHasHappenedSince) {
+  Body body = make_body();
+  flow(body, 0, 6);
+  const std::string bytes = saved(body), before = hash_of(body);
+  flow(body, 6, 12);
+  ASSERT_NE(hash_of(body), before);
+  load(body, bytes);
+  EXPECT_EQ(hash_of(body), before);
+  EXPECT_EQ(saved(body), bytes);
+}
+
+TEST(SavedBody, BringsTheMaterialsThatItsThresholdsBelongTo) {
+  Body body = make_body(), other = make_body();
+  Material stiff = breaking();
+  stiff.young_modulus *= 2;
+  stiff.yield_stress += 50;
+  flow(body, 0, 3);
+  body.set_materials({stiff});
+  flow(body, 3, 5);
+  load(other, saved(body));
+  EXPECT_EQ(other.model().material(0).young_modulus, stiff.young_modulus);
+  const PointArray x = 1.1 * body.mesh().positions();
+  EXPECT_EQ(other.energy(x), body.energy(x));
+}
+
+TEST(SavedBody, LeavesInTheStreamWhatFollows) {
+  Body body = make_body();
+  std::istringstream in(saved(body) + "next");
+  body.load(in);
+  std::string rest;
+  in >> rest;
+  EXPECT_EQ(rest, "next");
+}
+
+TEST(SavedBody, DamageIsFoundAndNothingChanges) {
+  Body body = make_body(Precision::kDouble, {1, 1, 2});
+  flow(body, 0, 2);
+  const std::string bytes = saved(body);
+  flow(body, 2, 3);
+  const std::string before = hash_of(body);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ (1 << i % 8));
+    EXPECT_NE(refusal(body, damaged), "") << "byte " << i;
+  }
+  for (std::size_t size = 0; size < bytes.size(); size += 7)
+    EXPECT_NE(refusal(body, bytes.substr(0, size)), "") << size;
+  EXPECT_EQ(hash_of(body), before);
+}
+
+TEST(SavedBody, OfAnotherBodyIsRefused) {
+  Body body = make_body();
+  const std::string bytes = saved(body);
+  Body other_mesh(support::distorted_block({2, 2, 3}, kEdge, 0.15, 163), {breaking()});
+  EXPECT_NE(refusal(other_mesh, bytes).find("another mesh or other settings"), std::string::npos);
+  Body other_settings = make_body(Precision::kMixed);
+  EXPECT_NE(refusal(other_settings, bytes).find("another mesh or other settings"), std::string::npos);
+  std::string later = bytes;
+  later[8] = 2;
+  EXPECT_NE(refusal(body, later).find("format version 2, must be 1"), std::string::npos);
+  EXPECT_NE(refusal(body, "mesh.pvd and other things that are no body").find("no saved body"), std::string::npos);
+}
+
+TEST(SavedBody, AStreamThatTakesNothingIsAnError) {
+  std::ostringstream closed;
+  closed.setstate(std::ios::badbit);
+  EXPECT_THROW(make_body().save(closed), InputError);
+}
+
+TEST(Archive, ListsAreCheckedBeforeTheyAreAllocated) {
+  const std::uint64_t bomb = std::uint64_t{1} << 60;
+  for (const bool is_text : {false, true}) {
+    Archive archive{std::as_bytes(std::span(&bomb, 1))};
+    std::vector<double> numbers;
+    std::string text;
+    EXPECT_THROW(is_text ? archive(text) : archive(numbers), InputError);
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "hexaplast/base/error.hpp"
+#include "output/checkpoint.hpp"
+#include "output/files.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CheckpointFile : public testing::Test {
+ protected:
+  CheckpointFile() : directory_(fs::temp_directory_path() / ("hexaplast_checkpoints_" + std::to_string(::getpid()))) {
+    fs::remove_all(directory_);
+    fs::create_directory(directory_);
+  }
+  ~CheckpointFile() override { fs::remove_all(directory_); }
+
+  fs::path file(const std::string& name) const { return directory_ / name; }
+
+  std::string content(const std::string& name) const {
+    std::ifstream stream(file(name), std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(file(name), std::ios::binary) << text;
+  }
+
+  void write_checkpoint(long step, double value = 1.5) const {
+    std::vector<int> numbers = {3, 1, 4};
+    std::string word = "grip";
+    const CheckpointSection sections[] = {{"scene", [&](Archive& archive) { archive(value, numbers); }},
+                                          {"output", [&](Archive& archive) { archive(word); }}};
+    output::write_checkpoint(directory_, step, 0x1234567890abcdef, sections);
+  }
+
+  fs::path directory_;
+};
+
+TEST_F(CheckpointFile, IsReadAsItWasWritten) {
+  write_checkpoint(40, 2.25);
+  const Checkpoint checkpoint(file("checkpoint_000000040.hxc"));
+  EXPECT_EQ(checkpoint.scene_hash(), 0x1234567890abcdefu);
+  Archive scene = checkpoint.section("scene"), output = checkpoint.section("output");
+  double value = 0;
+  std::vector<int> numbers;
+  std::string word;
+  scene(value, numbers);
+  output(word);
+  EXPECT_EQ(value, 2.25);
+  EXPECT_EQ(numbers, (std::vector<int>{3, 1, 4}));
+  EXPECT_EQ(word, "grip");
+  EXPECT_EQ(scene.rest() + output.rest(), 0u);
+  EXPECT_THROW(checkpoint.section("run"), InputError);
+}
+
+// docs/checkpoints.md, byte by byte
+TEST_F(CheckpointFile, HasTheDocumentedLayout) {
+  write_checkpoint(1);
+  const std::string bytes = content("checkpoint_000000001.hxc");
+  ASSERT_EQ(bytes.size(), 32u + (8 + 8 + 8 + 8 + 12 + 8) + (8 + 8 + 8 + 4 + 8));
+  EXPECT_EQ(bytes.substr(0, 8), std::string("HXPCKPT\0", 8));
+  EXPECT_EQ(bytes.substr(8, 8), std::string("\1\0\0\0\2\0\0\0", 8));
+  EXPECT_EQ(bytes.substr(16, 8), "\xef\xcd\xab\x90\x78\x56\x34\x12");
+  EXPECT_EQ(bytes.substr(32, 16), std::string("scene\0\0\0\x1c\0\0\0\0\0\0\0", 16));
+}
+
+TEST_F(CheckpointFile, TheNewestTwoAreKept) {
+  for (const long step : {5, 10, 15, 100, 20}) write_checkpoint(step);
+  std::vector<std::string> names;
+  for (const fs::path& path : checkpoints_in(directory_)) names.push_back(path.filename());
+  EXPECT_EQ(names, (std::vector<std::string>{"checkpoint_000000100.hxc", "checkpoint_000000020.hxc"}));
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 2) << "nothing is left beside them";
+}
+
+TEST_F(CheckpointFile, EveryDamagedByteIsFound) {
+  write_checkpoint(1);
+  const std::string bytes = content("checkpoint_000000001.hxc");
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    for (const int bit : {0, 7}) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
+      write("damaged", damaged);
+      EXPECT_THROW(Checkpoint(file("damaged")), InputError) << "byte " << i;
+    }
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    write("damaged", bytes.substr(0, size));
+    EXPECT_THROW(Checkpoint(file("damaged")), InputError) << size << " bytes";
+  }
+  write("damaged", bytes + '\0');
+  EXPECT_THROW(Checkpoint(file("damaged")), InputError);
+}
+
+TEST_F(CheckpointFile, SaysWhatIsWrong) {
+  const auto refusal = [&](const std::string& text) -> std::string {
+    write("other", text);
+    try {
+      Checkpoint checkpoint(file("other"));
+      return {};
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  write_checkpoint(1);
+  std::string bytes = content("checkpoint_000000001.hxc");
+  EXPECT_NE(refusal(bytes.substr(0, 50)).find("other is damaged: "), std::string::npos);
+  EXPECT_NE(refusal("step,time,kinetic_energy").find("other is no checkpoint"), std::string::npos);
+  EXPECT_NE(refusal("").find("other is no checkpoint"), std::string::npos);
+  bytes[8] = 2;
+  EXPECT_NE(refusal(bytes).find("other has format version 2, must be 1"), std::string::npos);
+  EXPECT_THROW(Checkpoint(file("nowhere")), OutputError);
+}
+
+TEST_F(CheckpointFile, LinesGoOnWhereTheyWere) {
+  std::vector<std::byte> saved;
+  Archive archive([&](const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    saved.insert(saved.end(), first, first + size);
+  });
+  {
+    LineFile lines(file("lines"));
+    lines.append("a\nb");
+    lines.save(archive);
+    lines.append("c");
+  }
+  ASSERT_EQ(content("lines"), "a\nb\nc\n");
+  {
+    Archive back{std::span<const std::byte>(saved)};
+    LineFile lines(file("lines"), back);
+    EXPECT_EQ(content("lines"), "a\nb\n");
+    lines.append("d");
+  }
+  EXPECT_EQ(content("lines"), "a\nb\nd\n");
+
+  for (const char* text : {"a\n", "a\nB\nd\n", ""}) {
+    write("lines", text);
+    Archive back{std::span<const std::byte>(saved)};
+    EXPECT_THROW(LineFile(file("lines"), back), InputError) << text;
+    EXPECT_EQ(content("lines"), text);
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast::output

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Mesh files: the first byte chooses the format. Whatever is read has its corners among its nodes.
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/file_import.hpp"
+#include "target.hpp"
+
+using namespace hexaplast;
+using fuzz::require;
+
+namespace {
+
+template <class Cells>
+void require_corners(const Cells& cells, long num_nodes) {
+  for (const auto& cell : cells)
+    for (const int node : cell) require(node >= 0 && node < num_nodes, "every corner is a node");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  constexpr ImportedMesh (*kParsers[])(std::string_view, const std::string&) = {parse_gmsh, parse_vtk, parse_obj,
+                                                                                parse_abaqus};
+  if (size == 0) return 0;
+  try {
+    ImportedMesh mesh = kParsers[data[0] % std::size(kParsers)](fuzz::text_of(data + 1, size - 1), "any");
+    add_boundaries_of_cells(mesh);
+    require_corners(mesh.edges, mesh.positions.rows());
+    require_corners(mesh.triangles, mesh.positions.rows());
+    require_corners(mesh.quads, mesh.positions.rows());
+    require_corners(mesh.hexahedra, mesh.positions.rows());
+    require(mesh.positions.allFinite(), "finite positions");
+  } catch (const InputError&) {
+  }
+  return 0;
+}

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// hexaplast resume: a run that stops, however it stops, and goes on, against one that does not.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "support/command.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using hexaplast::support::Command;
+using hexaplast::support::content;
+using hexaplast::support::Outcome;
+
+// A bar that is pulled until it flows and tears, while a tool holds it.
+const std::string kBar =
+    "<Node name='root' gravity='0 0 -9.81' dt='0.02'>\n<DefaultAnimationLoop/><RunSettings steps='40' outputEvery='8'/>"
+    "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.01'/><CGLinearSolver iterations='60'/>"
+    "<RegularGridTopology n='3 2 5' max='0.2 0.1 0.4'/><MechanicalObject/><DiagonalMass massDensity='1000'/>"
+    "<HexahedronElastoplasticFEMForceField name='body' youngModulus='2e4' poissonRatio='0.3' yieldStress='500' "
+    "plasticFlowRate='4' hardening='0.1' rotationYield='0.01' rotationFlowRate='2' fractureStretch='1.02'/>"
+    "<FixedProjectiveConstraint indices='24-29'/>"
+    "<GraspForceField radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 .05 -.2' graspTime='0.06' "
+    "releaseTime='0.5' stiffness='300' maxForce='12'/></Node>";
+
+class Resume : public Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    write("bar.scn", kBar);
+  }
+
+  static std::string hash_in(const std::string& out) {
+    const std::size_t at = out.find("state hash");
+    return at == out.npos ? out : out.substr(at, out.find('\n', at) - at);
+  }
+
+  /// The rows of a history.csv without the wall times.
+  std::vector<std::string> rows(const std::string& file) const {
+    std::istringstream lines(content(directory_ / file));
+    std::vector<std::string> all, names;
+    for (std::string line, cell; std::getline(lines, line);) {
+      std::istringstream cells(line);
+      std::string row;
+      for (std::size_t column = 0; std::getline(cells, cell, ','); ++column) {
+        if (all.empty()) names.push_back(cell);
+        if (names.at(column) != "step_ms") row += cell + ",";
+      }
+      all.push_back(row);
+    }
+    return all;
+  }
+
+  std::vector<std::string> files(const std::string& folder) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(directory_ / folder)) names.push_back(entry.path().filename());
+    std::ranges::sort(names);
+    return names;
+  }
+
+  void expect_same_run(const std::string& resumed, const std::string& straight) const {
+    EXPECT_EQ(rows(resumed + "/history.csv"), rows(straight + "/history.csv"));
+    for (const char* name : {"/removed.csv", "/mesh.pvd"})
+      EXPECT_EQ(content(directory_ / (resumed + name)), content(directory_ / (straight + name))) << name;
+    EXPECT_EQ(files(resumed), files(straight));
+    for (const std::string& name : files(straight)) {
+      if (!name.ends_with(".vtu")) continue;
+      EXPECT_EQ(content(directory_ / resumed / name), content(directory_ / straight / name)) << name;
+    }
+  }
+
+  /// Ends a run by a signal as soon as it has written a checkpoint.
+  int end_when_under_way(const std::string& arguments, const std::string& folder, int signal) {
+    const pid_t child = fork();
+    if (child == 0) {
+      if (::chdir(directory_.c_str()) != 0) std::_Exit(99);
+      const int null = ::open("/dev/null", O_WRONLY);
+      ::dup2(null, 1);
+      ::dup2(null, 2);
+      const std::string line = "exec '" HEXAPLAST_COMMAND "' " + arguments;
+      ::execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+      std::_Exit(99);
+    }
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < deadline) {
+      std::error_code error;
+      bool is_under_way = false;
+      for (fs::directory_iterator entry(directory_ / folder, error), end; !error && entry != end;
+           entry.increment(error))
+        is_under_way = is_under_way || entry->path().extension() == ".hxc";
+      if (is_under_way) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    ::kill(child, signal);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+};
+
+TEST_F(Resume, GoesOnBitForBitAndWritesTheSameFiles) {
+  const Outcome straight = hexaplast("run bar.scn --out straight --frames 0 --checkpoint every=15 --threads 1");
+  ASSERT_EQ(straight.code, 0) << straight.err;
+  ASSERT_NE(straight.out.find("removed "), std::string::npos) << "the case is to tear\n" << straight.out;
+
+  // 20 steps, the last of them at no output: a run of 40 would not write it
+  ASSERT_EQ(hexaplast("run bar.scn --out resumed --frames 0 --checkpoint every=15 --steps 20 --threads 2").code, 0);
+  const Outcome resumed = hexaplast("resume resumed --steps 40 --threads 3 --final last.json");
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(hash_in(resumed.out), hash_in(straight.out));
+  EXPECT_TRUE(fs::exists(directory_ / "last.json"));
+  expect_same_run("resumed", "straight");
+}
+
+TEST_F(Resume, CutsWhatTheRunHadWrittenAfterItsCheckpoint) {
+  ASSERT_EQ(hexaplast("run bar.scn --out straight --frames 0 --checkpoint every=30").code, 0);
+  ASSERT_EQ(hexaplast("run bar.scn --out resumed --frames 0 --checkpoint every=30").code, 0);
+  EXPECT_EQ(hexaplast("resume resumed").code, 2) << "all steps are done";
+  const Outcome resumed = hexaplast("resume resumed/checkpoint_000000030.hxc");
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  expect_same_run("resumed", "straight");
+}
+
+TEST_F(Resume, FromAnotherPlaceFindsItsScene) {
+  write("at_rest.scn", kBar);
+  ASSERT_EQ(
+      hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 10 --set root/body.hardening=0.2").code,
+      0);
+  fs::create_directory(directory_ / "elsewhere");
+  const Outcome resumed = shell("cd elsewhere && '" HEXAPLAST_COMMAND "' resume ../run --steps 12 --final last.json");
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_TRUE(fs::exists(directory_ / "elsewhere/last.json"));
+}
+
+TEST_F(Resume, ASignalLeavesACheckpointToGoOnFrom) {
+  const Outcome straight = hexaplast("run bar.scn --steps 3000 --out straight --frames 0 --checkpoint every=1000");
+  ASSERT_EQ(straight.code, 0) << straight.err;
+  for (const auto& [signal, code] : {std::pair{SIGINT, 130}, {SIGTERM, 143}, {SIGKILL, -SIGKILL}}) {
+    const std::string folder = "ended" + std::to_string(signal);
+    const std::string run = "run bar.scn --steps 3000 --frames 0 --checkpoint every=25 --out " + folder;
+    EXPECT_EQ(end_when_under_way(run, folder, signal), code);
+    const Outcome resumed = hexaplast("resume " + folder);
+    EXPECT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(hash_in(resumed.out), hash_in(straight.out));
+    EXPECT_EQ(rows(folder + "/history.csv"), rows("straight/history.csv"));
+    EXPECT_EQ(content(directory_ / folder / "mesh.pvd"), content(directory_ / "straight/mesh.pvd"));
+    for (const std::string& name : files(folder)) EXPECT_FALSE(name.ends_with(".part")) << name;
+  }
+}
+
+TEST_F(Resume, AFailureKeepsTheLastGoodCheckpoint) {
+  // a step of a second is more than the bar can bear: the run fails by itself
+  std::string text = kBar;
+  text.insert(text.find("<GraspForceField"),
+              "<LinearForceField points='0' times='0 0.2 0.22' forces='0 0 0  0 0 0  0 0 1e300'/>");
+  write("fails.scn", text);
+  const Outcome failed = hexaplast("run fails.scn --out run --frames 0 --checkpoint every=4");
+  ASSERT_EQ(failed.code, 4) << failed.err;
+  const Outcome again = hexaplast("resume run --threads 2");
+  EXPECT_EQ(again.code, 4) << again.err;
+  EXPECT_EQ(again.err.substr(again.err.find("step ")), failed.err.substr(failed.err.find("step ")));
+}
+
+TEST_F(Resume, WhatIsForeignOrDamagedIsRefusedAndUntouched) {
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 25").code, 0);
+  const std::string history = content(directory_ / "run/history.csv");
+  const fs::path newest = directory_ / "run/checkpoint_000000025.hxc";
+
+  std::string other = kBar;
+  other.replace(other.find("2e4"), 3, "3e4");
+  write("bar.scn", other);
+  Outcome refused = hexaplast("resume run --steps 40");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("is of another scene"), std::string::npos) << refused.err;
+  write("bar.scn", kBar);
+
+  write("run/history.csv", "step,time\n0,0\n");
+  refused = hexaplast("resume run --steps 40");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("history.csv does not begin with"), std::string::npos) << refused.err;
+  write("run/history.csv", history);
+
+  std::string bytes = content(newest);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+  write("run/checkpoint_000000025.hxc", bytes);
+  refused = hexaplast("resume run --steps 40");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("is damaged"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("hint: there is another one, "), std::string::npos) << refused.err;
+  EXPECT_EQ(content(directory_ / "run/history.csv"), history);
+  EXPECT_EQ(hexaplast("resume run/checkpoint_000000020.hxc --steps 40").code, 0);
+
+  EXPECT_EQ(hexaplast("resume nowhere").code, 5);
+  fs::create_directory(directory_ / "empty");
+  EXPECT_EQ(hexaplast("resume empty").code, 5);
+}
+
+TEST_F(Resume, TheCommandLineIsChecked) {
+  for (const char* arguments : {"run bar.scn --checkpoint every=5", "run bar.scn --out run --checkpoint 5",
+                                "run bar.scn --out run --checkpoint every=0",
+                                "run bar.scn --out run --checkpoint every=2x", "resume", "resume run --steps -1"})
+    EXPECT_EQ(hexaplast(arguments).code, 2) << arguments;
+  EXPECT_FALSE(fs::exists(directory_ / "run"));
+}
+
+}  // namespace

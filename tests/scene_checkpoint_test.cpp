@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// A scene that is put down and taken up again goes on bit for bit, whatever its components keep.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/hash.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/body.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace hexaplast;
+using support::at;
+using support::read_and_init;
+
+std::vector<std::byte> saved(scene::Scene& scene) {
+  std::vector<std::byte> bytes;
+  Archive archive([&](const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), first, first + size);
+  });
+  scene.serialize(archive);
+  return bytes;
+}
+
+void take_up(scene::Scene& scene, const std::vector<std::byte>& bytes) {
+  Archive archive{std::span<const std::byte>(bytes)};
+  scene.serialize(archive);
+  EXPECT_EQ(archive.rest(), 0u);
+}
+
+std::string hash_of(scene::Scene& scene) {
+  StateHash hash;
+  double time = scene.time();
+  hash.add(&time, sizeof time);
+  for (scene::MechanicalState* state : scene.root().all<scene::MechanicalState>())
+    for (const PointArray* field : {&state->positions(), &state->velocities()})
+      hash.add(field->data(), static_cast<std::size_t>(field->size()) * sizeof(double));
+  for (const scene::ForceField* field : scene.root().all<scene::ForceField>())
+    if (field->body()) field->body()->add_to(hash);
+  return hash.text();
+}
+
+void run(scene::Scene& scene, int steps) {
+  for (int k = 0; k < steps; ++k) scene.step();
+}
+
+/// Goes on from every one of `moments` to `num_steps`, on another number of threads, and compares with a run that did
+/// not stop.
+void expect_same_future(const std::string& text, int num_steps, std::initializer_list<int> moments) {
+  set_num_threads(1);
+  scene::Scene straight = read_and_init(text);
+  std::vector<std::vector<std::byte>> checkpoints;
+  for (int step = 1; step <= num_steps; ++step) {
+    straight.step();
+    if (std::ranges::find(moments, step) != moments.end()) checkpoints.push_back(saved(straight));
+  }
+  set_num_threads(3);
+  auto checkpoint = checkpoints.begin();
+  for (const int moment : moments) {
+    scene::Scene second = read_and_init(text);
+    take_up(second, *checkpoint);
+    EXPECT_EQ(saved(second), *checkpoint) << "what was read is written again, at step " << moment;
+    run(second, num_steps - moment);
+    EXPECT_EQ(hash_of(second), hash_of(straight)) << "from step " << moment << " of\n" << text;
+    ++checkpoint;
+  }
+  set_num_threads(1);
+}
+
+/// A bar of eight hexahedra that hangs on its upper end, in which plastic flow and tears happen within a few steps.
+std::string bar(const std::string& lines, const std::string& solver = "<CGLinearSolver iterations='60'/>",
+                const std::string& ode = "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.01'/>") {
+  return "<Node dt='0.02' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + ode + solver +
+         "<RegularGridTopology name='grid' n='3 2 5' max='0.2 0.1 0.4'/><MechanicalObject name='nodes'/>"
+         "<DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='2e4' "
+         "poissonRatio='0.3' yieldStress='500' plasticFlowRate='4' hardening='0.1' rotationYield='0.01' "
+         "rotationFlowRate='2' fractureStretch='1.02'/>" +
+         lines + "</Node>";
+}
+
+const std::string kHeld = "<FixedProjectiveConstraint indices='24-29'/>";
+
+TEST(SceneCheckpoint, PlasticFlowAndTearsGoOnBitForBit) {
+  scene::Scene scene = read_and_init(bar(kHeld));
+  run(scene, 30);
+  ASSERT_FALSE(at<scene::ForceField>(scene, "body").body()->history().removed.empty()) << "the case is to tear";
+  expect_same_future(bar(kHeld), 30, {1, 8, 20});
+}
+
+TEST(SceneCheckpoint, WarmStartsAndPatternsOfSolversGoOn) {
+  for (const char* solver :
+       {"<CGLinearSolver iterations='7' warmStart='1'/>", "<SparseLDLSolver/>", "<MultigridCGLinearSolver/>",
+        "<PCGLinearSolver preconditioner='@direct' iterations='20'/><EigenSimplicialLDLT name='direct'/>"})
+    expect_same_future(bar(kHeld, solver), 24, {3, 17});
+}
+
+TEST(SceneCheckpoint, EquilibriumGoesOn) {
+  const std::string text =
+      bar(kHeld, "<SparseLDLSolver/>", "<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='5'/>");
+  expect_same_future(text, 3, {1, 2});  // before it tears: a piece by itself has no equilibrium
+}
+
+TEST(SceneCheckpoint, AGripStaysClosed) {
+  expect_same_future(
+      bar(kHeld + "<GraspForceField name='grasp' radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 .05 -.2' "
+                  "graspTime='0.06' releaseTime='0.3' stiffness='300' maxForce='12'/>"),
+      20, {2, 6, 18});
+}
+
+TEST(SceneCheckpoint, PrescribedMotionGoesOnFromItsBeginning) {
+  expect_same_future(
+      bar("<LinearMovementProjectiveConstraint indices='24-29' keyTimes='0 0.2 9' movements='0 0 0  0 .05 "
+          ".1  0 .05 .1'/>"),
+      16, {3, 12});
+  expect_same_future(bar("<AffineMovementProjectiveConstraint indices='24-29' beginConstraintTime='0.04' "
+                         "endConstraintTime='0.2' rotation='0 -1 0 1 0 0 0 0 1' translation='.1 0 .1'/>"),
+                     16, {3, 12});
+}
+
+TEST(SceneCheckpoint, FacesThatWentStayWithoutLoad) {
+  const std::string pressure = kHeld +
+                               "<QuadPressureForceField quadList='0' pressure='0 0 -20000'/>"
+                               "<SurfacePressureForceField quadIndices='0-5' pressure='800'/>";
+  expect_same_future(bar(pressure), 20, {2, 15});
+}
+
+TEST(SceneCheckpoint, StatesThatFollowAndTheirLoadsGoOn) {
+  expect_same_future(
+      bar(kHeld + "<Node name='points'><MechanicalObject name='points' position='.05 .05 .05  .15 .04 .1'/>"
+                  "<UniformMass totalMass='0.5'/><BarycentricMapping/></Node>"),
+      14, {5});
+}
+
+/// Notes its state by itself, as the component of a plugin may, and follows what another one says.
+constexpr attributes::Attribute kFollowerAttributes[] = {
+    {.name = "field", .type = attributes::Type::kReals, .help = "What it follows."},
+};
+constexpr attributes::Description kFollower{.class_name = "Follower",
+                                            .category = "Test",
+                                            .help = "Keeps the first value that it has seen after a change.",
+                                            .attributes = kFollowerAttributes};
+
+class Follower final : public scene::Component {
+ public:
+  Follower() : Component(kFollower) {}
+  void init() override {
+    latest_ = reals("field");
+    ++num_looks_;
+  }
+  void refresh() override { init(); }
+  void serialize(Archive& archive) override { archive(num_looks_); }
+  int num_looks() const { return num_looks_; }
+  const std::vector<double>& latest() const { return latest_; }
+
+ private:
+  int num_looks_ = 0;
+  std::vector<double> latest_;
+};
+
+TEST(SceneCheckpoint, WhatFollowsOthersIsAsItWas) {
+  support::factory().add<Follower>(kFollower);
+  const std::string text = bar(kHeld + "<Follower name='follower' field='@nodes.position'/>");
+  scene::Scene straight = read_and_init(text);
+  run(straight, 5);
+  const std::vector<std::byte> checkpoint = saved(straight);
+  scene::Scene second = read_and_init(text);
+  take_up(second, checkpoint);
+  straight.step();
+  second.step();
+  EXPECT_EQ(at<Follower>(second, "follower").num_looks(), at<Follower>(straight, "follower").num_looks());
+  EXPECT_EQ(at<Follower>(second, "follower").latest(), at<Follower>(straight, "follower").latest());
+}
+
+constexpr attributes::Attribute kOvenAttributes[] = {
+    {.name = "yield", .type = attributes::Type::kReals, .access = attributes::Access::kOutput, .help = "Falls."},
+};
+constexpr attributes::Description kOven{
+    .class_name = "Oven", .category = "Test", .help = "Softens what follows it.", .attributes = kOvenAttributes};
+
+class Oven final : public scene::Component {
+ public:
+  Oven() : Component(kOven) { show(); }
+  void begin_step() override {
+    yield_ *= 0.9;
+    show();
+  }
+  void serialize(Archive& archive) override {
+    archive(yield_);
+    show();
+  }
+
+ private:
+  void show() { find_data("yield")->set(std::vector<double>{yield_}); }
+  double yield_ = 300;  // [Pa]
+};
+
+TEST(SceneCheckpoint, MaterialsThatFollowMoveThresholdsOnce) {
+  support::factory().add<Oven>(kOven);
+  for (const bool is_ahead : {true, false}) {
+    const std::string oven = "<Oven name='oven'/>";
+    expect_same_future(
+        "<Node dt='0.02' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>" +
+            (is_ahead ? oven : "") +
+            "<RegularGridTopology n='2 2 3' max='0.1 0.1 0.2'/><MechanicalObject/><DiagonalMass/>"
+            "<HexahedronElastoplasticFEMForceField name='body' youngModulus='2e4' yieldStress='@oven.yield' "
+            "plasticFlowRate='4' hardening='0.1'/><FixedProjectiveConstraint indices='8-11'/>" +
+            (is_ahead ? "" : oven) + "</Node>",
+        8, {1, 3});
+  }
+}
+
+TEST(SceneCheckpoint, OfAnotherSceneIsRefused) {
+  scene::Scene scene = read_and_init(bar(kHeld));
+  run(scene, 2);
+  std::vector<std::byte> bytes = saved(scene);
+  scene::Scene other = read_and_init(bar(kHeld + "<ConstantForceField indices='0' forces='0 0 1'/>"));
+  EXPECT_THROW(take_up(other, bytes), InputError);
+  for (std::size_t size = 0; size < bytes.size(); size += 97) {
+    scene::Scene fresh = read_and_init(bar(kHeld));
+    EXPECT_THROW(take_up(fresh, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}), InputError);
+  }
+}
+
+class WrittenFiles : public testing::Test {
+ protected:
+  WrittenFiles() : directory_(fs::temp_directory_path() / ("hexaplast_checkpoint_" + std::to_string(::getpid()))) {
+    fs::create_directory(directory_);
+  }
+  ~WrittenFiles() override { fs::remove_all(directory_); }
+
+  std::string content(const std::string& name) const {
+    std::ifstream file(directory_ / name, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+  fs::path directory_;
+};
+
+TEST_F(WrittenFiles, OfExportersGoOnWhereTheyWere) {
+  const std::string text = bar(kHeld + "<WriteState filename='" + (directory_ / "state.txt").string() +
+                               "' period='0.04'/><VTKExporter filename='" + (directory_ / "mesh").string() +
+                               "' exportEveryNumberOfSteps='3' hexas='1' edges='0'/>");
+  std::vector<std::byte> checkpoint;
+  {
+    scene::Scene straight = read_and_init(text);
+    run(straight, 5);
+    checkpoint = saved(straight);
+    run(straight, 5);
+  }
+  const std::string whole = content("state.txt"), mesh = content("mesh2.vtu");
+  ASSERT_FALSE(mesh.empty());
+  {
+    scene::Scene second = read_and_init(text);
+    take_up(second, checkpoint);
+    EXPECT_LT(content("state.txt").size(), whole.size()) << "what came later is cut off";
+    run(second, 5);
+  }
+  EXPECT_EQ(content("state.txt"), whole);
+  EXPECT_EQ(content("mesh2.vtu"), mesh);
+  EXPECT_FALSE(fs::exists(directory_ / "mesh4.vtu"));
+
+  fs::remove(directory_ / "state.txt");
+  scene::Scene third = read_and_init(text);
+  EXPECT_THROW(take_up(third, checkpoint), InputError);
+}
+
+}  // namespace

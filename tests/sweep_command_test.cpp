@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "support/command.hpp"
+#include "support/pulled_bar.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using hexaplast::support::Command;
+using hexaplast::support::content;
+using hexaplast::support::kSection;
+using hexaplast::support::Outcome;
+using Json = nlohmann::json;
+
+using Table = std::vector<std::vector<std::string>>;
+
+Table table_of(const std::string& csv) {
+  Table table;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line + ",");
+    table.emplace_back();
+    for (std::string field; std::getline(fields, field, ',');) table.back().push_back(field);
+  }
+  return table;
+}
+
+/// A field of a row, by the name of its column.
+std::string at(const Table& table, std::size_t row, const std::string& column) {
+  const std::vector<std::string>& head = table.at(0);
+  const auto found = std::find(head.begin(), head.end(), column);
+  EXPECT_NE(found, head.end()) << column;
+  return table.at(row).at(static_cast<std::size_t>(found - head.begin()));
+}
+
+class Sweep : public Command {
+ protected:
+  Table table() { return table_of(content(directory_ / "found/sweep.csv")); }
+
+  /// Processes whose working directory is this test's.
+  int num_processes() {
+    int count = 0;
+    for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
+      std::error_code none;
+      count += fs::read_symlink(entry.path() / "cwd", none) == directory_;
+    }
+    return count;
+  }
+};
+
+const std::string kTwoByTwo =
+    "sweep bar.scn --out found --jobs 2 --vary body.youngModulus=1000:4000:2 "
+    "--vary 'pull.forces=0 0 0 12.5 0 0,0 0 0 -5 0 0'";
+
+TEST_F(Sweep, RunsEveryCombinationAndTellsWhatItCameTo) {
+  write("bar.scn", hexaplast::support::pulled_bar());
+  const Outcome outcome = hexaplast(kTwoByTwo);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_NE(outcome.out.find("bar: 4 of 4 runs done, 0 failed: found/sweep.csv"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find('\r'), std::string::npos);
+
+  const Table found = table();
+  ASSERT_EQ(found.size(), 5u);
+  std::size_t row = 1;
+  for (const double modulus : {1000.0, 4000.0})
+    for (const double force : {50.0, -20.0}) {
+      EXPECT_EQ(at(found, row, "run"), std::to_string(row));
+      EXPECT_EQ(std::stod(at(found, row, "body.youngModulus")), modulus);
+      EXPECT_EQ(at(found, row, "pull.forces"), force > 0 ? "0 0 0 12.5 0 0" : "0 0 0 -5 0 0");
+      EXPECT_EQ(at(found, row, "exit_code"), "0");
+      EXPECT_NEAR(std::stod(at(found, row, "world_elongation")), force / (modulus * kSection), 1e-9);
+      // the work of a force that grows in proportion: F^2 L / (2 E A)
+      EXPECT_NEAR(std::stod(at(found, row, "elastic_energy")), force * force / (2 * modulus * kSection), 1e-8);
+      EXPECT_EQ(at(found, row, "plastic_elongation"), "0.0");
+      ++row;
+    }
+
+  // a row is what a run of its own comes to
+  EXPECT_EQ(hexaplast("run bar.scn --quiet --summary one.json --set body.youngModulus=4000").code, 0);
+  EXPECT_EQ(Json::parse(content(directory_ / "one.json"))["state_hash"], at(found, 3, "state_hash"));
+  EXPECT_NE(content(directory_ / "found/sweep.svg").find("body.youngModulus [Pa]"), std::string::npos);
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_ / "found"), {}), 3);  // plan, table and picture
+}
+
+TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
+  write("bar.scn", hexaplast::support::pulled_bar());
+  ASSERT_EQ(hexaplast(kTwoByTwo).code, 0);
+  const Table whole = table();
+
+  // the second and the fourth run are missing
+  std::istringstream lines(content(directory_ / "found/sweep.csv"));
+  std::string kept, line;
+  for (int number = 0; std::getline(lines, line); ++number)
+    if (number != 2 && number != 4) kept += line + "\n";
+  std::ofstream(directory_ / "found/sweep.csv") << kept;
+  const Outcome outcome = hexaplast(kTwoByTwo);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.find("run 1 of 4"), std::string::npos);
+  EXPECT_NE(outcome.out.find("2 of 4 runs are done already"), std::string::npos);
+  EXPECT_NE(outcome.out.find("run 2 of 4"), std::string::npos);
+  for (std::size_t row = 1; row <= 4; ++row) {
+    EXPECT_EQ(at(table(), row, "run"), std::to_string(row));
+    EXPECT_EQ(at(table(), row, "state_hash"), at(whole, row, "state_hash"));
+  }
+}
+
+TEST_F(Sweep, AnotherSweepIsNotWrittenOver) {
+  write("bar.scn", hexaplast::support::pulled_bar());
+  const std::string once = "sweep bar.scn --out found --vary body.youngModulus=1000,2000";
+  ASSERT_EQ(hexaplast(once).code, 0);
+  const std::string before = content(directory_ / "found/sweep.csv");
+  for (const auto& [arguments, reason] : std::vector<std::pair<std::string, std::string>>{
+           {"sweep bar.scn --out found --vary body.youngModulus=1000,3000",
+            "the varied attributes or their values differ"},
+           {once + " --steps 3", "the number of steps differs"},
+           {once + " --set body.poissonRatio=0.3", "the scene, or what --set makes of it, differs"}}) {
+    const Outcome outcome = hexaplast(arguments);
+    EXPECT_EQ(outcome.code, 5) << arguments;
+    EXPECT_EQ(outcome.err, "hexaplast: error: found: holds another sweep: " + reason + "; --force replaces it\n");
+    EXPECT_EQ(content(directory_ / "found/sweep.csv"), before);
+  }
+  EXPECT_EQ(hexaplast(once + " --steps 3 --force").code, 0);
+  EXPECT_NE(content(directory_ / "found/sweep.csv"), before);
+
+  std::ofstream(directory_ / "found/sweep.csv", std::ios::app) << "9,1000,0\n";
+  const Outcome outcome = hexaplast(once + " --steps 3");
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_EQ(outcome.err, "hexaplast: error: found/sweep.csv:4: is no run of this sweep; --force begins anew\n");
+}
+
+TEST_F(Sweep, ARunThatFailsIsARowAndTheOthersGoOn) {
+  write("bar.scn", hexaplast::support::flowing_bar());
+  // 0.1 s times 100 1/s is more than the whole excess per step
+  const std::string command = "sweep bar.scn --out found --vary body.plasticFlowRate=1,100,2";
+  const Outcome outcome = hexaplast(command);
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_NE(outcome.err.find("warning: run 2 of 3: body.plasticFlowRate=100: ended with 3: bar.scn:"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.err.find("bar: error: 1 of 3 runs failed"), std::string::npos);
+  ASSERT_EQ(table().size(), 4u);
+  EXPECT_EQ(at(table(), 2, "exit_code"), "3");
+  EXPECT_EQ(at(table(), 2, "state_hash"), "");
+  EXPECT_GT(std::stod(at(table(), 3, "plastic_elongation")), std::stod(at(table(), 1, "plastic_elongation")));
+  EXPECT_NE(content(directory_ / "found/messages_2.txt").find("plasticFlowRate"), std::string::npos);
+
+  // it would fail again
+  const Outcome again = hexaplast(command);
+  EXPECT_EQ(again.code, 4);
+  EXPECT_NE(again.out.find("3 of 3 runs are done already"), std::string::npos);
+}
+
+TEST_F(Sweep, ASignalEndsItWithAllItsRuns) {
+  write("bar.scn", hexaplast::support::flowing_bar());
+  // the last two take too long for any test
+  const std::string command = "sweep bar.scn --out found --jobs 2 --vary RunSettings1.steps=1,2,500000000,600000000";
+  std::thread watch([&] {  // sent when the short runs are in the table
+    for (int i = 0; i < 2000 && content(directory_ / "found/sweep.csv").find("\n2,") == std::string::npos; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::ignore = std::system(("kill -INT $(cat '" + (directory_ / "id").string() + "')").c_str());
+  });
+  const Outcome outcome =
+      shell("sh -c 'echo $$ > id; exec \"" + std::string(HEXAPLAST_COMMAND) + "\" " + command + "'");
+  watch.join();
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_NE(outcome.err.find("ended by signal 2; the same command goes on from here"), std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(num_processes(), 0);
+  ASSERT_EQ(table().size(), 3u);
+  EXPECT_EQ(at(table(), 2, "exit_code"), "0");
+}
+
+TEST_F(Sweep, MistakesAreFoundBeforeTheFirstRun) {
+  write("bar.scn", hexaplast::support::pulled_bar());
+  for (const auto& [vary, message] : std::vector<std::pair<std::string, std::string>>{
+           {"body.youngModulus", "must be PATH.attribute=a:b:n"},
+           {"body.youngModulus=1:2", "must be PATH.attribute=a:b:n"},
+           {"body.youngModulus=1:2:1", "'1' values: must be a whole number from 2"},
+           {"body.youngModulus=1:x:3", "'x' is no number"},
+           {"body.youngModulus=0:1:3:log", "limits greater than 0"},
+           {"body.youngModulus=1,,2", "a value is empty"},
+           {"body.youngModulus=1,1", "the value 1 comes twice"},
+           {"body.youngModulus=1,2 --vary body.youngModulus=3,4", "is varied already"},
+           {"body.youngModulus=1:2:400 --vary body.poissonRatio=0:0.4:400", "more than 100000 runs"},
+           {"body.youngModulos=1,2", "did you mean 'youngModulus'?"},
+           {"bodi.youngModulus=1,2", "bodi"},
+           {"body.youngModulus=-1:1:3", "must be > 0"}}) {
+    const Outcome outcome = hexaplast("sweep bar.scn --out found --vary " + vary);
+    EXPECT_EQ(outcome.code, 2) << vary;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << vary << "\n" << outcome.err;
+    EXPECT_FALSE(fs::exists(directory_ / "found")) << vary;
+  }
+  EXPECT_EQ(hexaplast("sweep bar.scn --out bar.scn --vary body.youngModulus=1,2").code, 5);
+  EXPECT_EQ(hexaplast("sweep absent.scn --out found --vary body.youngModulus=1,2").code, 5);
+}
+
+TEST_F(Sweep, ValuesAreSpreadEvenlyOrInEqualFactors) {
+  write("bar.scn", hexaplast::support::pulled_bar());
+  EXPECT_EQ(hexaplast("sweep bar.scn --out found --steps 0 --vary body.poissonRatio=0.1:0.4:4 "
+                      "--vary body.youngModulus=100:10000:3:log")
+                .code,
+            0);
+  const Table found = table();
+  ASSERT_EQ(found.size(), 13u);
+  for (int row = 0; row < 12; ++row) {
+    EXPECT_EQ(at(found, row + 1, "body.poissonRatio"), (std::vector{"0.1", "0.2", "0.3", "0.4"}[row / 3]));
+    EXPECT_EQ(at(found, row + 1, "body.youngModulus"), (std::vector{"100", "1000", "10000"}[row % 3]));
+  }
+}
+
+}  // namespace
