@@ -2,6 +2,7 @@
 // Whole pictures against those in tests/data/pictures, pixel by pixel. A picture that differs is written into the
 // working directory of the test.
 #include <png.h>
+#include <unistd.h>
 
 #include <numbers>
 
@@ -158,6 +159,35 @@ TEST(GoldenPicture, DiffersFromOneWithoutLight) {
       if (corner.depth > 0.1f && corner.depth < 0.9f)
         for (float* part : {&corner.colour.red, &corner.colour.green, &corner.colour.blue}) *part *= 0.8f;
   EXPECT_GT(num_different(output::load_renderer()->render(drawing), golden("body")), 10 * kMostDifferent);
+}
+
+/// Null where the machine has no EGL.
+std::unique_ptr<output::Renderer> egl_renderer() {
+  try {
+    return output::load_renderer(output::Backend::kEgl);
+  } catch (const output::RendererUnavailable&) {
+    return nullptr;
+  }
+}
+
+TEST(Backends, EglTakesThePlaceOfOsmesaWhereThatIsMissing) {
+  if (!egl_renderer()) GTEST_SKIP() << "no EGL here";
+  const fs::path directory = fs::path(testing::TempDir()) / ("hexaplast_egl_" + std::to_string(::getpid()));
+  fs::create_directory(directory);
+  fs::create_symlink(fs::path(HEXAPLAST_RENDER_MODULES) / "hexaplast_render_egl.so",
+                     directory / "hexaplast_render_egl.so");
+  EXPECT_NO_THROW(output::load_renderer(directory));
+  EXPECT_THROW(output::load_renderer(directory, output::Backend::kOsmesa), output::RendererUnavailable);
+  fs::remove_all(directory);
+}
+
+TEST(Backends, DrawTheSame) {
+  const std::unique_ptr<output::Renderer> egl = egl_renderer();
+  if (!egl) GTEST_SKIP() << "no EGL here";
+  const Drawing drawing = picture({});
+  EXPECT_LE(num_different(egl->render(drawing), output::load_renderer(output::Backend::kOsmesa)->render(drawing)),
+            kMostDifferent);
+  EXPECT_EQ(egl->render(drawing).pixels, egl->render(drawing).pixels);
 }
 
 }  // namespace

@@ -6,9 +6,10 @@
 namespace hexaplast::output {
 namespace fs = std::filesystem;
 
-std::unique_ptr<Renderer> load_renderer(const fs::path& directory) {
+namespace {
+
+std::unique_ptr<Renderer> load_module(const fs::path& file) {
   // The module stays loaded for the life of the process: its graphics library keeps threads that cannot be unloaded.
-  const fs::path file = directory / HEXAPLAST_RENDER_MODULE;
   void* module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!module) throw RendererUnavailable(std::string("the renderer cannot be loaded: ") + ::dlerror());
   void* symbol = ::dlsym(module, HEXAPLAST_RENDER_ENTRY);
@@ -16,11 +17,28 @@ std::unique_ptr<Renderer> load_renderer(const fs::path& directory) {
   return std::unique_ptr<Renderer>(reinterpret_cast<Renderer* (*)()>(symbol)());
 }
 
-std::unique_ptr<Renderer> load_renderer() {
+}  // namespace
+
+std::unique_ptr<Renderer> load_renderer(const fs::path& directory, Backend backend) {
+  const fs::path osmesa = directory / HEXAPLAST_RENDER_MODULE, egl = directory / HEXAPLAST_EGL_RENDER_MODULE;
+  if (backend == Backend::kEgl) return load_module(egl);
+  try {
+    return load_module(osmesa);
+  } catch (const RendererUnavailable& reason) {
+    if (backend == Backend::kOsmesa) throw;
+    try {
+      return load_module(egl);
+    } catch (const RendererUnavailable&) {
+      throw reason;  // the one that people expect to be there
+    }
+  }
+}
+
+std::unique_ptr<Renderer> load_renderer(Backend backend) {
   Dl_info here{};
   if (::dladdr(reinterpret_cast<void*>(&colour_of), &here) == 0 || !here.dli_fname)
     throw RendererUnavailable("the renderer cannot be found: the place of this library is not known");
-  return load_renderer(fs::absolute(here.dli_fname).parent_path() / HEXAPLAST_RENDER_DIRECTORY);
+  return load_renderer(fs::absolute(here.dli_fname).parent_path() / HEXAPLAST_RENDER_DIRECTORY, backend);
 }
 
 }  // namespace hexaplast::output

@@ -71,11 +71,18 @@ class Renderer {
 /// How a renderer is come by; asked once, when the first picture is wanted. Throws RendererUnavailable.
 using RendererSource = std::function<std::unique_ptr<Renderer>()>;
 
-/// The off-screen renderer (OSMesa and FreeType), loaded from a module so that nothing else depends on its libraries.
-/// directory: where the module lies. Throws RendererUnavailable with the loader's reason.
-std::unique_ptr<Renderer> load_renderer(const std::filesystem::path& directory);
+/// Where OpenGL draws.
+enum class Backend {
+  kAny,     ///< OSMesa, and EGL where that is missing
+  kOsmesa,  ///< Mesa's rasteriser in memory
+  kEgl      ///< EGL without a surface: a graphics driver, or Mesa's rasteriser
+};
+
+/// An off-screen renderer (OpenGL and FreeType), loaded from a module so that nothing else depends on its libraries.
+/// directory: where the modules lie. Throws RendererUnavailable with the loader's reason.
+std::unique_ptr<Renderer> load_renderer(const std::filesystem::path& directory, Backend backend = Backend::kAny);
 
 /// The same from its place beside this library.
-std::unique_ptr<Renderer> load_renderer();
+std::unique_ptr<Renderer> load_renderer(Backend backend = Backend::kAny);
 
 }  // namespace hexaplast::output
