@@ -61,7 +61,7 @@ PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
     return frame.left + frame.width * (time - across.least) / (across.most - across.least);
   };
   const auto y_of = [&](double value) {
-    return bottom - frame.height * (std::min(value, panel.highest) - upwards.least) / (upwards.most - upwards.least);
+    return bottom - frame.height * (std::min(value, upwards.most) - upwards.least) / (upwards.most - upwards.least);
   };
   const auto line = [&](double x1, double y1, double x2, double y2, std::string_view colour, std::string_view more) {
     add(fmt::format(R"(<line x1="{:.2f}" y1="{:.2f}" x2="{:.2f}" y2="{:.2f}" stroke="{}"{}/>)", x1, y1, x2, y2, colour,
