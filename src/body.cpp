@@ -65,7 +65,8 @@ void serialize_materials(Archive& archive, std::vector<Material>& materials) {
 std::size_t greatest_saved_size(const Model& model, const History& history) {
   const auto present = serialized_size([&](Archive& archive) { const_cast<History&>(history).serialize(archive); });
   const auto num_elements = static_cast<std::size_t>(model.mesh.num_elements());
-  return present + 1024 + num_elements * (sizeof(Material) + sizeof(CornerTensors) + sizeof(int));
+  return present + 1024 +
+         num_elements * (sizeof(Material) + sizeof(CornerValues) + sizeof(CornerTensors) + sizeof(int));
 }
 
 void read_exactly(std::istream& in, void* data, std::size_t size) {
@@ -85,7 +86,7 @@ Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
       history_(model_),
       at_(model_),
       averaging_solver_(averaging_solver(model_)) {
-  if (model_.can_flow()) flow_.emplace(model_);
+  if (model_.can_flow()) flow_.emplace(model_, history_);
 }
 
 void Body::linearize(ConstPoints x) { hexaplast::linearize(model_, history_, x, at_); }
@@ -157,11 +158,14 @@ void Body::set_materials(std::vector<Material> materials) {
     history.plastic_stretch = History(changed).plastic_stretch;
   else if (!changed.tracks_plastic_stretch)
     history.plastic_stretch.clear();
+  const bool could_rotate = !history.rotation_yield.empty();
+  if (changed.can_rotate && !could_rotate) history.rotation_yield = History(changed).rotation_yield;
   for (int e = 0; e < changed.mesh.num_elements(); ++e) {
     const Material &before = model_.material(e), &now = changed.material(e);
     for (int i = 0; i < kCorners; ++i) {
       history.yield_stress[e][i] = moved(history.yield_stress[e][i], before.yield_stress, now.yield_stress);
-      history.rotation_yield[e][i] = moved(history.rotation_yield[e][i], before.rotation_yield, now.rotation_yield);
+      if (could_rotate)
+        history.rotation_yield[e][i] = moved(history.rotation_yield[e][i], before.rotation_yield, now.rotation_yield);
     }
   }
   take(std::move(changed), std::move(history));
@@ -174,7 +178,7 @@ void Body::take(Model model, History history) {
   history_.version = version + 1;  // what was derived from the old history is old
   at_ = Linearization(model_);
   flow_.reset();
-  if (model_.can_flow()) flow_.emplace(model_);
+  if (model_.can_flow()) flow_.emplace(model_, history_);
   mostly_flows_ = false;
   checked_dt_ = 0;
   hierarchy_.reset();
@@ -251,6 +255,7 @@ void Body::reset() {
   const long version = history_.version;
   history_ = History(model_);
   history_.version = version + 1;  // what was derived from the old history is old
+  if (flow_) flow_.emplace(model_, history_);
 }
 
 ElementFields Body::fields(ConstPoints x) const {

@@ -124,7 +124,7 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
 
   // and the step as a body takes it
   History after = before;
-  FlowWorkspace work(model);
+  FlowWorkspace work(model, after);
   PreconditionedConjugateGradients solver = averaging_solver(model);
   flow(model, at, dt, solver, after, work);
   found.history = after.element(0);

@@ -259,7 +259,7 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
   const Model& model = body.model();
   History history(model);
   Linearization at(model);
-  FlowWorkspace work(model);
+  FlowWorkspace work(model, history);
   PreconditionedConjugateGradients exact(1e-12, 10000);
   for (int k = 1; k <= 100; ++k) {
     const double share = std::min(1.0, k / 40.0);

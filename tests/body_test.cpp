@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 #include "support/bar.hpp"
@@ -279,6 +280,44 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   fresh.flow(x, support::kStep);
   body.flow(x, support::kStep);
   EXPECT_EQ(body.history().material, fresh.history().material);
+}
+
+TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
+  const HexMesh mesh = support::block({2, 2, 3}, 0.1);
+  Material turning = kYielding, stiff = kYielding;
+  turning.hardening = 0.5;
+  turning.rotation_yield = 0.02;
+  turning.rotation_flow_rate = 4;
+  stiff.rotation_flow_rate = 0;
+  const PointArray x = support::stretched_and_twisted(mesh, 1.1, 0.6);
+  Body body(mesh, {stiff});
+  body.flow(x, support::kStep);
+  EXPECT_TRUE(body.history().rotation_yield.empty()) << "nothing is kept for what cannot turn";
+
+  body.set_materials({turning});
+  EXPECT_EQ(body.history().rotation_yield[0][0], 0.02);
+  for (int step = 0; step < 5; ++step) body.flow(x, support::kStep);
+  const std::vector<CornerValues> hardened = body.history().rotation_yield;
+  EXPECT_GT(hardened[0][0], 0.02);
+  body.set_materials({stiff});
+  body.flow(x, support::kStep);
+  turning.rotation_yield += 0.01;
+  body.set_materials({turning});
+  for (int e = 0; e < mesh.num_elements(); ++e)
+    for (int i = 0; i < kCorners; ++i)
+      EXPECT_DOUBLE_EQ(body.history().rotation_yield[e][i], hardened[e][i] - 0.02 + 0.03) << "element " << e;
+
+  body.set_materials({stiff});
+  body.reset();
+  Body fresh(mesh, {stiff});
+  for (int step = 0; step < 3; ++step) {
+    body.flow(x, support::kStep);
+    fresh.flow(x, support::kStep);
+  }
+  StateHash hash, expected;
+  body.add_to(hash);
+  fresh.add_to(expected);
+  EXPECT_EQ(hash.text(), expected.text());
 }
 
 TEST(Body, RemembersPlasticStretchFromTheMaterialThatBreaksByIt) {

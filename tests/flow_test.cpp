@@ -181,7 +181,7 @@ double volume_ratio_after(int steps, double rate) {
   history.material *= scale;
   for (ElementPoints& y : history.rest_shape) y *= scale;
   ++history.version;
-  FlowWorkspace work(model);
+  FlowWorkspace work(model, history);
   Linearization at(model);
   PreconditionedConjugateGradients solver(1e-12, 10000);
   for (int k = 0; k < steps; ++k) {

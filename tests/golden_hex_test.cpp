@@ -149,7 +149,7 @@ TEST_P(GoldenHex, ElementStep) {
 }
 
 TEST_P(GoldenHex, OnePlasticStep) {
-  FlowWorkspace work(hex.model);
+  FlowWorkspace work(hex.model, hex.history);
   PreconditionedConjugateGradients solver(1e-14, 1000);
   const FlowReport report = flow(hex.model, hex.at, hex.dt, solver, hex.history, work);
   EXPECT_EQ(report.yielded, 1);

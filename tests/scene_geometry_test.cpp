@@ -119,6 +119,14 @@ TEST(BoxROI, FindsCellsOfEveryKindAndTheirNodes) {
             "test.scn:1: error: BoxROI.orientedBox: 3 numbers given, must be groups of 10");
 }
 
+TEST(BoxROI, RefusesCellsOfNodesThatAreNotThereThoughNobodyAsksForThem) {
+  const std::string error =
+      errors_of(in_root("",
+                        "<RegularGridTopology n='3 2 2' max='2 1 1'/><MechanicalObject/><UniformMass totalMass='1'/>"
+                        "<BoxROI name='roi' box='-1 -1 -1 1.1 2 2' quads='1 2 5 12'/>"));
+  EXPECT_NE(error.find("12"), std::string::npos) << error;
+}
+
 TEST(SphereROI, CountsItsSurfaceAsInside) {
   scene::Scene scene =
       read_and_init(four_nodes("<SphereROI name='one' centers='0 0 0' radii='2'/>"

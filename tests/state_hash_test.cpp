@@ -68,11 +68,15 @@ class StateHashOf : public testing::TestWithParam<PinnedScene> {
 TEST_P(StateHashOf, IsTheSameForAnyThreadsAndAsEver) {
   Json table = read_table();
   const bool pins = std::getenv("HEXAPLAST_PIN_STATE_HASHES") != nullptr;
+  const char* given = std::getenv("HEXAPLAST_HASH_REPEATS");
+  const int repeats = given ? std::atoi(given) : 1;
+  const std::vector<int> thread_counts = given ? std::vector{1, 2, 3, 4, 7, 16} : std::vector{2, 3, 7};
   for (const std::string& target : simd_targets()) {
     set_simd_target(target);
     const std::string hash = hash_after(GetParam(), 1);
-    for (const int threads : {2, 3, 7})
-      EXPECT_EQ(hash_after(GetParam(), threads), hash) << threads << " threads, " << target;
+    for (int repeat = 0; repeat < repeats; ++repeat)
+      for (const int threads : thread_counts)
+        EXPECT_EQ(hash_after(GetParam(), threads), hash) << threads << " threads, " << target << ", repeat " << repeat;
     if (pins) {
       table[GetParam().name][target] = hash;
     } else {

@@ -72,7 +72,7 @@ void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
   const Model& model = bar.body().model();
   Linearization at = bar.body().linearization();
   PreconditionedConjugateGradients solver = averaging_solver(model);
-  FlowWorkspace work(model);
+  FlowWorkspace work(model, bar.body().history());
   Averaging averaging(model);
 
   double flow_seconds = std::numeric_limits<double>::infinity(), averaging_seconds = flow_seconds;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
@@ -18,6 +19,9 @@ class RegionOfInterest : public scene::Engine {
 
   void bwd_init() override {
     if (integers("indices").empty()) remark(scene::Severity::kWarning, {}, "holds no point");
+    // mistakes in what is written are found, whoever uses the outputs
+    for (const Cells& cells : kCells)
+      if (is_given(cells.given)) integers(cells.numbers);
   }
 
  protected:
@@ -25,9 +29,38 @@ class RegionOfInterest : public scene::Engine {
   virtual bool is_inside(const Vec3& point) const = 0;
 
  private:
-  void compute() override {
+  /// Cells that can be sought: the attribute that may give them, and the outputs.
+  struct Cells {
+    std::string_view given, numbers, nodes;
+  };
+  static constexpr Cells kHexahedra{"hexahedra", "hexahedronIndices", "hexahedraInROI"};
+  static constexpr Cells kQuads{"quads", "quadIndices", "quadsInROI"};
+  static constexpr Cells kTriangles{"triangles", "triangleIndices", "trianglesInROI"};
+  static constexpr Cells kEdges{"edges", "edgeIndices", "edgesInROI"};
+  static constexpr std::array kCells = {kHexahedra, kQuads, kTriangles, kEdges};
+
+  // Cells of a large grid cost more to list than its nodes: only those that somebody asks for.
+  void compute(std::string_view output) override {
     take_region();
     const PointArray points = given_points();
+    const auto cells =
+        std::ranges::find_if(kCells, [&](const Cells& c) { return output == c.numbers || output == c.nodes; });
+    if (cells == kCells.end()) return find_points(points);
+
+    scene::Topology* topology = node().nearest<scene::Topology>();
+    const bool fits = topology && (topology->positions().rows() == 0 || topology->positions().rows() == points.rows());
+    if (!fits) topology = nullptr;  // the points are not its nodes
+    if (cells->given == kHexahedra.given)
+      find<8>(points, *cells, topology ? topology->hexahedra() : std::vector<Hexahedron>());
+    else if (cells->given == kQuads.given)
+      find<4>(points, *cells, topology ? topology->quads() : std::vector<Quad>());
+    else if (cells->given == kTriangles.given)
+      find<3>(points, *cells, topology ? topology->triangles() : std::vector<Triangle>());
+    else
+      find<2>(points, *cells, topology ? topology->edges() : std::vector<Edge>());
+  }
+
+  void find_points(const PointArray& points) {
     std::vector<std::int64_t> inside, outside;
     std::vector<double> positions;
     for (Eigen::Index n = 0; n < points.rows(); ++n) {
@@ -36,18 +69,10 @@ class RegionOfInterest : public scene::Engine {
       (counts ? inside : outside).push_back(n);
       if (counts) positions.insert(positions.end(), point.begin(), point.end());
     }
-    find_data("nbIndices")->set(static_cast<std::int64_t>(inside.size()));
-    find_data("indices")->set(std::move(inside));
-    find_data("indicesOut")->set(std::move(outside));
-    find_data("pointsInROI")->set(std::move(positions));
-
-    scene::Topology* topology = node().nearest<scene::Topology>();
-    const bool fits = topology && (topology->positions().rows() == 0 || topology->positions().rows() == points.rows());
-    if (!fits) topology = nullptr;  // the points are not its nodes
-    find<8>(points, "hexahedra", "hexahedronIndices", topology ? topology->hexahedra() : std::vector<Hexahedron>());
-    find<4>(points, "quads", "quadIndices", topology ? topology->quads() : std::vector<Quad>());
-    find<3>(points, "triangles", "triangleIndices", topology ? topology->triangles() : std::vector<Triangle>());
-    find<2>(points, "edges", "edgeIndices", topology ? topology->edges() : std::vector<Edge>());
+    found("nbIndices", static_cast<std::int64_t>(inside.size()));
+    found("indices", std::move(inside));
+    found("indicesOut", std::move(outside));
+    found("pointsInROI", std::move(positions));
   }
 
   PointArray given_points() {
@@ -55,23 +80,22 @@ class RegionOfInterest : public scene::Engine {
                                 : needed_ready<scene::MechanicalState>().rest_positions();
   }
 
-  /// Sets `numbers` and `<cells>InROI`.
+  /// The cells whose corners or centre lie in the region.
   template <std::size_t N>
-  void find(const PointArray& points, std::string_view cells, std::string_view numbers,
-            const std::vector<std::array<int, N>>& of_topology) {
+  void find(const PointArray& points, const Cells& cells, const std::vector<std::array<int, N>>& of_topology) {
     const int num_points = static_cast<int>(points.rows());
-    const auto candidates = is_given(cells) ? cells_of<N>(*this, cells, num_points) : of_topology;
+    const auto candidates = is_given(cells.given) ? cells_of<N>(*this, cells.given, num_points) : of_topology;
     for (const std::array<int, N>& cell : candidates)
       if (std::ranges::max(cell) >= num_points)
-        reject(fmt::format("the topology has node {} in its {}, there are {} points", std::ranges::max(cell), cells,
-                           num_points));
+        reject(fmt::format("the topology has node {} in its {}, there are {} points", std::ranges::max(cell),
+                           cells.given, num_points));
 
     const std::span<const std::array<int, N>> all(candidates);
-    const std::vector<int> found =
+    const std::vector<int> inside =
         cells_inside<N>(points, all, boolean("strict") ? Inside::kAllCorners : Inside::kCentre,
                         [&](const Vec3& point) { return is_inside(point); });
-    find_data(numbers)->set(std::vector<std::int64_t>(found.begin(), found.end()));
-    find_data(std::string(cells) + "InROI")->set(flattened<N>(all, found));
+    found(cells.numbers, std::vector<std::int64_t>(inside.begin(), inside.end()));
+    found(cells.nodes, flattened<N>(all, inside));
   }
 };
 

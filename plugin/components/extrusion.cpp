@@ -17,7 +17,7 @@ class ExtrudeQuadsAndGenerateHexas final : public scene::Engine {
   void init() override { integers("extrudedHexas"); }  // so that mistakes are found, whoever uses the outputs
 
  private:
-  void compute() override {
+  void compute(std::string_view) override {
     PointArray vertices = vectors3("surfaceVertices");
     hexaplast::place(vertices, vector3("scale"), Vec3::Zero(), Vec3::Zero());
     std::vector<Quad> quads = cells_of<4>(*this, "surfaceQuads", static_cast<int>(vertices.rows()));
@@ -26,10 +26,10 @@ class ExtrudeQuadsAndGenerateHexas final : public scene::Engine {
       const QuadSurface surface(std::move(vertices), std::move(quads));
       const Shell shell = offset(surface, thickness);
       const PointArray& x = shell.mesh.positions();
-      find_data("extrudedVertices")->set(std::vector<double>(x.data(), x.data() + x.size()));
-      find_data("extrudedSurfaceQuads")->set(flattened<4>(quads_of_layer(surface, thickness.layers, 0)));
-      find_data("extrudedQuads")->set(flattened<4>(faces_of(shell.mesh.hexahedra())));
-      find_data("extrudedHexas")->set(flattened<8>(shell.mesh.hexahedra()));
+      found("extrudedVertices", std::vector<double>(x.data(), x.data() + x.size()));
+      found("extrudedSurfaceQuads", flattened<4>(quads_of_layer(surface, thickness.layers, 0)));
+      found("extrudedQuads", flattened<4>(faces_of(shell.mesh.hexahedra())));
+      found("extrudedHexas", flattened<8>(shell.mesh.hexahedra()));
     } catch (const InputError& error) {
       reject("surfaceQuads", error.what());
     }

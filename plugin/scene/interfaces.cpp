@@ -78,10 +78,15 @@ void Engine::provide(Data& output) {
   } const guard(is_computing_);
 
   const long inputs = inputs_version();
-  if (is_computed_ && inputs == computed_from_) return;
-  compute();
+  if (inputs != computed_from_) computed_.clear();
   computed_from_ = inputs;
-  is_computed_ = true;
+  if (!computed_.contains(&output)) compute(output.attribute().name);
+}
+
+void Engine::found(std::string_view output, Value value) {
+  Data& data = *find_data(output);
+  data.set(std::move(value));
+  computed_.insert(&data);
 }
 
 }  // namespace hexaplast::scene

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
@@ -178,7 +180,7 @@ class OdeSolver : public Component {
   virtual double kinetic_energy() const = 0;  ///< [J] of what it advances
 };
 
-/// Computes outputs from inputs when they are asked for and an input has changed.
+/// Computes outputs from inputs: each when it is asked for and an input has changed since it was found.
 class Engine : public Component {
  public:
   static constexpr std::string_view kCategory = "Engine";
@@ -188,12 +190,16 @@ class Engine : public Component {
   void provide(Data& output) final;
 
  protected:
-  virtual void compute() = 0;  ///< sets every output
+  /// Finds the output of that name, and of the others what comes with it.
+  virtual void compute(std::string_view output) = 0;
+
+  /// For compute(): an output that is found.
+  void found(std::string_view output, Value value);
 
  private:
-  bool is_computed_ = false;
   bool is_computing_ = false;
-  long computed_from_ = 0;
+  long computed_from_ = 0;          // version of the inputs
+  std::set<const Data*> computed_;  // outputs that were found from these
 };
 
 /// The order of events of a time step.

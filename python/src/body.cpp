@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <sstream>
 #include <string_view>
 
 #include "hexaplast/base/error.hpp"
@@ -330,7 +331,37 @@ void add_owned_body(py::module_& module) {
             b.body().reset();
             b.refresh();
           },
-          "Back to the virgin state");
+          "Back to the virgin state")
+      .def(
+          "save",
+          [](Body& b) {
+            const Turn turn(b.taken());
+            std::ostringstream out(std::ios::binary);
+            b.body().save(out);
+            return py::bytes(out.str());
+          },
+          "Plastic history and materials, with a checksum: what load() of a body of the same mesh and settings goes on "
+          "from, bit for bit. Positions and velocities are not among it")
+      .def(
+          "load",
+          [](Body& b, const py::bytes& data) {
+            const Turn turn(b.taken());
+            std::istringstream in(data, std::ios::binary);
+            b.body().load(in);
+            b.refresh();
+          },
+          py::arg("data"), "Takes over what save() returned. What is damaged or another body's is a ValueError")
+      .def(
+          "set_material",
+          [](Body& b, const std::variant<Material, std::vector<Material>>& material) {
+            const Turn turn(b.taken());
+            b.body().set_materials(materials_from(material));
+            b.refresh();
+          },
+          py::arg("material"),
+          "Makes the body of something else, one Material or one per hexahedron: what has flowed stays, thresholds "
+          "move "
+          "by as much as those of the material");
 }
 
 }  // namespace

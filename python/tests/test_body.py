@@ -90,6 +90,41 @@ def test_evaluation_leaves_the_history_alone_and_reset_clears_it():
     assert body.history_hash() == virgin
 
 
+def test_a_saved_body_goes_on_as_the_one_that_was_not():
+    material = hexaplast.Material(yield_stress=50, flow_rate=4, hardening=0.3, rotation_yield=0.01, rotation_flow_rate=2)
+    straight_on = hexaplast.Body(POSITIONS, HEXAHEDRA, material)
+    shapes = [POSITIONS + RANDOM.uniform(-0.02, 0.02, POSITIONS.shape) for _ in range(6)]
+    for x in shapes[:3]:
+        straight_on.flow(x, 0.01)
+    saved = straight_on.save()
+    other = hexaplast.Body(POSITIONS, HEXAHEDRA)  # its material comes with the history
+    strain = other.corner_plastic_strain
+    other.load(saved)
+    assert strain.max() > 0 and (strain == straight_on.corner_plastic_strain).all()
+    for x in shapes[3:]:
+        straight_on.flow(x, 0.01), other.flow(x, 0.01)
+    assert other.history_hash() == straight_on.history_hash()
+
+    before = other.history_hash()
+    for damaged in (saved[:-1], saved[:40] + bytes([saved[40] ^ 1]) + saved[41:], b""):
+        with pytest.raises(ValueError):
+            other.load(damaged)
+    with pytest.raises(ValueError):
+        hexaplast.Body(POSITIONS * 2, HEXAHEDRA, material).load(saved)
+    assert other.history_hash() == before
+
+
+def test_another_material_leaves_what_has_flowed():
+    body = hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(yield_stress=50, flow_rate=4, hardening=0.5))
+    body.flow(POSITIONS * [1, 1, 1.2], 0.01)
+    shape, threshold = body.material_positions.copy(), body.corner_yield_stress.copy()
+    body.set_material(hexaplast.Material(yield_stress=80, flow_rate=4, rotation_yield=0.1, rotation_flow_rate=1))
+    assert (body.material_positions == shape).all()
+    assert body.corner_yield_stress == pytest.approx(threshold + 30, rel=1e-12)
+    with pytest.raises(ValueError, match="3"):
+        body.set_material([hexaplast.Material()] * 3)
+
+
 def test_each_hexahedron_may_have_its_own_material():
     materials = [hexaplast.Material(yield_stress=tau, flow_rate=4) for tau in (10, math.inf, 20, math.inf)]
     body = hexaplast.Body(POSITIONS, HEXAHEDRA, materials)

@@ -46,12 +46,12 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
   const float* watch =
       at.watch.data() + static_cast<std::size_t>(place / kBlock) * Watch::kQuantities * kBlock + place % kBlock;
   const Material& material = model.material(e);
-  const CornerValues &yield_stress = history.yield_stress[e], &rotation_yield = history.rotation_yield[e];
   for (int i = 0; i < kCorners; ++i) {
-    if (!(watch[(Watch::kNorm + i) * kBlock] < (1 - kSinglePrecision) * yield_stress[i]) && material.flow_rate > 0)
+    if (!(watch[(Watch::kNorm + i) * kBlock] < (1 - kSinglePrecision) * history.yield_stress[e][i]) &&
+        material.flow_rate > 0)
       return false;
     if (model.can_rotate && material.rotation_flow_rate > 0 &&
-        !(watch[(Watch::kCosine + i) * kBlock] > std::cos(rotation_yield[i]) + kSinglePrecision))
+        !(watch[(Watch::kCosine + i) * kBlock] > std::cos(history.rotation_yield[e][i]) + kSinglePrecision))
       return false;
   }
   const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
@@ -66,7 +66,7 @@ void copy_element(const History& from, int e, History& to) {
   const std::size_t maps = from.rotation_map.size() / from.rest_shape.size();
   std::copy_n(from.rotation_map.begin() + e * maps, maps, to.rotation_map.begin() + e * maps);
   to.yield_stress[e] = from.yield_stress[e];
-  to.rotation_yield[e] = from.rotation_yield[e];
+  if (!from.rotation_yield.empty()) to.rotation_yield[e] = from.rotation_yield[e];
   to.plastic_strain[e] = from.plastic_strain[e];
   if (!from.plastic_stretch.empty()) to.plastic_stretch[e] = from.plastic_stretch[e];
 }
@@ -204,12 +204,14 @@ int remove_broken(const Model& model, FlowWorkspace& work) {
 
 }  // namespace
 
-FlowWorkspace::FlowWorkspace(const Model& model)
-    : trial(model),
+FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
+    : trial(history),
       averaging(model),
       flows(model.mesh.num_elements()),
       changed(model.mesh.num_elements()),
-      material(slot_vector<double>(*model.partition)) {}
+      material(slot_vector<double>(*model.partition)) {
+  trial.removed.reserve(model.mesh.num_elements());  // a step allocates nothing
+}
 
 FlowReport count_inverted(const Model& model, const Linearization& at) {
   FlowReport report;

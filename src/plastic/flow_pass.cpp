@@ -130,7 +130,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   load_elements<3 * kCorners>(addresses<const double>(elements, y_of(history)), rest_shape);
   load_elements<9>(addresses<const double>(elements, map_of(history)), map);
   load_corners(history.yield_stress, yield_stress);
-  load_corners(history.rotation_yield, rotation_yield);
+  if (model.can_rotate) load_corners(history.rotation_yield, rotation_yield);
   load_corners(history.plastic_strain, plastic_strain);
 
   const Settings& settings = model.settings;
@@ -245,7 +245,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   store_elements<3 * kCorners>(rest_shape, done, addresses<double>(elements, y_of(trial)));
   store_elements<9>(map, done, addresses<double>(elements, map_of(trial)));
   store_corners(trial.yield_stress, yield_stress);
-  store_corners(trial.rotation_yield, rotation_yield);
+  if (model.can_rotate) store_corners(trial.rotation_yield, rotation_yield);
   store_corners(trial.plastic_strain, plastic_strain);
 
   const std::uint32_t yielded = bits<double>(has_flowed);

@@ -39,7 +39,7 @@ History::History(const Model& model)
     : rest_shape(model.mesh.num_elements()),
       rotation_map(static_cast<std::size_t>(model.mesh.num_elements()) * model.maps_per_element(), Mat3::Identity()),
       yield_stress(model.mesh.num_elements()),
-      rotation_yield(model.mesh.num_elements()),
+      rotation_yield(model.can_rotate ? model.mesh.num_elements() : 0),
       material(model.mesh.positions()),
       plastic_strain(model.mesh.num_elements(), CornerValues{}),
       plastic_stretch(model.tracks_plastic_stretch ? model.mesh.num_elements() : 0, identities()),
@@ -48,14 +48,14 @@ History::History(const Model& model)
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     rest_shape[e] = model.original_shape(e);
     yield_stress[e].fill(model.material(e).yield_stress);
-    rotation_yield[e].fill(model.material(e).rotation_yield);
+    if (model.can_rotate) rotation_yield[e].fill(model.material(e).rotation_yield);
   }
   removed.reserve(model.mesh.num_elements());  // a step allocates nothing
 }
 
 ElementHistory History::element(int e) const {
   ElementHistory element{rest_shape[e],     {},
-                         yield_stress[e],   rotation_yield[e],
+                         yield_stress[e],   rotation_yield.empty() ? CornerValues{} : rotation_yield[e],
                          plastic_strain[e], plastic_stretch.empty() ? identities() : plastic_stretch[e]};
   const std::size_t maps = rotation_map.size() / rest_shape.size();
   for (int i = 0; i < kCorners; ++i) element.rotation_map[i] = rotation_map[e * maps + (maps == 1 ? 0 : i)];
@@ -67,7 +67,7 @@ void History::set_element(int e, const ElementHistory& element) {
   const std::size_t maps = rotation_map.size() / rest_shape.size();
   std::copy_n(element.rotation_map.begin(), maps, rotation_map.begin() + e * maps);
   yield_stress[e] = element.yield_stress;
-  rotation_yield[e] = element.rotation_yield;
+  if (!rotation_yield.empty()) rotation_yield[e] = element.rotation_yield;
   plastic_strain[e] = element.plastic_strain;
   if (!plastic_stretch.empty()) plastic_stretch[e] = element.plastic_stretch;
 }
@@ -83,12 +83,12 @@ void validate(const Model& model, const History& history) {
   const Eigen::Index num_nodes = model.mesh.num_nodes();
   const std::size_t num_maps = num_elements * static_cast<std::size_t>(model.maps_per_element());
   require(history.rest_shape.size() == num_elements && history.yield_stress.size() == num_elements &&
-              history.rotation_yield.size() == num_elements && history.plastic_strain.size() == num_elements &&
-              history.alive.size() == num_elements,
+              history.plastic_strain.size() == num_elements && history.alive.size() == num_elements,
           "it is of another number of hexahedra");
   require(history.material.rows() == num_nodes, "it is of another number of nodes");
   require(history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
-              history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0),
+              history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
+              (history.rotation_yield.size() == num_elements || (history.rotation_yield.empty() && !model.can_rotate)),
           "it is of other settings or materials");
 
   const auto is_threshold = [](double value) { return value >= 0; };

@@ -38,7 +38,7 @@ struct PartFrame {
 
 /// Scratch arrays of flow, kept so that a step allocates nothing.
 struct FlowWorkspace {
-  explicit FlowWorkspace(const Model& model);
+  FlowWorkspace(const Model& model, const History& history);
 
   History trial;  ///< the history being made; taken over when the step is complete
   Averaging averaging;

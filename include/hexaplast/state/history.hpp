@@ -29,7 +29,7 @@ struct History {
   std::vector<ElementPoints> rest_shape;       ///< y per element
   std::vector<Mat3> rotation_map;              ///< Pi per element, or per element and corner (Model::maps_per_element)
   std::vector<CornerValues> yield_stress;      ///< [Pa] tau per element
-  std::vector<CornerValues> rotation_yield;    ///< [rad] tau^R per element
+  std::vector<CornerValues> rotation_yield;    ///< [rad] tau^R per element; empty until the model can rotate
   PointArray material;                         ///< [m] x: joined rest shape, num_nodes x 3; all that elasticity sees
   std::vector<CornerValues> plastic_strain;    ///< [-] per element
   std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
