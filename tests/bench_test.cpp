@@ -127,6 +127,12 @@ TEST(BenchRecords, FallBehindByRatioAndResidualOnly) {
   EXPECT_EQ(compare({record_of(10, 1.2e-3)}, baseline, .5).size(), 1u);
   EXPECT_EQ(compare({record_of(4.9, 1.2e-3)}, baseline, .5).size(), 2u);
 
+  Record both = record_of(10, 1e-3), slow = record_of(1, 1e-3);
+  both.threads = slow.threads = 2;
+  EXPECT_TRUE(compare({slow}, {both}, .5).empty()) << "several threads say what else the machine does";
+  slow.residual = 1.2e-3;
+  EXPECT_EQ(compare({slow}, {both}, .5).size(), 1u);
+
   Record other = record_of(1, 1);
   other.simd = "AVX2";
   EXPECT_EQ(compare({other}, baseline, .5).size(), 1u) << "nothing to compare with must not pass";

@@ -141,7 +141,7 @@ std::vector<std::string> compare(const std::vector<Record>& records, const std::
         std::find_if(baseline.begin(), baseline.end(), [&](const Record& each) { return same_kind(each, record); });
     if (old == baseline.end()) continue;
     ++num_compared;
-    if (record.ratio_to_dense_peer < ratio * old->ratio_to_dense_peer)
+    if (record.threads == 1 && record.ratio_to_dense_peer < ratio * old->ratio_to_dense_peer)
       behind.push_back(fmt::format("{}: {:.2f} times the dense peer, less than {} of the baseline's {:.2f}",
                                    kind(record), record.ratio_to_dense_peer, ratio, old->ratio_to_dense_peer));
     if (record.tolerance == 0 && record.residual > kResidualSlack * old->residual)

@@ -59,8 +59,9 @@ std::string table_head();
 std::string table_row(const Record& record);
 
 /// One sentence for each record that falls behind the one of the same kind in `baseline`: ratio to the dense peer less
-/// than `ratio` of the old one, or a residual of more than 1.1 times after the same iterations. Times are not compared.
-/// A sentence too where no record has one of its kind.
+/// than `ratio` of the old one, or a residual of more than 1.1 times after the same iterations. Times are not compared,
+/// nor is the ratio of several threads: the peer has one, and whoever takes a processor from the others makes them all
+/// wait. A sentence too where no record has one of its kind.
 std::vector<std::string> compare(const std::vector<Record>& records, const std::vector<Record>& baseline, double ratio);
 
 }  // namespace hexaplast::bench
