@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -101,6 +103,14 @@ struct Description {
   std::span<const Attribute> attributes = {};
   bool takes_anything = false;  ///< an ignored component: every attribute and template is accepted unread
 };
+
+/// The attributes of one table, then those of another.
+template <std::size_t N, std::size_t M>
+constexpr std::array<Attribute, N + M> joined(const Attribute (&first)[N], const Attribute (&then)[M]) {
+  std::array<Attribute, N + M> all;
+  std::copy_n(then, M, std::copy_n(first, N, all.begin()));
+  return all;
+}
 
 /// What every node and component takes besides its own attributes.
 inline constexpr Attribute kCommon[] = {
