@@ -36,7 +36,8 @@ class ElfFile {
     sections_ = read_array<Elf64_Shdr>(header.e_shoff, header.e_shnum);
   }
 
-  /// The bytes of a data symbol; none when no symbol of that name and size is defined.
+  /// The first bytes of a data symbol; none when no symbol of that name and at least that size is defined. (The address
+  /// sanitizer makes symbols larger.)
   template <class Content>
   std::optional<Content> content_of_symbol(std::string_view name) {
     for (const Elf64_Shdr& table : sections_) {
@@ -47,7 +48,7 @@ class ElfFile {
 
       for (const Elf64_Sym& symbol : symbols) {
         const bool is_defined = symbol.st_shndx != SHN_UNDEF && symbol.st_shndx < sections_.size();
-        if (!is_defined || symbol.st_size != sizeof(Content) || symbol.st_name >= all_names.size()) continue;
+        if (!is_defined || symbol.st_size < sizeof(Content) || symbol.st_name >= all_names.size()) continue;
         const std::string_view from_name = all_names.substr(symbol.st_name);
         if (from_name.substr(0, from_name.find('\0')) != name) continue;
 
