@@ -120,7 +120,7 @@ void Body::to_kernels(double factor, KernelSystem& system) const {
   hierarchy_->update(model_, at_, system);
 }
 
-double Body::energy(ConstPoints x) const { return hexaplast::energy(model_, history_, x); }
+double Body::energy(ConstPoints x) const { return hexaplast::energy(model_, history_, x, product_); }
 
 FlowReport Body::flow(ConstPoints x, double dt) {
   if (dt != checked_dt_) {

@@ -22,16 +22,20 @@ std::vector<double> lumped_masses(const Model& model, double density) {
 LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load)
     : body_(body), mass_(std::move(mass)), fixed_(std::move(fixed)), load_(std::move(load)) {}
 
-void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints, Points f) {
+void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
   body_.linearize(x);
   f.setZero();
   body_.add_force(f);
+  add_load(time, x, v, f);
+}
+
+void LoadedBody::add_load(double time, ConstPoints x, ConstPoints, Points f) {
   if (load_) load_(time, x, f);
 }
 
 void LoadedBody::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
   for (int n = 0; n < num_nodes(); ++n) df.row(n) += factors.mass * mass_[n] * dx.row(n);
-  body_.add_stiffness_product(factors.stiffness, dx, df);
+  if (factors.stiffness != 0) body_.add_stiffness_product(factors.stiffness, dx, df);
 }
 
 void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {

@@ -116,6 +116,29 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain}),
     [](const auto& test) { return std::string(test.param.name); });
 
+TEST(Allocations, KeepingAccountsOfEnergyHasNone) {
+  Body body(support::block({4, 4, 8}, 0.01), {Material{.young_modulus = 5000, .yield_stress = 1e-3, .flow_rate = 2}});
+  LoadedBody system(body, lumped_masses(body.model(), 1000), support::nodes_at(body.mesh(), 2, 0),
+                    [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; });
+  ImplicitEuler euler({.rayleigh_stiffness = 0.01, .velocity_damping = 0.1});
+  euler.measure_energy();
+  EnergyBalance balance;
+  const std::unique_ptr<LinearSolver> solver = plain();
+  PointArray x = body.mesh().positions(), v = PointArray::Zero(x.rows(), 3);
+  const auto step = [&] {
+    euler.step(system, *solver, 0, 0.01, x, v);
+    balance.add_step(euler.energy(), 0, body.energy(x));
+    body.flow(x, 0.01);
+    balance.add_flow(body.energy(x));
+  };
+  for (int k = 0; k < 4; ++k) step();
+  const long allocated = num_allocations;
+  for (int k = 0; k < 3; ++k) step();
+  EXPECT_EQ(num_allocations - allocated, 0);
+  EXPECT_GT(balance.load_work, 0);
+  EXPECT_GT(balance.flow_loss, 0);
+}
+
 TEST(Allocations, AreCounted) {
   const long before = num_allocations;
   PointArray field = PointArray::Zero(100, 3);

@@ -229,16 +229,21 @@ TEST(Averaging, LeavesShapesThatFitUntouched) {
   EXPECT_EQ(history.material, model.mesh.positions());
 }
 
-/// Permanent twist of a bar twisted by hand, with `averaging_steps` per time step.
-double permanent_twist(int averaging_steps) {
+/// Flows in stretch and rotation at the strains of a bar twisted by hand.
+Material twistable(double rotation_yield) {
   Material m;
   m.yield_stress = 50;
   m.flow_rate = 2;
   m.rotation_flow_rate = 2;
-  m.rotation_yield = 0.005;
+  m.rotation_yield = rotation_yield;
+  return m;
+}
+
+/// Permanent twist of a bar twisted by hand, with `averaging_steps` per time step.
+double permanent_twist(int averaging_steps) {
   Settings settings;
   settings.averaging_steps = averaging_steps;
-  Body body(support::block({2, 2, 10}, kEdge), {m}, settings);
+  Body body(support::block({2, 2, 10}, kEdge), {twistable(0.005)}, settings);
   for (int k = 1; k <= 60; ++k) {
     const double share = std::min(1.0, k / 40.0);
     const PointArray world = support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 2 * share);
@@ -250,12 +255,7 @@ double permanent_twist(int averaging_steps) {
 // What is left of one step is taken up by the next, and nothing grows; on a mesh without symmetry, of which no solver
 // could take advantage.
 TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
-  Material m;
-  m.yield_stress = 50;
-  m.flow_rate = 2;
-  m.rotation_flow_rate = 2;
-  m.rotation_yield = 0.0025;
-  Body body(support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150), {m});
+  Body body(support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150), {twistable(0.0025)});
   const Model& model = body.model();
   History history(model);
   Linearization at(model);
@@ -273,14 +273,9 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
 
 /// Angle between the original and the material shape of a distorted bar after it was stretched and twisted [rad].
 double tilt_after_a_twist(AveragingMethod method) {
-  Material m;
-  m.yield_stress = 50;
-  m.flow_rate = 2;
-  m.rotation_flow_rate = 2;
-  m.rotation_yield = 0.005;
   Settings settings;
   settings.averaging = method;
-  Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {m}, settings);
+  Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)}, settings);
   for (int k = 1; k <= 60; ++k) {
     const double share = std::min(1.0, k / 40.0);
     body.flow(support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 1.5 * share), 0.01);

@@ -6,20 +6,20 @@
 #include <sstream>
 
 #include "support/command.hpp"
+#include "support/csv.hpp"
+#include "support/held_bar.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using hexaplast::support::content;
+using hexaplast::support::Csv;
 using hexaplast::support::Outcome;
 using nlohmann::json;
 
-const std::string kBar =
-    "<Node name='root' gravity='0 0 0' dt='0.01'><DefaultAnimationLoop/><RunSettings steps='20' outputEvery='10'/>"
-    "<Node name='bar'><EulerImplicitSolver/><SparseLDLSolver/><RegularGridTopology name='grid' n='3 2 2'/>"
-    "<MechanicalObject/><DiagonalMass/><HexahedronElastoplasticFEMForceField name='material' yieldStress='300' "
-    "plasticFlowRate='4'/><FixedProjectiveConstraint indices='0 3 6 9'/>"
-    "<ConstantForceField name='pull' indices='2 5 8 11' forces='250 0 0'/></Node></Node>";
+const std::string kBar = hexaplast::support::in_a_node(
+    hexaplast::support::held_bar("", "yieldStress='300' plasticFlowRate='4'", "indices='2 5 8 11' forces='250 0 0'"),
+    "steps='20' outputEvery='10'");
 
 class Compare : public hexaplast::support::Command {
  protected:
@@ -46,23 +46,7 @@ class Compare : public hexaplast::support::Command {
     return {};
   }
 
-  /// history.csv by columns, as this test reads it.
-  std::map<std::string, std::vector<double>> history(const std::string& directory) {
-    std::istringstream lines(content(directory_ / directory / "history.csv"));
-    std::string text, word;
-    std::getline(lines, text);
-    std::vector<std::string> names;
-    for (std::istringstream words(text); std::getline(words, word, ',');) names.push_back(word);
-    std::map<std::string, std::vector<double>> columns;
-    while (std::getline(lines, text)) {
-      std::istringstream words(text);
-      for (const std::string& name : names) {
-        std::getline(words, word, ',');
-        columns[name].push_back(std::stod(word));
-      }
-    }
-    return columns;
-  }
+  Csv history(const std::string& directory) { return Csv(content(directory_ / directory / "history.csv")); }
 };
 
 TEST_F(Compare, FindsNothingBetweenEqualRuns) {
@@ -86,7 +70,7 @@ TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
 
   const auto a = history("a"), b = history("b");
   for (const char* column : {"plastic_elongation", "dissipated_energy", "kinetic_energy", "world_elongation"}) {
-    const std::vector<double>&in_a = a.at(column), &in_b = b.at(column);
+    const std::vector<double> in_a = a.numbers(column), in_b = b.numbers(column);
     std::size_t at = 0;
     double largest = 0;
     for (std::size_t k = 0; k < in_a.size(); ++k) {
@@ -152,11 +136,11 @@ TEST_F(Compare, WritesAPageOfBothRuns) {
     ++charts;
     ASSERT_EQ(chart.at("series").size(), 2u);
     if (chart.at("quantity") != "elongation, plastic") continue;
-    for (std::size_t k = 0; k < a.at("step").size(); ++k) {
+    for (std::size_t k = 0; k < a.num_rows(); ++k) {
       EXPECT_NEAR(chart.at("series")[0].at("curves")[0].at("values")[k].get<double>(),
-                  100 * a.at("plastic_elongation")[k], 1e-6);
+                  100 * a.number(k, "plastic_elongation"), 1e-6);
       EXPECT_NEAR(chart.at("series")[1].at("curves")[0].at("values")[k].get<double>(),
-                  100 * b.at("plastic_elongation")[k], 1e-6);
+                  100 * b.number(k, "plastic_elongation"), 1e-6);
     }
   }
   EXPECT_GE(charts, 8);

@@ -140,5 +140,33 @@ TEST(Grip, OpenItHoldsNothing) {
   EXPECT_TRUE(diagonal.isZero(0));
 }
 
+// 60 N s/m shared by four, against the velocity relative to the tool; product, blocks and diagonal are its derivative.
+TEST(Grip, DashpotsBrakeWhatMovesAgainstTheTool) {
+  Grip grip = closed(1000);
+  grip.damping = 60;
+  support::Random random(83);
+  const PointArray v = random.field(6, 1);
+  const Vec3 tool_velocity(0.3, -0.1, 0.2);
+  PointArray f = PointArray::Zero(6, 3), moved = f, product = f, by_blocks = f, diagonal = f;
+  const Vec3 sum = grip.add_damping_force(tool_velocity, v, f);
+  for (const int node : {5, 0, 2, 3})
+    EXPECT_LE(support::max_abs(Vec3(f.row(node).transpose()) - 15 * (tool_velocity - Vec3(v.row(node).transpose()))),
+              1e-12);
+  EXPECT_EQ(f.row(1), Eigen::RowVector3d(0, 0, 0));
+  EXPECT_LE(support::max_abs(sum - Vec3(f.colwise().sum().transpose())), 1e-12);
+
+  const PointArray dv = random.field(6, 1);
+  grip.add_damping_force(tool_velocity, v + dv, moved);
+  grip.add_damping_product(0.7, dv, product);
+  EXPECT_TRUE(agrees(product, PointArray(0.7 * (moved - f)), 1e-12));
+  BlockMatrix A(6);
+  grip.add_damping_blocks(0.7, A);
+  for (int n = 0; n < 6; ++n)
+    for (const auto& [m, block] : A.row(n)) by_blocks.row(n) += dv.row(m) * block.transpose();
+  EXPECT_TRUE(agrees(by_blocks, product, 1e-12));
+  grip.add_damping_diagonal(0.7, diagonal);
+  EXPECT_TRUE(agrees(PointArray(diagonal.cwiseProduct(dv)), product, 1e-12));
+}
+
 }  // namespace
 }  // namespace hexaplast

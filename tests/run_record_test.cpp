@@ -4,6 +4,9 @@
 #include <regex>
 
 #include "support/command.hpp"
+#include "support/csv.hpp"
+#include "support/held_bar.hpp"
+#include "support/pulled_bar.hpp"
 
 namespace {
 
@@ -12,15 +15,10 @@ using hexaplast::support::content;
 using hexaplast::support::Outcome;
 using nlohmann::json;
 
-const std::string kBody =
-    "<EulerImplicitSolver rayleighMass='0.1'/><SparseLDLSolver/><RegularGridTopology n='3 2 2'/><MechanicalObject/>"
-    "<DiagonalMass/><HexahedronElastoplasticFEMForceField name='material' precision='mixed' yieldStress='300'/>"
-    "<FixedProjectiveConstraint indices='0 3 6 9'/><ConstantForceField name='pull' indices='2' forces='1 0 0'/>";
+const std::string kBody = hexaplast::support::held_bar("rayleighMass='0.1'", "precision='mixed' yieldStress='300'",
+                                                       "indices='2' forces='1 0 0'");
 
-std::string scene(const std::string& body) {
-  return "<Node name='root' gravity='0 0 0'><DefaultAnimationLoop/><RunSettings steps='4'/><Node name='bar'>" + body +
-         "</Node></Node>";
-}
+std::string scene(const std::string& body) { return hexaplast::support::in_a_node(body, "steps='4'"); }
 
 class RunRecord : public hexaplast::support::Command {
  protected:
@@ -105,16 +103,58 @@ TEST_F(RunRecord, KeepsWarningsThatAQuietRunDoesNotShow) {
             std::string::npos);
 }
 
-TEST_F(RunRecord, TellsHowTheRunEnded) {
+// A force that does not change has done F times the way of its node. Without inertia there is no such balance.
+TEST_F(RunRecord, TellsWhereTheWorkWent) {
   write("bar.scn", scene(kBody));
-  EXPECT_EQ(hexaplast("run bar.scn --out failed --frames 0 --set bar/pull.forces='1e308 0 0'").code, 4);
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --steps 40 --final last.json").code, 0);
+  const hexaplast::support::Csv history(content(directory_ / "run/history.csv"));
+  ASSERT_EQ(history.num_rows(), 41u);
+  const double initial = history.number(0, "kinetic_energy") + history.number(0, "elastic_energy");
+  for (std::size_t row = 0; row <= 40; ++row) {
+    const auto at = [&](const char* column) { return history.number(row, column); };
+    EXPECT_NEAR(at("kinetic_energy") + at("elastic_energy") - initial,
+                at("load_work") + at("support_work") - at("damping_loss") - at("numerical_loss") - at("flow_loss") -
+                    at("energy_error"),
+                1e-9 * at("load_work") + 1e-15);
+    EXPECT_LE(std::abs(at("energy_error")), 1e-3 * at("load_work")) << row;
+  }
+  const json last = json::parse(content(directory_ / "last.json"));
+  const double way = last.at("positions").at(2).at(0).get<double>() - 1;  // of the node that is pulled with 1 N
+  EXPECT_GT(way, 0);
+  EXPECT_NEAR(history.number(40, "load_work"), way, 1e-9 * way);
+  EXPECT_EQ(history.number(40, "support_work"), 0);
+  EXPECT_EQ(manifest("run").at("summary").at("energy").get<std::string>().find("work "), 0u);
+  EXPECT_NE(content(directory_ / "run/report.html").find("energy balance"), std::string::npos);
+
+  write("bar.scn", hexaplast::support::pulled_bar());
+  ASSERT_EQ(hexaplast("run bar.scn --out still --frames 0").code, 0);
+  const hexaplast::support::Csv still(content(directory_ / "still/history.csv"));
+  const std::vector<std::string>& columns = still.columns();
+  EXPECT_EQ(std::ranges::count(columns, "elastic_energy"), 1);
+  EXPECT_EQ(std::ranges::count(columns, "load_work"), 0);
+}
+
+TEST_F(RunRecord, TellsHowTheRunEnded) {
+  // too great a force from 0.025 s on
+  write("bar.scn",
+        scene(kBody + "<LinearForceField points='5' times='0 0.02 0.03' forces='2 0 0  2 0 0  1e308 0 0'/>"));
+  EXPECT_EQ(hexaplast("run bar.scn --out failed --frames 0 --steps 9").code, 4);
   const json failed = manifest("failed");
   EXPECT_EQ(failed.at("state"), "failed");
   EXPECT_NE(failed.at("exit_reason").get<std::string>().find("is not finite"), std::string::npos)
       << failed.at("exit_reason");
-  EXPECT_EQ(failed.at("state_hash"), "");
   EXPECT_TRUE(fs::exists(directory_ / "failed/report.html"));
 
+  // it has what it came to: that of a run which ends before the failure
+  const long done = failed.at("steps").at("done");
+  ASSERT_GT(done, 0);
+  EXPECT_EQ(hexaplast("run bar.scn --out whole --frames 0 --steps " + std::to_string(done)).code, 0);
+  const json whole = manifest("whole");
+  EXPECT_EQ(failed.at("state_hash"), whole.at("state_hash"));
+  EXPECT_EQ(failed.at("summary").at("plastic elongation"), whole.at("summary").at("plastic elongation"));
+  EXPECT_EQ(failed.at("summary").at("largest strain"), whole.at("summary").at("largest strain"));
+
+  write("bar.scn", scene(kBody));
   const std::string endless = "run bar.scn --steps 1000000000 --frames 0 --out ";
   EXPECT_EQ(hexaplast(endless + "stopped", "timeout --foreground --preserve-status -s INT 0.5").code, 130);
   const json stopped = manifest("stopped");

@@ -256,6 +256,14 @@ inline constexpr Attribute kGraspAttributes[] = {
      .range = kPositive,
      .help = "Limit of the grip as a whole: no spring pulls harder than 1/n of it, and its node then lags behind the "
              "tool. Without it there is no limit."},
+    {.name = "damping",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "N s/m",
+     .range = kNotNegative,
+     .help =
+         "Of the grip as a whole: beside each spring stands a dashpot of 1/n of it, against the velocity of the node "
+         "relative to the tool; maxForce does not limit it."},
     {.name = "rayleighStiffness",
      .type = Type::kReal,
      .initial = "0",

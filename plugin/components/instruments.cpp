@@ -38,6 +38,7 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
     radius_ = real("radius");
     grip_.stiffness = real("stiffness");
     grip_.most_force = real_if_given("maxForce").value_or(std::numeric_limits<double>::infinity());
+    grip_.damping = real("damping");
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
@@ -57,15 +58,16 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   }
 
   void serialize(Archive& archive) override {
-    archive(grip_.nodes, grip_.arms, has_closed_, lags_);
+    archive(grip_.nodes, grip_.arms, has_closed_, lags_, drag_.x(), drag_.y(), drag_.z());
     const auto num_held = static_cast<Eigen::Index>(grip_.nodes.size());
     if (grip_.arms.rows() != num_held || lags_.rows() != num_held ||
         std::ranges::any_of(grip_.nodes, [&](int node) { return node < 0 || node >= state_->num_nodes(); }))
       throw InputError("a grip is saved on nodes that are not there");
   }
 
-  void add_force(double time, ConstPoints x, ConstPoints, Points f) override {
+  void add_force(double time, ConstPoints x, ConstPoints v, Points f) override {
     lags_ = grip_.add_force(tool_at(time), x, f);
+    drag_ = grip_.add_damping_force(tool_velocity_at(time), v, f);
   }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
     grip_.add_stiffness_product(lags_, factor, dx, df);
@@ -75,6 +77,13 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   }
   bool to_kernels(double factor, KernelSystem& system) const override {
     return grip_.add_stiffness_diagonal(lags_, factor, system.diagonal);
+  }
+  void add_damping_product(double factor, ConstPoints dx, Points df) const override {
+    grip_.add_damping_product(factor, dx, df);
+  }
+  void add_damping_blocks(double factor, BlockMatrix& A) const override { grip_.add_damping_blocks(factor, A); }
+  void add_damping_diagonal(double factor, Points diagonal) const override {
+    grip_.add_damping_diagonal(factor, diagonal);
   }
   double potential_energy(double time, ConstPoints x) const override { return grip_.energy(tool_at(time), x); }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
@@ -88,7 +97,7 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
     if (output.attribute().name == "grasped")
       output.set(std::vector<std::int64_t>(grip_.nodes.begin(), grip_.nodes.end()));
     if (output.attribute().name == "force") {
-      const Vec3 force = grip_.total_force(lags_);
+      const Vec3 force = grip_.total_force(lags_) + drag_;
       output.set(std::vector<double>(force.begin(), force.end()));
     }
   }
@@ -97,6 +106,12 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   /// Before the first key time the tool waits where it begins.
   Vec3 tool_at(double time) const {
     return interpolate(phase_at(times_, std::max(time, times_.front())), positions_).transpose();
+  }
+
+  Vec3 tool_velocity_at(double time) const {
+    const KeyPhase phase = phase_at(times_, time);
+    const bool is_on_its_way = phase.key >= 0 && phase.key + 1 < static_cast<int>(times_.size());
+    return is_on_its_way ? Vec3(slope(phase, times_, positions_).transpose()) : Vec3::Zero();
   }
 
   void close(double time) {
@@ -115,6 +130,7 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   void open() {
     grip_.open();
     lags_.resize(0, 3);
+    drag_.setZero();
   }
 
   scene::MechanicalState* state_ = nullptr;
@@ -127,6 +143,7 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   Grip grip_;
   bool has_closed_ = false;
   PointArray lags_ = PointArray(0, 3);  // at the positions of the latest forces
+  Vec3 drag_ = Vec3::Zero();            // [N] of the dashpots, with them
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
 
 namespace hexaplast::components {
 
@@ -52,17 +53,24 @@ void NodeSystem::add_layers(scene::Node& node) {
   if (!left.empty()) left[0]->reject("follows no state that the solver moves");
 }
 
-void NodeSystem::add_force(const Layer& layer, const Vec3& gravity, double time, ConstPoints x, ConstPoints v,
-                           Points f) {
+void NodeSystem::add_force(Over over, const Layer& layer, double time, ConstPoints x, ConstPoints v, Points f) const {
   layer.state->add_external_force(f);
-  for (const scene::Mass* mass : layer.masses) mass->add_gravity(gravity, f);
-  for (scene::ForceField* field : layer.force_fields) field->add_force(time, x, v, f);
+  for (const scene::Mass* mass : layer.masses) mass->add_gravity(node_.clock().gravity, f);
+  for (scene::ForceField* field : layer.force_fields)
+    if (over == Over::kAll || !field->body()) field->add_force(time, x, v, f);
 }
 
 void NodeSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
-  const Vec3 gravity = node_.clock().gravity;
   f.setZero();
-  add_force(layers_.front(), gravity, time, x, v, f);
+  add_force(Over::kAll, time, x, v, f);
+}
+
+void NodeSystem::add_load(double time, ConstPoints x, ConstPoints v, Points f) {
+  add_force(Over::kLoads, time, x, v, f);
+}
+
+void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v, Points f) const {
+  add_force(over, layers_.front(), time, x, v, f);
   if (layers_.size() == 1) return;
 
   // down, and up again: those that follow before those that they follow
@@ -73,7 +81,7 @@ void NodeSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points
     layer.mapping->apply(layer.above == 0 ? x : ConstPoints(above.x), layer.x);
     layer.mapping->apply(layer.above == 0 ? v : ConstPoints(above.v), layer.v);
     layer.f.setZero();
-    add_force(layer, gravity, time, layer.x, layer.v, layer.f);
+    add_force(over, layer, time, layer.x, layer.v, layer.f);
   }
   for (std::size_t i = layers_.size() - 1; i > 0; --i) {
     Layer& layer = layers_[i];
@@ -83,23 +91,35 @@ void NodeSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points
 }
 
 // A mass damps by its own factor, a force field by its own: both through the damping factor b of m M + b B + k K.
-void NodeSystem::add_product(const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df) {
-  for (const scene::Mass* mass : layer.masses)
-    mass->add_product(factors.mass - factors.damping * mass->rayleigh_mass(), dx, df);
+// Factors of 0 are common where energies are measured, and a product of a body costs as much with them.
+void NodeSystem::add_product(Over over, const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df) {
+  if (over == Over::kAll)
+    for (const scene::Mass* mass : layer.masses)
+      mass->add_product(factors.mass - factors.damping * mass->rayleigh_mass(), dx, df);
   for (const scene::ForceField* field : layer.force_fields) {
-    field->add_stiffness_product(factors.stiffness + factors.damping * field->rayleigh_stiffness(), dx, df);
-    field->add_damping_product(factors.damping, dx, df);
+    if (over == Over::kLoads && field->body()) continue;
+    const double stiffness = factors.stiffness + factors.damping * field->rayleigh_stiffness();
+    if (stiffness != 0) field->add_stiffness_product(stiffness, dx, df);
+    if (factors.damping != 0) field->add_damping_product(factors.damping, dx, df);
   }
 }
 
 void NodeSystem::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
-  add_product(layers_.front(), factors, dx, df);
+  add_product(Over::kAll, factors, dx, df);
+}
+
+void NodeSystem::add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  add_product(Over::kLoads, factors, dx, df);
+}
+
+void NodeSystem::add_product(Over over, const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  add_product(over, layers_.front(), factors, dx, df);
   for (std::size_t i = 1; i < layers_.size(); ++i) {
     Layer& layer = layers_[i];
     if (!layer.is_loaded) continue;
     layer.mapping->apply(layer.above == 0 ? dx : ConstPoints(layers_[layer.above].x), layer.x);
     layer.f.setZero();
-    add_product(layer, factors, layer.x, layer.f);
+    add_product(over, layer, factors, layer.x, layer.f);
   }
   for (std::size_t i = layers_.size() - 1; i > 0; --i) {
     Layer& layer = layers_[i];
@@ -141,8 +161,10 @@ bool NodeSystem::to_kernels(const OperatorFactors& factors, KernelSystem& system
   const Layer& layer = layers_.front();
   for (const scene::Mass* mass : layer.masses)
     if (!mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal)) return false;
-  for (const scene::ForceField* field : layer.force_fields)
+  for (const scene::ForceField* field : layer.force_fields) {
     if (!field->to_kernels(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system)) return false;
+    field->add_damping_diagonal(factors.damping, system.diagonal);
+  }
   return system.double_operator || system.single_operator;
 }
 
@@ -165,9 +187,21 @@ double NodeSystem::kinetic_energy() const {
   return energy;
 }
 
+double NodeSystem::elastic_energy() const {
+  double energy = 0;
+  for (const Layer& layer : layers_)
+    for (const scene::ForceField* field : layer.force_fields)
+      if (const Body* body = field->body()) energy += body->energy(layer.state->positions());
+  return energy;
+}
+
 void NodeSystem::project_motion(double time) const {
   for (const scene::ProjectiveConstraint* constraint : constraints_)
     constraint->project_motion(time, state().positions(), state().velocities());
+  follow();
+}
+
+void NodeSystem::follow() const {
   for (std::size_t i = 1; i < layers_.size(); ++i) {
     const Layer& layer = layers_[i];
     scene::MechanicalState& above = *layers_[layer.above].state;

@@ -22,13 +22,17 @@ class NodeSystem final : public MechanicalSystem {
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
   bool to_kernels(const OperatorFactors& factors, KernelSystem& system) const override;
+  void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
+  void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;
 
   scene::MechanicalState& state() const { return *layers_.front().state; }
   bool has_mass() const;
   double kinetic_energy() const;           ///< [J]
+  double elastic_energy() const;           ///< [J] of the bodies
   void project_motion(double time) const;  ///< applies prescribed motion to the state, and lets the others follow
+  void follow() const;                     ///< puts the states that follow where the independent one takes them
 
  private:
   /// A state and what acts on it.
@@ -46,9 +50,14 @@ class NodeSystem final : public MechanicalSystem {
     BlockMatrix blocks = BlockMatrix();
   };
 
+  /// What of the scene a sum is over: everything, or what is neither a body nor a mass, but weight is.
+  enum class Over { kAll, kLoads };
+
   void add_layers(scene::Node& node);
-  static void add_force(const Layer& layer, const Vec3& gravity, double time, ConstPoints x, ConstPoints v, Points f);
-  static void add_product(const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df);
+  void add_force(Over over, double time, ConstPoints x, ConstPoints v, Points f) const;
+  void add_force(Over over, const Layer& layer, double time, ConstPoints x, ConstPoints v, Points f) const;
+  void add_product(Over over, const OperatorFactors& factors, ConstPoints dx, Points df) const;
+  static void add_product(Over over, const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df);
   static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
 
   scene::Node& node_;

@@ -11,6 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "hexaplast/solve/energy_balance.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 
 namespace hexaplast::components {
@@ -61,14 +62,68 @@ class EulerImplicitSolver final : public SystemSolver {
   }
 
   SolveReport solve(double time, double dt) override {
+    settle();
     scene::MechanicalState& state = system().state();
     const SolveReport report = euler_->step(system(), linear_solver(), time, dt, state.positions(), state.velocities());
+    if (!balance_) {
+      system().project_motion(time);
+      return report;
+    }
+    system().follow();
+    balance_->add_step(euler_->energy(), inertial_energy(), system().elastic_energy());
+    stepped_to_ = state.positions();
     system().project_motion(time);
+    balance_->add_motion_of_supports(inertial_energy(),
+                                     state.positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
+    owes_ = Owes::kFlow;
     return report;
   }
 
+  void reset() override {
+    SystemSolver::reset();
+    owes_ = Owes::kBeginning;
+  }
+
+  void keep_energy_balance() override {
+    euler_->measure_energy();
+    balance_.emplace();
+    owes_ = Owes::kBeginning;
+  }
+
+  const EnergyBalance* energy_balance() override {
+    settle();
+    return balance_ ? &*balance_ : nullptr;
+  }
+
+  void serialize(Archive& archive) override {
+    settle();
+    bool is_kept = balance_.has_value();
+    archive(is_kept);
+    if (!is_kept) return;
+    if (!balance_) keep_energy_balance();
+    owes_ = Owes::kNothing;
+    archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
+            balance_->damping_loss, balance_->numerical_loss, balance_->flow_loss);
+  }
+
  private:
+  /// [J] kinetic energy, where masses have inertia.
+  double inertial_energy() { return boolean("firstOrder") ? 0 : kinetic_energy(); }
+
+  /// Bodies flow at the end of a step, and return to their beginning, after this: the balance learns of it when the
+  /// next step begins, or when somebody asks.
+  void settle() {
+    if (balance_ && owes_ == Owes::kBeginning) balance_->begin(inertial_energy(), system().elastic_energy());
+    if (balance_ && owes_ == Owes::kFlow) balance_->add_flow(system().elastic_energy());
+    owes_ = Owes::kNothing;
+  }
+
+  enum class Owes { kNothing, kBeginning, kFlow };
+
   std::optional<ImplicitEuler> euler_;
+  std::optional<EnergyBalance> balance_;  // absent: nobody asked for it
+  Owes owes_ = Owes::kNothing;            // what the balance has to learn of
+  PointArray stepped_to_;                 // [m] before supports moved nodes
 };
 
 /// Read by the StaticSolver that it serves.

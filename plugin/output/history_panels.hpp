@@ -11,9 +11,10 @@
 
 namespace hexaplast::output {
 
-/// Colours of the curves in a panel: world or first run, plastic or second run, and two more.
+/// Colours of the curves in a panel: world or first run, plastic or second run, and more.
 struct CurveColours {
-  std::string_view first = "#2563a8", second = "#c2410c", third = "#15803d", fourth = "#6d28d9";
+  std::string_view first = "#2563a8", second = "#c2410c", third = "#15803d", fourth = "#6d28d9", fifth = "#0e7490",
+                   rest = "#8a8f98";  ///< rest: of what is left over
 };
 
 /// What a panel shows: the sum of columns of history.csv, shifted and then scaled to the panel's unit.
@@ -31,8 +32,8 @@ struct HistoryPanel {
   std::vector<HistoryCurve> curves;
 };
 
-/// Elongation, twist, volume error, yielded hexahedra, energy, displacement where the load is, removed hexahedra,
-/// solver iterations, time per step: in the order in which they are shown.
+/// Elongation, twist, volume error, yielded hexahedra, energy and its balance, displacement where the load is, removed
+/// hexahedra, solver iterations, time per step: in the order in which they are shown.
 std::span<const HistoryPanel> history_panels();
 
 /// How long the steps of a run took [ms]; its first row, the initial state, is no step.

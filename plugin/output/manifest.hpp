@@ -62,8 +62,8 @@ struct Manifest {
   std::string exit_reason = {};  ///< a sentence; empty while it runs
   double duration = 0;           ///< [s] wall time
   long steps_done = 0;
-  std::string state_hash = {};             ///< of the last state; empty where the run did not come to an end
-  std::vector<Figure> summary = {};        ///< what the command printed
+  std::string state_hash = {};             ///< of the latest accepted step; empty while the run goes on
+  std::vector<Figure> summary = {};        ///< of the same step: what the command prints when all goes well
   std::vector<std::string> warnings = {};  ///< as they were logged
 };
 

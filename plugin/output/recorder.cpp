@@ -23,6 +23,14 @@ constexpr std::string_view kHeader =
     "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
     "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
     "world_elongation,world_twist_deg";
+constexpr std::string_view kBalanceHeader =
+    ",load_work,support_work,damping_loss,numerical_loss,flow_loss,energy_error";
+
+/// The columns of kBalanceHeader.
+std::string balance_columns(const EnergyBalance& energy) {
+  return fmt::format(",{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
+                     energy.numerical_loss, energy.flow_loss, energy.error());
+}
 
 /// Enough to tell the time stamps of neighbouring steps apart, and not fewer than people expect of seconds.
 int time_decimals(double dt) {
@@ -85,7 +93,7 @@ struct Recorder::Files {
         series(directory / "mesh.pvd"),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
-    history.append(kHeader);
+    history.append(std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : ""));
     removed.append("step,time,hexahedron");
     open_gallery();
   }
@@ -193,13 +201,14 @@ void Recorder::Files::append_removed(const StepRecord& record) {
 }
 
 void Recorder::Files::append_row(const StepRecord& record, const Measures& measures, ConstPoints positions) {
-  history.append(
-      fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", record.step, record.time,
-                  record.kinetic_energy, body.energy(positions), body.history().dissipated_energy,
-                  measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
-                  measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
-                  record.flow.yielded, record.flow.inverted, body.history().removed.size(), record.solver_iterations,
-                  record.residual, record.step_ms, measures.world_elongation, measures.world_twist_deg));
+  history.append(fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time,
+                             record.kinetic_energy, record.energy ? record.energy->elastic : body.energy(positions),
+                             body.history().dissipated_energy, measures.world_volume_ratio,
+                             measures.material_volume_ratio, measures.plastic_elongation, measures.plastic_twist_deg,
+                             mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
+                             record.flow.yielded, record.flow.inverted, body.history().removed.size(),
+                             record.solver_iterations, record.residual, record.step_ms, measures.world_elongation,
+                             measures.world_twist_deg, plan.has_energy_balance ? balance_columns(*record.energy) : ""));
 }
 
 void Recorder::Files::write_mesh() {

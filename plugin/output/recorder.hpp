@@ -3,10 +3,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hexaplast/body.hpp"
+#include "hexaplast/solve/energy_balance.hpp"
 #include "output/files.hpp"
 #include "output/gallery.hpp"
 #include "output/measures.hpp"
@@ -18,10 +20,11 @@ namespace hexaplast::output {
 struct RunPlan {
   std::string title;  ///< shown in pictures and plots: the scene's name
   long num_steps = 0;
-  double dt = 0;          ///< [s]
-  int output_every = 25;  ///< steps between two .vtu files; the first and the last state are always written
-  int num_frames = 8;     ///< pictures, spread evenly over the run, the last state among them; 0: none
-  bool force = false;     ///< write into a directory that holds an earlier run
+  double dt = 0;                    ///< [s]
+  bool has_energy_balance = false;  ///< every StepRecord has one
+  int output_every = 25;            ///< steps between two .vtu files; the first and the last state are always written
+  int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
+  bool force = false;               ///< write into a directory that holds an earlier run
   std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
   Staging staging = {};                ///< of the pictures
   std::filesystem::path video = {};    ///< film of the run in real time, at most 25 pictures a second; empty: none
@@ -32,6 +35,7 @@ struct StepRecord {
   long step = 0;
   double time = 0;            ///< [s] at the end of the step
   double kinetic_energy = 0;  ///< [J]
+  std::optional<EnergyBalance> energy = {};
   FlowReport flow = {};
   int solver_iterations = 0;
   double residual = 0;                 ///< relative residual of the linear solve
@@ -40,9 +44,10 @@ struct StepRecord {
 };
 
 /// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png,
-/// plot.svg. history.csv grows by a whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron that
-/// the body has lost in it, in the order of their removal; every other file appears whole under its final name, and
-/// mesh.pvd names only complete files. After an OutputError everything that mesh.pvd names can still be read.
+/// plot.svg. history.csv (docs/output.md; the columns of the energy balance only where the run has one) grows by a
+/// whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron that the body has lost in it, in the
+/// order of their removal; every other file appears whole under its final name, and mesh.pvd names only complete files.
+/// After an OutputError everything that mesh.pvd names can still be read.
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -32,6 +33,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   plan.title = options.scene.file.stem().string();
   plan.num_steps = num_steps;
   plan.dt = simulation.dt();
+  plan.has_energy_balance = simulation.latest().energy.has_value();
   plan.output_every = simulation.output_every();
   plan.num_frames = options.frames.value_or(plan.num_frames);
   plan.force = options.force;
@@ -99,6 +101,16 @@ std::string removed_line(const std::vector<int>& removed, const Totals& totals, 
                      named < removed.size() ? ", ..." : "");
 }
 
+/// Where the work went.
+std::string energy_line(const EnergyBalance& energy) {
+  constexpr double kNoise = 1e-9;  // of the work: rounding in the shape that a scene begins with is no energy
+  const double work = energy.load_work + energy.support_work;
+  return fmt::format(
+      "work {:.4g} J{} = in the body {:.4g} + flow {:.4g} + damping {:.4g} + integrator {:.4g} + unexplained {:.2g}",
+      work, energy.initial > kNoise * std::abs(work) ? fmt::format(" and {:.4g} J at first", energy.initial) : "",
+      energy.kinetic + energy.elastic, energy.flow_loss, energy.damping_loss, energy.numerical_loss, energy.error());
+}
+
 /// Brings a simulation to where a checkpoint of its scene was written.
 void restore(Simulation& simulation, const output::Checkpoint& start, long num_steps) {
   const std::string file = start.file().string();
@@ -142,10 +154,11 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     add("volume error", fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
                                     100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
                                     100 * (summary.world_volume_ratio - 1)));
-    add("largest strain", fmt::format("{:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g})", summary.largest_strain,
+    add("largest strain", fmt::format("{:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g}) m", summary.largest_strain,
                                       summary.largest_strain_element, place.x(), place.y(), place.z()));
     if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
   }
+  if (simulation.latest().energy) add("energy", energy_line(*simulation.latest().energy));
   if (num_steps > 0)
     add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
                             static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
@@ -260,6 +273,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   // of the scene as it begins
   output::Manifest manifest = manifest_of(simulation, num_steps, options);
   output::RunPlan plan;
+  if (options.out) simulation.keep_energy_balance();
   if (options.out) plan = plan_of(simulation, num_steps, options);
   if (start) restore(simulation, *start, num_steps);
 
@@ -275,15 +289,19 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (options.summary) files.summary.emplace(*options.summary);
   if (options.out) files.journal.emplace(*options.out, std::move(manifest));
 
-  const auto note_steps = [&] {
-    files.journal->manifest().steps_done = simulation.latest().step;
-    files.journal->manifest().warnings = warnings.texts();
+  // also of a run that fails: what it had come to in its latest accepted step
+  const auto note_result = [&] {
+    output::Manifest& result = files.journal->manifest();
+    result.steps_done = simulation.latest().step;
+    result.warnings = warnings.texts();
+    result.state_hash = hash_of(simulation);
+    result.summary = summary_of(simulation);
   };
   try {
     carry_out(simulation, num_steps, files, options, !start);
   } catch (const std::exception& error) {
     if (files.journal) {
-      note_steps();
+      note_result();
       note_failure(*files.journal, error.what());
     }
     throw;
@@ -293,9 +311,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (signal != 0)
     spdlog::warn("warning: ended by signal {} after step {} of {}", signal, simulation.latest().step, num_steps);
   if (files.journal) {
-    note_steps();
-    files.journal->manifest().state_hash = hash_of(simulation);
-    files.journal->manifest().summary = summary_of(simulation);
+    note_result();
     files.journal->close(signal == 0 ? output::RunState::kFinished : output::RunState::kInterrupted,
                          signal == 0 ? "All steps done" : fmt::format("Ended by signal {}", signal));
   }

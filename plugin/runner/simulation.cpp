@@ -27,12 +27,23 @@ Simulation::Simulation(const SceneOptions& options)
 
 const output::StepRecord& Simulation::step() {
   const long step = latest_.step + 1;
+  accepted_positions_ = state_->positions();
+  accepted_velocities_ = state_->velocities();
+  // a body keeps its history when its step fails, but the world has moved by then
+  const auto take_back = [&] {
+    state_->positions() = accepted_positions_;
+    state_->velocities() = accepted_velocities_;
+  };
   const auto begin = std::chrono::steady_clock::now();
   SolveReport solve;
   try {
     solve = scene_.step();
   } catch (const NumericalError& error) {
+    take_back();
     throw NumericalError(fmt::format("step {} (from t = {:.6g} s): {}", step, scene_.time(), error.what()));
+  } catch (...) {
+    take_back();
+    throw;
   }
   const double step_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 
@@ -46,6 +57,11 @@ const output::StepRecord& Simulation::step() {
     totals_.latest_removal = step;
   }
   return latest_;
+}
+
+void Simulation::keep_energy_balance() {
+  solver_->keep_energy_balance();
+  latest_ = record_of(0, {}, 0);
 }
 
 void Simulation::reset() {
@@ -69,6 +85,7 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
   record.step = step;
   record.time = scene_.time();
   record.kinetic_energy = solver_->kinetic_energy();
+  if (const EnergyBalance* balance = solver_->energy_balance()) record.energy = *balance;
   if (field_) record.flow = *field_->flow_report();
   record.solver_iterations = solve.iterations;
   record.residual = solve.residual;

@@ -27,9 +27,13 @@ class Simulation {
   /// is not exactly one state and solver, or a second body.
   explicit Simulation(const SceneOptions& options);
 
-  /// One time step. Throws NumericalError, which names the step, and SceneError; the state then is that of a step
-  /// broken off, and only reset leads on.
+  /// One time step. Throws NumericalError, which names the step, and SceneError; positions, velocities and the body are
+  /// then those of the latest accepted step, so that they can be reported, but only reset leads on.
   const output::StepRecord& step();
+
+  /// Records of steps hold the balance of energy from now on, where the solver of motion keeps one; at the beginning.
+  /// It costs a step about two products.
+  void keep_energy_balance();
 
   /// Back to the beginning.
   void reset();
@@ -65,6 +69,7 @@ class Simulation {
   std::optional<long> num_steps_;
   int output_every_ = 25;
   output::StepRecord latest_;
+  PointArray accepted_positions_, accepted_velocities_;  // of the latest step
   Totals totals_;
 };
 

@@ -10,6 +10,7 @@
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/solve/energy_balance.hpp"
 #include "scene/node.hpp"
 
 namespace hexaplast {
@@ -89,6 +90,10 @@ class ForceField : public Component {
   /// The same with B = df/dv.
   virtual void add_damping_product(double /*factor*/, ConstPoints /*dx*/, Points /*df*/) const {}
   virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}
+
+  /// diagonal += that of factor B, for a B that has no other entries and a field whose stiffness the kernels can
+  /// express. The default is no damping: to_kernels of a field with another B returns false.
+  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
   /// [s] stiffness-proportional damping of this force field in the system matrix alone.
   virtual double rayleigh_stiffness() const { return 0; }
@@ -178,6 +183,13 @@ class OdeSolver : public Component {
 
   virtual SolveReport solve(double time, double dt) = 0;
   virtual double kinetic_energy() const = 0;  ///< [J] of what it advances
+
+  /// Keeps the balance of energy from now on, between two steps. It changes nothing in the motion.
+  virtual void keep_energy_balance() {}
+
+  /// All steps so far, the plastic ones included, since the beginning; null where none is kept, or the solver keeps
+  /// none. Between two steps; valid until the next call.
+  virtual const EnergyBalance* energy_balance() { return nullptr; }
 };
 
 /// Computes outputs from inputs: each when it is asked for and an input has changed since it was found.

@@ -194,16 +194,25 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
   }
 }
 
-double energy(const Model& model, const History& history, ConstPoints x) {
+double energy(const Model& model, const History& history, ConstPoints x, ProductWorkspace& work) {
   const Partition& partition = *model.partition;
-  AlignedVector<double> material = slot_vector<double>(partition), world = material;
+  AlignedVector<double>&material = work.product, &world = work.argument;
+  for (AlignedVector<double>* slots : {&material, &world}) {
+    slots->resize(4 * static_cast<std::size_t>(partition.num_slots), 0.0);
+    std::fill(slots->end() - 4 * kCorners, slots->end(), 0.0);  // of elements that are not there
+  }
   to_slots(partition, history.material, material);
   to_slots(partition, x, world);
-  std::vector<double> of_block(partition.num_blocks);
+  work.energy.resize(partition.num_blocks);
   parallel_for(partition.num_blocks, [&](int block) {
-    of_block[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
+    work.energy[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
   });
-  return std::accumulate(of_block.begin(), of_block.end(), 0.0);
+  return std::accumulate(work.energy.begin(), work.energy.end(), 0.0);
+}
+
+double energy(const Model& model, const History& history, ConstPoints x) {
+  ProductWorkspace work;
+  return energy(model, history, x, work);
 }
 
 }  // namespace hexaplast

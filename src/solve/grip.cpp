@@ -83,4 +83,26 @@ bool Grip::add_stiffness_diagonal(ConstPoints lags, double factor, Points diagon
   return true;
 }
 
+Vec3 Grip::add_damping_force(const Vec3& tool_velocity, ConstPoints v, Points f) const {
+  Vec3 sum = Vec3::Zero();
+  for (const int node : nodes) {
+    const Vec3 force = share(damping) * (tool_velocity - v.row(node).transpose());
+    f.row(node) += force.transpose();
+    sum += force;
+  }
+  return sum;
+}
+
+void Grip::add_damping_product(double factor, ConstPoints dx, Points df) const {
+  for (const int node : nodes) df.row(node) -= factor * share(damping) * dx.row(node);
+}
+
+void Grip::add_damping_blocks(double factor, BlockMatrix& A) const {
+  for (const int node : nodes) A.add(node, node, -factor * share(damping) * Mat3::Identity());
+}
+
+void Grip::add_damping_diagonal(double factor, Points diagonal) const {
+  for (const int node : nodes) diagonal.row(node).array() -= factor * share(damping);
+}
+
 }  // namespace hexaplast

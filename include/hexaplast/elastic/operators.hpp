@@ -41,10 +41,11 @@ class ExactOperator final : public ChunkedOperator<double> {
   const Linearization* at_ = nullptr;
 };
 
-/// Scratch of add_stiffness_product, in slots.
+/// Scratch of add_stiffness_product and energy, in slots.
 struct ProductWorkspace {
   AlignedVector<double> argument, product;
   AlignedVector<float> argument_single, product_single;
+  std::vector<double> energy;  ///< [J] per block
 };
 
 /// df += factor * (df/dx) dx with the rotations of `at`.                                                      eq. 16
@@ -55,6 +56,7 @@ void add_stiffness_product(const Model& model, const Linearization& at, double f
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K);
 
 /// Elastic energy [J] at x.                                                                                   eq. 18
+double energy(const Model& model, const History& history, ConstPoints x, ProductWorkspace& work);
 double energy(const Model& model, const History& history, ConstPoints x);
 
 }  // namespace hexaplast

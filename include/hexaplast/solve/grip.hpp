@@ -27,11 +27,14 @@ std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, cons
 ///
 /// The potential is convex, so that minus the derivative of the forces is symmetric and positive semi-definite; the sum
 /// of the forces is never greater than most_force.
+///
+/// Beside each spring stands a dashpot, f_i = -c (v_i - v_tool) with c = damping / n, which the limit does not concern.
 struct Grip {
   std::vector<int> nodes = {};                                  ///< empty: the grip is open
   PointArray arms = {};                                         ///< [m] one row per node, from the tool
   double stiffness = 0;                                         ///< [N/m] of all springs together
   double most_force = std::numeric_limits<double>::infinity();  ///< [N] of all springs together
+  double damping = 0;                                           ///< [N s/m] of all dashpots together
 
   /// Closes on nodes where they are. x: num_nodes x 3 [m].
   void close(std::vector<int> held, const Vec3& tool, ConstPoints x);
@@ -51,6 +54,14 @@ struct Grip {
 
   /// diagonal += that of factor K, if K has no other entries: false when a spring is at its limit.
   bool add_stiffness_diagonal(ConstPoints lags, double factor, Points diagonal) const;
+
+  /// f += forces [N] of the dashpots at velocities v (num_nodes x 3) [m/s]. Returns their sum: what they do to the
+  /// body.
+  Vec3 add_damping_force(const Vec3& tool_velocity, ConstPoints v, Points f) const;
+
+  void add_damping_product(double factor, ConstPoints dx, Points df) const;
+  void add_damping_blocks(double factor, BlockMatrix& A) const;
+  void add_damping_diagonal(double factor, Points diagonal) const;
 
  private:
   double share(double of_all) const { return of_all / static_cast<double>(nodes.size()); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/solve/energy_balance.hpp"
 
 namespace hexaplast {
 
@@ -31,6 +32,11 @@ class MechanicalSystem {
   /// The same operator for the kernels: diagonal, operator and factor of `system`; what is free stays as it is. False
   /// where the operator is no diagonal plus one elastic body.
   virtual bool to_kernels(const OperatorFactors& /*factors*/, KernelSystem& /*system*/) const { return false; }
+
+  /// f += those forces of compute_force that are no body's elasticity, df += (b B + k K) dx of the same forces: what
+  /// the accounts of energy (ImplicitEuler::measure_energy) take for loads. K and B are symmetric. The default is none.
+  virtual void add_load(double /*time*/, ConstPoints /*x*/, ConstPoints /*v*/, Points /*f*/) {}
+  virtual void add_load_product(const OperatorFactors& /*factors*/, ConstPoints /*dx*/, Points /*df*/) const {}
 
   /// Zeroes constrained degrees of freedom of a nodal field.
   virtual void project(Points field) const = 0;
@@ -64,9 +70,19 @@ class ImplicitEuler {
   /// x and v are then as before.
   SolveReport step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x, Points v);
 
+  /// From now on each step also tells what it did to the energy, at the cost of about one product more. The motion is
+  /// the same, bit for bit.
+  void measure_energy() { measures_energy_ = true; }
+  const StepEnergy& energy() const { return energy_; }  ///< of the latest step; zeros where it is not measured
+
  private:
+  StepEnergy energy_of_step(MechanicalSystem& system, double time, double h, ConstPoints x, ConstPoints v);
+
   EulerSettings settings_;
-  PointArray right_hand_side_, velocity_;  // [kg m/s] or [N], and [m/s]: dv, then the new velocity
+  bool measures_energy_ = false;
+  StepEnergy energy_;
+  PointArray right_hand_side_, velocity_;                   // [kg m/s] or [N], and [m/s]: dv, then the new velocity
+  PointArray force_, increment_, middle_, product_, load_;  // scratch of energy_of_step
 };
 
 }  // namespace hexaplast

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/energy_balance.hpp"
+
+namespace hexaplast {
+
+double EnergyBalance::error() const {
+  return initial + load_work + support_work - damping_loss - numerical_loss - flow_loss - kinetic - elastic;  // eq. 48
+}
+
+void EnergyBalance::begin(double kinetic_now, double elastic_now) {
+  *this = {.kinetic = kinetic_now, .elastic = elastic_now, .initial = kinetic_now + elastic_now};
+}
+
+void EnergyBalance::add_step(const StepEnergy& step, double kinetic_now, double elastic_now) {
+  load_work += step.load_work;
+  support_work += step.support_work;
+  damping_loss += step.damping_loss;
+  numerical_loss += step.numerical_loss;
+  kinetic = kinetic_now;
+  elastic = elastic_now;
+}
+
+void EnergyBalance::add_motion_of_supports(double kinetic_now, double elastic_now) {
+  support_work += kinetic_now - kinetic + elastic_now - elastic;
+  kinetic = kinetic_now;
+  elastic = elastic_now;
+}
+
+void EnergyBalance::add_flow(double elastic_now) {
+  flow_loss += elastic - elastic_now;
+  elastic = elastic_now;
+}
+
+}  // namespace hexaplast

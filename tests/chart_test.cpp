@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "output/chart.hpp"
+
+#include <gtest/gtest.h>
+#include <tinyxml2.h>
+
+#include <sstream>
+
+namespace hexaplast::output {
+namespace {
+
+/// Heights of the horizontal grid lines, from the lowest line up, and of the points of the curve [pixels].
+struct Heights {
+  std::vector<double> ticks, points;
+};
+
+Heights heights_of(const Panel& panel, const PanelFrame& frame) {
+  SvgText svg;
+  svg.panel(frame, panel);
+  tinyxml2::XMLDocument document;
+  EXPECT_EQ(document.Parse(("<svg>" + svg.text() + "</svg>").c_str()), tinyxml2::XML_SUCCESS);
+  Heights heights;
+  const tinyxml2::XMLElement& root = *document.RootElement();
+  for (auto line = root.FirstChildElement("line"); line; line = line->NextSiblingElement("line"))
+    if (line->DoubleAttribute("y1") == line->DoubleAttribute("y2"))
+      heights.ticks.push_back(frame.top + frame.height - line->DoubleAttribute("y1"));
+  std::istringstream words(root.FirstChildElement("polyline")->Attribute("points"));
+  for (double x, y; words >> x && words.ignore() && words >> y;) heights.points.push_back(frame.top + frame.height - y);
+  return heights;
+}
+
+// The scale ends at a round number above the limit, and stays even up to it.
+TEST(Chart, AnUpperLimitCutsCurvesAndLeavesTheScaleEven) {
+  const PanelFrame frame{50, 40, 400, 300};
+  Panel panel{.quantity = "time per step", .unit = "ms", .least_span = 1e-3};
+  panel.series = {
+      {.steps = {0, 1, 2, 3}, .times = {0, 1, 2, 3}, .curves = {{.colour = "red", .values = {1, 2, 50, 1}}}}};
+  panel.highest = 4.5;
+  const Heights heights = heights_of(panel, frame);
+  ASSERT_EQ(heights.ticks.size(), 6u);  // 0, 1, ... 5
+  for (int k = 0; k < 6; ++k) EXPECT_NEAR(heights.ticks[static_cast<std::size_t>(k)], 60 * k, 0.02);
+  ASSERT_EQ(heights.points.size(), 4u);
+  EXPECT_NEAR(heights.points[0], 60, 0.02);
+  EXPECT_NEAR(heights.points[1], 120, 0.02);
+  EXPECT_NEAR(heights.points[2], 300, 0.02);  // at the upper edge, not beyond it
+}
+
+}  // namespace
+}  // namespace hexaplast::output
