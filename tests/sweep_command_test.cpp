@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "support/command.hpp"
+#include "support/csv.hpp"
 #include "support/pulled_bar.hpp"
 
 namespace {
@@ -12,34 +13,14 @@ namespace {
 namespace fs = std::filesystem;
 using hexaplast::support::Command;
 using hexaplast::support::content;
+using hexaplast::support::Csv;
 using hexaplast::support::kSection;
 using hexaplast::support::Outcome;
 using Json = nlohmann::json;
 
-using Table = std::vector<std::vector<std::string>>;
-
-Table table_of(const std::string& csv) {
-  Table table;
-  std::istringstream lines(csv);
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream fields(line + ",");
-    table.emplace_back();
-    for (std::string field; std::getline(fields, field, ',');) table.back().push_back(field);
-  }
-  return table;
-}
-
-/// A field of a row, by the name of its column.
-std::string at(const Table& table, std::size_t row, const std::string& column) {
-  const std::vector<std::string>& head = table.at(0);
-  const auto found = std::find(head.begin(), head.end(), column);
-  EXPECT_NE(found, head.end()) << column;
-  return table.at(row).at(static_cast<std::size_t>(found - head.begin()));
-}
-
 class Sweep : public Command {
  protected:
-  Table table() { return table_of(content(directory_ / "found/sweep.csv")); }
+  Csv table() { return Csv(content(directory_ / "found/sweep.csv")); }
 
   /// Processes whose working directory is this test's.
   int num_processes() {
@@ -64,25 +45,25 @@ TEST_F(Sweep, RunsEveryCombinationAndTellsWhatItCameTo) {
   EXPECT_NE(outcome.out.find("bar: 4 of 4 runs done, 0 failed: found/sweep.csv"), std::string::npos) << outcome.out;
   EXPECT_EQ(outcome.out.find('\r'), std::string::npos);
 
-  const Table found = table();
-  ASSERT_EQ(found.size(), 5u);
-  std::size_t row = 1;
+  const Csv found = table();
+  ASSERT_EQ(found.num_rows(), 4u);
+  std::size_t row = 0;
   for (const double modulus : {1000.0, 4000.0})
     for (const double force : {50.0, -20.0}) {
-      EXPECT_EQ(at(found, row, "run"), std::to_string(row));
-      EXPECT_EQ(std::stod(at(found, row, "body.youngModulus")), modulus);
-      EXPECT_EQ(at(found, row, "pull.forces"), force > 0 ? "0 0 0 12.5 0 0" : "0 0 0 -5 0 0");
-      EXPECT_EQ(at(found, row, "exit_code"), "0");
-      EXPECT_NEAR(std::stod(at(found, row, "world_elongation")), force / (modulus * kSection), 1e-9);
+      EXPECT_EQ(found.text(row, "run"), std::to_string(row + 1));
+      EXPECT_EQ(found.number(row, "body.youngModulus"), modulus);
+      EXPECT_EQ(found.text(row, "pull.forces"), force > 0 ? "0 0 0 12.5 0 0" : "0 0 0 -5 0 0");
+      EXPECT_EQ(found.text(row, "exit_code"), "0");
+      EXPECT_NEAR(found.number(row, "world_elongation"), force / (modulus * kSection), 1e-9);
       // the work of a force that grows in proportion: F^2 L / (2 E A)
-      EXPECT_NEAR(std::stod(at(found, row, "elastic_energy")), force * force / (2 * modulus * kSection), 1e-8);
-      EXPECT_EQ(at(found, row, "plastic_elongation"), "0.0");
+      EXPECT_NEAR(found.number(row, "elastic_energy"), force * force / (2 * modulus * kSection), 1e-8);
+      EXPECT_EQ(found.text(row, "plastic_elongation"), "0.0");
       ++row;
     }
 
   // a row is what a run of its own comes to
   EXPECT_EQ(hexaplast("run bar.scn --quiet --summary one.json --set body.youngModulus=4000").code, 0);
-  EXPECT_EQ(Json::parse(content(directory_ / "one.json"))["state_hash"], at(found, 3, "state_hash"));
+  EXPECT_EQ(Json::parse(content(directory_ / "one.json"))["state_hash"], found.text(2, "state_hash"));
   EXPECT_NE(content(directory_ / "found/sweep.svg").find("body.youngModulus [Pa]"), std::string::npos);
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_ / "found"), {}), 3);  // plan, table and picture
 }
@@ -90,7 +71,7 @@ TEST_F(Sweep, RunsEveryCombinationAndTellsWhatItCameTo) {
 TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
   write("bar.scn", hexaplast::support::pulled_bar());
   ASSERT_EQ(hexaplast(kTwoByTwo).code, 0);
-  const Table whole = table();
+  const Csv whole = table();
 
   // the second and the fourth run are missing
   std::istringstream lines(content(directory_ / "found/sweep.csv"));
@@ -103,9 +84,9 @@ TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
   EXPECT_EQ(outcome.out.find("run 1 of 4"), std::string::npos);
   EXPECT_NE(outcome.out.find("2 of 4 runs are done already"), std::string::npos);
   EXPECT_NE(outcome.out.find("run 2 of 4"), std::string::npos);
-  for (std::size_t row = 1; row <= 4; ++row) {
-    EXPECT_EQ(at(table(), row, "run"), std::to_string(row));
-    EXPECT_EQ(at(table(), row, "state_hash"), at(whole, row, "state_hash"));
+  for (std::size_t row = 0; row < 4; ++row) {
+    EXPECT_EQ(table().text(row, "run"), std::to_string(row + 1));
+    EXPECT_EQ(table().text(row, "state_hash"), whole.text(row, "state_hash"));
   }
 }
 
@@ -143,10 +124,10 @@ TEST_F(Sweep, ARunThatFailsIsARowAndTheOthersGoOn) {
             std::string::npos)
       << outcome.err;
   EXPECT_NE(outcome.err.find("bar: error: 1 of 3 runs failed"), std::string::npos);
-  ASSERT_EQ(table().size(), 4u);
-  EXPECT_EQ(at(table(), 2, "exit_code"), "3");
-  EXPECT_EQ(at(table(), 2, "state_hash"), "");
-  EXPECT_GT(std::stod(at(table(), 3, "plastic_elongation")), std::stod(at(table(), 1, "plastic_elongation")));
+  ASSERT_EQ(table().num_rows(), 3u);
+  EXPECT_EQ(table().text(1, "exit_code"), "3");
+  EXPECT_EQ(table().text(1, "state_hash"), "");
+  EXPECT_GT(table().number(2, "plastic_elongation"), table().number(0, "plastic_elongation"));
   EXPECT_NE(content(directory_ / "found/messages_2.txt").find("plasticFlowRate"), std::string::npos);
 
   // it would fail again
@@ -171,8 +152,30 @@ TEST_F(Sweep, ASignalEndsItWithAllItsRuns) {
   EXPECT_NE(outcome.err.find("ended by signal 2; the same command goes on from here"), std::string::npos)
       << outcome.err;
   EXPECT_EQ(num_processes(), 0);
-  ASSERT_EQ(table().size(), 3u);
-  EXPECT_EQ(at(table(), 2, "exit_code"), "0");
+  ASSERT_EQ(table().num_rows(), 2u);
+  EXPECT_EQ(table().text(1, "exit_code"), "0");
+}
+
+// Also with --force, which would take the files from under the hands of the first one.
+TEST_F(Sweep, TwoInOneDirectoryAreRefused) {
+  write("bar.scn", hexaplast::support::flowing_bar());
+  // the second run takes too long for any test
+  shell("(setsid sh -c 'echo $$ > id; exec \"" + std::string(HEXAPLAST_COMMAND) +
+        "\" sweep bar.scn --out found --jobs 1 --vary RunSettings1.steps=1,500000000' > /dev/null 2>&1 &)");
+  for (int i = 0; i < 2000 && content(directory_ / "found/sweep.csv").find("\n1,") == std::string::npos; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const std::string second = "sweep bar.scn --out found --vary RunSettings1.steps=1,2";
+  for (const char* force : {"", " --force"}) {
+    const Outcome refused = hexaplast(second + force);
+    EXPECT_EQ(refused.code, 5);
+    EXPECT_EQ(refused.err, "hexaplast: error: found: another sweep is at work there: wait for its end, or end it\n");
+  }
+  EXPECT_EQ(table().num_rows(), 1u);
+
+  // one that is killed, with its run, keeps nobody out
+  shell("kill -KILL -$(cat id)");
+  for (int i = 0; i < 2000 && num_processes() > 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(hexaplast(second + " --force").code, 0);
 }
 
 TEST_F(Sweep, MistakesAreFoundBeforeTheFirstRun) {
@@ -205,11 +208,11 @@ TEST_F(Sweep, ValuesAreSpreadEvenlyOrInEqualFactors) {
                       "--vary body.youngModulus=100:10000:3:log")
                 .code,
             0);
-  const Table found = table();
-  ASSERT_EQ(found.size(), 13u);
+  const Csv found = table();
+  ASSERT_EQ(found.num_rows(), 12u);
   for (int row = 0; row < 12; ++row) {
-    EXPECT_EQ(at(found, row + 1, "body.poissonRatio"), (std::vector{"0.1", "0.2", "0.3", "0.4"}[row / 3]));
-    EXPECT_EQ(at(found, row + 1, "body.youngModulus"), (std::vector{"100", "1000", "10000"}[row % 3]));
+    EXPECT_EQ(found.text(row, "body.poissonRatio"), (std::vector{"0.1", "0.2", "0.3", "0.4"}[row / 3]));
+    EXPECT_EQ(found.text(row, "body.youngModulus"), (std::vector{"100", "1000", "10000"}[row % 3]));
   }
 }
 

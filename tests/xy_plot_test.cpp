@@ -77,5 +77,22 @@ TEST(LogarithmicTicks, AreRoundNumbersWithinTheInterval) {
   EXPECT_EQ(ticks_logarithmic(100, 1000, 5).label(200), "200");
 }
 
+// One number on an axis tells no scale, however small the plot.
+TEST(Ticks, AreTwoAtLeast) {
+  const auto expect = [](const Ticks& ticks, const std::vector<double>& values) {
+    ASSERT_EQ(ticks.values.size(), values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(ticks.values[i], values[i], 1e-12 * values[i]);
+  };
+  expect(ticks_within(6, 14, 3), {6, 8, 10, 12, 14});  // the multiples of 5 would be 10 alone
+  expect(ticks_within(0, 10, 2), {0, 5, 10});
+  expect(ticks_logarithmic(150, 2500, 3), {200, 500, 1000, 2000});  // the powers of ten would be 1000 alone
+  expect(ticks_logarithmic(2.2, 4.5, 3), {3, 4});                   // no 1, 2 or 5 is there
+  for (double least = 0.01; least < 1000; least *= 1.37)
+    for (double most = least * 1.2; most < 1e5; most *= 1.83) {
+      EXPECT_GE(ticks_within(least, most, 3).values.size(), 2u) << least << " to " << most;
+      EXPECT_GE(ticks_logarithmic(least, most, 3).values.size(), 2u) << least << " to " << most;
+    }
+}
+
 }  // namespace
 }  // namespace hexaplast::output

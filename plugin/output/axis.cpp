@@ -39,7 +39,14 @@ std::string Ticks::label(double value) const {
 }
 
 Ticks ticks_within(double least, double most, int count) {
-  return multiples(least, most, round_up((most - least) / count));
+  double step = round_up((most - least) / count);
+  Ticks ticks = multiples(least, most, step);
+  // from 6 to 14 there is one multiple of 5: a scale takes two numbers to be one
+  while (ticks.values.size() < 2) {
+    step = round_up(step / 3);  // the next smaller one of 1, 2, 5
+    ticks = multiples(least, most, step);
+  }
+  return ticks;
 }
 
 Ticks ticks_around(double least, double most, int count) {
@@ -59,8 +66,8 @@ Ticks ticks_logarithmic(double least, double most, int count) {
       ticks.values.push_back(value);
       if (digit == 1) powers.push_back(value);
     }
-  if (static_cast<int>(ticks.values.size()) > count && !powers.empty()) ticks.values = powers;
-  return ticks;
+  if (static_cast<int>(ticks.values.size()) > count && powers.size() > 1) ticks.values = powers;
+  return ticks.values.size() > 1 ? ticks : ticks_within(least, most, count);
 }
 
 }  // namespace hexaplast::output

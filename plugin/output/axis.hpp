@@ -16,14 +16,15 @@ struct Ticks {
   std::string label(double value) const;
 };
 
-/// About `count` (>= 2) ticks within [least, most], least < most; the interval stays as given.
+/// About `count` (>= 2) ticks within [least, most], least < most, two at least; the interval stays as given.
 Ticks ticks_within(double least, double most, int count);
 
 /// The same with the interval grown outwards to the next tick at both ends (a fiftieth of a step may stand out).
 Ticks ticks_around(double least, double most, int count);
 
 /// Ticks for a scale on which equal distances are equal factors, 0 < least < most: 1, 2 and 5 times the powers of ten
-/// within [least, most], or powers of ten alone where those are more than `count`.
+/// within [least, most], or powers of ten alone where those are more than `count`; where that is less than two, even
+/// ones.
 Ticks ticks_logarithmic(double least, double most, int count);
 
 }  // namespace hexaplast::output

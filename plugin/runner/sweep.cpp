@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "output/files.hpp"
+#include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/process.hpp"
@@ -94,9 +95,8 @@ void refuse_another_sweep(const Place& place, const Json& plan) {
           fmt::format("{}: holds another sweep: {}; --force replaces it", place.directory.string(), difference));
 }
 
-// Takes up a sweep that is there, or begins one.
+// Takes up a sweep that is there, or begins one. The directory is there, and ours alone.
 void open(const Place& place, const Json& plan, bool force, SweepTable& table) {
-  output::make_directory(place.directory);
   if (fs::exists(place.plan()) && !force) {
     refuse_another_sweep(place, plan);
     if (fs::exists(place.table())) table.read(place.table());
@@ -276,6 +276,8 @@ int sweep(const SweepOptions& given) {
   std::vector<std::string> labels;
   const Json plan = plan_of(options, table.factors(), labels);
   const Place place{options.out};
+  output::make_directory(place.directory);
+  const DirectoryLock lock(place.directory);
   open(place, plan, options.force, table);
   if (const long done = table.num_finished(); done > 0)
     fmt::print("{} of {} runs are done already\n", done, table.num_runs());

@@ -29,7 +29,7 @@ CLI::App* add_sweep(CLI::App& app, SweepOptions& options);
 /// came to in sweep.csv, which is whole at any moment. A directory that holds the same sweep unfinished is continued:
 /// its finished runs are not repeated. Returns 0; 4 where runs failed; 130 or 143 when a signal ended the sweep. Throws
 /// UsageError and OverrideError for what the command line gets wrong, OutputError where the directory holds another
-/// sweep or cannot be written, and what reading a scene throws.
+/// sweep, has one at work or cannot be written, and what reading a scene throws.
 int sweep(const SweepOptions& options);
 
 }  // namespace hexaplast::runner
