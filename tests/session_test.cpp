@@ -199,6 +199,54 @@ TEST(Session, KnobsComeFromTheAttributeTable) {
   }
 }
 
+// A body that yields, then one that never does, then one that breaks: as ticks in a panel.
+TEST(Session, AttributesCanBeTakenAwayAndGivenAgain) {
+  Played played;
+  Session session(played.subject(), hand());
+  const auto knob_value = [&](const Snapshot& at, std::string_view name) {
+    const auto knob = std::ranges::find(session.knobs(), name, [](const Knob& one) { return one.attribute->name; });
+    EXPECT_TRUE(knob->may_be_none) << name;
+    return at.knob_values.at(static_cast<std::size_t>(knob - session.knobs().begin()));
+  };
+  session.set("yieldStress", std::nullopt);
+  session.set("fractureStress", 700);
+  session.advance(1);
+  const Snapshot without = wait_for_step(session, 1);
+  EXPECT_TRUE(without.messages.empty());
+  EXPECT_FALSE(knob_value(without, "yieldStress"));
+  EXPECT_EQ(knob_value(without, "fractureStress"), 700);
+  session.set("yieldStress", 150);
+  session.set("fractureStress", std::nullopt);
+  session.advance(1);
+  const Snapshot with = wait_for_step(session, 2);
+  EXPECT_EQ(knob_value(with, "yieldStress"), 150);
+  EXPECT_FALSE(knob_value(with, "fractureStress"));
+  session.stop();
+  const Material& material = played.body().model().materials.front();
+  EXPECT_EQ(material.yield_stress, 150);
+  EXPECT_EQ(material.fracture_stress, Material().fracture_stress);
+}
+
+TEST(Session, AFactorMovesTheValuesOfAllHexahedra) {
+  const std::string one = "youngModulus='5000'";
+  std::string all = "youngModulus='";
+  for (int e = 0; e < 24; ++e) all += std::to_string(4000 + 100 * e) + " ";
+  Played played(std::string(kBar).replace(std::string(kBar).find(one), one.size(), all + "'"));
+  Session session(played.subject(), hand());
+  const Knob& knob = session.knobs().front();
+  ASSERT_EQ(knob.attribute->name, "youngModulus");
+  EXPECT_EQ(knob.of_hexahedra.size(), 24u);
+  EXPECT_EQ(knob.value, 1);
+  session.set("youngModulus", 2.5);
+  session.set("youngModulus", 3);  // of the scene's values, not of the latest ones
+  session.advance(1);
+  EXPECT_NEAR(wait_for_step(session, 1).knob_values.front().value(), 3, 1e-12);
+  session.stop();
+  for (int e = 0; e < 24; ++e)
+    EXPECT_NEAR(played.body().model().materials.at(static_cast<std::size_t>(e)).young_modulus, 3 * (4000 + 100 * e),
+                1e-9);
+}
+
 TEST(Session, KeepsRealTimeAndCanBePaused) {
   Played played;
   Session session(played.subject(), hand());

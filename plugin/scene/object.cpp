@@ -58,6 +58,14 @@ void Data::give(Value value, Place place) {
   set(std::move(value));
 }
 
+void Data::take_back() {
+  is_given_ = false;
+  source_ = nullptr;
+  link_.clear();
+  place_ = owner_.place();
+  set(initial_value(attribute_));
+}
+
 void Data::set(Value value) {
   if (value == value_) return;
   value_ = std::move(value);

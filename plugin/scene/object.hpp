@@ -36,6 +36,9 @@ class Data {
   /// then nothing has changed.
   void give(Value value, Place place);
 
+  /// As if it had never been given: the value is the default one again.
+  void take_back();
+
   /// "@path" as written; empty when there is none.
   const std::string& link() const { return link_; }
 

@@ -26,9 +26,9 @@ MechanicalState& only_state(Scene& scene) {
 
 OdeSolver& only_solver(Scene& scene) { return only_one(scene, scene.root().all<OdeSolver>(), "solvers of motion"); }
 
-const ForceField* find_body(Scene& scene) {
-  const ForceField* found = nullptr;
-  for (const ForceField* field : scene.root().all<ForceField>()) {
+ForceField* find_body(Scene& scene) {
+  ForceField* found = nullptr;
+  for (ForceField* field : scene.root().all<ForceField>()) {
     if (!field->body()) continue;
     if (found) {
       throw SceneError(format_error(field->place(), fmt::format("{} '{}': a second body; a run has at most one",

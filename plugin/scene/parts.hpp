@@ -11,7 +11,7 @@ MechanicalState& only_state(Scene& scene);
 OdeSolver& only_solver(Scene& scene);
 
 /// The force field that has a body; null: there is none. Throws SceneError where there are two.
-const ForceField* find_body(Scene& scene);
+ForceField* find_body(Scene& scene);
 
 /// The scene's RunSettings; null: there are none.
 Component* find_settings(Scene& scene);

@@ -12,6 +12,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/pick.hpp"
+#include "scene/parts.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -26,23 +27,17 @@ constexpr std::array kKnobs{"youngModulus",  "poissonRatio",     "yieldStress", 
 constexpr double kNever = 1e300;       // [s] a time that no session reaches
 constexpr double kEverywhere = 1e300;  // [m]
 constexpr double kSliderReach = 100;   // a slider reaches from a hundredth of its first value to a hundred times it
+constexpr double kHandDelay = 0.05;    // [s] within which the hand's dashpot lets tissue follow its spring
 constexpr auto kPatience = std::chrono::milliseconds(100);  // by which real time may run ahead before it is given up
 
 const scene::Place kWindow{.file = "window"};
 
-scene::MechanicalState& only_state(scene::Scene& scene) {
-  const std::vector<scene::MechanicalState*> states = scene::independent_states(scene.root());
-  if (states.size() != 1) throw scene::SceneError(fmt::format("{} mechanical states, must be one", states.size()));
-  return *states.front();
-}
-
 scene::ForceField& only_body(scene::Scene& scene) {
-  std::vector<scene::ForceField*> fields = scene.root().all<scene::ForceField>();
-  std::erase_if(fields, [](const scene::ForceField* field) { return !field->body(); });
-  if (fields.size() != 1)
-    throw scene::SceneError(scene::format_error(
-        scene.root().place(), fmt::format("{} bodies in the scene, a window shows exactly one", fields.size())));
-  return *fields.front();
+  scene::ForceField* field = scene::find_body(scene);
+  if (!field)
+    throw scene::SceneError(
+        scene::format_error(scene.root().place(), "0 bodies in the scene, a window shows exactly one"));
+  return *field;
 }
 
 /// The value of an attribute of one number, or of a list; none where it has none.
@@ -53,21 +48,43 @@ std::optional<double> first_value(scene::Data& data) {
   return reals && !reals->empty() ? std::optional(reals->front()) : std::nullopt;
 }
 
+/// What the values of single hexahedra have been multiplied with; none where they are not given.
+std::optional<double> factor_of(scene::Data& data, const std::vector<double>& of_hexahedra) {
+  const auto* reals = std::get_if<std::vector<double>>(&data.value());
+  if (!reals || reals->empty()) return std::nullopt;
+  const auto greatest = std::ranges::max_element(of_hexahedra);
+  return *greatest > 0 ? (*reals)[static_cast<std::size_t>(greatest - of_hexahedra.begin())] / *greatest : 1;
+}
+
+std::optional<double> value_of(scene::Data& data, const Knob& knob) {
+  return knob.of_hexahedra.empty() ? first_value(data) : factor_of(data, knob.of_hexahedra);
+}
+
 /// From where to where it makes sense to move a number: within its range, around what it is, and no rate faster than
 /// is wise for the time step.
 Knob knob_of(scene::Data& data, const Body& body, double dt) {
   const Attribute& attribute = data.attribute();
   const Material& material = body.model().materials.front();
-  Knob knob{.attribute = &attribute, .value = first_value(data)};
-  if (const auto* reals = std::get_if<std::vector<double>>(&data.value()))
-    knob.num_values = std::max<std::size_t>(reals->size(), 1);
+  Knob knob{.attribute = &attribute, .value = first_value(data), .may_be_none = attribute.initial.empty()};
+  const auto* reals = std::get_if<std::vector<double>>(&data.value());
+  const double fastest = kAdvisedFlowPerStep / dt;
+  if (reals && reals->size() > 1) {
+    const double greatest = std::ranges::max(*reals);
+    const double bound = attribute.unit == "1/s" ? fastest : attribute.range.most;
+    knob.of_hexahedra = *reals;
+    knob.value = knob.suggested = 1;
+    knob.least = 1 / kSliderReach;
+    knob.most = greatest > 0 ? std::clamp(bound / greatest, 1.0, kSliderReach) : kSliderReach;
+    knob.is_logarithmic = true;
+    return knob;
+  }
 
   const bool is_stretch = attribute.range.least == 1;
   knob.suggested = is_stretch ? 2 : material.young_modulus / 20;
   const double value = knob.value.value_or(knob.suggested);
   if (attribute.unit == "1/s") {
     knob.least = 0;
-    knob.most = std::max(value, kAdvisedFlowPerStep / dt);
+    knob.most = std::max(value, fastest);
   } else if (attribute.unit == "Pa" && value > 0) {
     knob.least = value / kSliderReach;
     knob.most = value * kSliderReach;
@@ -98,7 +115,8 @@ Session::Session(Subject subject, std::unique_ptr<scene::Component> hand)
   const double young = body().model().materials.front().young_modulus;
   suggested_hand_ = {.radius = 1.8 * std::cbrt(body().original_volume() / mesh().num_elements()),
                      .stiffness = young * size,
-                     .most_force = young * size * size / 2};
+                     .most_force = young * size * size / 2,
+                     .damping = kHandDelay * young * size};
 
   hand_ = hand.get();
   const auto give = [&](std::string_view attribute, scene::Value value) {
@@ -192,6 +210,7 @@ void Session::grab(const Vec3& place, const HandSettings& settings) {
     change(*hand_, "positions", std::vector<double>(place.begin(), place.end()));
     change(*hand_, "stiffness", settings.stiffness);
     change(*hand_, "maxForce", settings.most_force);
+    change(*hand_, "damping", settings.damping);
     change(*hand_, "graspTime", subject_.scene.time());
     hand_->begin_step();  // it closes here, and not where the mouse will be when the next step begins
   });
@@ -205,10 +224,15 @@ void Session::release() {
   post([this] { open_hand(); });
 }
 
-void Session::set(std::string_view attribute, double value) {
-  post([this, name = std::string(attribute), value] {
-    const bool is_list = field_->find_data(name)->attribute().type == Type::kReals;
-    change(*field_, name, is_list ? scene::Value(std::vector<double>{value}) : scene::Value(value));
+void Session::set(std::string_view attribute, std::optional<double> value) {
+  const auto knob = std::ranges::find(knobs_, attribute, [](const Knob& one) { return one.attribute->name; });
+  post([this, &knob = *knob, value] {
+    const std::string_view name = knob.attribute->name;
+    if (!value) return change(*field_, name, std::nullopt);
+    if (knob.attribute->type != Type::kReals) return change(*field_, name, scene::Value(*value));
+    std::vector<double> values = knob.of_hexahedra.empty() ? std::vector{1.0} : knob.of_hexahedra;
+    for (double& one : values) one *= *value;
+    change(*field_, name, scene::Value(std::move(values)));
   });
 }
 
@@ -276,11 +300,17 @@ void Session::step() {
 }
 
 // The component looks at its inputs at once, so that what it refuses can be taken back.
-void Session::change(scene::Component& component, std::string_view attribute, scene::Value value) {
+void Session::change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value) {
   scene::Data& data = *component.find_data(attribute);
-  const scene::Value before = data.value();
+  const auto put = [&](std::optional<scene::Value> one) {
+    if (one)
+      data.give(std::move(*one), kWindow);
+    else
+      data.take_back();
+  };
+  const auto before = data.is_given() ? std::optional(data.value()) : std::nullopt;
   try {
-    data.give(std::move(value), kWindow);
+    put(std::move(value));
   } catch (const InputError& error) {
     messages_.push_back(fmt::format("{}: {}", attribute, error.what()));
     return;
@@ -289,7 +319,7 @@ void Session::change(scene::Component& component, std::string_view attribute, sc
     component.follow_inputs();
   } catch (const std::exception& error) {
     messages_.push_back(error.what());
-    data.give(before, kWindow);
+    put(before);
     component.follow_inputs();
   }
 }
@@ -334,7 +364,7 @@ void Session::publish() {
   back_.quantity = quantity_;
   back_.values = values_of(quantity_, fields);
   back_.knob_values.clear();
-  for (const Knob& knob : knobs_) back_.knob_values.push_back(first_value(*field_->find_data(knob.attribute->name)));
+  for (const Knob& knob : knobs_) back_.knob_values.push_back(value_of(*field_->find_data(knob.attribute->name), knob));
   const std::vector<std::int64_t>& held = hand_->integers("grasped");
   back_.held.assign(held.begin(), held.end());
   back_.grip_force = hand_->vector3("force");

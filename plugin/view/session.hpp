@@ -39,16 +39,18 @@ struct HandSettings {
   double radius = 0;      ///< [m] around the place that is taken hold of; the nearest node is held in any case
   double stiffness = 0;   ///< [N/m]
   double most_force = 0;  ///< [N]
+  double damping = 0;     ///< [N s/m]
 };
 
 /// A number of the body's material that may change while it moves.
 struct Knob {
   const attributes::Attribute* attribute;
-  std::optional<double> value;  ///< none: not given
-  std::size_t num_values = 1;   ///< more than one: hexahedra have values of their own, which stay as they are
-  double least = 0, most = 0;   ///< where a slider begins and ends
-  double suggested = 0;         ///< for one that is not given
-  bool is_logarithmic = false;  ///< equal ways of the slider are equal factors
+  std::optional<double> value;            ///< at first; none: not given
+  std::vector<double> of_hexahedra = {};  ///< values of their own; the knob is then a factor on all of them, at first 1
+  bool may_be_none = false;               ///< the body can do without
+  double least = 0, most = 0;             ///< where a slider begins and ends
+  double suggested = 0;                   ///< for one that is not given
+  bool is_logarithmic = false;            ///< equal ways of the slider are equal factors
 };
 
 /// Numbers that are plotted, of one moment.
@@ -102,8 +104,9 @@ class Session {
   void drag(const Vec3& place);  ///< moves the hand [m]
   void release();
 
-  /// Changes a number of the material, by its attribute. What it does not admit becomes a message, and nothing changes.
-  void set(std::string_view attribute, double value);
+  /// Changes a number of the material, by its attribute, or the factor of one that each hexahedron has for itself;
+  /// none: as if it had never been given. What the body does not admit becomes a message, and nothing changes.
+  void set(std::string_view attribute, std::optional<double> value);
 
   /// Takes the newest snapshot, if there is one that was not taken yet, and asks for the next one.
   bool take(Snapshot& snapshot);
@@ -132,7 +135,7 @@ class Session {
   void work();
   bool is_due() const;
   void step();
-  void change(scene::Component& component, std::string_view attribute, scene::Value value);
+  void change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value);
   void open_hand();
   void publish();
   std::vector<double> values_of(Quantity quantity, const ElementFields& fields) const;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <imgui.h>
+
+#include <initializer_list>
+#include <string>
+
+#include "view/trace.hpp"
+
+/// What Dear ImGui does not bring along.
+namespace hexaplast::view {
+
+inline constexpr ImU32 kInk = IM_COL32(33, 33, 38, 255);
+inline constexpr ImU32 kFaint = IM_COL32(112, 116, 122, 255);
+inline constexpr ImU32 kSteel = IM_COL32(41, 92, 140, 255);
+inline constexpr ImU32 kRust = IM_COL32(196, 84, 40, 255);
+inline constexpr ImU32 kLeaf = IM_COL32(72, 128, 74, 255);
+inline constexpr ImU32 kPaper = IM_COL32(255, 255, 255, 235);
+inline constexpr ImU32 kRule = IM_COL32(205, 210, 216, 255);
+
+/// A tooltip of the item before.
+void explain(const std::string& text);
+
+void heading(const char* words);
+void tell(ImU32 colour, const std::string& words);  ///< a paragraph
+ImVec2 text_size(const std::string& words);         ///< [pixels]
+
+/// Moves a positive number by equal factors. Returns whether it has moved.
+bool slider(const char* name, const char* unit, double& value, double least, double most, const std::string& help);
+
+/// One curve of a plot.
+struct Curve {
+  const char* name;
+  ImU32 colour;
+  const Trace& trace;
+};
+
+/// Curves over the same time, under a line that names them with their latest values.
+void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end);
+
+}  // namespace hexaplast::view
