@@ -171,6 +171,18 @@ def check_pointer(browser, history):
         yield "the values stay when the pointer has gone"
 
 
+def check_click(browser):
+    """A picture that is clicked is shown large, and small again."""
+    width = '[...document.querySelectorAll(".pictures img")].map(image => image.getBoundingClientRect().width)[0]'
+    click = 'document.querySelector(".pictures figure").click()'
+    small = browser.ask(width)
+    browser.ask(click)
+    large = browser.ask(width)
+    browser.ask(click)
+    if not large > 1.5 * small or browser.ask(width) != small:
+        yield f"a picture of {small} pixels is {large} wide after a click"
+
+
 def main():
     program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if not program:
@@ -204,6 +216,8 @@ def main():
                         browser.picture(pictures / f"{page.stem}_{device}_{scheme}.png")
                     if page is report:
                         found += check_pointer(browser, history)
+                        if device == "desk":
+                            found += check_click(browser)
                         found += complaints_of(browser)
                     wrong += [f"{page.name}, {device}, {scheme}: {what}" for what in found]
         browser.close()

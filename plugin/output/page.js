@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Where the pointer is in a chart, its legend has the values of the step next to it.
+// Where the pointer is in a chart, its legend has the values of the step next to it. A picture that is clicked takes the
+// whole width, and gives it back.
 "use strict";
+for (const figure of document.querySelectorAll(".pictures figure"))
+  figure.addEventListener("click", () => figure.classList.toggle("large"));
 for (const figure of document.querySelectorAll("figure.chart")) {
   const chart = JSON.parse(figure.querySelector("script").textContent);
   const svg = figure.querySelector("svg");
