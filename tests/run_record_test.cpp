@@ -135,11 +135,13 @@ TEST_F(RunRecord, TellsWhereTheWorkWent) {
 }
 
 TEST_F(RunRecord, TellsHowTheRunEnded) {
-  // too great a force from 0.025 s on
-  write("bar.scn",
-        scene(kBody + "<LinearForceField points='5' times='0 0.02 0.03' forces='2 0 0  2 0 0  1e308 0 0'/>"));
+  // from 0.03 s on two forces whose sum is beyond all numbers
+  const std::string overload = "<LinearForceField points='5' times='0 0.02 0.03' forces='2 0 0  2 0 0  1.7e308 0 0'/>";
+  write("bar.scn", scene(kBody + overload + overload));
   EXPECT_EQ(hexaplast("run bar.scn --out failed --frames 0 --steps 9").code, 4);
   const json failed = manifest("failed");
+  EXPECT_EQ(failed.at("summary").dump().find("nan"), std::string::npos) << failed;
+  EXPECT_EQ(failed.at("summary").at("energy").get<std::string>().find("work "), 0u);
   EXPECT_EQ(failed.at("state"), "failed");
   EXPECT_NE(failed.at("exit_reason").get<std::string>().find("is not finite"), std::string::npos)
       << failed.at("exit_reason");

@@ -137,6 +137,10 @@ std::string hash_of(Simulation& simulation) {
 std::vector<output::Figure> summary_of(Simulation& simulation) {
   std::vector<output::Figure> figures;
   const auto add = [&](const char* label, std::string value) { figures.push_back({label, std::move(value)}); };
+  // of a run that fails, the latest step may have been beyond all numbers already
+  const auto add_finite = [&](const char* label, std::initializer_list<double> numbers, std::string value) {
+    if (std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); })) add(label, std::move(value));
+  };
   const Totals& totals = simulation.totals();
   const long num_steps = simulation.latest().step;
   const double per_step = totals.step_ms / static_cast<double>(std::max(num_steps, 1L));
@@ -147,18 +151,22 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     add("hexahedra", fmt::format("{}", body->mesh().num_elements()));
     if (!body->history().removed.empty())
       add("removed", removed_line(body->history().removed, totals, summary.num_pieces));
-    add("plastic elongation",
+    add_finite(
+        "plastic elongation", {summary.plastic_elongation, summary.world_elongation},
         fmt::format("{:+.3f} %  (world {:+.3f} %)", 100 * summary.plastic_elongation, 100 * summary.world_elongation));
-    add("plastic twist",
-        fmt::format("{:+.3f} deg  (world {:+.3f} deg)", summary.plastic_twist_deg, summary.world_twist_deg));
-    add("volume error", fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
-                                    100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
-                                    100 * (summary.world_volume_ratio - 1)));
-    add("largest strain", fmt::format("{:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g}) m", summary.largest_strain,
-                                      summary.largest_strain_element, place.x(), place.y(), place.z()));
+    add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
+               fmt::format("{:+.3f} deg  (world {:+.3f} deg)", summary.plastic_twist_deg, summary.world_twist_deg));
+    add_finite("volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
+               fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
+                           100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
+                           100 * (summary.world_volume_ratio - 1)));
+    add_finite("largest strain", {summary.largest_strain, place.sum()},
+               fmt::format("{:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g}) m", summary.largest_strain,
+                           summary.largest_strain_element, place.x(), place.y(), place.z()));
     if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
   }
-  if (simulation.latest().energy) add("energy", energy_line(*simulation.latest().energy));
+  if (const std::optional<EnergyBalance>& energy = simulation.latest().energy)
+    add_finite("energy", {energy->error()}, energy_line(*energy));
   if (num_steps > 0)
     add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
                             static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
