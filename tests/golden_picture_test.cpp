@@ -88,15 +88,22 @@ Staging small() {
   Staging staging;
   staging.width = kWidth;
   staging.height = kHeight;
-  for (int n = 0; n < 12; ++n) staging.fixed_nodes.push_back(n);  // those at z = 0
   return staging;
 }
 
+/// The nodes at z = 0 are held, an instrument has taken hold of the other end.
+output::BoundaryConditions held() {
+  output::BoundaryConditions conditions;
+  conditions.fixed.assign(bar().num_nodes(), 0);
+  std::fill_n(conditions.fixed.begin(), 12, 1);
+  conditions.instruments.push_back({.place = Vec3(0.1, 0.25, 0.7), .nodes = {}, .forces = PointArray(0, 3)});
+  return conditions;
+}
+
 Drawing picture(const Staging& staging, const std::vector<double>& values = some_values(),
-                const std::vector<unsigned char>& alive = {}) {
+                const std::vector<unsigned char>& alive = {}, const output::BoundaryConditions& conditions = held()) {
   Gallery gallery(bar(), "twisted bar", 2, staging);
-  const std::array instruments{Vec3(0.1, 0.25, 0.7)};
-  gallery.add(12, 0.24, bent_bar(), values, alive, instruments);
+  gallery.add(12, 0.24, bent_bar(), values, alive, conditions);
   Drawing drawing;
   gallery.for_each_drawing([&](int, const Drawing& one) { drawing = one; });
   return drawing;
@@ -129,8 +136,45 @@ TEST(GoldenPicture, OfWires) {
   Staging staging = small();
   staging.is_wireframe = true;
   staging.ghost.clear();
-  staging.fixed_nodes.clear();
-  expect_golden("wires", picture(staging));
+  output::BoundaryConditions conditions = held();
+  conditions.fixed.clear();
+  expect_golden("wires", picture(staging, some_values(), {}, conditions));
+}
+
+/// The bar is pressed from above, pulled and pushed at its end, and an instrument draws four of its nodes aside.
+output::BoundaryConditions loaded() {
+  output::BoundaryConditions conditions = held();
+  conditions.loads = PointArray::Zero(bar().num_nodes(), 3);
+  for (const int node : {84, 86}) conditions.loads.row(node) << 0, 0, 0.3;
+  for (const int node : {93, 95}) conditions.loads.row(node) << 0, 0, -0.15;
+  for (const int node : {33, 45, 57}) conditions.loads.row(node) << 0, -0.2, 0;
+  output::Instrument& instrument = conditions.instruments.front();
+  instrument.nodes = {87, 88, 90, 91};
+  instrument.forces = PointArray::Constant(4, 3, 1);
+  for (std::size_t k = 0; k < instrument.nodes.size(); ++k)
+    conditions.loads.row(instrument.nodes[k]) += instrument.forces.row(static_cast<Eigen::Index>(k));
+  return conditions;
+}
+
+TEST(GoldenPicture, OfLoads) {
+  Staging staging = small();
+  staging.gravity = Vec3(0, -9.81, 0);
+  expect_golden("loads", picture(staging, some_values(), {}, loaded()));
+}
+
+// The middle plane of the bar as a surface, in the cage of its edges.
+TEST(GoldenPicture, OfASurfaceInACage) {
+  Staging staging = small();
+  output::Skin& skin = staging.skins.emplace_back();
+  skin.points.resize(16, 3);
+  for (int k = 0; k < 8; ++k) {
+    skin.points.row(2 * k) << 0.07, 0.05, 0.1 * k;
+    skin.points.row(2 * k + 1) << 0.12, 0.25, 0.1 * k;
+    if (k > 0) skin.quads.push_back({2 * k - 2, 2 * k - 1, 2 * k + 1, 2 * k});
+  }
+  staging.width = 360;
+  staging.height = 360;
+  expect_golden("cage", picture(staging, some_values(), {}, loaded()));
 }
 
 TEST(GoldenPicture, OfSections) {

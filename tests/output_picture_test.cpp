@@ -233,11 +233,13 @@ TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {
 
   // seen along -z: node 8 is the corner at the lower left, the instrument holds the middle of the face
   output::Staging staging;
-  staging.fixed_nodes = {8};
   staging.viewpoint = output::Viewpoint{.towards = Vec3(0, 0, 1), .up = {}};
   Gallery marked(body.mesh(), "marked", 2, staging);
-  const std::array instruments{Vec3(0.05, 0.05, 0.2)};
-  marked.add(0, 0, body.mesh().positions(), {1, 0}, {}, instruments);  // the face in sight is sand, not blue
+  output::BoundaryConditions conditions;
+  conditions.fixed.assign(12, 0);
+  conditions.fixed[8] = 1;
+  conditions.instruments.push_back({.place = Vec3(0.05, 0.05, 0.2), .nodes = {}, .forces = PointArray(0, 3)});
+  marked.add(0, 0, body.mesh().positions(), {1, 0}, {}, conditions);  // the face in sight is sand, not blue
   const Drawing drawing = drawings_of(marked)[0];
   EXPECT_TRUE(words(drawing).contains("fixed"));
   EXPECT_TRUE(words(drawing).contains("instrument"));
@@ -249,6 +251,122 @@ TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {
     blue += at[2] > at[0] + 40;
   }
   EXPECT_GE(blue, 2) << "the ring about (640, 342), cut across";
+}
+
+/// Least and greatest x and y of the pixels in the colour of loads, above the keys; none: an empty box.
+Eigen::AlignedBox2i extent_of_loads(const Image& image) {
+  Eigen::AlignedBox2i box;
+  for (int y = 60; y < 600; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Rgb at = pixel(image, x, y);
+      if (at[1] > at[0] + 40 && at[1] > at[2] + 5) box.extend(Eigen::Vector2i(x, y));
+    }
+  return box;
+}
+
+/// Pictures of a bar of 0.1 x 0.1 x 0.4 m seen from the side, along -x; its first node carries these loads, one after
+/// the other. z runs to the left, y upwards.
+std::vector<Image> pictures_of_loads(const std::vector<Vec3>& loads, const output::Staging& other = {}) {
+  const HexMesh mesh = support::block({1, 1, 4}, 0.1);
+  output::Staging staging = other;
+  staging.viewpoint = output::Viewpoint{.towards = Vec3(1, 0, 0), .up = {}};
+  staging.ghost.clear();
+  Gallery gallery(mesh, "loaded", 2, staging);
+  output::BoundaryConditions conditions;
+  conditions.loads = PointArray::Zero(mesh.num_nodes(), 3);
+  for (std::size_t k = 0; k < loads.size(); ++k) {
+    conditions.loads.row(1) = loads[k].transpose();
+    gallery.add(static_cast<long>(k), 0.1 * static_cast<double>(k), mesh.positions(), {0, 0, 0, 1}, {}, conditions);
+  }
+  return pictures_of(gallery);
+}
+
+// Node 1 is the corner (0.1, 0, 0), at the lower right of the picture.
+TEST(Loads, AreArrowsFromTheirNodesAsLongAsTheyAreStrong) {
+  const std::vector<Image> images =
+      pictures_of_loads({Vec3(0, 0, -2), Vec3(0, 0, -1), Vec3(0, 0, 2), Vec3(0, -2, 0), Vec3::Zero()});
+  const auto box = [&](int k) { return extent_of_loads(images[k]); };
+  const int corner = box(0).min().x(), level = static_cast<int>(box(0).center().y());
+  EXPECT_NEAR(box(0).sizes().x(), 2 * box(1).sizes().x(), 3) << "twice the force, twice as long";
+  EXPECT_NEAR(box(1).min().x(), corner, 2) << "from the same node";
+  EXPECT_GT(box(0).sizes().x(), 50);
+  EXPECT_LT(box(0).sizes().x(), 250);
+  // that which presses on the end ends at the node, and comes from outside
+  EXPECT_NEAR(box(2).min().x(), corner, 3);
+  EXPECT_NEAR(box(2).sizes().x(), box(0).sizes().x(), 3);
+  // the wide end of the head: at the node's side there, away from it here
+  const auto height_at = [&](int k, int x) {
+    int count = 0;
+    for (int y = level - 40; y < level + 40; ++y) {
+      const Rgb at = pixel(images[k], x, y);
+      count += at[1] > at[0] + 40 && at[1] > at[2] + 5;
+    }
+    return count;
+  };
+  const int length = box(0).sizes().x();
+  EXPECT_GT(height_at(0, corner + 4 * length / 5), height_at(0, corner + length / 5) + 2);
+  EXPECT_GT(height_at(2, corner + length / 5), height_at(2, corner + 4 * length / 5) + 2);
+  EXPECT_GT(box(3).sizes().y(), 3 * box(3).sizes().x()) << "downwards";
+  EXPECT_TRUE(box(4).isEmpty());
+}
+
+TEST(Loads, AreLeftOutWhereTheSceneHidesThem) {
+  output::Staging staging;
+  staging.shows_loads = false;
+  EXPECT_TRUE(extent_of_loads(pictures_of_loads({Vec3(0, 0, -2)}, staging)[0]).isEmpty());
+}
+
+TEST(Loads, AreNamedWithTheGreatestOfTheRun) {
+  const HexMesh mesh = support::block({1, 1, 2}, 0.1);
+  output::Staging staging;
+  staging.gravity = Vec3(0, 0, -3.71);
+  Gallery gallery(mesh, "loaded", 2, staging);
+  output::BoundaryConditions conditions;
+  for (const double force : {0.0125, 0.05}) {
+    conditions.loads = PointArray::Zero(mesh.num_nodes(), 3);
+    conditions.loads.row(8) << 0, force, 0;
+    conditions.loads.row(9) << 3, 0, 4;  // an instrument's alone
+    conditions.instruments = {{.place = Vec3(0, 0, 0.3), .nodes = {9}, .forces = PointArray(conditions.loads.row(9))}};
+    gallery.add(0, 0, mesh.positions(), {0, 1}, {}, conditions);
+  }
+  for (const Drawing& drawing : drawings_of(gallery)) {
+    std::set<std::string> words;
+    for (const Drawing::Text& text : drawing.texts) words.insert(text.words);
+    EXPECT_TRUE(words.contains("load, up to 50 mN per node"));
+    EXPECT_TRUE(words.contains("instrument, pull up to 5 N"));
+    EXPECT_TRUE(words.contains("gravity 3.71 m/s²"));
+  }
+}
+
+// 9261 loaded nodes, of which no more are drawn than have room beside each other.
+TEST(Loads, OfManyNodesAreThinnedOut) {
+  const HexMesh mesh = support::block({20, 20, 20}, 0.01);
+  Gallery gallery(mesh, "dense", 2);
+  output::BoundaryConditions conditions;
+  conditions.loads = PointArray::Constant(mesh.num_nodes(), 3, 1);
+  const std::vector<double> values(mesh.num_elements(), 0);
+  gallery.add(0, 0, mesh.positions(), values);
+  const std::size_t without = drawings_of(gallery)[0].triangles.size();
+  gallery.add(0, 0, mesh.positions(), values, {}, conditions);
+  const Drawing drawing = drawings_of(gallery)[1];
+  const auto is_teal = [](const Drawing::Triangle& triangle) {
+    const Colour& colour = triangle.corner[0].colour;
+    return colour.green > colour.red + 0.15f && colour.green > colour.blue;
+  };
+  const auto num_teal = static_cast<int>(std::ranges::count_if(drawing.triangles, is_teal));
+  constexpr int kPerArrow = 80;  // triangles
+  EXPECT_GT(drawing.triangles.size(), without);
+  EXPECT_GT(num_teal, 100 * kPerArrow);
+  EXPECT_LT(num_teal, 9261 / 2 * kPerArrow);
+}
+
+TEST(WithUnit, TakesThePrefixThatSuits) {
+  EXPECT_EQ(output::with_unit(0, "N"), "0 N");
+  EXPECT_EQ(output::with_unit(3.14159, "N"), "3.14 N");
+  EXPECT_EQ(output::with_unit(0.0003124, "N"), "312 µN");
+  EXPECT_EQ(output::with_unit(0.9999, "N"), "1 N");
+  EXPECT_EQ(output::with_unit(0.02, "N"), "20 mN");
+  EXPECT_EQ(output::with_unit(12345, "Pa"), "12.3 kPa");
 }
 
 TEST(Lighting, IsFullInTheOpenAndFailsUnderARoof) {

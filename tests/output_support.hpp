@@ -81,11 +81,25 @@ inline PointArray stretched(const Body& body, double share) {
 /// Velocities that are all different.
 inline PointArray some_velocities(const Body& body) { return Random(5).field(body.mesh().num_nodes(), 0.7); }
 
+/// Something on every node, and an instrument that pulls at two of them.
+inline output::BoundaryConditions some_conditions(const Body& body) {
+  output::BoundaryConditions conditions;
+  for (int n = 0; n < body.mesh().num_nodes(); ++n) conditions.fixed.push_back(n % 3 == 1);
+  conditions.loads = Random(8).field(body.mesh().num_nodes(), 2.5);
+  output::Instrument& instrument = conditions.instruments.emplace_back();
+  instrument.id = 1;
+  instrument.place = Vec3(0.1, 0.2, 0.7);
+  instrument.nodes = {4, 9};
+  instrument.forces = conditions.loads(instrument.nodes, Eigen::all);
+  return conditions;
+}
+
 /// Records the initial state and steps 1 .. last of a stretch that grows by 2 % a step; returns the last positions.
 inline PointArray record_stretch(output::Recorder& recorder, Body& body, long last, double dt = 0.01) {
   const PointArray velocities = some_velocities(body);
+  const output::BoundaryConditions conditions = some_conditions(body);
   PointArray x = body.mesh().positions();
-  recorder.record({}, x, velocities);
+  recorder.record({}, x, velocities, conditions);
   for (long step = 1; step <= last; ++step) {
     x = stretched(body, 0.02 * static_cast<double>(step));
     body.linearize(x);
@@ -97,7 +111,7 @@ inline PointArray record_stretch(output::Recorder& recorder, Body& body, long la
                      .solver_iterations = 7,
                      .residual = 1e-6 / 3,
                      .step_ms = 0.125},
-                    x, velocities);
+                    x, velocities, conditions);
   }
   return x;
 }

@@ -22,6 +22,21 @@ const std::string kBar =
     "yieldStress='100' plasticFlowRate='4'/>\n<ConstantForceField indices='0 1 2 3' forces='0 0 -4'/>"
     "<ConstantForceField indices='12 13 14 15' forces='0 0.5 4'/></Node>";
 
+/// The same, held at one end, under gravity and a load, in the hand of an instrument, with a surface in its cage and a
+/// camera.
+const std::string kScene =
+    "<Node name='root' gravity='0 -9.81 0' dt='0.005'>\n<DefaultAnimationLoop/><RunSettings steps='10' "
+    "outputEvery='5'/>"
+    "<VisualStyle displayFlags='showVisualModels showBehaviorModels'/>"
+    "<InteractiveCamera position='1.2 0.9 1.6' lookAt='0.1 0.1 0.4' fieldOfView='34'/>"
+    "<EulerImplicitSolver/><SparseLDLSolver/>\n<RegularGridTopology n='2 2 4' max='0.25 0.25 0.75'/><MechanicalObject/>"
+    "<DiagonalMass massDensity='1000'/>\n<HexahedronElastoplasticFEMForceField youngModulus='50000' poissonRatio='0.3' "
+    "yieldStress='100' plasticFlowRate='4'/>\n<FixedProjectiveConstraint indices='0 1 2 3'/>"
+    "<ConstantForceField indices='6 11' forces='3 0 -4'/>"
+    "<GraspForceField radius='0.2' keyTimes='0 0.05' positions='0.2 0.2 0.8  0.2 0.25 0.85' stiffness='900'/>"
+    "<Node name='skin'><OglModel position='0.04 0.13 0.1  0.2 0.05 0.1  0.07 0.2 0.7  0.21 0.1 0.65  0.1 0.12 0.8' "
+    "quads='0 1 3 2' triangles='2 3 4'/><BarycentricMapping/></Node></Node>";
+
 class Render : public support::Command {
  protected:
   void SetUp() override {
@@ -59,6 +74,64 @@ TEST_F(Render, MakesThePictureThatTheRunMade) {
   EXPECT_EQ(content(directory_ / "render.png"), content(directory_ / "bar/frames/frame_000010.png"));
 }
 
+// Surfaces, cage, camera, fixed nodes, loads, instruments, gravity, title and time: all of it is in the files.
+TEST_F(Render, MakesThePictureThatTheRunMadeOfAWholeScene) {
+  write("scene.scn", kScene);
+  ASSERT_EQ(hexaplast("run scene.scn --out whole --frames 1 --quiet").code, 0);
+  ASSERT_EQ(hexaplast("render whole").code, 0);
+  EXPECT_EQ(content(directory_ / "render.png"), content(directory_ / "whole/frames/frame_000010.png"));
+
+  std::filesystem::remove(directory_ / "render.png");
+
+  // and each of these shows in it
+  const auto small = [&](const std::string& options) {
+    const Outcome outcome = hexaplast("render whole --size 160x90 --out small.png " + options);
+    EXPECT_EQ(outcome.code, 0) << options << ": " << outcome.err;
+    return content(directory_ / "small.png");
+  };
+  const std::string plain = small("");
+  const auto differs = [&](const char* what, const std::string& options) { EXPECT_NE(small(options), plain) << what; };
+  differs("surfaces without the cage", "--show surfaces");
+  differs("hexahedra", "--show hexahedra");
+  differs("no marks", "--no-marks");
+  differs("another view", "--view right");
+  std::filesystem::rename(directory_ / "whole/instruments.pvd", directory_ / "whole/other");
+  differs("no instruments", "");
+  std::filesystem::rename(directory_ / "whole/other", directory_ / "whole/instruments.pvd");
+  std::filesystem::remove(directory_ / "whole/manifest.json");
+  differs("no camera, no gravity", "");
+  std::filesystem::remove(directory_ / "whole/surface.pvd");
+  differs("no surface", "");
+  expect_refusal("whole --show surfaces", 2, "--show surfaces: this run holds no surface.pvd");
+}
+
+TEST_F(Render, ShowsNoArrowsWhereTheSceneHidesForceFields) {
+  const auto picture_of_scene = [&](const std::string& flags) {
+    std::string scene = kScene;
+    const std::string all = "showVisualModels showBehaviorModels";
+    write("scene.scn", scene.replace(scene.find(all), all.size(), flags));
+    EXPECT_EQ(hexaplast("run scene.scn --out flags --force --frames 0 --quiet").code, 0);
+    EXPECT_EQ(hexaplast("render flags --size 320x180").code, 0);
+    return content(directory_ / "render.png");
+  };
+  const std::string shown = picture_of_scene("showVisualModels showBehaviorModels");
+  EXPECT_NE(picture_of_scene("showVisualModels showBehaviorModels hideForceFields"), shown);
+  EXPECT_EQ(picture_of_scene("hideAll showAll"), shown);
+}
+
+TEST_F(Render, RefusesDamagedCompanions) {
+  write("scene.scn", kScene);
+  ASSERT_EQ(hexaplast("run scene.scn --out whole --frames 0 --quiet").code, 0);
+  replace("whole/mesh_000010.vtu", "Name=\"load\" NumberOfComponents=\"3\"", "Name=\"load\" NumberOfComponents=\"2\"");
+  expect_refusal("whole", 3, "mesh_000010.vtu:");
+  replace("whole/instruments_000005.vtu", "Name=\"force\"", "Name=\"farce\"");
+  expect_refusal("whole --step 5", 3, "instruments_000005.vtu: holds no array 'force' of points; it holds: id, node");
+  replace("whole/surface_000000.vtu", "Name=\"surface\"", "Name=\"sirface\"");
+  expect_refusal("whole --step 0", 3, "surface_000000.vtu: holds no array 'surface' of points");
+  std::filesystem::remove(directory_ / "whole/surface_000000.vtu");
+  expect_refusal("whole --step 0", 3, "surface_000000.vtu");
+}
+
 TEST_F(Render, FindsStatesByStepAndByTime) {
   const std::string fifth = picture("--step 5");
   EXPECT_NE(fifth, picture(""));
@@ -73,11 +146,12 @@ TEST_F(Render, EveryOptionChangesThePicture) {
   for (const char* options :
        {"--field stress", "--field yield", "--field volume_ratio", "--field speed", "--range 0:0.5", "--view top",
         "--view 1,0.2,-0.3", "--camera 1,1,2:0.1,0.1,0.4:30", "--slice z:0.4", "--sections z:3", "--sections x:2",
-        "--shape rest", "--ghost rest", "--ghost none", "--no-edges", "--slice x:0.1 --field stress"}) {
+        "--shape rest", "--ghost rest", "--ghost none", "--no-edges", "--no-marks", "--slice x:0.1 --field stress"}) {
     seen.push_back(picture(options));
     EXPECT_EQ(std::ranges::count(seen, seen.back()), 1) << options;
   }
   EXPECT_EQ(picture("--view front"), picture("--view 0,0,2"));
+  EXPECT_EQ(picture("--show hexahedra"), plain);
 }
 
 TEST_F(Render, HasTheSizeAskedFor) {

@@ -18,7 +18,7 @@ using hexaplast::support::Command;
 using hexaplast::support::content;
 using hexaplast::support::Outcome;
 
-// A bar that is pulled until it flows and tears, while a tool holds it.
+// A bar with a triangle in it, pulled until it flows and tears, while a tool holds it.
 const std::string kBar =
     "<Node name='root' gravity='0 0 -9.81' dt='0.02'>\n<DefaultAnimationLoop/><RunSettings steps='40' outputEvery='8'/>"
     "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.01'/><CGLinearSolver iterations='60'/>"
@@ -27,7 +27,8 @@ const std::string kBar =
     "plasticFlowRate='4' hardening='0.1' rotationYield='0.01' rotationFlowRate='2' fractureStretch='1.02'/>"
     "<FixedProjectiveConstraint indices='24-29'/>"
     "<GraspForceField radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 .05 -.2' graspTime='0.06' "
-    "releaseTime='0.5' stiffness='300' maxForce='12'/></Node>";
+    "releaseTime='0.5' stiffness='300' maxForce='12'/><Node name='skin'><OglModel position='.05 .02 .1  .15 .02 .1  "
+    ".1 .08 .3' triangles='0 1 2'/><BarycentricMapping/></Node></Node>";
 
 class Resume : public Command {
  protected:
@@ -66,7 +67,7 @@ class Resume : public Command {
 
   void expect_same_run(const std::string& resumed, const std::string& straight) const {
     EXPECT_EQ(rows(resumed + "/history.csv"), rows(straight + "/history.csv"));
-    for (const char* name : {"/removed.csv", "/mesh.pvd"})
+    for (const char* name : {"/removed.csv", "/mesh.pvd", "/surface.pvd", "/instruments.pvd"})
       EXPECT_EQ(content(directory_ / (resumed + name)), content(directory_ / (straight + name))) << name;
     EXPECT_EQ(files(resumed), files(straight));
     for (const std::string& name : files(straight)) {

@@ -3,6 +3,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "scene/load.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 
@@ -71,6 +72,22 @@ TEST(Grasp, HoldsWhatIsNearFromItsTimeToTheOther) {
   scene.reset();
   run(scene, 3);
   EXPECT_EQ(at<scene::MechanicalState>(scene, "nodes").velocities(), v) << "it closes again";
+}
+
+// What files and pictures ask for must not reach the next step.
+TEST(Grasp, TellsItsLoadAndIsAsBefore) {
+  scene::Scene scene = read_and_init(four_nodes(
+      "<GraspForceField name='grasp' keyTimes='0 2' positions='0 0 3.5  0 3 3.5' radius='1.6' stiffness='8'/>"));
+  run(scene, 2);
+  auto& field = at<scene::ForceField>(scene, "grasp");
+  const Vec3 before = field.vector3("force");
+  const PointArray x = PointArray(nodes(scene).array() + 0.25), v = PointArray::Zero(4, 3);
+  PointArray load = PointArray::Ones(4, 3), force = load;
+  dynamic_cast<const scene::Load&>(field).add_load(1.5, x, v, load);
+  EXPECT_EQ(field.vector3("force"), before);
+  field.add_force(1.5, x, v, force);
+  EXPECT_EQ(load, force);
+  EXPECT_NE(field.vector3("force"), before) << "which a call of add_force changes";
 }
 
 // Two springs in series: the tool goes 40 mm, the bar takes k / (k + E A / L) of it.

@@ -71,10 +71,9 @@ TEST(Camera, TurnsWithTheMouseAndNeverOver) {
   EXPECT_LT(camera.pixel_of(Vec3(0, 0.5, 0)).y(), 400 + 1e-9) << "up is not below";
 }
 
-output::Staging staging(std::vector<output::Skin> skins, std::vector<int> fixed_nodes = {}) {
+output::Staging staging(std::vector<output::Skin> skins) {
   output::Staging staging;
   staging.skins = std::move(skins);
-  staging.fixed_nodes = std::move(fixed_nodes);
   return staging;
 }
 
@@ -91,12 +90,12 @@ Snapshot moment(const HexMesh& mesh) {
 
 TEST(Figure, ShowsTheFacesThatAreLeft) {
   const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}, {0, 1}));
+  Figure figure(mesh, staging({}), {0, 1});
   Snapshot snapshot = moment(mesh);
   figure.update(snapshot, {});
   EXPECT_EQ(figure.triangles().size(), 14u * 4 * 3);
   EXPECT_EQ(figure.edges().size(), 2u * 28);
-  EXPECT_EQ(figure.fixed_nodes().size(), 2u);
+  EXPECT_EQ(figure.fixed_places().size(), 2u);
   EXPECT_EQ(figure.range().min()[0], 0);
   EXPECT_EQ(figure.range().max()[0], 3);
   EXPECT_EQ(figure.box().max().z(), 4.5);

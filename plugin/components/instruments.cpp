@@ -12,13 +12,17 @@
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
+#include "scene/load.hpp"
 #include "scene/potential.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class GraspForceField final : public scene::ForceField, public scene::Instrument, public scene::Potential {
+class GraspForceField final : public scene::ForceField,
+                              public scene::Load,
+                              public scene::Instrument,
+                              public scene::Potential {
  public:
   GraspForceField() : ForceField(attributes::kGraspForceField) {}
 
@@ -68,6 +72,9 @@ class GraspForceField final : public scene::ForceField, public scene::Instrument
   void add_force(double time, ConstPoints x, ConstPoints v, Points f) override {
     lags_ = grip_.add_force(tool_at(time), x, f);
     drag_ = grip_.add_damping_force(tool_velocity_at(time), v, f);
+  }
+  void add_load(double time, ConstPoints x, ConstPoints, Points f) const override {
+    grip_.add_force(tool_at(time), x, f);
   }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
     grip_.add_stiffness_product(lags_, factor, dx, df);

@@ -15,15 +15,17 @@
 #include "components/key_times.hpp"
 #include "hexaplast/solve/contact_loads.hpp"
 #include "scene/interfaces.hpp"
+#include "scene/load.hpp"
 
 namespace hexaplast::components {
 namespace {
 
 /// Prescribed forces: they do not depend on velocity and have no stiffness.
-class Load : public scene::ForceField {
+class PrescribedLoad : public scene::ForceField, public scene::Load {
  public:
   using ForceField::ForceField;
 
+  void add_force(double time, ConstPoints x, ConstPoints v, Points f) final { add_load(time, x, v, f); }
   std::span<const int> loaded_nodes() const override { return loaded_; }
   bool to_kernels(double, KernelSystem&) const override { return true; }  // nothing to add
   void refresh() override { init(); }
@@ -41,9 +43,9 @@ class Load : public scene::ForceField {
   std::vector<int> loaded_;
 };
 
-class ConstantForceField final : public Load {
+class ConstantForceField final : public PrescribedLoad {
  public:
-  ConstantForceField() : Load(attributes::kConstantForceField) {}
+  ConstantForceField() : PrescribedLoad(attributes::kConstantForceField) {}
 
   void init() override {
     const int count = num_nodes();
@@ -58,7 +60,7 @@ class ConstantForceField final : public Load {
     note_loaded(nodes_);
   }
 
-  void add_force(double, ConstPoints, ConstPoints, Points f) override {
+  void add_load(double, ConstPoints, ConstPoints, Points f) const override {
     for (std::size_t i = 0; i < nodes_.size(); ++i) f.row(nodes_[i]) += forces_.row(static_cast<Eigen::Index>(i));
   }
 
@@ -81,9 +83,9 @@ class ConstantForceField final : public Load {
   PointArray forces_;  // [N] one row per node
 };
 
-class LinearForceField final : public Load {
+class LinearForceField final : public PrescribedLoad {
  public:
-  LinearForceField() : Load(attributes::kLinearForceField) {}
+  LinearForceField() : PrescribedLoad(attributes::kLinearForceField) {}
 
   void init() override {
     nodes_ = indices("points", num_nodes());
@@ -93,7 +95,7 @@ class LinearForceField final : public Load {
     note_loaded(nodes_);
   }
 
-  void add_force(double time, ConstPoints, ConstPoints, Points f) override {
+  void add_load(double time, ConstPoints, ConstPoints, Points f) const override {
     const KeyPhase phase = phase_at(times_, time);
     if (phase.key < 0) return;
     const bool is_over = phase.key + 1 == forces_.rows();  // then SOFA leaves the factor out
@@ -108,9 +110,9 @@ class LinearForceField final : public Load {
   double factor_ = 1;
 };
 
-class TangentialForceField final : public Load {
+class TangentialForceField final : public PrescribedLoad {
  public:
-  TangentialForceField() : Load(attributes::kTangentialForceField) {}
+  TangentialForceField() : PrescribedLoad(attributes::kTangentialForceField) {}
 
   void init() override {
     nodes_ = indices("indices", num_nodes());
@@ -125,7 +127,7 @@ class TangentialForceField final : public Load {
     note_loaded(nodes_);
   }
 
-  void add_force(double time, ConstPoints x, ConstPoints, Points f) override {
+  void add_load(double time, ConstPoints x, ConstPoints, Points f) const override {
     const KeyPhase phase = phase_at(times_, time);
     if (phase.key < 0) return;
     add_tangential_forces(nodes_, group_size_, axis_, centre_, interpolate(phase, forces_), x, f);
@@ -140,9 +142,9 @@ class TangentialForceField final : public Load {
 
 /// Faces of a topology with a load on them, until they go with torn hexahedra: a load on nothing would drive off the
 /// nodes that are left of it.
-class FaceLoad : public Load {
+class FaceLoad : public PrescribedLoad {
  public:
-  using Load::Load;
+  using PrescribedLoad::PrescribedLoad;
 
   void hexahedra_removed(const scene::ForceField&, std::span<const int>) override {
     has_lost_faces_ = true;
@@ -214,7 +216,7 @@ class SurfacePressureForceField final : public FaceLoad {
     note_faces();
   }
 
-  void add_force(double, ConstPoints x, ConstPoints, Points f) override {
+  void add_load(double, ConstPoints x, ConstPoints, Points f) const override {
     for (const Quad& face : quads_)
       if (!quads_depend_on_box_ || lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
     for (const Triangle& face : triangles_)
@@ -270,7 +272,7 @@ class QuadPressureForceField final : public FaceLoad {
     load_quads();
   }
 
-  void add_force(double, ConstPoints, ConstPoints, Points f) override { f += force_; }
+  void add_load(double, ConstPoints, ConstPoints, Points f) const override { f += force_; }
 
  private:
   void leave_out(const scene::Remains& remains) override {
@@ -304,7 +306,7 @@ class QuadPressureForceField final : public FaceLoad {
   PointArray force_;  // [N] per node
 };
 
-class PlaneForceField final : public scene::ForceField {
+class PlaneForceField final : public scene::ForceField, public scene::Load {
  public:
   PlaneForceField() : ForceField(attributes::kPlaneForceField) {}
 
@@ -326,6 +328,7 @@ class PlaneForceField final : public scene::ForceField {
   void refresh() override { init(); }
 
   void add_force(double, ConstPoints x, ConstPoints v, Points f) override { touching_ = obstacle_.add_force(x, v, f); }
+  void add_load(double, ConstPoints x, ConstPoints v, Points f) const override { obstacle_.add_force(x, v, f); }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
     obstacle_.add_stiffness_product(touching_, factor, dx, df);
   }

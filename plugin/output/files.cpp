@@ -35,7 +35,12 @@ std::string_view without_part(std::string_view name) {
   return name.ends_with(kPart) ? name.substr(0, name.size() - kPart.size()) : name;
 }
 
-/// Files of an earlier run, finished or not. mesh.pvd comes first: removed first, it never names a file that has gone.
+bool is_series(std::string_view name) {
+  return name == "mesh.pvd" || name == "surface.pvd" || name == "instruments.pvd";
+}
+
+/// Files of an earlier run, finished or not. Time series come first: removed first, they never name a file that has
+/// gone.
 std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
   std::vector<fs::path> found;
   const auto collect = [&](const fs::path& in, auto&& is_ours) {
@@ -45,13 +50,15 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
     if (error && error != std::errc::no_such_file_or_directory) fail(in, "cannot be read", error.value());
   };
   collect(directory, [](std::string_view name) {
-    return name == "history.csv" || name == "removed.csv" || name == "mesh.pvd" || name == "plot.svg" ||
+    return is_series(name) || name == "history.csv" || name == "removed.csv" || name == "plot.svg" ||
            name == "manifest.json" || name == "report.html" || is_numbered(name, "mesh_", ".vtu") ||
+           is_numbered(name, "surface_", ".vtu") || is_numbered(name, "instruments_", ".vtu") ||
            is_numbered(name, "checkpoint_", ".hxc");
   });
   if (fs::is_directory(directory / "frames"))
     collect(directory / "frames", [](std::string_view name) { return is_numbered(name, "frame_", ".png"); });
-  std::stable_partition(found.begin(), found.end(), [](const fs::path& path) { return path.filename() == "mesh.pvd"; });
+  std::stable_partition(found.begin(), found.end(),
+                        [](const fs::path& path) { return is_series(path.filename().string()); });
   return found;
 }
 
@@ -181,7 +188,7 @@ void prepare_to_go_on(const fs::path& directory, long step,
     const std::string name = file.filename().string();
     if (name.ends_with(kPart)) return false;
     if (is_numbered(name, "checkpoint_", ".hxc")) return step_of(file) <= step;
-    return name == "history.csv" || name == "removed.csv" || name == "mesh.pvd" || is_kept(name);
+    return is_series(name) || name == "history.csv" || name == "removed.csv" || is_kept(name);
   };
   for (const fs::path& file : files_of_earlier_run(directory))
     if (!stays(file) && ::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);

@@ -42,6 +42,50 @@ std::vector<ComponentRecord> components_of(const Json& list) {
   return components;
 }
 
+Json json_of(const Vec3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+Vec3 vector_of(const Json& json) { return Vec3(json.at(0), json.at(1), json.at(2)); }
+
+Json json_of(const std::optional<Viewpoint>& viewpoint) {
+  if (!viewpoint) return nullptr;
+  Json json{{"towards", json_of(viewpoint->towards)}};
+  if (viewpoint->up) json["up"] = json_of(*viewpoint->up);
+  if (const auto& eye = viewpoint->eye)
+    json["eye"] = {{"position", json_of(eye->position)},
+                   {"looks_at", json_of(eye->looks_at)},
+                   {"field_of_view_deg", eye->field_of_view},
+                   {"perspective", eye->is_perspective}};
+  return json;
+}
+
+std::optional<Viewpoint> viewpoint_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  Viewpoint viewpoint{vector_of(json.at("towards")), {}, {}};
+  if (json.contains("up")) viewpoint.up = vector_of(json.at("up"));
+  if (json.contains("eye")) {
+    const Json& eye = json.at("eye");
+    viewpoint.eye = Viewpoint::Eye{vector_of(eye.at("position")), vector_of(eye.at("looks_at")),
+                                   eye.at("field_of_view_deg"), eye.at("perspective")};
+  }
+  return viewpoint;
+}
+
+Json json_of(const PictureRecord& pictures) {
+  return {{"hexahedra", pictures.shows_hexahedra},
+          {"wireframe", pictures.is_wireframe},
+          {"loads", pictures.shows_loads},
+          {"camera", json_of(pictures.viewpoint)},
+          {"gravity_m_per_s2", json_of(pictures.gravity)}};
+}
+
+PictureRecord pictures_of(const Json& json) {
+  return {.shows_hexahedra = json.at("hexahedra"),
+          .is_wireframe = json.at("wireframe"),
+          .shows_loads = json.at("loads"),
+          .viewpoint = viewpoint_of(json.at("camera")),
+          .gravity = vector_of(json.at("gravity_m_per_s2"))};
+}
+
 RunState state_of(const std::string& word) {
   for (const RunState state : kStates)
     if (describe(state) == word) return state;
@@ -49,27 +93,29 @@ RunState state_of(const std::string& word) {
 }
 
 Json json_of(const Manifest& run) {
-  return {{"program", "hexaplast"},
-          {"version", run.version},
-          {"state", describe(run.state)},
-          {"exit_reason", run.exit_reason},
-          {"command", run.command},
-          {"working_directory", run.working_directory},
-          {"scene", {{"name", run.title}, {"file", run.scene_file}, {"xxh64", run.scene_hash}}},
-          {"overrides", run.overrides},
-          {"threads", run.threads},
-          {"simd", run.simd},
-          {"precision", run.precision},
-          {"solver", {{"motion", run.motion_solver}, {"linear", run.linear_solver}}},
-          {"machine", {{"processor", run.processor}, {"cores", run.cores}, {"memory_bytes", run.memory_bytes}}},
-          {"started", run.started},
-          {"duration_s", run.duration},
-          {"dt_s", run.dt},
-          {"steps", {{"asked", run.steps_asked}, {"done", run.steps_done}}},
-          {"state_hash", run.state_hash},
-          {"summary", json_of(run.summary)},
-          {"warnings", run.warnings},
-          {"components", json_of(run.components)}};
+  Json json{{"program", "hexaplast"},
+            {"version", run.version},
+            {"state", describe(run.state)},
+            {"exit_reason", run.exit_reason},
+            {"command", run.command},
+            {"working_directory", run.working_directory},
+            {"scene", {{"name", run.title}, {"file", run.scene_file}, {"xxh64", run.scene_hash}}},
+            {"overrides", run.overrides},
+            {"threads", run.threads},
+            {"simd", run.simd},
+            {"precision", run.precision},
+            {"solver", {{"motion", run.motion_solver}, {"linear", run.linear_solver}}},
+            {"machine", {{"processor", run.processor}, {"cores", run.cores}, {"memory_bytes", run.memory_bytes}}},
+            {"started", run.started},
+            {"duration_s", run.duration},
+            {"dt_s", run.dt},
+            {"steps", {{"asked", run.steps_asked}, {"done", run.steps_done}}},
+            {"state_hash", run.state_hash},
+            {"summary", json_of(run.summary)},
+            {"warnings", run.warnings}};
+  if (run.pictures) json["pictures"] = json_of(*run.pictures);
+  json["components"] = json_of(run.components);
+  return json;
 }
 
 Manifest manifest_of(const Json& json) {
@@ -99,6 +145,7 @@ Manifest manifest_of(const Json& json) {
   run.state_hash = json.at("state_hash");
   for (const auto& [label, value] : json.at("summary").items()) run.summary.push_back({label, value});
   run.warnings = json.at("warnings").get<std::vector<std::string>>();
+  if (json.contains("pictures")) run.pictures = pictures_of(json.at("pictures"));
   run.components = components_of(json.at("components"));
   return run;
 }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "output/camera.hpp"
+
 namespace hexaplast::output {
 
 /// An attribute of a component as it was in a run.
@@ -34,6 +36,15 @@ struct Figure {
 enum class RunState { kRunning, kFinished, kInterrupted, kFailed };
 std::string_view describe(RunState state);  ///< "running", "finished", "interrupted", "failed"
 
+/// How a scene wants pictures to be taken.
+struct PictureRecord {
+  bool shows_hexahedra = true;  ///< else its surfaces alone
+  bool is_wireframe = false;
+  bool shows_loads = true;
+  std::optional<Viewpoint> viewpoint = {};
+  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
+};
+
 /// What must be known of a run to judge it and to repeat it.
 struct Manifest {
   std::string version = {};               ///< of the program
@@ -44,6 +55,7 @@ struct Manifest {
   std::string scene_hash = {};  ///< XXH64 of the scene as carried out: includes and overrides are in it
   std::vector<std::string> overrides = {};
   std::vector<ComponentRecord> components = {};
+  std::optional<PictureRecord> pictures = {};  ///< none: written by an earlier version
 
   int threads = 1;
   std::string simd = {};           ///< instruction set of the kernels

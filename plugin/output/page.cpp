@@ -18,9 +18,9 @@ constexpr float kTitleLine = 52;
 constexpr float kBarWidth = 460, kBarHeight = 14;
 constexpr float kBarFromBottom = 72;  // of its upper edge
 constexpr float kKeyLine = 25;
-constexpr float kArrow = 11;  // length of the end of a scale that is passed
+constexpr float kKeyArrow = 24, kKeyHead = 10;  // lengths of an arrow among the keys and of its head
+constexpr float kArrow = 11;                    // length of the end of a scale that is passed
 
-constexpr Colour kSteel{0.16f, 0.36f, 0.55f};
 constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
 
 constexpr float kDot = 3.2f;
@@ -127,11 +127,21 @@ void Page::add_colour_bar(const Scale& scale) {
   }
 }
 
-void Page::add_keys(const std::vector<Key>& keys) {
+void Page::add_keys(const std::vector<Key>& left, const std::vector<Key>& right) {
+  add_keys(left, kMargin);
+  add_keys(right, (width_ + kBarWidth) / 2 + kMargin);
+}
+
+void Page::add_keys(const std::vector<Key>& keys, float left) {
   float y = height_ - kBarFromBottom + kBarHeight / 2 - kKeyLine * (static_cast<float>(keys.size()) - 1) / 2;
   for (const Key& key : keys) {
-    const float x = kMargin + 16;
+    const float x = left + 16;
     switch (key.mark) {
+      case Key::Mark::kNone:
+        break;
+      case Key::Mark::kArrow:
+        add_arrow(x, y, key);
+        break;
       case Key::Mark::kLine:
         drawing_.lines.push_back({{x - 16, y, 0, kOriginal}, {x + 16, y, 0, kOriginal}, 1.5f});
         break;
@@ -149,9 +159,22 @@ void Page::add_keys(const std::vector<Key>& keys) {
         break;
       }
     }
-    write(kMargin + 42, y + 5, 15, Drawing::Align::kLeft, kFaint, key.words);
+    write(left + 42, y + 5, 15, Drawing::Align::kLeft, kFaint, key.words);
     y += kKeyLine;
   }
+}
+
+// About a place.
+void Page::add_arrow(float x, float y, const Key& key) {
+  const Eigen::Vector2f along = key.direction.normalized(), across(-along.y(), along.x()), middle(x, y);
+  const auto vertex = [&](const Eigen::Vector2f& place) {
+    return Drawing::Vertex{place.x(), place.y(), 0, key.colour};
+  };
+  const Eigen::Vector2f foot = middle - kKeyArrow / 2 * along, tip = middle + kKeyArrow / 2 * along,
+                        neck = tip - kKeyHead * along;
+  drawing_.lines.push_back({vertex(foot), vertex(neck), 2.2f});
+  drawing_.triangles.push_back(
+      {{vertex(tip), vertex(neck + kKeyHead / 2.6f * across), vertex(neck - kKeyHead / 2.6f * across)}});
 }
 
 void Page::add_dot(Drawing::Vertex centre, float radius) {
@@ -162,10 +185,15 @@ void Page::add_dot(Drawing::Vertex centre, float radius) {
 }
 
 void Page::add_ring(Drawing::Vertex centre) {
+  // as triangles: wide lines would gape where they meet
   for (const auto& [colour, width] : {std::pair{kPaper, kRingWidth + kRimWidth}, std::pair{kSteel, kRingWidth}}) {
     centre.colour = colour;
-    for (int k = 0; k < kCircle; ++k)
-      drawing_.lines.push_back({on_circle(centre, kRing, k), on_circle(centre, kRing, k + 1), width});
+    for (int k = 0; k < kCircle; ++k) {
+      const auto inner = [&](int corner) { return on_circle(centre, kRing - width / 2, corner); };
+      const auto outer = [&](int corner) { return on_circle(centre, kRing + width / 2, corner); };
+      drawing_.triangles.push_back({{inner(k), outer(k), outer(k + 1)}});
+      drawing_.triangles.push_back({{inner(k), outer(k + 1), inner(k + 1)}});
+    }
   }
 }
 

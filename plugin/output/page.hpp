@@ -18,6 +18,8 @@ inline constexpr Colour kInk{0.13f, 0.13f, 0.15f};
 inline constexpr Colour kFaint{0.45f, 0.46f, 0.48f};
 inline constexpr Colour kOriginal{0.70f, 0.73f, 0.77f};  // outlines of the shape behind
 inline constexpr Colour kGhost{0.945f, 0.950f, 0.958f};  // and its surface
+inline constexpr Colour kLoad{0.02f, 0.47f, 0.41f};      // arrows of loads
+inline constexpr Colour kSteel{0.16f, 0.36f, 0.55f};     // instruments
 inline constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
 
 /// Which values the colours stand for.
@@ -50,9 +52,11 @@ class Scale {
 
 /// A mark and what it means.
 struct Key {
-  enum class Mark { kLine, kDot, kRing, kGap };
+  enum class Mark { kNone, kLine, kDot, kRing, kGap, kArrow };
   Mark mark;
   std::string words;
+  Colour colour = kInk;                ///< of an arrow
+  Eigen::Vector2f direction = {1, 0};  ///< of an arrow, y downwards; not 0
 };
 
 /// A picture in the making, in units that make it 1280 x 720 or, where its shape is another, wider or higher: what is
@@ -73,7 +77,9 @@ class Page {
   void write(float x, float y, float size, Drawing::Align align, Colour colour, std::string words);
   void add_title(std::string title, std::string remark);  ///< at the upper left and at the upper right
   void add_colour_bar(const Scale& scale);
-  void add_keys(const std::vector<Key>& keys);  ///< one below the other at the lower left
+
+  /// One below the other, to the left and to the right of the colour bar.
+  void add_keys(const std::vector<Key>& left, const std::vector<Key>& right = {});
   void add_dot(Drawing::Vertex centre, float radius);
   void add_ring(Drawing::Vertex centre);  ///< with a rim that sets it off from any colour
 
@@ -81,6 +87,9 @@ class Page {
   Drawing finished() &&;
 
  private:
+  void add_keys(const std::vector<Key>& keys, float left);
+  void add_arrow(float x, float y, const Key& key);
+
   float unit_;  // [pixels]
   float width_, height_;
   Drawing drawing_;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "output/quantity.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 
 namespace hexaplast::output {
 
@@ -23,6 +27,15 @@ std::vector<double> values_of(Quantity quantity, const Body& body, ConstPoints p
     default:
       return std::move(fields.plastic_strain);
   }
+}
+
+std::string with_unit(double value, std::string_view unit) {
+  static constexpr std::array<std::string_view, 7> kPrefixes{"n", "µ", "m", "", "k", "M", "G"};
+  // of the number as it is written, so that 999.9 m becomes 1 k
+  const double written = std::strtod(fmt::format("{:.2e}", value).c_str(), nullptr);
+  const int thousands =
+      value == 0 ? 0 : std::clamp(static_cast<int>(std::floor(std::log10(std::abs(written)) / 3)), -3, 3);
+  return fmt::format("{:.3g} {}{}", written / std::pow(1000, thousands), kPrefixes[thousands + 3], unit);
 }
 
 std::vector<double> speeds(ConstPoints velocities) {

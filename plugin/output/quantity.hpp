@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -39,6 +40,9 @@ std::optional<Quantity> quantity_of(std::string_view word);
 
 /// Values of a body's present state, one per hexahedron or per node. A yield stress is infinite where there is none.
 std::vector<double> values_of(Quantity quantity, const Body& body, ConstPoints positions, ConstPoints velocities);
+
+/// A number of three digits with a unit of the SI and the prefix that suits it: "312 mN". 0 has none.
+std::string with_unit(double value, std::string_view unit);
 
 /// Lengths [m/s] of velocities, one per node.
 std::vector<double> speeds(ConstPoints velocities);

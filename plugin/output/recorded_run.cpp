@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/file_import.hpp"
 #include "output/files.hpp"
+#include "output/instruments_vtu.hpp"
+#include "output/state_arrays.hpp"
+#include "output/surface_vtu.hpp"
 
 namespace hexaplast::output {
 namespace fs = std::filesystem;
@@ -60,35 +62,6 @@ std::vector<RecordedRun::Entry> entries_of(const fs::path& pvd) {
   return entries;
 }
 
-/// An array that a picture needs, as one row per point or cell.
-Eigen::Map<const Eigen::MatrixXd> rows_of(const fs::path& file, const char* kind,
-                                          const std::vector<ImportedArray>& arrays, std::string_view name,
-                                          int num_components, Eigen::Index count) {
-  const auto found = std::ranges::find(arrays, name, &ImportedArray::name);
-  if (found == arrays.end()) {
-    std::string others;
-    for (const ImportedArray& other : arrays) others += (others.empty() ? "" : ", ") + other.name;
-    throw InputError(fmt::format("{}: holds no array '{}' of {}; it holds: {}", file.string(), name, kind,
-                                 others.empty() ? "none" : others));
-  }
-  if (found->num_components != num_components ||
-      static_cast<Eigen::Index>(found->values.size()) != num_components * count)
-    throw InputError(fmt::format("{}: array '{}' has {} components for {} {}, must have {} for {}", file.string(), name,
-                                 found->num_components, found->values.size() / found->num_components, kind,
-                                 num_components, count));
-  return {found->values.data(), num_components, count};  // column-major: transposed
-}
-
-PointArray vectors(const fs::path& file, const ImportedState& state, std::string_view name) {
-  return rows_of(file, "points", state.point_data, name, 3, state.mesh.positions.rows()).transpose();
-}
-
-std::vector<double> scalars(const fs::path& file, const ImportedState& state, std::string_view name) {
-  const auto values =
-      rows_of(file, "cells", state.cell_data, name, 1, static_cast<Eigen::Index>(state.mesh.hexahedra.size()));
-  return {values.data(), values.data() + values.size()};
-}
-
 ImportedState read(const fs::path& file) {
   ImportedState state = read_vtu_state(file);
   const ImportedMesh& mesh = state.mesh;
@@ -100,11 +73,22 @@ ImportedState read(const fs::path& file) {
 
 /// Numbers of the hexahedra in the mesh that the run began with.
 std::vector<int> ids_of(const fs::path& file, const ImportedState& state) {
-  const std::vector<double> values = scalars(file, state, "id");
+  const std::vector<double> values = cell_scalars(file, state, "id");
   std::vector<int> ids(values.begin(), values.end());
   if (!std::ranges::is_sorted(ids, std::less_equal()))
     throw InputError(fmt::format("{}: array 'id' must ascend", file.string()));
   return ids;
+}
+
+/// What holds and loads the body, as far as the file holds it: earlier versions did not write it.
+BoundaryConditions conditions_in(const fs::path& file, const ImportedState& state) {
+  BoundaryConditions conditions;
+  if (has_point_data(state, "fixed"))
+    for (const int is_fixed : point_numbers(file, state, "fixed")) conditions.fixed.push_back(is_fixed != 0);
+  if (has_point_data(state, "load")) conditions.loads = point_vectors(file, state, "load");
+  if (!conditions.loads.allFinite())
+    throw InputError(fmt::format("{}: array 'load' must hold finite numbers", file.string()));
+  return conditions;
 }
 
 }  // namespace
@@ -113,17 +97,27 @@ RecordedRun::RecordedRun(const fs::path& place) {
   std::error_code error;
   const fs::path pvd = fs::is_directory(place, error) ? place / "mesh.pvd" : place;
   entries_ = entries_of(pvd);
+  directory_ = pvd.parent_path();
   name_ = fs::weakly_canonical(fs::absolute(pvd)).parent_path().filename().string();
+  if (const fs::path instruments = directory_ / "instruments.pvd"; fs::exists(instruments, error))
+    instruments_ = entries_of(instruments);
 
   const fs::path& first = entries_.front().file;
   ImportedState state = read(first);
   id_of_hexahedron_ = ids_of(first, state);
-  const PointArray original = state.mesh.positions - vectors(first, state, "displacement");
+  const PointArray original = state.mesh.positions - point_vectors(first, state, "displacement");
   try {
     mesh_.emplace(original, std::move(state.mesh.hexahedra));
   } catch (const InputError& reason) {
     throw InputError(fmt::format("{}: {}", first.string(), reason.what()));
   }
+}
+
+std::vector<Skin> RecordedRun::skins() const {
+  std::error_code error;
+  const fs::path surfaces = directory_ / "surface.pvd";
+  if (!fs::exists(surfaces, error)) return {};
+  return read_skins(entries_of(surfaces).front().file);
 }
 
 RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) const {
@@ -135,16 +129,16 @@ RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) con
 
   State state;
   state.positions = read_state.mesh.positions;
-  state.material = vectors(entry.file, read_state, "material_position");
+  state.material = point_vectors(entry.file, read_state, "material_position");
 
   const QuantityEntry& wanted = entry_of(quantity);
   if (wanted.of_nodes) {
-    state.values = speeds(vectors(entry.file, read_state, wanted.array));
+    state.values = speeds(point_vectors(entry.file, read_state, wanted.array));
   } else {
     state.values.assign(mesh_->num_elements(), 0);
   }
   const std::vector<double> of_cells =
-      wanted.of_nodes ? std::vector<double>() : scalars(entry.file, read_state, wanted.array);
+      wanted.of_nodes ? std::vector<double>() : cell_scalars(entry.file, read_state, wanted.array);
 
   state.alive.assign(mesh_->num_elements(), 0);
   const std::vector<int> ids = ids_of(entry.file, read_state);
@@ -158,6 +152,14 @@ RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) con
     state.alive[e] = 1;
     if (!wanted.of_nodes) state.values[e] = of_cells[cell];
   }
+  state.conditions = conditions_in(entry.file, read_state);
+  const auto held = std::ranges::find(instruments_, entry.time, &Entry::time);
+  if (held == instruments_.end()) return state;
+  state.conditions.instruments = read_instruments(held->file);
+  for (const Instrument& instrument : state.conditions.instruments)
+    for (const int node : instrument.nodes)
+      if (node >= num_nodes)
+        throw InputError(fmt::format("{}: node {}, must lie in [0, {})", held->file.string(), node, num_nodes));
   return state;
 }
 

@@ -10,9 +10,13 @@
 #include <cstring>
 #include <optional>
 
+#include "hexaplast/mesh/faces.hpp"
 #include "output/film.hpp"
+#include "output/instruments_vtu.hpp"
 #include "output/plot.hpp"
 #include "output/png_file.hpp"
+#include "output/surface_vtu.hpp"
+#include "output/time_series.hpp"
 #include "output/vtu.hpp"
 
 namespace hexaplast::output {
@@ -30,11 +34,6 @@ constexpr std::string_view kBalanceHeader =
 std::string balance_columns(const EnergyBalance& energy) {
   return fmt::format(",{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
                      energy.numerical_loss, energy.flow_loss, energy.error());
-}
-
-/// Enough to tell the time stamps of neighbouring steps apart, and not fewer than people expect of seconds.
-int time_decimals(double dt) {
-  return dt > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(dt) - 1e-9)), 2, 6) : 2;
 }
 
 /// The steps that are drawn: `count` of them, evenly over the run, ascending, the last step among them.
@@ -66,11 +65,13 @@ double mean_displacement(const std::vector<int>& nodes, ConstPoints from, ConstP
   return nodes.empty() ? 0 : sum / static_cast<double>(nodes.size());
 }
 
-std::string mesh_name(long step) { return fmt::format("mesh_{:06}.vtu", step); }
+constexpr std::string_view kMesh = "mesh_", kSurface = "surface_", kInstruments = "instruments_";
+
+std::string vtu_name(std::string_view prefix, long step) { return fmt::format("{}{:06}.vtu", prefix, step); }
 
 /// The step in the name of a .vtu file.
-long step_of_mesh(const std::string& name) {
-  return std::strtol(name.c_str() + std::string_view("mesh_").size(), nullptr, 10);
+long step_of_vtu(std::string_view name) {
+  return std::strtol(std::string(name.substr(name.find_last_of('_') + 1)).c_str(), nullptr, 10);
 }
 
 fs::path prepared(fs::path directory, bool force) {
@@ -90,11 +91,13 @@ struct Recorder::Files {
         ruler(body),
         history(directory / "history.csv"),
         removed(directory / "removed.csv"),
-        series(directory / "mesh.pvd"),
+        meshes(directory / "mesh.pvd"),
+        skins(body.mesh(), plan.staging.skins),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
     history.append(std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : ""));
     removed.append("step,time,hexahedron");
+    open_companions();
     open_gallery();
   }
 
@@ -106,14 +109,20 @@ struct Recorder::Files {
         ruler(body),
         history(directory / "history.csv", saved),
         removed(directory / "removed.csv", saved),
-        series(directory / "mesh.pvd"),
+        meshes(directory / "mesh.pvd"),
+        skins(body.mesh(), plan.staging.skins),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     long step = 0;
-    series.serialize(saved);
+    meshes.serialize(saved);
     saved(step, step_on_disk, num_removed);
     // the last state of a run that was to be shorter is none that this one writes
-    series.keep([&](const std::string& vtu) { return wants_mesh(step_of_mesh(vtu)); });
-    prepare_to_go_on(directory, step, [&](const std::string& name) { return series.has(name); });
+    meshes.keep([&](const std::string& vtu) { return wants_state(step_of_vtu(vtu)); });
+    open_companions();
+    for (std::optional<TimeSeries>* series : {&surfaces, &instruments})
+      if (*series) (*series)->keep([](const std::string&) { return true; });
+    prepare_to_go_on(directory, step, [&](const std::string& name) {
+      return name.ends_with(".vtu") && meshes.has(vtu_name(kMesh, step_of_vtu(name)));
+    });
     open_gallery();
   }
 
@@ -124,13 +133,16 @@ struct Recorder::Files {
   RendererSource renderer;
   Ruler ruler;
   LineFile history, removed;
-  TimeSeries series;
+  TimeSeries meshes;
+  std::optional<TimeSeries> surfaces, instruments;  // of the same steps; absent: there are none
+  CarriedSkins skins;
   std::vector<long> to_draw, to_film;  // ascending
   std::optional<Gallery> gallery;      // absent: no pictures wanted
 
   // the latest state, so that a run that ends early still shows where it ended
   StepRecord latest;
   PointArray latest_positions, latest_velocities;
+  BoundaryConditions latest_conditions;
   long step_on_disk = -1;       // of the latest .vtu
   std::size_t num_removed = 0;  // hexahedra that removed.csv lists
   bool finished = false;
@@ -138,10 +150,14 @@ struct Recorder::Files {
   void open_gallery() {
     if (plan.num_frames > 0 || film) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
   }
-  bool wants_mesh(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
+  void open_companions() {
+    if (!skins.empty()) surfaces = meshes.with_prefix(directory / "surface.pvd", kMesh, kSurface);
+    if (plan.has_instruments) instruments = meshes.with_prefix(directory / "instruments.pvd", kMesh, kInstruments);
+  }
+  bool wants_state(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
   void append_removed(const StepRecord& record);
   void append_row(const StepRecord& record, const Measures& measures, ConstPoints positions);
-  void write_mesh();
+  void write_state();
   bool is_drawn(long step) const { return std::ranges::binary_search(to_draw, step); }
   bool is_filmed(long step) const { return std::ranges::binary_search(to_film, step); }
   void keep_for_picture();
@@ -160,20 +176,22 @@ void Recorder::save(Archive& archive) {
   Files& files = *files_;
   files.history.save(archive);
   files.removed.save(archive);
-  files.series.serialize(archive);
+  files.meshes.serialize(archive);
   archive(files.latest.step, files.step_on_disk, files.num_removed);
 }
 
-void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities) {
+void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
+                      BoundaryConditions conditions) {
   Files& files = *files_;
   files.latest = record;
   files.latest_positions = positions;
   files.latest_velocities = velocities;
+  files.latest_conditions = std::move(conditions);
 
   const Measures measures = files.ruler.measure(positions);
   files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
   files.append_row(record, measures, positions);
-  if (files.wants_mesh(record.step)) files.write_mesh();
+  if (files.wants_state(record.step)) files.write_state();
   if (files.is_drawn(record.step) || files.is_filmed(record.step)) files.keep_for_picture();
 }
 
@@ -181,7 +199,7 @@ std::vector<std::string> Recorder::finish() {
   Files& files = *files_;
   if (files.finished || files.latest_positions.rows() == 0) return {};
   files.finished = true;
-  if (files.step_on_disk != files.latest.step) files.write_mesh();
+  if (files.step_on_disk != files.latest.step) files.write_state();
   write_plot(files.directory / "plot.svg", files.directory / "history.csv", files.plan.title,
              files.body.mesh().num_elements());
 
@@ -211,17 +229,32 @@ void Recorder::Files::append_row(const StepRecord& record, const Measures& measu
                              measures.world_twist_deg, plan.has_energy_balance ? balance_columns(*record.energy) : ""));
 }
 
-void Recorder::Files::write_mesh() {
-  const std::string name = mesh_name(latest.step);
-  write_vtu(directory / name, body, latest_positions, latest_velocities);
-  series.add(latest.time, name);
+// The mesh last: whatever mesh.pvd names has its companions.
+void Recorder::Files::write_state() {
+  ElementFields fields = body.fields(latest_positions);
+  const std::vector<unsigned char>& alive = body.history().alive;
+  const auto write = [&](TimeSeries& series, std::string_view prefix, const auto& write_file) {
+    const std::string name = vtu_name(prefix, latest.step);
+    write_file(directory / name);
+    series.add(latest.time, name);
+  };
+  if (surfaces) {
+    const std::vector<double> strains = nodal_means(body.mesh(), fields.plastic_strain, alive);
+    write(*surfaces, kSurface, [&](const fs::path& file) { skins.write(file, latest_positions, strains, alive); });
+  }
+  if (instruments)
+    write(*instruments, kInstruments,
+          [&](const fs::path& file) { write_instruments(file, latest_conditions.instruments, latest_positions); });
+  write(meshes, kMesh, [&](const fs::path& file) {
+    write_vtu(file, body, latest_positions, latest_velocities, std::move(fields), latest_conditions);
+  });
   step_on_disk = latest.step;
 }
 
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions,
                values_of(plan.staging.quantity, body, latest_positions, latest_velocities), body.history().alive,
-               latest.instruments);
+               latest_conditions);
 }
 
 std::vector<std::string> Recorder::Files::draw_pictures() {

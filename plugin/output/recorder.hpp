@@ -9,6 +9,7 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
+#include "output/boundary_conditions.hpp"
 #include "output/files.hpp"
 #include "output/gallery.hpp"
 #include "output/measures.hpp"
@@ -26,6 +27,7 @@ struct RunPlan {
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;               ///< write into a directory that holds an earlier run
   std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
+  bool has_instruments = false;        ///< something in the scene may take hold of the body
   Staging staging = {};                ///< of the pictures
   std::filesystem::path video = {};    ///< film of the run in real time, at most 25 pictures a second; empty: none
 };
@@ -38,16 +40,17 @@ struct StepRecord {
   std::optional<EnergyBalance> energy = {};
   FlowReport flow = {};
   int solver_iterations = 0;
-  double residual = 0;                 ///< relative residual of the linear solve
-  double step_ms = 0;                  ///< wall time of the step without output
-  std::vector<Vec3> instruments = {};  ///< [m] where those are that hold something
+  double residual = 0;  ///< relative residual of the linear solve
+  double step_ms = 0;   ///< wall time of the step without output
 };
 
 /// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png,
-/// plot.svg. history.csv (docs/output.md; the columns of the energy balance only where the run has one) grows by a
-/// whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron that the body has lost in it, in the
-/// order of their removal; every other file appears whole under its final name, and mesh.pvd names only complete files.
-/// After an OutputError everything that mesh.pvd names can still be read.
+/// plot.svg; where the staging has skins, surface.pvd with surface_<step>.vtu, and where the plan says that there are
+/// instruments, instruments.pvd with instruments_<step>.vtu, for the same steps. history.csv (docs/output.md; the
+/// columns of the energy balance only where the run has one) grows by a whole row per step, removed.csv by a row
+/// `step,time,hexahedron` per hexahedron that the body has lost in it, in the order of their removal; every other file
+/// appears whole under its final name, and each .pvd file names only complete files. After an OutputError everything
+/// that mesh.pvd names can still be read.
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an
@@ -68,9 +71,10 @@ class Recorder {
   /// After record(): what the files hold, flushed to disk, into a checkpoint.
   void save(Archive& archive);
 
-  /// positions, velocities: world state after the step, the body being as that step left it. Call once with step 0
-  /// before the first step, then once per step. Throws OutputError.
-  void record(const StepRecord& record, ConstPoints positions, ConstPoints velocities);
+  /// positions, velocities: world state after the step, the body being as that step left it; conditions: what held and
+  /// loaded it in the step. Call once with step 0 before the first step, then once per step. Throws OutputError.
+  void record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
+              BoundaryConditions conditions = {});
 
   /// Completes the files and draws the pictures; call once, also after a run that ended early. Returns warnings (one
   /// sentence each), e.g. that no renderer is installed. Throws OutputError, also where a film was wanted and there is

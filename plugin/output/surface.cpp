@@ -94,6 +94,14 @@ std::vector<std::array<Vector3f, 4>> Surface::corner_normals(const std::vector<V
   return normals;
 }
 
+std::vector<Vector3f> Surface::point_normals(const std::vector<Vector3f>& points) const {
+  const std::vector<Vector3f> of_face = face_normals(points);
+  std::vector<Vector3f> normals(points.size(), Vector3f::Zero());
+  for (std::size_t f = 0; f < faces_.size(); ++f)
+    for (int k = 0; k < (is_triangle(faces_[f]) ? 3 : 4); ++k) normals[faces_[f][k]] += of_face[f];
+  return normals;
+}
+
 std::vector<Edge> Surface::outline(const std::vector<Vector3f>& points, const Vector3f& towards) const {
   std::vector<Edge> lines = creases_;
   const std::vector<Vector3f> normals = face_normals(points);

@@ -27,6 +27,9 @@ class Surface {
   /// Unit normals at the corners of the faces: the mean over all faces around a point that no crease parts.
   std::vector<std::array<Eigen::Vector3f, 4>> corner_normals(const std::vector<Eigen::Vector3f>& points) const;
 
+  /// Normals of any length at the points: the sum over all faces around each, by their areas.
+  std::vector<Eigen::Vector3f> point_normals(const std::vector<Eigen::Vector3f>& points) const;
+
   /// Creases, and the edges between a face that is turned to a viewer in direction `towards` and one that is not.
   std::vector<Edge> outline(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& towards) const;
 

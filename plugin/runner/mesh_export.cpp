@@ -33,7 +33,8 @@ void export_mesh(const MeshExportOptions& options) {
         scene::format_error(scene.root().place(), "no body in the scene: there is nothing to export"));
 
   if (options.format == "vtu") {
-    output::write_vtu(options.out, *field->body(), state.positions(), state.velocities());
+    output::write_vtu(options.out, *field->body(), state.positions(), state.velocities(),
+                      field->body()->fields(state.positions()));
   } else {
     output::write_abaqus_deck(options.out, *field->body(), deck_of(scene, options));
   }

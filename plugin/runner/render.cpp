@@ -15,6 +15,7 @@
 #include "output/recorded_run.hpp"
 #include "output/section_page.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/staging.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -23,6 +24,7 @@ using output::RecordedRun;
 
 constexpr int kLeastSize = 64, kMostSize = 4096;  // [pixels]
 constexpr int kMostSections = 100;
+constexpr int kMostDecimals = 6;  // of times
 constexpr const char* kRestShape = "rest shape";
 
 // What options say
@@ -127,27 +129,42 @@ const RecordedRun::Entry& chosen(const RecordedRun& run, const RenderOptions& op
 // What is drawn
 // -------------------------------------------------------------------------------------------------------------------
 
-/// Enough to tell the times of a run apart, and not fewer than people expect of seconds.
-int time_decimals(const RecordedRun& run) {
-  for (int decimals = 2; decimals < 6; ++decimals) {
-    const double tick = std::pow(10.0, -decimals);
-    const auto is_told = [&](const RecordedRun::Entry& entry) {
-      return std::abs(entry.time / tick - std::round(entry.time / tick)) < 1e-3;
-    };
-    if (std::ranges::all_of(run.entries(), is_told)) return decimals;
+/// A run with what its manifest says of pictures, where there is one.
+struct Subject {
+  explicit Subject(const std::filesystem::path& place) : run(place), manifest(output::read_manifest(run.directory())) {}
+
+  std::string title() const { return manifest ? manifest->title : run.name(); }
+
+  int time_decimals() const {
+    if (manifest) return output::time_decimals(manifest->dt);
+    // enough to tell the times apart that are there
+    for (int decimals = 2; decimals < kMostDecimals; ++decimals) {
+      const double tick = std::pow(10.0, -decimals);
+      const auto is_told = [&](const RecordedRun::Entry& entry) {
+        return std::abs(entry.time / tick - std::round(entry.time / tick)) < 1e-3;
+      };
+      if (std::ranges::all_of(run.entries(), is_told)) return decimals;
+    }
+    return kMostDecimals;
   }
-  return 6;
-}
+
+  RecordedRun run;
+  std::optional<output::Manifest> manifest;
+};
 
 std::string ghost_name(const RenderOptions& options) {
   if (options.ghost == "none") return "";
   return options.ghost == "rest" ? kRestShape : "original shape";
 }
 
+/// What is shown is the rest shape, which nothing acts on.
+bool is_free_of_loads(const RenderOptions& options) { return options.shape == "rest"; }
+
 const PointArray& shown_positions(const RecordedRun::State& state, const RenderOptions& options) {
   return options.shape == "rest" ? state.material : state.positions;
 }
 
+/// What the options say.
 output::Staging staging_of(const RenderOptions& options) {
   output::Staging staging;
   staging.quantity = quantity_named(options.field);
@@ -163,6 +180,27 @@ output::Staging staging_of(const RenderOptions& options) {
   return staging;
 }
 
+/// What the scene said, and then the options.
+output::Staging staging_of(const Subject& subject, const RenderOptions& options) {
+  output::Staging staging = staging_of(options);
+  if (subject.manifest && subject.manifest->pictures) {
+    const std::optional<output::Viewpoint> asked_for = staging.viewpoint;
+    restore(*subject.manifest->pictures, staging);
+    if (asked_for) staging.viewpoint = asked_for;
+  }
+  staging.skins = subject.run.skins();
+  // a surface has no inside that a cut could show
+  const std::string show = options.show.empty() && staging.cut ? "hexahedra" : options.show;
+  if (show == "surfaces" && staging.skins.empty())
+    throw UsageError("--show surfaces: this run holds no surface.pvd, its scene shows none");
+  if (show == "hexahedra") staging.skins.clear();
+  if (!show.empty()) staging.shows_hexahedra = show != "surfaces";
+  // where there is no manifest
+  if (staging.skins.empty()) staging.shows_hexahedra = true;
+  if (options.no_marks || is_free_of_loads(options)) staging.gravity.setZero();
+  return staging;
+}
+
 void require_met(const Plane& cut, const RecordedRun& run, const RecordedRun::State& state,
                  const RenderOptions& options) {
   const auto [least, most] =
@@ -174,15 +212,18 @@ void require_met(const Plane& cut, const RecordedRun& run, const RecordedRun::St
 
 void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const RenderOptions& options,
          output::Gallery& gallery) {
-  gallery.add(entry.step.value_or(0), entry.time, shown_positions(state, options), state.values, state.alive, {},
+  const bool shows_marks = !options.no_marks && !is_free_of_loads(options);
+  gallery.add(entry.step.value_or(0), entry.time, shown_positions(state, options), state.values, state.alive,
+              shows_marks ? state.conditions : output::BoundaryConditions(),
               options.ghost == "rest" ? &state.material : nullptr);
 }
 
-void render_film(const RecordedRun& run, const RenderOptions& options, output::Renderer& renderer) {
+void render_film(const Subject& subject, const RenderOptions& options, output::Renderer& renderer) {
+  const RecordedRun& run = subject.run;
   const std::vector<RecordedRun::Entry>& entries = run.entries();
   const double seconds = entries.back().time - entries.front().time;
   if (!(seconds > 0)) throw UsageError("--video: this run holds one state only, or its times do not ascend");
-  output::Gallery gallery(run.mesh(), run.name(), time_decimals(run), staging_of(options));
+  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging_of(subject, options));
   for (const RecordedRun::Entry& entry : entries)
     add(entry, run.state(entry, quantity_named(options.field)), options, gallery);
   const auto film = output::open_film(*options.video, static_cast<double>(entries.size() - 1) / seconds);
@@ -190,15 +231,15 @@ void render_film(const RecordedRun& run, const RenderOptions& options, output::R
   film->finish();
 }
 
-output::Drawing sections_of(const RecordedRun& run, const RecordedRun::Entry& entry, const RecordedRun::State& state,
+output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& entry, const RecordedRun::State& state,
                             const RenderOptions& options) {
   constexpr const char* kAllowed = "an axis and how many sections, from 1 to 100, as in z:5";
   const auto [axis, count] = axis_and_number("--sections", options.sections, kAllowed);
   if (count != std::floor(count) || count < 1 || count > kMostSections)
     refuse("--sections", options.sections, kAllowed);
   output::SectionPage page;
-  page.title = run.name();
-  page.remark = fmt::format("t = {:.{}f} s", entry.time, time_decimals(run));
+  page.title = subject.title();
+  page.remark = fmt::format("t = {:.{}f} s", entry.time, subject.time_decimals());
   page.axis = axis;
   page.count = static_cast<int>(count);
   page.quantity = quantity_named(options.field);
@@ -206,17 +247,19 @@ output::Drawing sections_of(const RecordedRun& run, const RecordedRun::Entry& en
   page.shows_edges = !options.no_edges;
   page.ghost = ghost_name(options);
   std::tie(page.width, page.height) = size_of(options.size);
-  return page.drawing(run.mesh(), shown_positions(state, options), state.values, state.alive,
-                      options.ghost == "rest" ? state.material : run.mesh().positions());
+  const HexMesh& mesh = subject.run.mesh();
+  return page.drawing(mesh, shown_positions(state, options), state.values, state.alive,
+                      options.ghost == "rest" ? state.material : mesh.positions());
 }
 
-output::Drawing picture_of(const RecordedRun& run, const RenderOptions& options) {
-  const output::Staging staging = staging_of(options);
+output::Drawing picture_of(const Subject& subject, const RenderOptions& options) {
+  const RecordedRun& run = subject.run;
+  const output::Staging staging = staging_of(subject, options);
   const RecordedRun::Entry& entry = chosen(run, options);
   const RecordedRun::State state = run.state(entry, staging.quantity);
-  if (!options.sections.empty()) return sections_of(run, entry, state, options);
+  if (!options.sections.empty()) return sections_of(subject, entry, state, options);
   if (staging.cut) require_met(*staging.cut, run, state, options);
-  output::Gallery gallery(run.mesh(), run.name(), time_decimals(run), staging);
+  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging);
   add(entry, state, options, gallery);
   output::Drawing picture;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) { picture = drawing; });
@@ -294,7 +337,16 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
       ->check(CLI::IsMember({"original", "rest", "none"}))
       ->type_name("original|rest|none")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--show", options.show,
+          "Surfaces that the hexahedra carry, the hexahedra, or surfaces and edges of hexahedra. Default: as the "
+          "scene says; hexahedra with --slice")
+      ->check(CLI::IsMember({"surfaces", "hexahedra", "both"}))
+      ->type_name("surfaces|hexahedra|both")
+      ->excludes(sections);
   command->add_flag("--no-edges", options.no_edges, "Leave out the edges of hexahedra");
+  command->add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, loads, instruments and gravity");
   command
       ->add_option("--video", options.video,
                    "Film of all states in real time instead of a picture: .mp4 by ffmpeg, or .png, animated")
@@ -309,10 +361,10 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
 
 void render(const RenderOptions& options) {
   staging_of(options);  // what is wrong with the options is said before anything is read
-  const RecordedRun run(options.run);
+  const Subject subject(options.run);
   const std::unique_ptr<output::Renderer> renderer = output::load_renderer();
-  if (options.video) return render_film(run, options, *renderer);
-  output::write_png(options.out, renderer->render(picture_of(run, options)));
+  if (options.video) return render_film(subject, options, *renderer);
+  output::write_png(options.out, renderer->render(picture_of(subject, options)));
 }
 
 }  // namespace hexaplast::runner

@@ -24,7 +24,9 @@ struct RenderOptions {
   std::string field, range, view, camera, size, slice, sections;  ///< see add_render; empty: not given
   std::string shape = "world";
   std::string ghost = "original";
+  std::string show;  ///< surfaces, hexahedra or both; empty: as the scene says
   bool no_edges = false;
+  bool no_marks = false;
 };
 
 /// Defines the subcommand.

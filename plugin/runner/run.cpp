@@ -13,6 +13,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "output/recorder.hpp"
+#include "runner/boundary_conditions.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/journal.hpp"
@@ -22,6 +23,7 @@
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
 #include "runner/summary_file.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -43,6 +45,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
     if (scene::acts_on(*field, simulation.state()))
       loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
+  plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   plan.staging = staging_of(simulation);
   plan.staging.quantity = quantity_named(options.field);
   if (options.video) plan.video = *options.video;
@@ -66,7 +69,8 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
              bool begins) {
   const auto record = [&] {
     if (recorder)
-      recorder->record(simulation.latest(), simulation.state().positions(), simulation.state().velocities());
+      recorder->record(simulation.latest(), simulation.state().positions(), simulation.state().velocities(),
+                       conditions_of(simulation));
   };
   long saved = simulation.latest().step;  // step of the newest checkpoint
   const auto save = [&] {
@@ -283,6 +287,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   output::RunPlan plan;
   if (options.out) simulation.keep_energy_balance();
   if (options.out) plan = plan_of(simulation, num_steps, options);
+  manifest.pictures = record_of(plan.staging);
   if (start) restore(simulation, *start, num_steps);
 
   // opened before the first step, so that a long run does not end in a file that cannot be written

@@ -8,7 +8,6 @@
 #include "hexaplast/base/error.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/scene_identity.hpp"
-#include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
 
@@ -23,6 +22,7 @@ Simulation::Simulation(const SceneOptions& options)
     if (settings->is_given("steps")) num_steps_ = settings->integer("steps");
   }
   latest_ = record_of(0, {}, 0);
+  load_time_ = scene_.time();
 }
 
 const output::StepRecord& Simulation::step() {
@@ -35,6 +35,7 @@ const output::StepRecord& Simulation::step() {
     state_->velocities() = accepted_velocities_;
   };
   const auto begin = std::chrono::steady_clock::now();
+  const double load_time = scene_.time();
   SolveReport solve;
   try {
     solve = scene_.step();
@@ -48,6 +49,7 @@ const output::StepRecord& Simulation::step() {
   const double step_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 
   latest_ = record_of(step, solve, step_ms);
+  load_time_ = load_time;
   totals_.step_ms += step_ms;
   totals_.iterations += solve.iterations;
   totals_.stalled_solves += !solve.converged;
@@ -67,6 +69,7 @@ void Simulation::keep_energy_balance() {
 void Simulation::reset() {
   scene_.reset();
   latest_ = record_of(0, {}, 0);
+  load_time_ = scene_.time();
   totals_ = {};
 }
 
@@ -90,8 +93,6 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
   record.solver_iterations = solve.iterations;
   record.residual = solve.residual;
   record.step_ms = step_ms;
-  for (const scene::Instrument* instrument : scene_.root().all<scene::Instrument>())
-    if (const std::optional<Vec3> place = instrument->place(record.time)) record.instruments.push_back(*place);
   return record;
 }
 

@@ -54,6 +54,9 @@ class Simulation {
 
   double dt() { return scene_.dt(); }      ///< [s]
   double time() { return scene_.time(); }  ///< [s] a running sum
+
+  /// [s] at which the latest step took its loads, its beginning; before the first step, that of the first.
+  double load_time() const { return load_time_; }
   scene::Scene& scene() { return scene_; }
   scene::MechanicalState& state() { return *state_; }
   const Body* body() const { return field_ ? field_->body() : nullptr; }  ///< null: only masses
@@ -70,6 +73,7 @@ class Simulation {
   int output_every_ = 25;
   output::StepRecord latest_;
   PointArray accepted_positions_, accepted_velocities_;  // of the latest step
+  double load_time_ = 0;  // [s]
   Totals totals_;
 };
 

@@ -2,11 +2,16 @@
 #pragma once
 
 #include "output/gallery.hpp"
+#include "output/manifest.hpp"
 #include "runner/simulation.hpp"
 
 namespace hexaplast::runner {
 
-/// How pictures show a scene: its skins, its held nodes and its camera.
+/// How pictures show a scene: its skins, its camera, and what of it.
 output::Staging staging_of(Simulation& simulation);
+
+/// What of that a manifest keeps, and the way back.
+output::PictureRecord record_of(const output::Staging& staging);
+void restore(const output::PictureRecord& record, output::Staging& staging);
 
 }  // namespace hexaplast::runner

@@ -11,6 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "output/recorder.hpp"
+#include "runner/boundary_conditions.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/simulation.hpp"
@@ -107,6 +108,7 @@ int view(const ViewOptions& options) {
                                     .reset = [&] { simulation.reset(); }},
                         .hand = make_hand(),
                         .staging = staging_of(simulation),
+                        .fixed_nodes = fixed_nodes(simulation),
                         .options = {.width = options.width,
                                     .height = options.height,
                                     .is_running = options.is_running,

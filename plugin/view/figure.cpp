@@ -30,7 +30,8 @@ void extend(Eigen::AlignedBox3d& box, ConstPoints points) {
 
 }  // namespace
 
-Figure::Figure(const HexMesh& mesh, output::Staging staging) : mesh_(mesh), staging_(std::move(staging)) {
+Figure::Figure(const HexMesh& mesh, output::Staging staging, std::vector<int> fixed_nodes)
+    : mesh_(mesh), staging_(std::move(staging)), fixed_nodes_(std::move(fixed_nodes)) {
   body_.original = mesh.positions();
   for (const output::Skin& skin : staging_.skins) {
     Sheet& sheet = skins_.emplace_back();
@@ -68,7 +69,7 @@ void Figure::update(const Snapshot& snapshot, const Look& look) {
   edges_.clear();
   ghost_triangles_.clear();
   ghost_edges_.clear();
-  fixed_nodes_.clear();
+  fixed_places_.clear();
   range_.setEmpty();
   shows_skins_ = look.shows_skins && has_skins();
 
@@ -89,7 +90,7 @@ void Figure::update(const Snapshot& snapshot, const Look& look) {
   if (look.shows_edges)
     for (const auto& [a, b] : body_.surface->edges()) edges_.insert(edges_.end(), {nodes[a], nodes[b]});
   if (!shows_skins_)
-    for (const int node : staging_.fixed_nodes) fixed_nodes_.push_back(nodes[node]);
+    for (const int node : fixed_nodes_) fixed_places_.push_back(nodes[node]);
 
   // with the original, so that the depths of two moments differ little
   box_.setEmpty();

@@ -34,7 +34,7 @@ class Figure {
   };
 
   /// The mesh must outlive the figure. Throws what Embedding throws.
-  Figure(const HexMesh& mesh, output::Staging staging);
+  Figure(const HexMesh& mesh, output::Staging staging, std::vector<int> fixed_nodes = {});
 
   bool has_skins() const { return !skins_.empty(); }
   bool shows_skins() const { return shows_skins_; }
@@ -47,7 +47,7 @@ class Figure {
   const std::vector<Eigen::Vector3f>& edges() const { return edges_; }  ///< two places each
   const std::vector<Eigen::Vector3f>& ghost_triangles() const { return ghost_triangles_; }
   const std::vector<Eigen::Vector3f>& ghost_edges() const { return ghost_edges_; }
-  const std::vector<Eigen::Vector3f>& fixed_nodes() const { return fixed_nodes_; }
+  const std::vector<Eigen::Vector3f>& fixed_places() const { return fixed_places_; }
   const Eigen::AlignedBox3d& box() const { return box_; }  ///< [m] of all of it
 
   /// Least and greatest value shown; empty where the quantity has none (yield stress of what never yields).
@@ -76,13 +76,14 @@ class Figure {
 
   const HexMesh& mesh_;
   output::Staging staging_;
+  std::vector<int> fixed_nodes_;
   std::vector<unsigned char> alive_;
   Sheet body_;
   std::vector<Sheet> skins_;
   bool shows_skins_ = false;
 
   std::vector<Vertex> triangles_;
-  Places edges_, ghost_triangles_, ghost_edges_, fixed_nodes_;
+  Places edges_, ghost_triangles_, ghost_edges_, fixed_places_;
   Eigen::AlignedBox3d box_;
   Eigen::AlignedBox1d range_;
 };

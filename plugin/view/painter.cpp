@@ -282,7 +282,7 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   glDepthMask(GL_FALSE);
   draw_places(figure.edges(), GL_LINES, figure.shows_skins() ? kCage : kEdge);
   glUniform1f(place_of(flat_, "nearer"), 2e-3f);
-  draw_places(figure.fixed_nodes(), GL_POINTS, kFixed, kFixedSize);
+  draw_places(figure.fixed_places(), GL_POINTS, kFixed, kFixedSize);
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
   glBindVertexArray(0);

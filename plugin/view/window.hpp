@@ -25,6 +25,7 @@ struct WindowCall {
   Subject subject;
   std::unique_ptr<scene::Component> hand;  ///< of the session
   output::Staging staging;
+  std::vector<int> fixed_nodes;
   WindowOptions options;
   std::function<bool()> is_asked_to_end;  ///< asked in every frame
   std::string failure = {};               ///< for the caller: of the last step, when the window closed; empty: none

@@ -23,7 +23,7 @@ Camera first_camera(const HexMesh& mesh, const output::Staging& staging) {
 
 WindowState::WindowState(WindowCall& call)
     : session(call.subject, std::move(call.hand)),
-      figure(session.mesh(), call.staging),
+      figure(session.mesh(), call.staging, call.fixed_nodes),
       camera(first_camera(session.mesh(), call.staging)),
       hand(session.suggested_hand()),
       pace(call.options.pace) {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast::output {
+
+/// An instrument that holds a body, and its pull.
+struct Instrument {
+  int id = 0;              ///< its number among the instruments of the scene
+  Vec3 place;              ///< [m] of the tool
+  std::vector<int> nodes;  ///< on which it pulls
+  PointArray forces;       ///< [N] on them, one row each
+
+  Vec3 force() const { return forces.colwise().sum().transpose(); }  ///< [N] on the body
+};
+
+/// What holds and loads a body at a moment, but for its weight.
+struct BoundaryConditions {
+  std::vector<unsigned char> fixed;     ///< one per node, 1 where all three directions are held or led; empty: none
+  PointArray loads = PointArray(0, 3);  ///< [N] external forces, pulls included: num_nodes x 3; empty: none
+  std::vector<Instrument> instruments;
+};
+
+}  // namespace hexaplast::output

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/mesh/embed.hpp"
+
+namespace hexaplast::output {
+
+/// A surface that moves with the hexahedra of a body.
+struct Skin {
+  PointArray points;  ///< any number x 3 [m], in the body's original positions
+  std::vector<Triangle> triangles;
+  std::vector<Quad> quads;
+};
+
+/// Whether a face of embedded points is shown where hexahedra have gone: with those that carry its corners. alive: one
+/// per hexahedron, 0 for those that are removed; empty: all are there.
+inline bool is_carried(std::span<const int> face, const Embedding& embedding, std::span<const unsigned char> alive) {
+  return alive.empty() ||
+         std::ranges::all_of(face, [&](int point) { return alive[embedding.hexahedron_of(point)] != 0; });
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "hexaplast/mesh/file_import.hpp"
+
+namespace hexaplast::output {
+
+/// Arrays of a .vtu file that has been read. Each of these throws InputError, which names the file, where the array is
+/// missing or has another shape.
+PointArray point_vectors(const std::filesystem::path& file, const ImportedState& state, std::string_view name);
+std::vector<int> point_numbers(const std::filesystem::path& file, const ImportedState& state, std::string_view name);
+std::vector<double> cell_scalars(const std::filesystem::path& file, const ImportedState& state, std::string_view name);
+
+bool has_point_data(const ImportedState& state, std::string_view name);
+
+}  // namespace hexaplast::output

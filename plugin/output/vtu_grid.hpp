@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast::output {
+
+/// One array of a .vtu file: how its header describes it, and its bytes, which stay where they are until they are
+/// written.
+struct VtuArray {
+  std::string_view type;
+  std::string_view name;
+  int components;
+  std::span<const std::byte> bytes;
+};
+
+template <class Number>
+VtuArray scalars(std::string_view type, std::string_view name, const std::vector<Number>& values) {
+  return {type, name, 1, std::as_bytes(std::span(values))};
+}
+
+VtuArray vectors(std::string_view name, const PointArray& field);
+
+inline constexpr std::uint8_t kVtkVertex = 1, kVtkLine = 3, kVtkTriangle = 5, kVtkQuad = 9, kVtkHexahedron = 12;
+
+/// An unstructured grid of VTK as XML with raw appended binary, little-endian, 64-bit headers: every number with all
+/// its bits.
+struct VtuGrid {
+  const PointArray& points;                      ///< [m]
+  std::span<const std::byte> connectivity = {};  ///< 32-bit point numbers of all cells
+  std::vector<std::int64_t> ends = {};           ///< of each cell in the connectivity
+  std::vector<std::uint8_t> types = {};          ///< of each cell
+  std::vector<VtuArray> point_data = {}, cell_data = {};
+  std::string_view shown_first = {};  ///< cell data that programs show at once; empty: none
+
+  void add_cells(std::size_t count, std::uint8_t type, int corners);  ///< cells of one type
+  void write(const std::filesystem::path& file) const;                ///< Throws OutputError.
+};
+
+}  // namespace hexaplast::output

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a run writes about that which holds and loads its body, against what the scene says.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "hexaplast/mesh/file_import.hpp"
+#include "support/command.hpp"
+#include "support/compare.hpp"
+
+namespace {
+
+using namespace hexaplast;
+
+class Conditions : public support::Command {
+ protected:
+  /// Runs a block of 0.2 x 0.2 x 0.4 m, 2 x 2 x 4 hexahedra, held at z = 0, under gravity, in steps of 0.01 s.
+  void run(const std::string& loads, int steps = 3) {
+    write("block.scn",
+          "<Node name='root' gravity='0 -9.81 0' dt='0.01'>\n<DefaultAnimationLoop/><RunSettings outputEvery='1'/>"
+          "<EulerImplicitSolver rayleighMass='1'/><SparseLDLSolver/>\n"
+          "<RegularGridTopology name='grid' n='3 3 5' max='0.2 0.2 0.4'/><MechanicalObject name='nodes'/>"
+          "<DiagonalMass massDensity='1000'/>\n<HexahedronElastoplasticFEMForceField youngModulus='5e4' "
+          "poissonRatio='0.3'/>\n<FixedProjectiveConstraint indices='0-8'/>" +
+              loads + "</Node>");
+    const support::Outcome outcome =
+        hexaplast("run block.scn --out out --force --frames 0 --quiet --steps " + std::to_string(steps));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+  }
+
+  ImportedState state(const std::string& name) const { return read_vtu_state(directory_ / "out" / name); }
+
+  static PointArray vectors(const ImportedState& state, const std::string& name) {
+    const auto found = std::ranges::find(state.point_data, name, &ImportedArray::name);
+    EXPECT_NE(found, state.point_data.end()) << name;
+    return Eigen::Map<const PointArray>(found->values.data(), state.mesh.positions.rows(), 3);
+  }
+
+  PointArray load(int step) const { return vectors(state("mesh_00000" + std::to_string(step) + ".vtu"), "load"); }
+
+  bool has(const std::string& name) const { return std::filesystem::exists(directory_ / "out" / name); }
+};
+
+TEST_F(Conditions, FixedNodesAreThoseOfTheScene) {
+  run("<LinearMovementProjectiveConstraint indices='44' keyTimes='0 0.02' movements='0 0 0  0 0 0.01'/>");
+  const ImportedState last = state("mesh_000003.vtu");
+  const auto fixed = std::ranges::find(last.point_data, "fixed", &ImportedArray::name);
+  ASSERT_NE(fixed, last.point_data.end());
+  for (int node = 0; node < 45; ++node) EXPECT_EQ(fixed->values[node], node < 9 || node == 44) << node;
+  EXPECT_TRUE(load(3).isZero(0)) << "weight is none, and neither are forces of the body itself";
+  EXPECT_FALSE(has("instruments.pvd") || has("surface.pvd"));
+}
+
+// Steps take loads at their beginning: what led to the state after step k is the load at (k - 1) dt.
+TEST_F(Conditions, LoadsAreThoseThatLedToTheState) {
+  run("<ConstantForceField indices='36 40' totalForce='0 0.3 -1'/>"
+      "<LinearForceField points='44' times='0 0.02' forces='0 0 0  3 0 0'/>");
+  for (const auto& [step, pull] : {std::pair{0, 0.0}, {1, 0.0}, {2, 1.5}, {3, 3.0}}) {
+    PointArray expected = PointArray::Zero(45, 3);
+    for (const int node : {36, 40}) expected.row(node) << 0, 0.15, -0.5;
+    expected.row(44) << pull, 0, 0;
+    EXPECT_TRUE(support::agrees(load(step), expected, 1e-15)) << step;
+  }
+}
+
+TEST_F(Conditions, LoadsOfWhatFollowsAreCarriedUp) {
+  run("<ConstantForceField indices='40' forces='0 0 0.25'/><Node name='skin'><MechanicalObject name='points' "
+      "position='0.05 0.15 0.35  0.11 0.19 0.12'/><ConstantForceField indices='0 1' forces='1 2 3  -0.5 0 4'/>"
+      "<BarycentricMapping/></Node>");
+  const PointArray forces = load(3), x = state("mesh_000003.vtu").mesh.positions;
+  EXPECT_TRUE(support::agrees(Vec3(forces.colwise().sum().transpose()), Vec3(0.5, 2, 7.25), 1e-14));
+  // the first point lies in the middle of the hexahedron at the corner (0, 0.2, 0.4): an eighth for each of its nodes
+  for (const int node : {30, 31, 33, 34, 39, 42, 43})
+    EXPECT_TRUE(support::agrees(Vec3(forces.row(node).transpose()), Vec3(0.125, 0.25, 0.375), 1e-14)) << node;
+  EXPECT_TRUE(support::agrees(Vec3(forces.row(40).transpose()), Vec3(0.125, 0.25, 0.625), 1e-14));
+}
+
+// Pressure on the end face pushes with pressure times area.
+TEST_F(Conditions, PressureAndObstaclesAreLoads) {
+  run("<QuadSetTopologyContainer name='end' quads='36 37 40 39  37 38 41 40  39 40 43 42  40 41 44 43'/>"
+      "<SurfacePressureForceField topology='@end' pressure='50' quadIndices='0 1 2 3'/>");
+  EXPECT_NEAR(load(0).colwise().sum().norm(), 50 * 0.2 * 0.2, 1e-13);
+
+  run("<PlaneForceField normal='0 1 0' d='0.01' stiffness='200' damping='0'/>");
+  const PointArray x = state("mesh_000003.vtu").mesh.positions, push = load(3);
+  for (int node = 0; node < 45; ++node)
+    EXPECT_TRUE(
+        support::agrees(Vec3(push.row(node).transpose()), Vec3(0, 200 * std::max(0.0, 0.01 - x(node, 1)), 0), 1e-12))
+        << node;
+}
+
+// The springs of a grip pull by their stiffness times the way of the tool that the nodes have not followed, in the
+// mean.
+TEST_F(Conditions, PullsOfInstrumentsAreLoadsAndFilesOfTheirOwn) {
+  run("<GraspForceField radius='0.01' keyTimes='0 1' positions='9 9 9  9 9 9' stiffness='5'/>"
+      "<GraspForceField radius='0.12' keyTimes='0 0.02' positions='0.1 0.1 0.45  0.12 0.1 0.46' stiffness='300' "
+      "releaseTime='0.025'/>"
+      "<ConstantForceField indices='44' forces='0 7 0'/>",
+      4);
+  const ImportedState held = state("instruments_000003.vtu"), mesh = state("mesh_000003.vtu");
+  const auto numbers = [&](const std::string& name) {
+    return std::ranges::find(held.point_data, name, &ImportedArray::name)->values;
+  };
+  const std::vector<double> nodes = numbers("node");
+  ASSERT_EQ(nodes.size(), 6u) << "the tool, and the nodes within 0.12 m";
+  EXPECT_EQ(nodes[0], -1);
+  EXPECT_EQ(numbers("id"), std::vector<double>(6, 1));
+  const PointArray force = vectors(held, "force");
+
+  PointArray rest_of_load = load(3);
+  Eigen::RowVector3d way = Eigen::RowVector3d::Zero();
+  const PointArray moved = vectors(mesh, "displacement");
+  for (std::size_t k = 1; k < 6; ++k) {
+    const int node = static_cast<int>(nodes[k]);
+    EXPECT_EQ(held.mesh.positions.row(static_cast<Eigen::Index>(k)), mesh.mesh.positions.row(node));
+    rest_of_load.row(node) -= force.row(static_cast<Eigen::Index>(k));
+    way += moved.row(node) / 5;
+  }
+  const Eigen::RowVector3d tool(0.02, 0, 0.01);  // at t = 0.02, which the third step began with
+  EXPECT_TRUE(support::agrees(PointArray(force.row(0)), PointArray(300 * (tool - way)), 1e-11));
+  rest_of_load.row(44) -= Eigen::RowVector3d(0, 7, 0);
+  EXPECT_TRUE(support::agrees(rest_of_load, PointArray(PointArray::Zero(45, 3)), 1e-13));
+
+  EXPECT_EQ(state("instruments_000004.vtu").mesh.positions.rows(), 0) << "let go";
+}
+
+}  // namespace
