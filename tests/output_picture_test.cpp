@@ -336,6 +336,11 @@ TEST(Loads, AreNamedWithTheGreatestOfTheRun) {
     EXPECT_TRUE(words.contains("instrument, pull up to 5 N"));
     EXPECT_TRUE(words.contains("gravity 3.71 m/s²"));
   }
+  gallery.add(0, 0, mesh.positions(), {0, 1});
+  for (const Drawing::Text& text : drawings_of(gallery)[2].texts) {
+    EXPECT_FALSE(text.words.starts_with("load,")) << "there is none in this state";
+    EXPECT_FALSE(text.words.starts_with("instrument,"));
+  }
 }
 
 // 9261 loaded nodes, of which no more are drawn than have room beside each other.

@@ -163,7 +163,7 @@ class Gallery {
   void draw_loads(const State& state, const Camera& camera, const Strongest& strongest, Drawing& picture) const;
   void draw_marks(const State& state, const Camera& camera, Page& page) const;
   std::vector<Key> keys_of_shapes(const Scale& scale) const;
-  std::vector<Key> keys_of_forces(const Camera& camera, const Strongest& strongest) const;
+  std::vector<Key> keys_of_forces(const State& state, const Camera& camera, const Strongest& strongest) const;
 
   const HexMesh& mesh_;
   std::string title_;

@@ -147,7 +147,7 @@ Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& 
   draw_marks(state, camera, page);
   page.add_title(title_, fmt::format("t = {:.{}f} s", state.time, time_decimals_));
   page.add_colour_bar(scale);
-  page.add_keys(keys_of_shapes(scale), keys_of_forces(camera, strongest));
+  page.add_keys(keys_of_shapes(scale), keys_of_forces(state, camera, strongest));
   return std::move(page).finished();
 }
 
@@ -352,11 +352,12 @@ std::vector<Key> Gallery::keys_of_shapes(const Scale& scale) const {
   return keys;
 }
 
-std::vector<Key> Gallery::keys_of_forces(const Camera& camera, const Strongest& strongest) const {
+// Those of a state; what they say is the same in all pictures.
+std::vector<Key> Gallery::keys_of_forces(const State& state, const Camera& camera, const Strongest& strongest) const {
   std::vector<Key> keys;
-  if (strongest.load > 0)
+  if (!state.loads.empty())
     keys.push_back({Key::Mark::kArrow, fmt::format("load, up to {} per node", with_unit(strongest.load, "N")), kLoad});
-  if (std::ranges::any_of(states_, [](const State& state) { return !state.pulls.empty(); })) {
+  if (!state.pulls.empty()) {
     const bool shows_force = staging_.shows_loads && strongest.pull > 0;
     keys.push_back({Key::Mark::kRing, shows_force
                                           ? fmt::format("instrument, pull up to {}", with_unit(strongest.pull, "N"))

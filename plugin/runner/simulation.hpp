@@ -73,7 +73,7 @@ class Simulation {
   int output_every_ = 25;
   output::StepRecord latest_;
   PointArray accepted_positions_, accepted_velocities_;  // of the latest step
-  double load_time_ = 0;  // [s]
+  double load_time_ = 0;                                 // [s]
   Totals totals_;
 };
 

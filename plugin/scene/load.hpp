@@ -5,8 +5,8 @@
 
 namespace hexaplast::scene {
 
-/// What a force field is besides, whose forces load the body from outside: prescribed forces, pushes of obstacles, pulls
-/// of instruments. Files and pictures of a run show them.
+/// What a force field is besides, whose forces load the body from outside: prescribed forces, pushes of obstacles,
+/// pulls of instruments. Files and pictures of a run show them.
 class Load {
  public:
   virtual ~Load() = default;

@@ -49,10 +49,10 @@ inline constexpr Description kOglModel{
 inline constexpr Attribute kVisualStyleAttributes[] = {
     {.name = "displayFlags",
      .type = Type::kText,
-     .help = "Words, of which three pairs count here: showVisualModels (the default) or hideVisualModels for surfaces, "
+     .help = "Words, of which four pairs count here: showVisualModels (the default) or hideVisualModels for surfaces, "
              "showBehaviorModels or hideBehaviorModels for hexahedra, which are shown by default where no surface is, "
-             "and beside a surface as edges; showWireframe for edges alone, in the colours of what they bound, or "
-             "hideWireframe (the default)."},
+             "and beside a surface as edges; showForceFields (the default) or hideForceFields for the arrows of loads; "
+             "showWireframe for edges alone, in the colours of what they bound, or hideWireframe (the default)."},
 };
 inline constexpr Description kVisualStyle{.class_name = "VisualStyle",
                                           .category = "Visual",
