@@ -63,6 +63,26 @@ inline std::vector<std::vector<double>> rows_of(const std::filesystem::path& fil
   return rows;
 }
 
+/// Everything below a directory, by name.
+inline std::vector<std::string> names_in(const std::filesystem::path& directory) {
+  std::vector<std::string> names;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::recursive_directory_iterator(directory))
+    names.push_back(entry.path().lexically_relative(directory).string());
+  std::ranges::sort(names);
+  return names;
+}
+
+/// A run that writes a mesh every so many steps, and no pictures.
+inline output::RunPlan plan(long steps, int every) {
+  return {.title = "test",
+          .num_steps = steps,
+          .dt = 0.01,
+          .output_every = every,
+          .num_frames = 0,
+          .force = false,
+          .loaded_nodes = {}};
+}
+
 /// A distorted block whose hexahedra yield, except the first, which never does.
 inline Body yielding_block() {
   const HexMesh mesh = distorted_block({2, 3, 5}, 0.1, 0.12, 11);

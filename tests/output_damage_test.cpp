@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Directories and disks that do not take a run: what stood there stays, and what was written can be read.
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <cstring>
+
+#include "support/vtu_reader.hpp"
+
+namespace hexaplast {
+namespace {
+
+namespace fs = std::filesystem;
+using output::OutputError;
+using output::Recorder;
+using output::RunPlan;
+using output::WholeFile;
+using support::bytes_of;
+using support::content;
+using support::names_in;
+using support::plan;
+using support::read_with_meshio;
+using support::Scratch;
+using support::series_in;
+
+TEST(WholeFile, ReplacesFilesAloneAndFollowsLinks) {
+  const Scratch scratch;
+  const std::filesystem::path pipe = scratch / "pipe", file = scratch / "file", link = scratch / "link";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(WholeFile{pipe}, OutputError);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_THROW(WholeFile{scratch / "."}, OutputError);
+
+  std::ofstream(file) << "before";
+  std::filesystem::create_symlink(file, link);
+  WholeFile out(link);
+  out.write("after");
+  EXPECT_EQ(content(file), "before");
+  out.commit();
+  EXPECT_EQ(content(file), "after");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+}
+
+TEST(Directory, ThatCannotBeMadeIsRefused) {
+  const Scratch scratch;
+  const Body body = support::yielding_block();
+  support::put(scratch / "file", "mine");
+  EXPECT_THROW(Recorder(scratch / "file", body, plan(1, 1)), OutputError);
+  EXPECT_THROW(Recorder(scratch / "file/below", body, plan(1, 1)), OutputError);
+  EXPECT_THROW(Recorder("/proc/hexaplast", body, plan(1, 1)), OutputError);  // not writable even for root
+  EXPECT_EQ(content(scratch / "file"), "mine");
+}
+
+TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  fs::create_directories(scratch / "run/frames");
+  for (const char* name :
+       {"history.csv", "removed.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part", "surface.pvd",
+        "surface_000300.vtu", "instruments.pvd", "instruments_000300.vtu", "frames/frame_000300.png", "plot.svg",
+        "manifest.json", "report.html", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
+    support::put(scratch / "run" / name, "earlier");
+  const std::vector<std::string> before = names_in(scratch / "run");
+
+  EXPECT_THROW(Recorder(scratch / "run", body, plan(2, 1)), OutputError);
+  EXPECT_EQ(names_in(scratch / "run"), before);
+  EXPECT_EQ(content(scratch / "run/history.csv"), "earlier");
+
+  RunPlan run = plan(2, 2);
+  run.force = true;
+  Recorder recorder(scratch / "run", body, run);
+  support::record_stretch(recorder, body, 2);
+  recorder.finish();
+  const std::vector<std::string> after{"frames",          "frames/mine.png", "history.csv",   "mesh.pvd",
+                                       "mesh_000000.vtu", "mesh_000002.vtu", "mesh_fine.vtu", "notes.txt",
+                                       "plot.svg",        "removed.csv"};
+  EXPECT_EQ(names_in(scratch / "run"), after);
+  EXPECT_EQ(content(scratch / "run/notes.txt"), "earlier");
+}
+
+TEST(Directory, WithSomethingElseInAFilesPlaceIsRefusedEvenIfForced) {
+  const Scratch scratch;
+  const Body body = support::yielding_block();
+  fs::create_directories(scratch / "run/history.csv");
+  support::put(scratch / "run/mesh.pvd", "earlier");
+  RunPlan run = plan(1, 1);
+  run.force = true;
+  EXPECT_THROW(Recorder(scratch / "run", body, run), OutputError);
+  EXPECT_EQ(content(scratch / "run/mesh.pvd"), "earlier");
+}
+
+/// Files cannot grow beyond a size, as on a full disk; writing fails instead of ending the program.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &limit_);
+    const rlimit lower{.rlim_cur = bytes, .rlim_max = limit_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &lower);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &limit_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit limit_{};
+  void (*handler_)(int) = nullptr;
+};
+
+TEST(FullDisk, IsReportedAtTheNextOutputAndWhatTheSeriesNamesStaysReadable) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  Recorder recorder(scratch / "run", body, plan(10, 1));
+  PointArray x = support::record_stretch(recorder, body, 2);
+  {
+    const FullDisk full(5000);
+    try {
+      recorder.record({.step = 3, .time = 0.03}, x, x);
+      FAIL() << "no error";
+    } catch (const OutputError& error) {
+      EXPECT_NE(std::string(error.what()).find(std::strerror(EFBIG)), std::string::npos) << error.what();
+    }
+  }
+  const auto series = series_in(scratch / "run");
+  ASSERT_EQ(series.size(), 3u);
+  EXPECT_EQ(read_with_meshio(scratch, series.back().second, {"points"}).at("points"), bytes_of(x));
+  for (const std::string& name : names_in(scratch / "run")) EXPECT_FALSE(name.ends_with(".part")) << name;
+}
+
+}  // namespace
+}  // namespace hexaplast
