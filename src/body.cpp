@@ -124,6 +124,7 @@ double Body::energy(ConstPoints x) const { return hexaplast::energy(model_, hist
 
 FlowReport Body::flow(ConstPoints x, double dt) {
   if (dt != checked_dt_) {
+    if (!(dt > 0) || !std::isfinite(dt)) throw InputError(fmt::format("dt = {} s: must be in (0, inf)", dt));
     // a body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it
     if (model_.can_flow()) check_time_step(model_.materials, model_.settings, dt);
     checked_dt_ = dt;

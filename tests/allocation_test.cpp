@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "hexaplast/base/parallel.hpp"
+#include "support/scene.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
 
@@ -138,6 +139,34 @@ TEST(Allocations, KeepingAccountsOfEnergyHasNone) {
   EXPECT_GT(balance.load_work, 0);
   EXPECT_GT(balance.flow_loss, 0);
 }
+
+struct ShippedScene {
+  const char* name;
+  int first;           ///< step from which all that the scene is about has begun, grips that reach their limit included
+  int of_cholmod = 0;  ///< that the direct solver's library makes in each factorisation and solution
+};
+
+void PrintTo(const ShippedScene& scene, std::ostream* out) { *out << scene.name; }
+
+class AllocationsOf : public testing::TestWithParam<ShippedScene> {};
+
+TEST_P(AllocationsOf, AShippedSceneHasNoneOfOurs) {
+  scene::Scene scene = scene::read_scene(std::string(HEXAPLAST_SOURCE_DIR "/scenes/") + GetParam().name + ".scn",
+                                         support::factory(), support::plugins());
+  scene.init();
+  for (int step = 0; step < GetParam().first; ++step) scene.step();
+  for (int step = 0; step < 5; ++step) {
+    const long before = num_allocations;
+    scene.step();
+    EXPECT_LE(num_allocations - before, GetParam().of_cholmod) << "step " << step;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, AllocationsOf,
+                         testing::Values(ShippedScene{"bar_stretch_high", 25, 6}, ShippedScene{"bar_twist_high", 25, 6},
+                                         ShippedScene{"fatty_tissue", 30}, ShippedScene{"liver_cage", 40},
+                                         ShippedScene{"peritoneum_tear", 20}, ShippedScene{"vessel_mobilise", 10, 6}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Allocations, AreCounted) {
   const long before = num_allocations;

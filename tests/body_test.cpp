@@ -129,6 +129,22 @@ TEST_F(YieldingBody, RefusesATimeStepBeyondTheLimits) {
   EXPECT_EQ(history_hash(), before);
 }
 
+TEST_F(YieldingBody, RefusesATimeStepThatIsNoneAndKeepsItsHistory) {
+  const std::string before = history_hash();
+  for (const double dt : {0.0, -0.01, -1e300, double(NAN), double(INFINITY)})
+    EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(world, dt); }, {"dt = ", "(0, inf)"})) << dt;
+  EXPECT_EQ(history_hash(), before);
+}
+
+// Squares of such positions are beyond all numbers, they themselves are not.
+TEST_F(YieldingBody, RefusesAnOverflowAndKeepsItsHistory) {
+  const std::string before = history_hash();
+  for (const double scale : {1e155, 1e200, 1e300})
+    EXPECT_TRUE(support::refuses<NumericalError>([&] { body.flow(scale * world, kStep); }, {"not finite"})) << scale;
+  EXPECT_EQ(history_hash(), before);
+  EXPECT_GT(body.flow(world, kStep).yielded, 0) << "it goes on as if nothing had been";
+}
+
 TEST_F(YieldingBody, LosesNoEnergyIntoNothing) {
   // what the elastic energy loses in a plastic step at held positions is dissipated, to first order in the flow
   const double energy = body.energy(world), dissipated = body.history().dissipated_energy;

@@ -13,6 +13,7 @@
 #include "attributes/examples.hpp"
 #include "attributes/stock.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
 #include "support/example_scene.hpp"
 #include "support/scene.hpp"
 
@@ -124,6 +125,10 @@ class ExampleScenes : public testing::Test {
       EXPECT_TRUE(state->positions().allFinite()) << value;
       EXPECT_TRUE(state->velocities().allFinite()) << value;
     }
+    for (scene::ForceField* field : scene.root().all<scene::ForceField>())
+      if (const Body* body = field->body()) {
+        EXPECT_NO_THROW(validate(body->model(), body->history())) << value;
+      }
     return {};
   }
 

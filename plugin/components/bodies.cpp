@@ -147,7 +147,7 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
     const std::string_view name = output.attribute().name;
     const History& history = body()->history();
     if (name == "materialPositions") {
-      output.set(std::vector<double>(history.material.data(), history.material.data() + history.material.size()));
+      output.set(flattened(history.material));
     } else if (name == "removed") {
       output.set(std::vector<std::int64_t>(history.removed.begin(), history.removed.end()));
     } else if (name == "plasticStrain" || name == "presentYieldStress" || name == "volumeRatio") {

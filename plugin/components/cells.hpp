@@ -7,7 +7,7 @@
 
 #include "scene/interfaces.hpp"
 
-/// Cells between scene and core: flat lists of whole numbers there, groups of N nodes here.
+/// Cells and points between scene and core: flat lists of numbers there, groups of N nodes and rows here.
 namespace hexaplast::components {
 
 /// An attribute of whole numbers as cells. Rejects the scene when the numbers do not form groups of N, or a node is not
@@ -20,6 +20,11 @@ template <std::size_t N>
 std::vector<std::int64_t> flattened(std::span<const std::array<int, N>> cells);
 template <std::size_t N>
 std::vector<std::int64_t> flattened(std::span<const std::array<int, N>> cells, std::span<const int> chosen);
+
+/// The coordinates of points, one after the other.
+inline std::vector<double> flattened(const PointArray& points) {
+  return {points.data(), points.data() + points.size()};
+}
 
 /// The hexahedra of a topology, for a component that works on a state of `num_nodes` nodes. Rejects the scene when
 /// there are none, when the topology has another number of nodes, or when a hexahedron has a node that the state has

@@ -25,8 +25,7 @@ class ExtrudeQuadsAndGenerateHexas final : public scene::Engine {
     try {
       const QuadSurface surface(std::move(vertices), std::move(quads));
       const Shell shell = offset(surface, thickness);
-      const PointArray& x = shell.mesh.positions();
-      found("extrudedVertices", std::vector<double>(x.data(), x.data() + x.size()));
+      found("extrudedVertices", flattened(shell.mesh.positions()));
       found("extrudedSurfaceQuads", flattened<4>(quads_of_layer(surface, thickness.layers, 0)));
       found("extrudedQuads", flattened<4>(faces_of(shell.mesh.hexahedra())));
       found("extrudedHexas", flattened<8>(shell.mesh.hexahedra()));

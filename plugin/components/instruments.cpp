@@ -70,7 +70,8 @@ class GraspForceField final : public scene::ForceField,
   }
 
   void add_force(double time, ConstPoints x, ConstPoints v, Points f) override {
-    lags_ = grip_.add_force(tool_at(time), x, f);
+    grip_.lags_at(tool_at(time), x, lags_);
+    grip_.add_force(tool_at(time), x, f);
     drag_ = grip_.add_damping_force(tool_velocity_at(time), v, f);
   }
   void add_load(double time, ConstPoints x, ConstPoints, Points f) const override {

@@ -25,14 +25,11 @@ class MeshLoader final : public scene::Component {
 
   void provide(scene::Data& output) override {
     const std::string_view name = output.attribute().name;
-    if (name == "position") {
-      const PointArray& x = mesh().positions;
-      output.set(std::vector<double>(x.data(), x.data() + x.size()));
-    }
-    if (name == "edges") output.set(flattened<2>(mesh().edges));
-    if (name == "triangles") output.set(flattened<3>(mesh().triangles));
-    if (name == "quads") output.set(flattened<4>(mesh().quads));
-    if (name == "hexahedra") output.set(flattened<8>(mesh().hexahedra));
+    if (name == "position") output.set_once([this] { return flattened(mesh().positions); });
+    if (name == "edges") output.set_once([this] { return flattened<2>(mesh().edges); });
+    if (name == "triangles") output.set_once([this] { return flattened<3>(mesh().triangles); });
+    if (name == "quads") output.set_once([this] { return flattened<4>(mesh().quads); });
+    if (name == "hexahedra") output.set_once([this] { return flattened<8>(mesh().hexahedra); });
   }
 
  private:

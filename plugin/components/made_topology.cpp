@@ -7,13 +7,10 @@ namespace hexaplast::components {
 
 void MadeTopology::provide(scene::Data& output) {
   const std::string_view name = output.attribute().name;
-  if (name == "position") {
-    const PointArray& x = positions();
-    output.set(std::vector<double>(x.data(), x.data() + x.size()));
-  }
-  if (name == "hexahedra") output.set(flattened<8>(hexahedra()));
-  if (name == "quads") output.set(flattened<4>(quads()));
-  if (name == "edges") output.set(flattened<2>(edges()));
+  if (name == "position") output.set_once([this] { return flattened(positions()); });
+  if (name == "hexahedra") output.set_once([this] { return flattened<8>(hexahedra()); });
+  if (name == "quads") output.set_once([this] { return flattened<4>(quads()); });
+  if (name == "edges") output.set_once([this] { return flattened<2>(edges()); });
 }
 
 }  // namespace hexaplast::components

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "attributes/stock.hpp"
+#include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/placement.hpp"
@@ -55,7 +56,7 @@ class MechanicalObject final : public scene::MechanicalState {
     if (stage() != Stage::kReady) return;  // until then they hold what the scene gives
     const std::string_view name = output.attribute().name;
     const PointArray& field = name == "position" ? positions_ : name == "velocity" ? velocities_ : rest_positions_;
-    output.set(std::vector<double>(field.data(), field.data() + field.size()));
+    output.set(flattened(field));
   }
 
  private:

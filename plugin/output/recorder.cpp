@@ -10,6 +10,7 @@
 #include <cstring>
 #include <optional>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "output/film.hpp"
 #include "output/instruments_vtu.hpp"
@@ -34,6 +35,17 @@ constexpr std::string_view kBalanceHeader =
 std::string balance_columns(const EnergyBalance& energy) {
   return fmt::format(",{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
                      energy.numerical_loss, energy.flow_loss, energy.error());
+}
+
+/// Throws NumericalError naming the first column of a row that is not finite: "inf" and "nan" alone have letters n.
+void require_finite(std::string_view row, long step) {
+  const std::size_t at = row.find('n');
+  if (at == std::string_view::npos) return;
+  std::string names = std::string(kHeader).append(kBalanceHeader);
+  std::string_view name = names;
+  for (auto commas = std::ranges::count(row.substr(0, at), ','); commas > 0; --commas)
+    name.remove_prefix(name.find(',') + 1);
+  throw NumericalError(fmt::format("step {}: the {} is not finite", step, name.substr(0, name.find(','))));
 }
 
 /// The steps that are drawn: `count` of them, evenly over the run, ascending, the last step among them.
@@ -156,7 +168,7 @@ struct Recorder::Files {
   }
   bool wants_state(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
   void append_removed(const StepRecord& record);
-  void append_row(const StepRecord& record, const Measures& measures, ConstPoints positions);
+  std::string row_of(const StepRecord& record, ConstPoints positions) const;
   void write_state();
   bool is_drawn(long step) const { return std::ranges::binary_search(to_draw, step); }
   bool is_filmed(long step) const { return std::ranges::binary_search(to_film, step); }
@@ -183,14 +195,14 @@ void Recorder::save(Archive& archive) {
 void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
                       BoundaryConditions conditions) {
   Files& files = *files_;
+  const std::string row = files.row_of(record, positions);  // before anything changes: it may be refused
   files.latest = record;
   files.latest_positions = positions;
   files.latest_velocities = velocities;
   files.latest_conditions = std::move(conditions);
 
-  const Measures measures = files.ruler.measure(positions);
   files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
-  files.append_row(record, measures, positions);
+  files.history.append(row);
   if (files.wants_state(record.step)) files.write_state();
   if (files.is_drawn(record.step) || files.is_filmed(record.step)) files.keep_for_picture();
 }
@@ -218,15 +230,18 @@ void Recorder::Files::append_removed(const StepRecord& record) {
   if (!rows.empty()) removed.append(rows);
 }
 
-void Recorder::Files::append_row(const StepRecord& record, const Measures& measures, ConstPoints positions) {
-  history.append(fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time,
-                             record.kinetic_energy, record.energy ? record.energy->elastic : body.energy(positions),
-                             body.history().dissipated_energy, measures.world_volume_ratio,
-                             measures.material_volume_ratio, measures.plastic_elongation, measures.plastic_twist_deg,
-                             mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
-                             record.flow.yielded, record.flow.inverted, body.history().removed.size(),
-                             record.solver_iterations, record.residual, record.step_ms, measures.world_elongation,
-                             measures.world_twist_deg, plan.has_energy_balance ? balance_columns(*record.energy) : ""));
+std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
+  const Measures measures = ruler.measure(positions);
+  const std::string row = fmt::format(
+      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time, record.kinetic_energy,
+      record.energy ? record.energy->elastic : body.energy(positions), body.history().dissipated_energy,
+      measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
+      measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
+      record.flow.yielded, record.flow.inverted, body.history().removed.size(), record.solver_iterations,
+      record.residual, record.step_ms, measures.world_elongation, measures.world_twist_deg,
+      plan.has_energy_balance ? balance_columns(*record.energy) : "");
+  require_finite(row, record.step);
+  return row;
 }
 
 // The mesh last: whatever mesh.pvd names has its companions.

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <ranges>
+#include <iterator>
 #include <string>
 
 #include "output/files.hpp"
@@ -74,11 +74,11 @@ void VtuGrid::write(const std::filesystem::path& file) const {
 
   WholeFile out(file);
   out.write(header);
-  for (const std::vector<VtuArray>& group : groups | std::views::reverse)
-    for (const VtuArray& array : group | std::views::reverse) {
-      const std::uint64_t bytes = array.bytes.size();
+  for (auto group = std::rbegin(groups); group != std::rend(groups); ++group)
+    for (auto array = group->rbegin(); array != group->rend(); ++array) {
+      const std::uint64_t bytes = array->bytes.size();
       out.write(&bytes, sizeof bytes);
-      out.write(array.bytes.data(), array.bytes.size());
+      out.write(array->bytes.data(), array->bytes.size());
     }
   out.write("\n  </AppendedData>\n</VTKFile>\n");
   out.commit();

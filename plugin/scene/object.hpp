@@ -57,6 +57,14 @@ class Data {
   /// For the owner: a new value of an output or a state.
   void set(Value value);
 
+  /// The same for an output that never changes: `make` gives it when it is first asked for.
+  template <class Make>
+  void set_once(const Make& make) {
+    if (is_made_) return;
+    set(make());
+    is_made_ = true;
+  }
+
   /// The present value: that of the source, or the own one, which the owner brings up to date first if it computes it.
   const Value& value();
 
@@ -74,6 +82,7 @@ class Data {
   long version_ = 0;
   long checked_version_ = -1;  // of the source
   bool is_given_ = false;
+  bool is_made_ = false;  // by set_once
   std::string link_;
   Data* source_ = nullptr;
   Object* target_ = nullptr;

@@ -126,7 +126,7 @@ def test_what_the_command_refuses_is_refused_with_its_message(tmp_path):
 
     with pytest.raises(ImportError, match="Absent"):
         hexaplast.Scene(BAR, plugins=["Absent"], plugin_path=[tmp_path])
-    with pytest.raises(ArithmeticError, match="step 3: the force of node"):
+    with pytest.raises(ArithmeticError, match="step 2: the plastic history of hexahedron"):
         hexaplast.run(BAR, 5, {"bar/pullUp.forces": "0 0 0  0 0 1e308  0 0 1e308  0 0 0", "bar/pullUp.times": "0 0.02 1 2"})
 
 

@@ -293,6 +293,7 @@ template <>
 void linearize_elements(const ElementPass<float, Half>& pass, int chunk) {
   HWY_DYNAMIC_DISPATCH(linearize_half)(pass, chunk);
 }
+
 void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
                        double* Ap) {
   HWY_DYNAMIC_DISPATCH(exact_product)(model, at, chunk, factor, p, Ap);

@@ -61,13 +61,6 @@ RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme)
   return rest;
 }
 
-RestOperator removed_operator() {
-  RestOperator rest;
-  rest.inverse_jacobian.fill(Mat3::Zero());
-  rest.shared_gradient.setZero();
-  return rest;
-}
-
 std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world) {
   const Mat3 shared = world.transpose() * rest.shared_gradient;
   std::array<Mat3, kCorners> F;

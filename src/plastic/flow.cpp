@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/plastic/flow.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/plastic/element_flow.hpp"
@@ -123,6 +126,11 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place)
       if (left >> place & 1) flow_alone(model.partition->element(block, place));
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = model.partition->element(block, place);
+      if (e >= 0 && !work.flows[e].idle)
+        work.flows[e].overflowed = !work.trial.is_finite(e) || !std::isfinite(work.flows[e].dissipated);
+    }
   });
   return true;
 }
@@ -231,6 +239,8 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
                 FlowWorkspace& work) {
   FlowReport report;
   if (!flow_elements(model, at, dt, history, work)) return report;
+  if (const auto bad = std::ranges::find(work.flows, true, &ElementFlow::overflowed); bad != work.flows.end())
+    throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", bad - work.flows.begin()));
 
   const auto count = [&](bool ElementFlow::*mark) {
     return static_cast<int>(

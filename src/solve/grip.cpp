@@ -36,25 +36,25 @@ Mat3 Grip::stiffness_at(const Vec3& lag) const {
   return -share(most_force) / lag.norm() * (Mat3::Identity() - direction * direction.transpose());
 }
 
-PointArray Grip::lags_at(const Vec3& tool, ConstPoints x) const {
-  PointArray lags(arms.rows(), 3);
-  for (Eigen::Index i = 0; i < lags.rows(); ++i) lags.row(i) = tool.transpose() + arms.row(i) - x.row(nodes[i]);
-  return lags;
+Vec3 Grip::lag(std::size_t i, const Vec3& tool, ConstPoints x) const {
+  return (tool.transpose() + arms.row(static_cast<Eigen::Index>(i)) - x.row(nodes[i])).transpose();
 }
 
-PointArray Grip::add_force(const Vec3& tool, ConstPoints x, Points f) const {
-  PointArray lags = lags_at(tool, x);
-  for (Eigen::Index i = 0; i < lags.rows(); ++i) f.row(nodes[i]) += force(lags.row(i).transpose()).transpose();
-  return lags;
+void Grip::lags_at(const Vec3& tool, ConstPoints x, PointArray& lags) const {
+  lags.resize(arms.rows(), 3);
+  for (std::size_t i = 0; i < nodes.size(); ++i) lags.row(static_cast<Eigen::Index>(i)) = lag(i, tool, x).transpose();
+}
+
+void Grip::add_force(const Vec3& tool, ConstPoints x, Points f) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i) f.row(nodes[i]) += force(lag(i, tool, x)).transpose();
 }
 
 double Grip::energy(const Vec3& tool, ConstPoints x) const {
-  const PointArray lags = lags_at(tool, x);
+  const double k = share(stiffness), F = share(most_force);
   double sum = 0;
-  for (Eigen::Index i = 0; i < lags.rows(); ++i) {
-    const Vec3 lag = lags.row(i).transpose();
-    const double k = share(stiffness), F = share(most_force);
-    sum += is_at_limit(lag) ? F * lag.norm() - F * F / (2 * k) : k * lag.squaredNorm() / 2;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Vec3 g = lag(i, tool, x);
+    sum += is_at_limit(g) ? F * g.norm() - F * F / (2 * k) : k * g.squaredNorm() / 2;
   }
   return sum;
 }

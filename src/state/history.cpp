@@ -23,11 +23,6 @@ void require(bool holds, std::string_view what) {
   if (!holds) throw InputError(fmt::format("the plastic history does not belong to this body: {}", what));
 }
 
-template <class Tensors>
-bool all_finite(const Tensors& tensors) {
-  return std::ranges::all_of(tensors, [](const auto& tensor) { return tensor.allFinite(); });
-}
-
 template <class Holds>
 bool all_values(const std::vector<CornerValues>& values, const Holds& holds) {
   return std::ranges::all_of(values, [&](const CornerValues& corners) { return std::ranges::all_of(corners, holds); });
@@ -72,6 +67,18 @@ void History::set_element(int e, const ElementHistory& element) {
   if (!plastic_stretch.empty()) plastic_stretch[e] = element.plastic_stretch;
 }
 
+bool History::is_finite(int e) const {
+  const auto finite = [](const auto& tensor) { return tensor.allFinite(); };
+  const auto values = [](const CornerValues& corners) {
+    return Eigen::Map<const Eigen::Array<double, kCorners, 1>>(corners.data());
+  };
+  const std::size_t maps = rotation_map.size() / rest_shape.size();
+  return finite(rest_shape[e]) && finite(values(plastic_strain[e])) && !values(yield_stress[e]).hasNaN() &&
+         (rotation_yield.empty() || !values(rotation_yield[e]).hasNaN()) &&
+         std::all_of(rotation_map.begin() + e * maps, rotation_map.begin() + (e + 1) * maps, finite) &&
+         (plastic_stretch.empty() || std::ranges::all_of(plastic_stretch[e], finite));
+}
+
 void History::serialize(Archive& archive) {
   archive(rest_shape, rotation_map, yield_stress, rotation_yield, material, plastic_strain, plastic_stretch,
           dissipated_energy, alive, removed, averaging_increment);
@@ -94,13 +101,11 @@ void validate(const Model& model, const History& history) {
   const auto is_threshold = [](double value) { return value >= 0; };
   require(all_values(history.yield_stress, is_threshold) && all_values(history.rotation_yield, is_threshold),
           "a yield threshold is negative or no number");
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  require(history.material.allFinite() && history.averaging_increment.allFinite() && all_finite(history.rest_shape) &&
-              all_finite(history.rotation_map) && all_values(history.plastic_strain, is_finite) &&
-              std::isfinite(history.dissipated_energy) &&
-              std::ranges::all_of(history.plastic_stretch,
-                                  [](const CornerTensors& tensors) { return all_finite(tensors); }),
+  require(history.material.allFinite() && history.averaging_increment.allFinite() &&
+              std::isfinite(history.dissipated_energy),
           "a value is not finite");
+  for (int e = 0; e < model.mesh.num_elements(); ++e)
+    require(history.is_finite(e), fmt::format("a value of hexahedron {} is not finite", e));
 
   std::vector<unsigned char> left(num_elements, 1);
   for (const int e : history.removed) {

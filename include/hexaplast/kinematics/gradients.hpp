@@ -34,9 +34,6 @@ struct RestOperator {
 
 RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme = GradientScheme::kBlended);
 
-/// The operator of an element that is gone: no volume and no gradients, hence no force and no stiffness.
-RestOperator removed_operator();
-
 /// F~_i for all eight samples.
 std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world);
 

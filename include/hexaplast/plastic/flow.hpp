@@ -25,6 +25,7 @@ struct ElementFlow {
   bool idle = false;  ///< gone, or at rest: the step leaves it as it is
   bool yielded = false, inverted = false, guarded = false, repaired = false;
   bool collapsing = false;  ///< the averaging pressed it towards inversion
+  bool overflowed = false;  ///< some number of its history, or its dissipated energy, is not finite
   double volume_error = 0;  ///< [-] |material volume / original volume - 1| before the step
   double dissipated = 0;    ///< [J]
 };
@@ -55,7 +56,8 @@ FlowReport count_inverted(const Model& model, const Linearization& at);
 /// One plastic step at the accepted world positions that `at` holds (theory.md section 5). Where `at` is current,
 /// elements that its watch finds at rest are passed over; without, all are looked at, to the same result: stretch and
 /// rotation flow at every corner, rest shapes, volume restitution, hardening, rest-to-material averaging. Throws
-/// NumericalError naming the node where a material position is not finite; the history is then as before.
+/// NumericalError naming the element whose history, or the node whose material position, is not finite; the history is
+/// then as before.
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
                 FlowWorkspace& work);
 

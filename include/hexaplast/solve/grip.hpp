@@ -40,8 +40,11 @@ struct Grip {
   void close(std::vector<int> held, const Vec3& tool, ConstPoints x);
   void open();
 
-  /// f += forces [N]. Returns the lags [m], one row per held node, to which the stiffness below refers.
-  PointArray add_force(const Vec3& tool, ConstPoints x, Points f) const;
+  /// g_i [m], one row per held node, to which the stiffness below refers; `lags` gets that size.
+  void lags_at(const Vec3& tool, ConstPoints x, PointArray& lags) const;
+
+  /// f += forces [N].
+  void add_force(const Vec3& tool, ConstPoints x, Points f) const;
 
   /// Sum of psi_i [J]: the forces are minus its gradient with respect to x.
   double energy(const Vec3& tool, ConstPoints x) const;
@@ -66,7 +69,7 @@ struct Grip {
  private:
   double share(double of_all) const { return of_all / static_cast<double>(nodes.size()); }
   bool is_at_limit(const Vec3& lag) const;
-  PointArray lags_at(const Vec3& tool, ConstPoints x) const;
+  Vec3 lag(std::size_t i, const Vec3& tool, ConstPoints x) const;
   Vec3 force(const Vec3& lag) const;
   Mat3 stiffness_at(const Vec3& lag) const;
 };

@@ -46,6 +46,9 @@ struct History {
   ElementHistory element(int e) const;
   void set_element(int e, const ElementHistory& element);
 
+  /// Whether every number of one element is finite; its thresholds may be infinite, but must be numbers.
+  bool is_finite(int e) const;
+
   /// Every array, in the order above; `version` belongs to the process alone.
   void serialize(Archive& archive);
 };
