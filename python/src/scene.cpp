@@ -79,6 +79,7 @@ class Scene {
   void run(std::optional<long> steps) {
     if (!steps && !planned_steps_)
       throw InputError("the number of steps is not given: neither here nor by RunSettings.steps in the scene");
+    if (steps && *steps < 1) throw InputError(fmt::format("steps = {} must be at least 1", *steps));
     const long end = steps ? num_steps_ + *steps : *planned_steps_;
     const Turn turn(taken());
     while (num_steps_ < end) {

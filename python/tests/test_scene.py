@@ -145,6 +145,16 @@ def test_a_run_without_a_number_of_steps_takes_the_scene_s(tmp_path):
         scene.run()
 
 
+@pytest.mark.parametrize("steps", [0, -3])
+def test_less_than_one_step_is_refused(steps):
+    with pytest.raises(ValueError, match=f"steps = {steps} must be at least 1"):
+        hexaplast.run(BAR, steps=steps)
+    scene = hexaplast.Scene(BAR)
+    with pytest.raises(ValueError, match=f"steps = {steps} must be at least 1"):
+        scene.run(steps)
+    assert scene.num_steps == 0
+
+
 def test_remarks_of_a_scene_are_warnings():
     with pytest.warns(UserWarning, match="(?s)bar_stretch_high.scn:.*warning"):
         hexaplast.Scene(BAR, {"bar/material.plasticFlowRate": 20})  # times dt above what is advised
