@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What somebody outside the project sees: a plugin and a program built against an installation, and the packages.
+// What somebody outside the project sees: a plugin and a program built against an installation, the example that the
+// pages show, and the packages.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -12,8 +13,12 @@ using hexaplast::support::Command;
 using hexaplast::support::content;
 using hexaplast::support::Outcome;
 using Json = nlohmann::json;
+using namespace std::string_literals;
 
-const std::string kExample = std::string(HEXAPLAST_SOURCE_DIR) + "/docs/examples/plugin";
+const fs::path kSource = HEXAPLAST_SOURCE_DIR;
+const std::string kExample = kSource / "docs/examples/plugin";
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 std::string quoted(const std::string& path) { return std::string("'").append(path).append("'"); }
 
@@ -70,8 +75,7 @@ TEST_F(OutsidePlugin, IsBuiltFromTheInstallationAndFoundByName) {
 }
 
 TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
-  const std::string cmake = "'" HEXAPLAST_CMAKE "' ",
-                    consumer = std::string(HEXAPLAST_SOURCE_DIR) + "/examples/consumer";
+  const std::string cmake = "'" HEXAPLAST_CMAKE "' ", consumer = kSource / "examples/consumer";
   must(cmake + "--install '" HEXAPLAST_BUILD_DIR "' --prefix prefix");
   must(cmake + "-S " + quoted(consumer) +
        " -B build -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" -DCMAKE_CXX_COMPILER='" HEXAPLAST_COMPILER "'");
@@ -79,9 +83,16 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
   const Outcome strain = shell("build/consumer");
   EXPECT_EQ(strain.code, 0);
 
+  // what the pages show is this program, and what it prints
+  const std::string source = content(consumer + "/main.cpp"), program = source.substr(source.find("#include"));
+  for (const char* page : {"docs/api.md", "include/hexaplast/README.md"}) {
+    EXPECT_TRUE(has(content(kSource / page), "```cpp\n" + program + "```\n")) << page << " does not show\n" << program;
+    EXPECT_TRUE(has(content(kSource / page), "```\n" + strain.out + "```\n")) << page << " does not say\n"
+                                                                              << strain.out;
+  }
+
   // pkg-config tells the same without CMake; its flags link what CMake has compiled
-  const std::string pkg_config =
-      "PKG_CONFIG_PATH=\"$PWD/prefix/" HEXAPLAST_LIBDIR "/pkgconfig\" pkg-config --define-prefix ";
+  const std::string pkg_config = "PKG_CONFIG_PATH=\"$PWD/prefix/" HEXAPLAST_LIBDIR "/pkgconfig\" pkg-config ";
   must(pkg_config + "--exact-version=" HEXAPLAST_VERSION " hexaplast");
   must("'" HEXAPLAST_COMPILER "' -std=c++20 -fsyntax-only $(" + pkg_config + "--cflags hexaplast) " +
        quoted(consumer + "/main.cpp"));
@@ -103,6 +114,27 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
   EXPECT_FALSE(finds("0.2"));
 }
 
+/// The value of a variable of a preset.
+std::string preset(const std::string& name, const std::string& variable) {
+  const Json presets = Json::parse(content(kSource / "CMakePresets.json"));
+  for (const Json& one : presets["configurePresets"])
+    if (one["name"] == name) return one["cacheVariables"].value(variable, "");
+  return "";
+}
+
+TEST_F(OutsidePlugin, PackagesAreCompiledWithChecksOfStackAndBuffers) {
+  const std::string cmake = "'" HEXAPLAST_CMAKE "' ";
+  must(cmake + "-S " + quoted(kSource / "tests/hardening") +
+       " -B build -DCMAKE_BUILD_TYPE=Release -DHEXAPLAST_HARDENING='" + preset("package", "HEXAPLAST_HARDENING") +
+       "' -DCMAKE_CXX_COMPILER='" HEXAPLAST_COMPILER "'");
+  must(cmake + "--build build");
+  const std::string symbols = shell("nm -D build/libhardened.so").out;
+  EXPECT_TRUE(has(symbols, "__stack_chk_fail")) << symbols;
+  EXPECT_TRUE(has(symbols, "__memcpy_chk")) << symbols;
+}
+
+const std::string kLibrary = "libhexaplast" HEXAPLAST_SONAME;
+
 /// The packages of `cpack -G DEB`, unpacked into a folder that stands for /.
 class DebianPackages : public OutsidePlugin {
  protected:
@@ -119,26 +151,35 @@ class DebianPackages : public OutsidePlugin {
 };
 
 TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
-  const std::string library = files("libhexaplast"), headers = files("libhexaplast-dev"),
-                    tools = files("hexaplast-tools");
-  const auto has = [](const std::string& list, const std::string& file) {
-    return list.find(file) != std::string::npos;
-  };
+  const std::string library = files(kLibrary), components = files("hexaplast-components"),
+                    headers = files("libhexaplast-dev"), tools = files("hexaplast-tools");
   EXPECT_TRUE(has(library, "/libhexaplast.so." HEXAPLAST_VERSION "\n")) << library;
-  EXPECT_TRUE(has(library, "/hexaplast/plugins/libHexaplast.so\n")) << library;
   EXPECT_FALSE(has(library, "/libhexaplast.so\n") || has(library, ".hpp") || has(library, "/bin/")) << library;
+  EXPECT_TRUE(has(components, "/hexaplast/plugins/libHexaplast.so\n")) << components;
   EXPECT_TRUE(has(headers, "/hexaplast/body.hpp\n") && has(headers, "/libhexaplast.so ->")) << headers;
   EXPECT_TRUE(has(headers, "/HexaplastConfig.cmake\n") && has(headers, "/pkgconfig/hexaplast.pc\n")) << headers;
   EXPECT_TRUE(has(tools, "/bin/hexaplast\n") && has(tools, "/man1/hexaplast.1")) << tools;
   EXPECT_TRUE(has(tools, "/bash-completion/completions/hexaplast\n")) << tools;
-  for (const char* package : {"libhexaplast", "libhexaplast-dev", "hexaplast-tools"})
-    EXPECT_TRUE(has(files(package), std::string("/doc/") + package + "/copyright\n")) << package;
+  for (const std::string& package : {kLibrary, "hexaplast-components"s, "libhexaplast-dev"s, "hexaplast-tools"s})
+    EXPECT_TRUE(has(files(package), "/doc/" + package + "/copyright\n")) << package;
 
-  EXPECT_TRUE(has(field("libhexaplast", "Depends"), "libcholmod3")) << field("libhexaplast", "Depends");
-  EXPECT_TRUE(has(field("libhexaplast-dev", "Depends"), "libeigen3-dev") &&
-              has(field("libhexaplast-dev", "Depends"), "libhexaplast (= " HEXAPLAST_VERSION))
-      << field("libhexaplast-dev", "Depends");
-  EXPECT_TRUE(has(field("hexaplast-tools", "Depends"), "libhexaplast")) << field("hexaplast-tools", "Depends");
+  const std::string exactly = " (= " HEXAPLAST_VERSION ")";
+  const std::string needs = field(kLibrary, "Depends"), dev_needs = field("libhexaplast-dev", "Depends"),
+                    tools_need = field("hexaplast-tools", "Depends");
+  EXPECT_TRUE(has(needs, "libcholmod3")) << needs;
+  EXPECT_TRUE(has(dev_needs, "libeigen3-dev") && has(dev_needs, kLibrary + exactly)) << dev_needs;
+  EXPECT_TRUE(has(tools_need, kLibrary + exactly) && has(tools_need, "hexaplast-components" + exactly)) << tools_need;
+
+  // any later release of the same soname will do, and another soname is another package; the linker's cache is renewed
+  // once for all packages
+  must("dpkg-deb -e packages/" + kLibrary + "_*.deb control");
+  const std::string shlibs = content(directory_ / "control/shlibs");
+  for (const char* part : {"", "_scene", "_components", "_output"})
+    EXPECT_TRUE(
+        has(shlibs, "libhexaplast"s + part + " " HEXAPLAST_SONAME " " + kLibrary + " (>= " HEXAPLAST_VERSION ")"))
+        << shlibs;
+  EXPECT_EQ(content(directory_ / "control/triggers"), "activate-noawait ldconfig\n");
+  EXPECT_FALSE(fs::exists(directory_ / "control/postinst"));
 
   must("mkdir root && for deb in packages/*.deb; do dpkg-deb -x $deb root; done");
   const Outcome run = shell("root/usr/bin/hexaplast run '" + std::string(HEXAPLAST_SOURCE_DIR) +
@@ -150,6 +191,11 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
     const std::string headers_of = shell(std::string("readelf -W -h -l -d ") + binary).out;
     EXPECT_TRUE(has(headers_of, "DYN (") && has(headers_of, "GNU_RELRO") && has(headers_of, "NOW")) << headers_of;
   }
+  // pkg-config finds what lies beside its file, in the folder of this architecture too
+  must(
+      "export PKG_CONFIG_PATH=\"$(dirname \"$(find \"$PWD/root\" -name hexaplast.pc)\")\" && "
+      "test -e \"$(pkg-config --variable=includedir hexaplast)/hexaplast/body.hpp\" && "
+      "test -e \"$(pkg-config --variable=libdir hexaplast)/libhexaplast.so\"");
   // nothing of the build tree is left in what is delivered
   EXPECT_NE(shell("grep -rl '" HEXAPLAST_BUILD_DIR "' root").code, 0) << content(directory_ / "out");
 }

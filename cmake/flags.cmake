@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Flags of every target of ours, and the options that choose them.
+option(HEXAPLAST_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
+option(HEXAPLAST_HARDENING "Compile with checks against overflows of buffers and of the stack" OFF)
+set(HEXAPLAST_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
+
+add_library(hexaplast_flags INTERFACE)
+# Contraction to FMA changes the last bit between machines; we promise the same bits.
+target_compile_options(hexaplast_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
+                       $<$<BOOL:${HEXAPLAST_WARNINGS_AS_ERRORS}>:-Werror>)
+# Tables of addresses are filled when a program starts and read-only from then on.
+target_link_options(hexaplast_flags INTERFACE -Wl,-z,relro,-z,now)
+if(HEXAPLAST_HARDENING)
+  target_compile_options(hexaplast_flags INTERFACE -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
+endif()
+if(HEXAPLAST_SANITIZE)
+  target_compile_options(hexaplast_flags INTERFACE -fsanitize=${HEXAPLAST_SANITIZE} -fno-omit-frame-pointer
+                         -fno-sanitize-recover=all)
+  # Clang puts the sanitizer into programs alone: libraries find it when they are loaded, not when they are linked.
+  target_link_options(hexaplast_flags INTERFACE -fsanitize=${HEXAPLAST_SANITIZE} -Wl,-z,undefs)
+endif()
