@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "support/bar_scene.hpp"
 #include "support/command.hpp"
 
 namespace {
@@ -10,14 +11,8 @@ namespace {
 namespace fs = std::filesystem;
 using hexaplast::support::Command;
 using hexaplast::support::content;
+using hexaplast::support::kPulledBar;
 using hexaplast::support::Outcome;
-
-const std::string kBar =
-    "<Node name='root' gravity='0 0 0'>\n<DefaultAnimationLoop/><RunSettings steps='6' outputEvery='2'/>\n"
-    "<Node name='bar'><EulerImplicitSolver/><SparseLDLSolver/>\n<RegularGridTopology n='2 2 4'/><MechanicalObject/>"
-    "<DiagonalMass/>\n<HexahedronElastoplasticFEMForceField name='material' yieldStress='1' plasticFlowRate='2'/>"
-    "<FixedProjectiveConstraint indices='0 1 2 3'/><ConstantForceField indices='12 13 14 15' totalForce='0 0 400'/>"
-    "</Node></Node>";
 
 const std::string kOdd = "it's \"100 %s\" $(touch hit) `touch hit` \xc3\xbc;|&*?[a]\\n";
 
@@ -43,8 +38,8 @@ std::map<std::string, std::string> files_in(const fs::path& directory) {
 
 TEST_F(Command, TakesBlanksQuotesAndSignsOfTheShellInNamesAsTheyAre) {
   fs::create_directory(directory_ / kOdd);
-  write("bar.scn", kBar);
-  write(kOdd + "/" + kOdd + ".scn", kBar);
+  write("bar.scn", kPulledBar);
+  write(kOdd + "/" + kOdd + ".scn", kPulledBar);
   ASSERT_EQ(hexaplast("run bar.scn --frames 0 --out plain --checkpoint every=3").code, 0);
   const std::string scene = quoted(kOdd + "/" + kOdd + ".scn"), out = quoted(kOdd + "/out" + kOdd);
   const Outcome run = hexaplast("run " + scene + " --frames 0 --out " + out + " --checkpoint every=3");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include "hexaplast/base/memory.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
@@ -80,6 +81,15 @@ TEST(Grid, TakesItsSizeInEveryFormOfSofa) {
             "test.scn:1: error: RegularGridTopology.ymin: is not given, others of the six are: all are needed");
   EXPECT_EQ(errors_of("<Node><RegularGridTopology cellWidth='1e-9'/></Node>"),
             "test.scn:1: error: RegularGridTopology.n: 1e+27 cells, must be at most 16777216");
+}
+
+// Hexahedra that would fill the machine are refused before they are made.
+TEST(Grid, WhoseBodyIsTooLargeForTheMachineIsRefused) {
+  const std::uint64_t layers = physical_memory() / (256 * 256 * 2500) + 1;
+  if (layers > 256) GTEST_SKIP() << "the largest grid fits into this machine";
+  const std::string refusal =
+      errors_of("<Node><RegularGridTopology n='257 257 " + std::to_string(layers + 1) + "'/></Node>");
+  EXPECT_EQ(refusal.find("test.scn:1: error: RegularGridTopology.n: a body of "), 0u) << refusal;
 }
 
 TEST(Grid, HasQuadsAndEdges) {

@@ -168,7 +168,8 @@ TEST_F(Sweep, TwoInOneDirectoryAreRefused) {
   for (const char* force : {"", " --force"}) {
     const Outcome refused = hexaplast(second + force);
     EXPECT_EQ(refused.code, 5);
-    EXPECT_EQ(refused.err, "hexaplast: error: found: another sweep is at work there: wait for its end, or end it\n");
+    EXPECT_EQ(refused.err,
+              "hexaplast: error: found: another run or sweep is at work there: wait for its end, or end it\n");
   }
   EXPECT_EQ(table().num_rows(), 1u);
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/readable_file.hpp"
 
 namespace hexaplast::bench {
 
@@ -90,8 +91,9 @@ std::string to_json(const std::vector<Record>& records) {
 }
 
 std::vector<Record> read_json(const std::filesystem::path& file) {
+  if (const std::string reason = why_unreadable(file); !reason.empty())
+    throw InputError(fmt::format("{}: {}", file.string(), reason));
   std::ifstream in(file);
-  if (!in) throw InputError(fmt::format("{}: cannot be opened", file.string()));
   std::vector<Record> records;
   try {
     for (const nlohmann::json& object : nlohmann::json::parse(in)) {

@@ -8,6 +8,7 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "hexaplast/base/memory.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/filling.hpp"
 #include "scene/potential.hpp"
@@ -36,6 +37,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     topology_ = &linked<scene::Topology>("topology");
     const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, *topology_, state_->num_nodes());
     const Settings settings = given_settings();
+    require_memory(static_cast<double>(hexahedra.size()));
     body_.emplace(HexMesh(state_->rest_positions(), hexahedra), given_materials(hexahedra.size()), settings);
     rayleigh_stiffness_ = real("rayleighStiffness");
   }

@@ -5,8 +5,6 @@
 
 namespace hexaplast::components {
 
-inline constexpr double kMostCells = 16'777'216;  // some 40 GB of body: refused before anything is allocated
-
 /// A topology that makes its nodes and cells itself, when they are first asked for: it may stand behind the components
 /// that use it.
 class MadeTopology : public scene::Topology {
@@ -14,6 +12,14 @@ class MadeTopology : public scene::Topology {
   using Topology::Topology;
 
   void provide(scene::Data& output) override;
+
+ protected:
+  /// Rejects more cells than a topology may have.
+  void require_few(std::string_view attribute, double num_cells);
+
+  /// Rejects what require_few does, and hexahedra whose body does not fit into the machine's memory; before they are
+  /// made.
+  void require_feasible(std::string_view attribute, double num_hexahedra);
 };
 
 }  // namespace hexaplast::components

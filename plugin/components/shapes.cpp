@@ -43,7 +43,7 @@ class ShapeTopology : public MadeTopology {
     const std::vector<std::int64_t>& given = integers("cells");
     if (given.size() != 3) reject("cells", fmt::format("{} numbers given, must be three", given.size()));
     const double count = static_cast<double>(given[0]) * static_cast<double>(given[1]) * static_cast<double>(given[2]);
-    if (count > kMostCells) reject("cells", fmt::format("{:.4g} cells, must be at most {:.10g}", count, kMostCells));
+    require_feasible("cells", count);
     try {
       mesh_ = make({static_cast<int>(given[0]), static_cast<int>(given[1]), static_cast<int>(given[2])});
     } catch (const InputError& error) {

@@ -25,11 +25,6 @@ class GridTopology : public MadeTopology {
   using MadeTopology::MadeTopology;
 
  protected:
-  void require_few(const Vec3& count) {
-    if (count.prod() > kMostCells)
-      reject("n", fmt::format("{:.4g} cells, must be at most {:.10g}", count.prod(), kMostCells));
-  }
-
   /// In each direction, as reals: their product may be too large for any whole number.
   Vec3 num_cells(const Vec3& size) {
     const double width = real("cellWidth");
@@ -64,7 +59,7 @@ class RegularGridTopology final : public GridTopology {
       if (!(least.array() < most.array()).all()) reject("max", "must be greater than min in every direction");
 
       const Vec3 count = real("cellWidth") > 0 ? num_cells(most - least) : one_by_one(num_cells(most - least));
-      require_few(count);
+      require_feasible("n", count.prod());
       for (int d = 0; d < 3; ++d) cells_[d] = static_cast<int>(count[d]);
       grid_ = regular_grid(cells_, least, most);
     }
@@ -156,7 +151,7 @@ class SparseGridTopology final : public GridTopology {
       grid.most = box.max();
     }
     const Vec3 count = num_cells(grid.most - grid.least);
-    require_few(count);
+    require_few("n", count.prod());  // of which the surface may meet few
     for (int d = 0; d < 3; ++d) grid.cells[d] = static_cast<int>(count[d]);
     return grid;
   }

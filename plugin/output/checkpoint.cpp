@@ -43,14 +43,10 @@ void write_checked(WholeFile& file, const std::function<void(Archive&)>& content
 }
 
 std::vector<std::byte> contents_of(const fs::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file, error);
+  require_readable(file);
+  std::vector<std::byte> bytes(fs::file_size(file));
   std::ifstream stream(file, std::ios::binary);
-  if (error || !stream)
-    throw OutputError(fmt::format("{}: cannot be read: {}", file.string(),
-                                  error ? error.message() : std::string(std::strerror(errno))));
-  std::vector<std::byte> bytes(size);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!stream) throw OutputError(fmt::format("{}: cannot be read", file.string()));
   return bytes;
 }

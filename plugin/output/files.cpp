@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/readable_file.hpp"
 #include "output/checkpoint.hpp"
 
 namespace hexaplast::output {
@@ -39,8 +40,8 @@ bool is_series(std::string_view name) {
   return name == "mesh.pvd" || name == "surface.pvd" || name == "instruments.pvd";
 }
 
-/// Files of an earlier run, finished or not. Time series come first: removed first, they never name a file that has
-/// gone.
+/// Files of an earlier run, finished or not; refuses a directory in the place of one. Time series come first: removed
+/// first, they never name a file that has gone.
 std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
   std::vector<fs::path> found;
   const auto collect = [&](const fs::path& in, auto&& is_ours) {
@@ -57,6 +58,8 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
   });
   if (fs::is_directory(directory / "frames"))
     collect(directory / "frames", [](std::string_view name) { return is_numbered(name, "frame_", ".png"); });
+  for (const fs::path& file : found)
+    if (fs::is_directory(file)) throw OutputError(file.string() + ": is a directory where a file belongs");
   std::stable_partition(found.begin(), found.end(),
                         [](const fs::path& path) { return is_series(path.filename().string()); });
   return found;
@@ -71,14 +74,19 @@ bool is_numbered(std::string_view name, std::string_view prefix, std::string_vie
   return std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+void require_readable(const fs::path& file) {
+  if (const std::string reason = why_unreadable(file); !reason.empty())
+    throw OutputError(fmt::format("{}: {}", file.string(), reason));
+}
+
 WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
   // a link keeps pointing where it points; a device, a pipe or a directory must not be replaced by a file
   std::error_code error;
   if (fs::is_symlink(path_, error)) path_ = fs::weakly_canonical(path_);
-  const fs::file_status status = fs::status(path_, error);
-  if (fs::exists(status) && !fs::is_regular_file(status))
-    throw OutputError(path_.string() + ": is not a regular file and will not be replaced");
   part_ = path_.string() + std::string(kPart);
+  for (const fs::path& file : {path_, part_})
+    if (const fs::file_status status = fs::status(file, error); fs::exists(status) && !fs::is_regular_file(status))
+      throw OutputError(file.string() + ": is not a regular file and will not be replaced");
   file_ = std::fopen(part_.c_str(), "wbe");
   if (!file_) fail(part_, "cannot be created", errno);
 }
@@ -109,6 +117,7 @@ LineFile::LineFile(fs::path path) : path_(std::move(path)) {
 LineFile::LineFile(fs::path path, Archive& saved) : path_(std::move(path)) {
   std::uint64_t size = 0, checksum = 0;
   saved(size, checksum);
+  require_readable(path_);
   file_ = std::fopen(path_.c_str(), "r+be");
   if (!file_) fail(path_, "cannot be opened", errno);
 
@@ -124,14 +133,14 @@ LineFile::LineFile(fs::path path, Archive& saved) : path_(std::move(path)) {
     throw InputError(fmt::format("{} does not begin with the {} bytes that the run had written at the checkpoint",
                                  path_.string(), size));
   }
-  if (::ftruncate(::fileno(file_), static_cast<off_t>(size)) != 0 || std::fseek(file_, 0, SEEK_END) != 0) {
-    const int error = errno;
-    std::fclose(file_);
-    fail(path_, "cannot be written", error);
-  }
 }
 
 LineFile::~LineFile() { std::fclose(file_); }
+
+void LineFile::cut() {
+  if (::ftruncate(::fileno(file_), static_cast<off_t>(size_)) != 0 || std::fseek(file_, 0, SEEK_END) != 0)
+    fail(path_, "cannot be written", errno);
+}
 
 void LineFile::append(std::string_view lines) {
   add(lines);
@@ -172,8 +181,6 @@ void prepare_directory(const fs::path& directory, bool force) {
   if (fs::exists(frames) && ::access(frames.c_str(), R_OK | W_OK | X_OK) != 0) fail(frames, "cannot be written", errno);
 
   const std::vector<fs::path> earlier = files_of_earlier_run(directory);
-  for (const fs::path& file : earlier)
-    if (fs::is_directory(file)) throw OutputError(file.string() + ": is a directory where a file belongs");
   if (!earlier.empty() && !force)
     throw OutputError(fmt::format("{}: holds an earlier run ({}); --force replaces it", directory.string(),
                                   earlier.front().lexically_relative(directory).string()));

@@ -20,6 +20,9 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Throws OutputError with the reason where a file cannot be read.
+void require_readable(const std::filesystem::path& file);
+
 /// A file that is either there whole or not there at all: written as `<name>.part` beside its place, then flushed to
 /// disk and renamed. A file that stood at its place before stays until then; what is not a regular file is refused.
 /// Every failure is an OutputError.
@@ -46,13 +49,14 @@ class LineFile {
   /// Creates the file or empties it.
   explicit LineFile(std::filesystem::path path);
 
-  /// Goes on with a file at the length that a checkpoint knows of; what was written after it is cut off. Throws
-  /// InputError when the file does not begin with the lines that were written then.
+  /// Finds the length of a file that a checkpoint knows of; cut() before lines are appended there. Throws InputError
+  /// when the file does not begin with the lines that were written then.
   LineFile(std::filesystem::path path, Archive& saved);
   ~LineFile();
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
+  void cut();                           ///< takes away what was written after the checkpoint
   void append(std::string_view lines);  ///< one line, or several with a line feed between them
 
   /// Flushes the lines to disk and writes down how many bytes they are, and their checksum.

@@ -4,12 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <set>
-#include <system_error>
 
 #include "output/files.hpp"
 
@@ -31,10 +28,9 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 }  // namespace
 
-HistoryTable::HistoryTable(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
-  std::error_code error;
-  if (!in_ || std::filesystem::is_directory(file, error))
-    throw OutputError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(in_ ? EISDIR : errno)));
+HistoryTable::HistoryTable(const std::filesystem::path& file) : file_(file) {
+  require_readable(file);
+  in_.open(file, std::ios::binary);
   std::getline(in_, line_);
   for (const std::string_view name : fields_of(line_)) columns_.emplace_back(name);
   if (columns_.size() < 2 || columns_[kStep] != "step" || columns_[kTime] != "time")

@@ -178,6 +178,7 @@ std::optional<Manifest> read_manifest(const std::filesystem::path& directory) {
   const std::filesystem::path file = directory / kManifestName;
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return std::nullopt;
+  require_readable(file);
   std::ifstream in(file, std::ios::binary);
   try {
     return manifest_of(Json::parse(in));

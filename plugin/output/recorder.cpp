@@ -127,14 +127,22 @@ struct Recorder::Files {
     long step = 0;
     meshes.serialize(saved);
     saved(step, step_on_disk, num_removed);
+    const auto is_there = [&](const std::string& vtu) {
+      std::error_code error;
+      if (fs::is_regular_file(directory / vtu, error)) return true;
+      lost.push_back(vtu);
+      return false;
+    };
     // the last state of a run that was to be shorter is none that this one writes
-    meshes.keep([&](const std::string& vtu) { return wants_state(step_of_vtu(vtu)); });
+    meshes.keep([&](const std::string& vtu) { return wants_state(step_of_vtu(vtu)) && is_there(vtu); });
     open_companions();
     for (std::optional<TimeSeries>* series : {&surfaces, &instruments})
-      if (*series) (*series)->keep([](const std::string&) { return true; });
+      if (*series) (*series)->keep(is_there);
     prepare_to_go_on(directory, step, [&](const std::string& name) {
       return name.ends_with(".vtu") && meshes.has(vtu_name(kMesh, step_of_vtu(name)));
     });
+    history.cut();
+    removed.cut();
     open_gallery();
   }
 
@@ -147,6 +155,7 @@ struct Recorder::Files {
   LineFile history, removed;
   TimeSeries meshes;
   std::optional<TimeSeries> surfaces, instruments;  // of the same steps; absent: there are none
+  std::vector<std::string> lost;                    // .vtu files that had gone
   CarriedSkins skins;
   std::vector<long> to_draw, to_film;  // ascending
   std::optional<Gallery> gallery;      // absent: no pictures wanted
@@ -183,6 +192,8 @@ Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, Archive& 
     : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), saved, std::move(renderer))) {}
 
 Recorder::~Recorder() = default;
+
+const std::vector<std::string>& Recorder::lost_states() const { return files_->lost; }
 
 void Recorder::save(Archive& archive) {
   Files& files = *files_;

@@ -62,11 +62,16 @@ class Recorder {
 
   /// Goes on with the files of a run where save() left them, whatever was written later: a run that is interrupted and
   /// gone on with writes the same as one that is not, but for the wall times and for the pictures, which show what is
-  /// still to come. plan.force does not matter. Throws InputError when the files are not those of the checkpoint.
+  /// still to come. plan.force does not matter. Throws InputError when the files are not those of the checkpoint,
+  /// before anything is changed.
   Recorder(
       std::filesystem::path directory, const Body& body, RunPlan plan, Archive& saved,
       RendererSource renderer = [] { return load_renderer(); });
   ~Recorder();
+
+  /// Files of states that the run had written and that were gone when it was gone on with: the .pvd files no longer
+  /// name them.
+  const std::vector<std::string>& lost_states() const;
 
   /// After record(): what the files hold, flushed to disk, into a checkpoint.
   void save(Archive& archive);

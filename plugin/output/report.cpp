@@ -22,6 +22,7 @@ constexpr std::size_t kMostPictures = 8;
 constexpr std::size_t kMostRemovedSteps = 40;  // rows of the table of removed hexahedra
 
 std::string content_of(const fs::path& file) {
+  require_readable(file);
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   text << in.rdbuf();

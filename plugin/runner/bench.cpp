@@ -14,6 +14,7 @@
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/simulation.hpp"
+#include "runner/standard_output.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -149,7 +150,7 @@ void bench(const BenchOptions& options) {
   } else if (!prints) {
     fmt::print("{}", text);
   }
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  flush_standard_output();
 
   if (options.baseline)
     for (std::string& sentence : bench::compare(outcome.records, baseline, options.ratio))

@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "hexaplast/survey.hpp"
-#include "output/files.hpp"
 #include "runner/loads.hpp"
+#include "runner/standard_output.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -173,7 +173,7 @@ void check(const CheckOptions& options) {
   } else {
     print(found, options.scene.file.stem().string());
   }
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  flush_standard_output();
   for (const std::string& sentence : found.advice)
     spdlog::warn("{}", scene::format({scene::Severity::kWarning, {file, 0}, sentence}));
 }

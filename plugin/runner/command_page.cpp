@@ -86,8 +86,9 @@ void add_command(const CLI::App& command, const std::string& path, std::string& 
 // ---- completion
 
 /// What follows an option or stands by its place: words to choose from, files, or nothing that could be known.
-std::string values_of(const CLI::Option& option) {
+std::string values_of(const CLI::Option& option, const std::vector<std::string>& components) {
   const std::string type = type_of(option);
+  if (type == "COMPONENT") return fmt::format("{}", fmt::join(components, " "));
   const bool is_choice = type.find('|') != std::string::npos &&
                          type.find_first_not_of("abcdefghijklmnopqrstuvwxyz|-_0123456789") == std::string::npos;
   if (is_choice) {
@@ -100,7 +101,8 @@ std::string values_of(const CLI::Option& option) {
   return "";
 }
 
-void add_cases(const CLI::App& command, const std::string& path, std::string& script) {
+void add_cases(const CLI::App& command, const std::string& path, const std::vector<std::string>& components,
+               std::string& script) {
   std::string commands, options, values, places;
   for (const CLI::App* inner : subcommands_of(command)) commands += inner->get_name() + " ";
   for (const CLI::Option* option : options_of(command)) {
@@ -109,9 +111,10 @@ void add_cases(const CLI::App& command, const std::string& path, std::string& sc
       options += name + " ";
       names += (names.empty() ? "" : "|") + name;
     }
-    if (takes_value(*option)) values += fmt::format("        {}) values='{}' ;;\n", names, values_of(*option));
+    if (takes_value(*option))
+      values += fmt::format("        {}) values='{}' ;;\n", names, values_of(*option, components));
   }
-  for (const CLI::Option* argument : arguments_of(command)) places = values_of(*argument);
+  for (const CLI::Option* argument : arguments_of(command)) places = values_of(*argument, components);
   script += fmt::format(
       "    '{}')\n"
       "      commands='{}' options='{}' places='{}'\n",
@@ -119,7 +122,7 @@ void add_cases(const CLI::App& command, const std::string& path, std::string& sc
   if (!values.empty()) script += fmt::format("      case $previous in\n{}      esac\n", values);
   script += "      ;;\n";
   for (const CLI::App* inner : subcommands_of(command))
-    add_cases(*inner, path.empty() ? inner->get_name() : path + " " + inner->get_name(), script);
+    add_cases(*inner, path.empty() ? inner->get_name() : path + " " + inner->get_name(), components, script);
 }
 
 }  // namespace
@@ -149,9 +152,9 @@ std::string man_page(const CLI::App& app, const std::string& version) {
   return page;
 }
 
-std::string bash_completion(const CLI::App& app) {
+std::string bash_completion(const CLI::App& app, const std::vector<std::string>& components) {
   std::string cases;
-  add_cases(app, "", cases);
+  add_cases(app, "", components, cases);
   return "# bash completion for hexaplast\n"
          "_hexaplast() {\n"
          "  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}\n"

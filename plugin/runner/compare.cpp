@@ -49,7 +49,6 @@ void compare(const CompareOptions& options) {
     page.commit();
   }
   for (const output::ComparisonTable& table : tables) print(table);
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
 }
 
 }  // namespace hexaplast::runner

@@ -23,9 +23,9 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory)
   if (reason == EWOULDBLOCK) {
     ::close(descriptor_);
     throw output::OutputError(
-        fmt::format("{}: another sweep is at work there: wait for its end, or end it", directory.string()));
+        fmt::format("{}: another run or sweep is at work there: wait for its end, or end it", directory.string()));
   }
-  spdlog::warn("warning: {}: cannot be locked ({}): nothing keeps a second sweep out", directory.string(),
+  spdlog::warn("warning: {}: cannot be locked ({}): nothing keeps a second run out", directory.string(),
                std::strerror(reason));
 }
 

@@ -5,8 +5,8 @@
 
 namespace hexaplast::runner {
 
-/// Keeps others of its kind out of a directory while it lives. The system takes it back when the program ends, however
-/// it ends, and no file is left for it. Programs that it starts do not keep it.
+/// Keeps other runs and sweeps out of the directory that one of them writes, while it lives. The system takes it back
+/// when the program ends, however it ends, and no file is left for it. Programs that it starts do not keep it.
 class DirectoryLock {
  public:
   /// Throws OutputError when somebody else has the directory. Where the file system knows no locks, a warning is logged

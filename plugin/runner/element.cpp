@@ -325,8 +325,8 @@ Json all_blocks(const Element& element) {
 // ---- path -----------------------------------------------------------------------------------------------------------
 
 std::vector<PathPoint> read_path(const std::filesystem::path& file) {
+  scene::require_readable(file);
   std::ifstream in(file);
-  if (!in) throw scene::FileError(fmt::format("{}: error: cannot be read", file.string()));
   std::vector<PathPoint> rows;
   std::string line;
   for (int line_number = 1; std::getline(in, line); ++line_number) {
@@ -378,8 +378,8 @@ void run_element(const ElementOptions& options) {
     if (options.file == "-") {
       json = Json::parse(std::cin);
     } else {
+      scene::require_readable(options.file);
       std::ifstream in(options.file);
-      if (!in) throw scene::FileError(fmt::format("{}: error: cannot be read", options.file));
       json = Json::parse(in);
     }
   } catch (const Json::exception& error) {

@@ -23,6 +23,7 @@
 #include "runner/interrupt.hpp"
 #include "runner/progress.hpp"
 #include "runner/scene_record.hpp"
+#include "runner/standard_output.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -311,7 +312,7 @@ int fit(const FitOptions& options) {
       draw(*options.out / "fit.svg", result, experiment.target(), options);
     }
     print(result, experiment.target(), options);
-    if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+    flush_standard_output();
     for (const std::string& warning : warnings) spdlog::warn("warning: {}", warning);
     return kOk;
   } catch (const Interrupted&) {

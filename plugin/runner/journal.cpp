@@ -2,12 +2,12 @@
 #include "runner/journal.hpp"
 
 #include <fmt/chrono.h>
-#include <unistd.h>
 
 #include <ctime>
 #include <thread>
 
 #include "bench/machine.hpp"
+#include "hexaplast/base/memory.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "output/report.hpp"
@@ -20,11 +20,6 @@ std::string precision_of(scene::Scene& scene) {
   for (scene::ForceField* field : scene.root().all<scene::ForceField>())
     if (field->body()) return field->find_data("precision") ? field->text("precision") : "double";
   return {};
-}
-
-std::uint64_t physical_memory() {
-  const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGE_SIZE);
-  return pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) : 0;
 }
 
 template <class Category>

@@ -8,7 +8,6 @@
 
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
-#include "output/files.hpp"
 #include "runner/component_page.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/scene_file.hpp"
@@ -21,6 +20,14 @@ using attributes::Attribute;
 using attributes::Description;
 using Json = nlohmann::ordered_json;
 using Descriptions = std::vector<const Description*>;
+
+Descriptions descriptions(const ListOptions& options) {
+  scene::Factory factory;
+  load_components(factory, options.plugins, options.plugin_path);
+  Descriptions components = {&attributes::kNode, &attributes::kRequiredPlugin};
+  for (const Description* component : factory.descriptions()) components.push_back(component);
+  return components;
+}
 
 Json words(std::string_view text) {
   Json list = Json::array();
@@ -111,12 +118,14 @@ const Description& named(const Descriptions& components, const std::string& name
 
 }  // namespace
 
-void list(const ListOptions& options) {
-  scene::Factory factory;
-  load_components(factory, options.plugins, options.plugin_path);
-  Descriptions components = {&attributes::kNode, &attributes::kRequiredPlugin};
-  for (const Description* component : factory.descriptions()) components.push_back(component);
+std::vector<std::string> component_names() {
+  std::vector<std::string> names;
+  for (const Description* component : descriptions({})) names.emplace_back(component->class_name);
+  return names;
+}
 
+void list(const ListOptions& options) {
+  const Descriptions components = descriptions(options);
   const Description* one = options.component ? &named(components, *options.component) : nullptr;
   if (options.markdown) {
     fmt::print("{}", component_page(components));
@@ -127,7 +136,6 @@ void list(const ListOptions& options) {
   } else {
     print(components);
   }
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
 }
 
 }  // namespace hexaplast::runner

@@ -21,4 +21,7 @@ struct ListOptions {
 /// scene::PluginError.
 void list(const ListOptions& options);
 
+/// What `list` takes as a name, without plugins of the user's. Throws scene::PluginError.
+std::vector<std::string> component_names();
+
 }  // namespace hexaplast::runner

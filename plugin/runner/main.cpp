@@ -30,6 +30,7 @@
 #include "runner/render.hpp"
 #include "runner/resume.hpp"
 #include "runner/run.hpp"
+#include "runner/standard_output.hpp"
 #include "runner/sweep.hpp"
 #include "runner/view.hpp"
 #include "scene/reader.hpp"
@@ -373,6 +374,19 @@ const CLI::App& innermost(const CLI::App& app) {
   return inner.empty() ? app : innermost(*inner.front());
 }
 
+/// "hexaplast mesh grid"
+std::string path_of(const CLI::App& command) {
+  return command.get_parent() ? path_of(*command.get_parent()) + " " + command.get_name() : command.get_name();
+}
+
+/// No argument makes sense without a letter, and the name of a file least of all.
+void refuse_empty_values(CLI::App& command) {
+  for (CLI::Option* option : command.get_options())
+    if (option->get_items_expected_max() > 0)
+      option->check([](const std::string& word) { return std::string(word.empty() ? "must not be empty" : ""); });
+  for (CLI::App* inner : command.get_subcommands({})) refuse_empty_values(*inner);
+}
+
 /// What is wrong with the command line, with the option or subcommand that was probably meant.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = innermost(app);
@@ -393,8 +407,7 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
     text = fmt::format("{} '{}'", known.empty() ? "unexpected argument" : "unknown subcommand", unknown.front());
     hint = scene::did_you_mean(unknown.front(), {known.begin(), known.end()});
   }
-  return scene::format_error({command.get_parent() ? "hexaplast " + command.get_name() : "hexaplast", 0}, text, hint) +
-         "\nRun with --help for more information.";
+  return scene::format_error({path_of(command), 0}, text, hint) + "\nRun with --help for more information.";
 }
 
 /// A closed standard stream would give its number to the next file, which messages then corrupt.
@@ -407,7 +420,9 @@ void open_standard_streams() {
 template <class Action>
 int report_errors(const std::string& subject, const Action& action) {
   try {
-    return action();
+    const int code = action();
+    flush_standard_output();
+    return code;
   } catch (const UsageError& error) {
     return report(kUsage, fmt::format("hexaplast: error: {}", error.what()));
   } catch (const scene::OverrideError& error) {
@@ -490,18 +505,22 @@ int main(int argc, char** argv) {
   add_scene(*add_sweep(app, sweep_options), sweep_options.scene);
   FitOptions fit_options;
   add_scene(*add_fit(app, fit_options), fit_options.scene);
+  refuse_empty_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? app.exit(error) : report(kUsage, usage_message(app, error));
+    if (error.get_exit_code() != 0) return report(kUsage, usage_message(app, error));
+    return report_errors("hexaplast", [&] { return app.exit(error); });  // --help, --version
   }
 
   if (app.got_subcommand("view"))
     return report_errors(view_options.scene.file.string(), [&] { return view(view_options); });
-  if (app.got_subcommand("page")) {
-    fmt::print("{}", page_format == "man" ? man_page(app, HEXAPLAST_VERSION) : bash_completion(app));
-    return std::fflush(stdout) == 0 ? kOk : kInputOutput;
-  }
+  if (app.got_subcommand("page"))
+    return report_errors("hexaplast", [&] {
+      fmt::print("{}",
+                 page_format == "man" ? man_page(app, HEXAPLAST_VERSION) : bash_completion(app, component_names()));
+      return kOk;
+    });
   if (app.got_subcommand("element"))
     return report_errors(element_options.file, [&] {
       run_element(element_options);

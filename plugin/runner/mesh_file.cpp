@@ -24,9 +24,7 @@ Write writer_of(const std::filesystem::path& file) {
 }  // namespace
 
 ImportedMesh load_mesh(const std::filesystem::path& file) {
-  std::error_code failure;
-  if (!std::filesystem::is_regular_file(file, failure))
-    throw scene::FileError(scene::format_error({file.string(), 0}, "no such file"));
+  scene::require_readable(file);
   try {
     return read_mesh(file);
   } catch (const InputError& error) {  // says the place itself

@@ -10,8 +10,8 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/offset.hpp"
-#include "output/files.hpp"
 #include "runner/mesh_file.hpp"
+#include "runner/standard_output.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -134,7 +134,7 @@ void print_info(const MeshInfoOptions& options) {
     fmt::print("{}\n", json_of(found).dump(2));
   else
     print(found, options.file.stem().string());
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  flush_standard_output();
   warn_of_skipped(options.file, found.file);
 }
 

@@ -11,7 +11,6 @@
 #include "hexaplast/mesh/grid.hpp"
 #include "hexaplast/mesh/offset.hpp"
 #include "hexaplast/mesh/shapes.hpp"
-#include "output/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/mesh_file.hpp"
 #include "runner/mesh_info.hpp"
@@ -41,7 +40,6 @@ void write_shape(const std::filesystem::path& out, const std::array<int, 3>& cel
   save(out, mesh);
   fmt::print("{}\n  nodes               {}\n", out.stem().string(), mesh.num_nodes());
   print_hexahedra(mesh);
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
 }
 
 ShellThickness thickness_of(const MeshOffsetOptions& options) {
@@ -104,7 +102,6 @@ void make_shell(const MeshOffsetOptions& options) {
              surface.num_quads(), surface.is_closed() ? " closed" : "n open", shell.mesh.num_nodes());
   print_hexahedra(shell.mesh);
   fmt::print("  worst shaped over   quads {}\n", fmt::join(shell.worst_quads, ", "));
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
 }
 
 }  // namespace hexaplast::runner

@@ -8,15 +8,16 @@
 #include "hexaplast/base/simd.hpp"
 #include "output/checkpoint.hpp"
 #include "output/files.hpp"
+#include "runner/directory_lock.hpp"
 #include "runner/run.hpp"
+#include "scene/diagnostics.hpp"
 
 namespace hexaplast::runner {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path checkpoint_of(const fs::path& run) {
-  if (!fs::is_directory(run)) return run;
+fs::path newest_checkpoint(const fs::path& run) {
   const std::vector<fs::path> all = output::checkpoints_in(run);
   if (all.empty())
     throw output::OutputError(
@@ -25,17 +26,22 @@ fs::path checkpoint_of(const fs::path& run) {
 }
 
 /// The other checkpoint beside one that cannot be used.
-std::string hint_of(const fs::path& damaged) {
-  for (const fs::path& other : output::checkpoints_in(damaged.parent_path()))
-    if (other != damaged) return fmt::format("\nhint: there is another one, {}", other.string());
+std::string hint_of(const fs::path& directory, const fs::path& damaged) {
+  for (const fs::path& other : output::checkpoints_in(directory))
+    if (other.filename() != damaged.filename()) return fmt::format("there is another one, {}", other.string());
   return {};
 }
 
-output::Checkpoint open(const fs::path& file) {
+// The messages of the files say which file it is: the directory need not stand before it once more.
+[[noreturn]] void refuse(const InputError& error, const std::string& hint = {}) {
+  throw scene::SceneError(scene::format_error({"hexaplast", 0}, error.what(), hint));
+}
+
+output::Checkpoint open(const fs::path& directory, const fs::path& file) {
   try {
     return output::Checkpoint(file);
   } catch (const InputError& error) {
-    throw InputError(error.what() + hint_of(file));
+    refuse(error, hint_of(directory, file));
   }
 }
 
@@ -58,14 +64,21 @@ CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
 }
 
 int resume(const ResumeOptions& options) {
-  const fs::path file = fs::absolute(checkpoint_of(options.run));
-  const output::Checkpoint start = open(file);
+  std::error_code unknown;
+  const bool is_run = fs::is_directory(options.run, unknown);
+  if (!is_run) output::require_readable(options.run);
+  const fs::path directory = is_run                          ? options.run
+                             : options.run.has_parent_path() ? options.run.parent_path()
+                                                             : fs::path(".");
+  const DirectoryLock lock(directory);
+  const fs::path file = is_run ? newest_checkpoint(directory) : options.run;
+  const output::Checkpoint start = open(directory, file);
 
   RunOptions run_options;
   std::string working_directory, simd;
   Archive archive = start.section("run");
   serialize(archive, run_options, working_directory, simd);
-  run_options.out = file.parent_path();
+  run_options.out = fs::absolute(file).parent_path();
   run_options.threads = options.threads;
   run_options.quiet = options.quiet;
   run_options.command = options.command;
@@ -76,7 +89,11 @@ int resume(const ResumeOptions& options) {
 
   // names of files in the scene and in its options are as they were
   fs::current_path(working_directory);
-  return run(run_options, &start);
+  try {
+    return run(run_options, &start);
+  } catch (const InputError& error) {
+    refuse(error);
+  }
 }
 
 }  // namespace hexaplast::runner

@@ -14,6 +14,7 @@
 #include "hexaplast/base/simd.hpp"
 #include "output/recorder.hpp"
 #include "runner/boundary_conditions.hpp"
+#include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/journal.hpp"
@@ -22,6 +23,7 @@
 #include "runner/render.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
+#include "runner/standard_output.hpp"
 #include "runner/summary_file.hpp"
 #include "scene/visuals.hpp"
 
@@ -72,7 +74,8 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
       recorder->record(simulation.latest(), simulation.state().positions(), simulation.state().velocities(),
                        conditions_of(simulation));
   };
-  long saved = simulation.latest().step;  // step of the newest checkpoint
+  std::optional<long> saved;  // step of the newest checkpoint
+  if (!begins) saved = simulation.latest().step;
   const auto save = [&] {
     saved = simulation.latest().step;
     write_checkpoint(simulation, *recorder, num_steps, options);
@@ -92,7 +95,8 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
     progress.show(latest.step, latest.time, latest.flow.yielded);
     if (options.checkpoint_every && latest.step % *options.checkpoint_every == 0) save();
   }
-  if (options.checkpoint_every && saved != simulation.latest().step) save();
+  const bool is_ended_early = simulation.latest().step < num_steps;
+  if (recorder && (options.checkpoint_every || is_ended_early) && saved != simulation.latest().step) save();
 }
 
 /// Which hexahedra a body has lost, as far as a line holds them.
@@ -225,7 +229,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
     files.summary->commit();
   }
   if (!options.quiet) print_summary(simulation, options.scene.file);
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  flush_standard_output();
   log_warnings(simulation.scene());
   warn_of_stalls(simulation);
 }
@@ -290,17 +294,26 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   manifest.pictures = record_of(plan.staging);
   if (start) restore(simulation, *start, num_steps);
 
-  // opened before the first step, so that a long run does not end in a file that cannot be written
+  std::optional<DirectoryLock> lock;
+  if (options.out) output::make_directory(*options.out);
+  if (options.out && !start) lock.emplace(*options.out);
+
+  // Opened before the first step, so that a long run does not end in a file that cannot be written; the recorder last,
+  // because it takes an earlier run's files away.
   Files files;
+  if (options.final_state) files.final_state.emplace(*options.final_state);
+  if (options.summary) files.summary.emplace(*options.summary);
   if (options.out && start) {
     Archive saved = start->section("output");
     files.recorder.emplace(*options.out, *body, std::move(plan), saved);
   } else if (options.out) {
     files.recorder.emplace(*options.out, *body, std::move(plan));
   }
-  if (options.final_state) files.final_state.emplace(*options.final_state);
-  if (options.summary) files.summary.emplace(*options.summary);
-  if (options.out) files.journal.emplace(*options.out, std::move(manifest));
+  if (options.out) {
+    for (const std::string& file : files.recorder->lost_states())
+      spdlog::warn("warning: {} is gone: its .pvd file no longer names it", (*options.out / file).string());
+    files.journal.emplace(*options.out, std::move(manifest));
+  }
 
   // also of a run that fails: what it had come to in its latest accepted step
   const auto note_result = [&] {
@@ -322,7 +335,10 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
 
   const int signal = requested_signal();
   if (signal != 0)
-    spdlog::warn("warning: ended by signal {} after step {} of {}", signal, simulation.latest().step, num_steps);
+    spdlog::warn("warning: ended by signal {} after step {} of {}{}", signal, simulation.latest().step, num_steps,
+                 options.out && simulation.latest().step < num_steps
+                     ? fmt::format("; hexaplast resume {} goes on", options.out->string())
+                     : "");
   if (files.journal) {
     note_result();
     files.journal->close(signal == 0 ? output::RunState::kFinished : output::RunState::kInterrupted,

@@ -28,8 +28,9 @@ struct RunOptions {
 };
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and
-/// the files are whole. `start`: a checkpoint of the same scene from which to go on, instead of from the beginning,
-/// with the files in `options.out`. Throws what the rooms below throw.
+/// the files are whole, with a checkpoint where the run has a directory. `start`: a checkpoint of the same scene from
+/// which to go on, instead of from the beginning, with the files in `options.out`, which the caller has locked. Throws
+/// what the rooms below throw. An earlier run in `options.out` is touched last, when all other files could be opened.
 int run(const RunOptions& options, const output::Checkpoint* start = nullptr);
 
 /// What a checkpoint knows of its run, beside the state: options (but for those of one call: threads, quiet), the

@@ -21,6 +21,7 @@
 #include "runner/process.hpp"
 #include "runner/progress.hpp"
 #include "runner/scene_record.hpp"
+#include "runner/standard_output.hpp"
 #include "runner/sweep_picture.hpp"
 #include "runner/sweep_table.hpp"
 #include "scene/reader.hpp"
@@ -81,6 +82,7 @@ struct Place {
 
 void refuse_another_sweep(const Place& place, const Json& plan) {
   Json found;
+  output::require_readable(place.plan());
   try {
     std::ifstream in(place.plan());
     found = Json::parse(in);
@@ -290,7 +292,7 @@ int sweep(const SweepOptions& given) {
   const long num_failed = table.num_failed();
   fmt::print("{}: {} of {} runs done, {} failed: {}\n", title, table.num_finished(), table.num_runs(), num_failed,
              place.table().string());
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  flush_standard_output();
   if (const int signal = requested_signal(); signal != 0) {
     spdlog::warn("warning: ended by signal {}; the same command goes on from here", signal);
     return kSignalled + signal;

@@ -113,6 +113,7 @@ void SweepTable::write(const std::filesystem::path& file) const {
 }
 
 void SweepTable::read(const std::filesystem::path& file) {
+  output::require_readable(file);
   std::ifstream in(file);
   int line_number = 1;
   const auto refuse = [&](std::string_view what) {

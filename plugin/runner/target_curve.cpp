@@ -55,9 +55,9 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 /// Reads the lines of a file that hold something.
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& file) : file_(file), in_(file) {
-    if (!in_ || std::filesystem::is_directory(file))
-      throw scene::FileError(scene::format_error({file.string(), 0}, "cannot be read"));
+  explicit Lines(const std::filesystem::path& file) : file_(file) {
+    scene::require_readable(file);
+    in_.open(file);
   }
 
   std::optional<std::vector<std::string_view>> next() {

@@ -125,7 +125,6 @@ int view(const ViewOptions& options) {
     output::write_final(*final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
                         simulation.state().velocities(), *simulation.body());
   print_outcome(simulation, title);
-  if (std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
   const int signal = requested_signal();
   return signal == 0 ? kOk : kSignalled + signal;
 }

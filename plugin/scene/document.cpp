@@ -11,6 +11,7 @@
 #include <iterator>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/readable_file.hpp"
 
 namespace hexaplast::scene {
 namespace {
@@ -353,9 +354,8 @@ const ElementAttribute* Element::find(std::string_view name) const {
 bool is_switched_off(std::string_view attribute) { return attribute.starts_with("_") || attribute.starts_with("NO"); }
 
 std::string read_scene_file(const fs::path& file) {
+  if (std::string reason = why_unreadable(file); !reason.empty()) throw InputError(std::move(reason));
   std::error_code failure;
-  if (!fs::exists(file, failure)) throw InputError("no such file");
-  if (!fs::is_regular_file(file, failure)) throw InputError("is not a file");
   const std::uintmax_t size = fs::file_size(file, failure);
   if (size > kLargestSceneFile)
     throw InputError(fmt::format("{} bytes, a scene has at most {}", size, kLargestSceneFile));

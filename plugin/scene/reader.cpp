@@ -12,6 +12,7 @@
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/readable_file.hpp"
 #include "scene/document.hpp"
 #include "scene/links.hpp"
 
@@ -289,6 +290,11 @@ Scene read_scene_text(std::string_view text, const std::string& name, const Fact
   return scene;
 }
 
+void require_readable(const std::filesystem::path& file) {
+  if (const std::string reason = why_unreadable(file); !reason.empty())
+    throw FileError(format_error({file.string(), 0}, reason));
+}
+
 Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins, Grammar grammar) {
   std::string text;
   try {
@@ -319,7 +325,10 @@ Data& named_attribute(Scene& scene, std::string_view name, std::string_view word
   }
 
   Data* data = target->find_data(attribute);
-  if (!data || data->attribute().name == "name") {
+  if (data && data->attribute().name == "name")
+    refuse(fmt::format("the name of {} '{}' cannot be replaced: paths and links find it by that", target->class_name(),
+                       target->name()));
+  if (!data) {
     std::vector<std::string_view> known;
     for (const auto& other : target->all_data()) known.push_back(other->attribute().name);
     refuse(fmt::format("{} '{}' has no attribute '{}'", target->class_name(), target->name(), attribute),

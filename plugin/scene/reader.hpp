@@ -19,6 +19,9 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Throws FileError with the reason where a file cannot be read.
+void require_readable(const std::filesystem::path& file);
+
 /// How a scene is read.
 enum class Grammar {
   kStrict,         ///< what is not understood is an error

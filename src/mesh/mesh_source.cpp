@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/readable_file.hpp"
 
 namespace hexaplast {
 namespace {
@@ -36,10 +37,9 @@ bool read_whole(std::string_view word, Number& number) {
 }  // namespace
 
 std::string whole_file(const std::filesystem::path& file) {
-  const auto refuse = [&](const char* what) { throw InputError(fmt::format("{}: {}", file.string(), what)); };
+  const auto refuse = [&](std::string_view what) { throw InputError(fmt::format("{}: {}", file.string(), what)); };
+  if (const std::string reason = why_unreadable(file); !reason.empty()) refuse(reason);
   std::error_code failure;
-  if (!std::filesystem::exists(file, failure)) refuse("no such file");
-  if (!std::filesystem::is_regular_file(file, failure)) refuse("is not a file");
   std::string content(std::filesystem::file_size(file, failure), '\0');
   std::ifstream stream(file, std::ios::binary);
   stream.read(content.data(), static_cast<std::streamsize>(content.size()));

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/base/readable_file.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace hexaplast {
+
+std::string why_unreadable(const std::filesystem::path& file) {
+  const auto refusal = [](const std::error_code& reason) { return "cannot be read: " + reason.message(); };
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::status(file, failure);
+  if (status.type() == std::filesystem::file_type::not_found) return "no such file";
+  if (failure) return refusal(failure);
+  if (!std::filesystem::is_regular_file(status)) return "is not a file";
+  if (::access(file.c_str(), R_OK) != 0) return refusal({errno, std::generic_category()});
+  return {};
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Pipes, folders, full devices and impossible names in the place of files: refused at once, with the reason.
+#include <sys/stat.h>
+
+#include "support/bar_scene.hpp"
+#include "support/command.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using hexaplast::support::Command;
+using hexaplast::support::Outcome;
+
+class OddFiles : public Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    write("bar.scn", hexaplast::support::kPulledBar);
+  }
+
+  void make_pipe(const std::string& name) { ASSERT_EQ(::mkfifo((directory_ / name).c_str(), 0600), 0) << name; }
+
+  Outcome in_time(const std::string& arguments) { return hexaplast(arguments, "timeout 20"); }
+};
+
+TEST_F(OddFiles, APipeKeepsNobodyWaiting) {
+  make_pipe("pipe");
+  write("one.json", "{\"rest\": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]]}");
+  for (const char* arguments :
+       {"run pipe", "check pipe", "mesh info pipe", "mesh cage pipe --cells 3 -o cage.vtu", "resume pipe",
+        "element pipe", "fit bar.scn --target pipe --free bar/material.yieldStress=1:2",
+        "bench --scene bar.scn --baseline pipe"}) {
+    const Outcome refused = in_time(arguments);
+    EXPECT_TRUE(refused.code == 5 || refused.code == 3) << arguments << ": " << refused.code;
+    EXPECT_NE(refused.err.find("pipe: "), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("is not a file"), std::string::npos) << refused.err;
+  }
+}
+
+TEST_F(OddFiles, APipeAmongTheFilesOfARunKeepsNobodyWaiting) {
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=3").code, 0);
+  make_pipe("run/checkpoint_000000099.hxc");
+  Outcome refused = in_time("resume run");
+  EXPECT_EQ(refused.code, 5);
+  EXPECT_EQ(refused.err, "hexaplast: error: run/checkpoint_000000099.hxc: is not a file\n");
+
+  fs::remove(directory_ / "run/history.csv");
+  make_pipe("run/history.csv");
+  EXPECT_EQ(in_time("resume run/checkpoint_000000003.hxc").code, 5);
+  EXPECT_EQ(in_time("compare run run").code, 5);
+  fs::remove(directory_ / "run/mesh.pvd");
+  make_pipe("run/mesh.pvd");
+  EXPECT_EQ(in_time("render run -o picture.png").code, 5);
+
+  make_pipe("last.json.part");
+  refused = in_time("run bar.scn --final last.json");
+  EXPECT_EQ(refused.code, 5);
+  EXPECT_NE(refused.err.find("last.json.part: is not a regular file"), std::string::npos) << refused.err;
+
+  fs::create_directory(directory_ / "sweep");
+  make_pipe("sweep/sweep.json");
+  EXPECT_EQ(in_time("sweep bar.scn --out sweep --vary bar/material.hardening=0:1:2").code, 5);
+}
+
+TEST_F(OddFiles, AFullDeviceIsNoticedByWhateverPrints) {
+  ASSERT_EQ(hexaplast("mesh grid --cells 1 1 1 --size 1 1 1 -o box.vtu").code, 0);
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0").code, 0);
+  write("cube.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  for (const std::string arguments :
+       {"--help", "--version", "run --help", "mesh grid --help", "list", "list --markdown", "list RegularGridTopology",
+        "page man", "page bash", "check bar.scn", "run bar.scn", "mesh info box.vtu", "mesh info --json box.vtu",
+        "mesh grid --cells 1 1 1 --size 1 1 1 -o box.vtu", "mesh cage cube.obj --cells 2 -o cage.vtu",
+        "compare run run"}) {
+    const Outcome outcome = shell("sh -c \"'" HEXAPLAST_COMMAND "' " + arguments + " > /dev/full\"");
+    EXPECT_EQ(outcome.code, 5) << arguments;
+    EXPECT_NE(outcome.err.find("hexaplast: error: "), std::string::npos) << arguments << ": " << outcome.err;
+  }
+}
+
+TEST_F(OddFiles, TheReasonIsSaid) {
+  const std::string endless(5000, 'n');
+  for (const auto& [arguments, code, message] : std::vector<std::tuple<std::string, int, std::string>>{
+           {"run .", 5, ".: error: is not a file\n"},
+           {"mesh info .", 5, ".: error: is not a file\n"},
+           {"mesh info absent.vtu", 5, "absent.vtu: error: no such file\n"},
+           {"resume absent", 5, "hexaplast: error: absent: no such file\n"},
+           {"run " + endless, 5, endless + ": error: cannot be read: File name too long\n"},
+           {"resume " + endless, 5, "hexaplast: error: " + endless + ": cannot be read: File name too long\n"},
+           {"run bar.scn --set bar/material.name=x", 2,
+            "--set bar/material.name=x: error: the name of HexahedronElastoplasticFEMForceField 'material' cannot be "
+            "replaced: paths and links find it by that\n"}}) {
+    const Outcome outcome = hexaplast(arguments);
+    EXPECT_EQ(outcome.code, code) << arguments;
+    EXPECT_EQ(outcome.err, message) << arguments;
+  }
+}
+
+TEST_F(OddFiles, NoArgumentIsEmpty) {
+  for (const char* arguments : {"run ''", "resume ''", "check ''", "mesh info ''", "run bar.scn --out ''",
+                                "run bar.scn --final ''", "compare bar.scn ''"}) {
+    const Outcome outcome = hexaplast(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_NE(outcome.err.find(": must not be empty\nRun with --help"), std::string::npos) << outcome.err;
+  }
+}
+
+TEST_F(OddFiles, UsageErrorsNameTheWholeSubcommand) {
+  for (const char* command : {"mesh grid", "mesh offset", "mesh cage", "run", "resume"})
+    EXPECT_EQ(hexaplast(command).err.find(std::string("hexaplast ") + command + ": error: "), 0u) << command;
+}
+
+}  // namespace
