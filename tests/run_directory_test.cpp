@@ -36,6 +36,7 @@ class RunDirectory : public Command {
 
   /// Runs the bar into `run` for ever, looks on as soon as some steps are written, and ends it by a signal.
   int end_by(int signal, const std::string& options, const std::function<void()>& meanwhile) {
+    fs::remove_all(directory_ / "run");
     const pid_t child = fork();
     if (child == 0) {
       if (::chdir(directory_.c_str()) != 0) std::_Exit(99);
@@ -105,7 +106,7 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
 
 TEST_F(RunDirectory, ASignalAlwaysLeavesACheckpoint) {
   for (const int signal : {SIGINT, SIGTERM}) {
-    EXPECT_EQ(end_by(signal, "--force", [] {}), 128 + signal);
+    EXPECT_EQ(end_by(signal, "", [] {}), 128 + signal);
     EXPECT_NE(content(directory_ / "messages").find("; hexaplast resume run goes on\n"), std::string::npos)
         << content(directory_ / "messages");
     ASSERT_GE(newest_checkpoint(), 4);
