@@ -86,11 +86,11 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
   while (simulation.latest().step < num_steps && requested_signal() == 0) {
     try {
       simulation.step();
+      record();
     } catch (const NumericalError&) {
       if (recorder) recorder->finish();
       throw;
     }
-    record();
     const output::StepRecord& latest = simulation.latest();
     progress.show(latest.step, latest.time, latest.flow.yielded);
     if (options.checkpoint_every && latest.step % *options.checkpoint_every == 0) save();
