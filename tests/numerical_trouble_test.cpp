@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Numbers beyond all bounds end a run in the step that makes them, and no file ever holds one; a solver that comes to no
-// end is stopped, counted and reported.
+// Numbers beyond all bounds end a run in the step that makes them, and no file ever holds one; a solver that comes to
+// no end is stopped, counted and reported.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -14,8 +14,10 @@ using namespace hexaplast;
 class Overflow : public support::Command {
  protected:
   support::Outcome run(const std::string& overrides) {
-    return hexaplast("run '" HEXAPLAST_SOURCE_DIR "/scenes/bar_stretch_low.scn' --out run --force --frames 0 --quiet "
-                     "--steps 12 --checkpoint every=1 " + overrides);
+    return hexaplast("run '" HEXAPLAST_SOURCE_DIR
+                     "/scenes/bar_stretch_low.scn' --out run --force --frames 0 --quiet "
+                     "--steps 12 --checkpoint every=1 " +
+                     overrides);
   }
 
   /// Every number that the run has left as text; only "nan" and "inf" have letters n.
