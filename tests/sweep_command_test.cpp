@@ -179,7 +179,9 @@ TEST_F(Sweep, TwoInOneDirectoryAreRefused) {
   // one that is killed, with its run, keeps nobody out
   shell("kill -KILL -$(cat id)");
   for (int i = 0; i < 2000 && num_processes() > 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  EXPECT_EQ(hexaplast(second + " --force").code, 0);
+  int code = 5;  // what is dying holds its files for a moment longer than its name
+  for (int i = 0; i < 200 && code == 5; ++i) code = hexaplast(second + " --force").code;
+  EXPECT_EQ(code, 0);
 }
 
 TEST_F(Sweep, MistakesAreFoundBeforeTheFirstRun) {
