@@ -8,18 +8,14 @@
 #include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
+#include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
 
+using support::hash_of;
 using support::kEdge;
 using support::kStep;
-
-std::string hash_of(const Body& body) {
-  StateHash hash;
-  body.add_to(hash);
-  return hash.text();
-}
 
 std::string saved(const Body& body) {
   std::ostringstream out;

@@ -12,6 +12,7 @@
 #include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
+#include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
@@ -38,11 +39,7 @@ class YieldingBody : public testing::Test {
     body.add_stiffness_product(-1, dx, df);
     return df;
   }
-  std::string history_hash() const {
-    StateHash hash;
-    body.add_to(hash);
-    return hash.text();
-  }
+  std::string history_hash() const { return support::hash_of(body); }
 
   Random random{161};
   Body body{support::distorted_block({2, 2, 3}, kEdge, 0.15, 162), {kYielding}};
@@ -330,10 +327,7 @@ TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
     body.flow(x, support::kStep);
     fresh.flow(x, support::kStep);
   }
-  StateHash hash, expected;
-  body.add_to(hash);
-  fresh.add_to(expected);
-  EXPECT_EQ(hash.text(), expected.text());
+  EXPECT_EQ(support::hash_of(body), support::hash_of(fresh));
 }
 
 TEST(Body, RemembersPlasticStretchFromTheMaterialThatBreaksByIt) {

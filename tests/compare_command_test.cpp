@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 using hexaplast::support::content;
 using hexaplast::support::Csv;
 using hexaplast::support::Outcome;
-using nlohmann::json;
+using Json = nlohmann::json;
 
-const std::string kBar = hexaplast::support::in_a_node(
+const std::string kYieldingBar = hexaplast::support::in_a_node(
     hexaplast::support::held_bar("", "yieldStress='300' plasticFlowRate='4'", "indices='2 5 8 11' forces='250 0 0'"),
     "steps='20' outputEvery='10'");
 
@@ -25,7 +25,7 @@ class Compare : public hexaplast::support::Command {
  protected:
   void SetUp() override {
     Command::SetUp();
-    write("bar.scn", kBar);
+    write("bar.scn", kYieldingBar);
   }
 
   void run(const std::string& directory, const std::string& options = "") {
@@ -86,8 +86,8 @@ TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
   }
 
   // positions against the last states in JSON, which is written and read by others
-  const json state_a = json::parse(content(directory_ / "a.json")),
-             state_b = json::parse(content(directory_ / "b.json"));
+  const Json state_a = Json::parse(content(directory_ / "a.json")),
+             state_b = Json::parse(content(directory_ / "b.json"));
   for (const auto& [label, array] :
        {std::pair<std::string, const char*>{"positions", "positions"}, {"material positions", "material_positions"}}) {
     double farthest = 0;
@@ -132,7 +132,7 @@ TEST_F(Compare, WritesAPageOfBothRuns) {
   constexpr std::string_view kBegin = "<script type=\"application/json\">";
   int charts = 0;
   for (std::size_t at = page.find(kBegin); at != page.npos; at = page.find(kBegin, at + 1)) {
-    const json chart = json::parse(page.substr(at + kBegin.size(), page.find("</script>", at) - at - kBegin.size()));
+    const Json chart = Json::parse(page.substr(at + kBegin.size(), page.find("</script>", at) - at - kBegin.size()));
     ++charts;
     ASSERT_EQ(chart.at("series").size(), 2u);
     if (chart.at("quantity") != "elongation, plastic") continue;

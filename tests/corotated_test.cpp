@@ -10,23 +10,23 @@ namespace {
 
 using support::Random;
 
-const Lame kSoft = lame(5000, 0.45);
+const Lame kLame = lame(5000, 0.45);
 
 Mat3 first_piola(const Mat3& F) {
   const Polar p = polar(F);
-  return p.R * stress(p.S, kSoft);
+  return p.R * stress(p.S, kLame);
 }
 
 TEST(Lame, HasTheHandValues) {
-  EXPECT_NEAR(kSoft.mu, 5000 / 2.9, 1e-9);
-  EXPECT_NEAR(kSoft.lambda, 5000 * 0.45 / (1.45 * 0.1), 1e-9);
+  EXPECT_NEAR(kLame.mu, 5000 / 2.9, 1e-9);
+  EXPECT_NEAR(kLame.lambda, 5000 * 0.45 / (1.45 * 0.1), 1e-9);
 }
 
 TEST(CorotatedLaw, UniaxialStressIsYoungsModulusTimesStrain) {
   const double strain = 0.2;
   const Mat3 S = Vec3(1 - 0.45 * strain, 1 - 0.45 * strain, 1 + strain).asDiagonal();
-  EXPECT_LE((stress(S, kSoft) - Mat3(Vec3(0, 0, 5000 * strain).asDiagonal())).cwiseAbs().maxCoeff(), 1e-10);
-  EXPECT_NEAR(energy_density(S, kSoft), 0.5 * 5000 * strain * strain, 1e-10);
+  EXPECT_LE((stress(S, kLame) - Mat3(Vec3(0, 0, 5000 * strain).asDiagonal())).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_NEAR(energy_density(S, kLame), 0.5 * 5000 * strain * strain, 1e-10);
 }
 
 TEST(CorotatedLaw, StressIsTheGradientOfTheEnergy) {
@@ -44,7 +44,7 @@ TEST(CorotatedLaw, StressIsTheGradientOfTheEnergy) {
             [&](double h) {
               Mat3 nudged = F;
               nudged(i, j) += h;
-              return energy_density(polar(nudged).S, kSoft);
+              return energy_density(polar(nudged).S, kLame);
             },
             1e-5);
         EXPECT_NEAR(P(i, j), slope, 1e-7 * P.norm()) << "entry " << i << "," << j;
@@ -59,24 +59,24 @@ TEST(StressIncrement, IsTheSlopeOfTheStressAtAPureRotation) {
   const Mat3 R = random.rotation(), dF = random.matrix(1);
   const double h = 1e-6;
   const Mat3 slope = (first_piola(R + h * dF) - first_piola(R - h * dF)) / (2 * h);
-  EXPECT_TRUE(support::agrees(stress_increment(R, dF, kSoft), slope, 1e-8));
+  EXPECT_TRUE(support::agrees(stress_increment(R, dF, kLame), slope, 1e-8));
 }
 
 TEST(StressIncrement, MeetsASuperposedSpinWithoutResistance) {
   Random random(43);
   const Mat3 R = random.rotation(), A = random.matrix(1);
   const Mat3 spin = A - A.transpose();
-  EXPECT_LE(stress_increment(R, spin * R, kSoft).cwiseAbs().maxCoeff(), 1e-12 * kSoft.lambda);
+  EXPECT_LE(stress_increment(R, spin * R, kLame).cwiseAbs().maxCoeff(), 1e-12 * kLame.lambda);
 }
 
 TEST(StressIncrement, IsSymmetricAndNotNegative) {
   Random random(44);
   for (int k = 0; k < 100; ++k) {
     const Mat3 R = random.rotation(), dF = random.matrix(1), dG = random.matrix(1);
-    const double there = stress_increment(R, dF, kSoft).cwiseProduct(dG).sum();
-    const double back = stress_increment(R, dG, kSoft).cwiseProduct(dF).sum();
-    ASSERT_NEAR(there, back, 1e-11 * kSoft.lambda);
-    ASSERT_GE(stress_increment(R, dF, kSoft).cwiseProduct(dF).sum(), -1e-12 * kSoft.lambda);
+    const double there = stress_increment(R, dF, kLame).cwiseProduct(dG).sum();
+    const double back = stress_increment(R, dG, kLame).cwiseProduct(dF).sum();
+    ASSERT_NEAR(there, back, 1e-11 * kLame.lambda);
+    ASSERT_GE(stress_increment(R, dF, kLame).cwiseProduct(dF).sum(), -1e-12 * kLame.lambda);
   }
 }
 

@@ -1,58 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // `hexaplast element`, run as its users run it.                                                       docs/element.md
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
+#include "support/command.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"
 
 namespace hexaplast {
 namespace {
 
-namespace fs = std::filesystem;
 using support::Json;
+using support::Outcome;
 
-struct Outcome {
-  int code;
-  std::string out, err;
-};
-
-std::string content(const fs::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-class ElementCommand : public testing::Test {
+class ElementCommand : public support::Command {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_element_") + info->name());
-    fs::remove_all(directory_);
-    fs::create_directories(directory_);
-  }
-  void TearDown() override { fs::remove_all(directory_); }
-
   Outcome element(const std::string& arguments, const std::string& input = "") {
     write("in", input);
-    const std::string line =
-        "cd '" + directory_.string() + "' && '" + HEXAPLAST_COMMAND + "' element " + arguments + " < in > out 2> err";
-    const int status = std::system(line.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(directory_ / "out"),
-            content(directory_ / "err")};
+    return shell("('" HEXAPLAST_COMMAND "' element " + arguments + " < in)");
   }
-
-  void write(const std::string& name, const std::string& text) { std::ofstream(directory_ / name) << text; }
-
-  fs::path directory_;
 };
 
 /// Greatest difference of two JSON values of one shape, relative to the greatest number of `expected`; infinite where

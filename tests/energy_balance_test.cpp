@@ -15,7 +15,7 @@ namespace {
 using support::kEdge;
 using support::kStep;
 
-constexpr double kDensity = 1000, kYoung = 5000;
+constexpr double kDensity = 1000, kYoungModulus = 5000;
 
 /// A block of cubes of kEdge with nu = 0 that moves on in time and keeps its accounts.
 struct Measured {
@@ -56,7 +56,7 @@ struct Measured {
 
 Material elastic() {
   Material material;
-  material.young_modulus = kYoung;
+  material.young_modulus = kYoungModulus;
   material.poisson_ratio = 0;
   return material;
 }
@@ -83,7 +83,7 @@ TEST(EnergyBalance, OfAFallingHexahedronIsTheHandValue) {
 
 // A cube on a fixed face is a spring k = E A / L with the mass m of four nodes. The scalar recursion gives every term.
 TEST(EnergyBalance, OfAReleasedSpringIsThatOfTheScalarScheme) {
-  const double k = kYoung * kEdge, m = 4 * kDensity * kEdge * kEdge * kEdge / 8, rM = 0.3, rK = 0.02, d = 0.5,
+  const double k = kYoungModulus * kEdge, m = 4 * kDensity * kEdge * kEdge * kEdge / 8, rM = 0.3, rK = 0.02, d = 0.5,
                h = kStep;
   for (const bool first_order : {true, false}) {
     for (const bool trapezoidal : {true, false}) {
@@ -132,7 +132,7 @@ TEST(EnergyBalance, OfAReleasedSpringIsThatOfTheScalarScheme) {
 
 // The same spring with its upper face led at the velocity w: the force at the end of a step times the way.
 TEST(EnergyBalance, SupportsThatMoveDoTheWorkOfTheirReactions) {
-  const double k = kYoung * kEdge, w = 0.05, h = kStep;
+  const double k = kYoungModulus * kEdge, w = 0.05, h = kStep;
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
   std::vector<int> fixed = support::nodes_at(mesh, 2, 0);
   const std::vector<int> top = support::nodes_at(mesh, 2, kEdge);
@@ -181,7 +181,7 @@ TEST(EnergyBalance, ClosesWithTheTimeStep) {
 // The law of flow says what it dissipates; what the plastic steps took from the elastic energy knows nothing of it.
 TEST(EnergyBalance, FlowTakesWhatItDissipates) {
   Material material = support::yielding(200, 3);
-  material.young_modulus = kYoung;
+  material.young_modulus = kYoungModulus;
   const HexMesh mesh = support::block({4, 1, 1}, kEdge);
   const std::vector<int> end = support::nodes_at(mesh, 0, 4 * kEdge);
   Measured bar(

@@ -15,9 +15,8 @@ namespace hexaplast {
 namespace {
 
 using support::kEdge;
+using support::kSoft;
 using support::Random;
-
-const Material kSoft = support::yielding(300, 0.02);
 
 /// A clamped bar under a side load that is the same share of its stiffness for every E.
 support::Simulation bent_bar(double young_modulus, double dt, double yield_share) {

@@ -17,24 +17,19 @@
 #include "support/materials.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
+#include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
 
+using support::hash_of;
 using support::kEdge;
+using support::kSoft;
 using support::kStep;
 using support::mapped;
 using support::Random;
 
 constexpr YieldNorm kNorms[] = {YieldNorm::kVonMises, YieldNorm::kFrobenius, YieldNorm::kSpectral};
-
-const Material kSoft = support::yielding(300, 0.02);
-
-std::string hash_of(const Body& body) {
-  StateHash hash;
-  body.add_to(hash);
-  return hash.text();
-}
 
 TEST(Flow, ChangesNothingBelowYield) {
   Random random(151);

@@ -22,30 +22,30 @@ class GoldenMesh : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(GoldenMesh, ThreePlasticStepsAtHeldPositions) {
-  constexpr double kTolerance = 1e-8;
+  constexpr double tolerance = 1e-8;
   const PointArray world = matrix(data["xh"]);
   for (const Json& step : data["steps"]) {
     const std::vector<double> beta = body.fields(world).volume_ratio;
     body.flow(world, params["dt"]);
 
     const History& history = body.history();
-    EXPECT_TRUE(agrees(history.material, matrix(step["x"]), kTolerance));
+    EXPECT_TRUE(agrees(history.material, matrix(step["x"]), tolerance));
     for (int e = 0; e < body.mesh().num_elements(); ++e) {
-      EXPECT_TRUE(agrees(beta[e], step["beta"][e].get<double>(), kTolerance));
-      EXPECT_TRUE(agrees(history.rest_shape[e], matrix(step["y"][e]), kTolerance));
+      EXPECT_TRUE(agrees(beta[e], step["beta"][e].get<double>(), tolerance));
+      EXPECT_TRUE(agrees(history.rest_shape[e], matrix(step["y"][e]), tolerance));
       const ElementHistory element = history.element(e);
       for (int a = 0; a < kCorners; ++a) {
         const Json& Pi = mode == "paper_vertex" ? step["Pi_vertex"][e][a] : step["Pi"][e];
-        EXPECT_TRUE(agrees(element.rotation_map[a], matrix(Pi), kTolerance));
-        EXPECT_TRUE(agrees(history.yield_stress[e][a], step["tau"][e][a].get<double>(), kTolerance));
-        EXPECT_TRUE(agrees(history.rotation_yield[e][a], step["tauR"][e][a].get<double>(), kTolerance));
+        EXPECT_TRUE(agrees(element.rotation_map[a], matrix(Pi), tolerance));
+        EXPECT_TRUE(agrees(history.yield_stress[e][a], step["tau"][e][a].get<double>(), tolerance));
+        EXPECT_TRUE(agrees(history.rotation_yield[e][a], step["tauR"][e][a].get<double>(), tolerance));
       }
     }
   }
 }
 
 TEST_P(GoldenMesh, TwentyDynamicSteps) {
-  constexpr double kTolerance = 1e-6;
+  constexpr double tolerance = 1e-6;
   const Json& dynamic = data["dynamic"];
   std::vector<int> loaded;  // 8 N along z on every node above 0.15 m
   for (int n = 0; n < body.mesh().num_nodes(); ++n) {
@@ -62,12 +62,12 @@ TEST_P(GoldenMesh, TwentyDynamicSteps) {
   support::Simulation simulation(std::move(body), std::move(setup));
 
   simulation.run(1);
-  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step1"]), kTolerance));
+  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step1"]), tolerance));
   simulation.run(4);
-  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step5"]), kTolerance));
+  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step5"]), tolerance));
   simulation.run(15);
-  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step20"]), kTolerance));
-  EXPECT_TRUE(agrees(simulation.body.history().material, matrix(dynamic["x_step20"]), kTolerance));
+  EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step20"]), tolerance));
+  EXPECT_TRUE(agrees(simulation.body.history().material, matrix(dynamic["x_step20"]), tolerance));
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, GoldenMesh, testing::Values("objective", "paper_vertex", "paper_centre"),

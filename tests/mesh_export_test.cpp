@@ -22,7 +22,7 @@ class MeshExport : public support::Command {
 
 // Two hexahedra of different stiffness along x, held at x = 0, pulled along x by a load that comes and goes; node 4 (at
 // the middle) carries its weight alone.
-const std::string kBar =
+const std::string kStaticBar =
     "<Node name='root' gravity='0 -10 0' dt='0.5'>\n<DefaultAnimationLoop/><RunSettings steps='9'/><StaticSolver/>"
     "<NewtonRaphsonSolver/><SparseLDLSolver/>\n<RegularGridTopology n='3 2 2' max='2 1 1'/><MechanicalObject/>"
     "<DiagonalMass vertexMass='0 0 0 0 0.25 0 0 0 0 0 0 0'/>\n<HexahedronElastoplasticFEMForceField name='material' "
@@ -30,7 +30,7 @@ const std::string kBar =
     "points='2' times='0 1 3 4' forces='0 0 0  1.5 0 0  1.5 0 0  0 0 0'/></Node>";
 
 TEST_F(MeshExport, WritesTheDeckThatCalculixRuns) {
-  write("bar.scn", kBar);
+  write("bar.scn", kStaticBar);
   EXPECT_EQ(exported("bar.scn"),
             "*HEADING\nbar\n"
             "*NODE, NSET=ALL\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n4, 0, 1, 0\n5, 1, 1, 0\n6, 2, 1, 0\n"
@@ -47,19 +47,19 @@ TEST_F(MeshExport, WritesTheDeckThatCalculixRuns) {
 }
 
 TEST_F(MeshExport, LoadsAreThoseOfTheTimeAskedFor) {
-  write("bar.scn", kBar);
+  write("bar.scn", kStaticBar);
   EXPECT_NE(exported("bar.scn --time 0.5").find("*CLOAD\n3, 1, 0.75\n"), std::string::npos);
   EXPECT_EQ(exported("bar.scn --time 4 --set root.gravity='0 0 0'").find("*CLOAD"), std::string::npos);
 }
 
 TEST_F(MeshExport, WritesTheMeshForParaView) {
-  write("bar.scn", kBar);
+  write("bar.scn", kStaticBar);
   EXPECT_EQ(hexaplast("mesh export bar.scn --format vtu -o bar.vtu").code, 0);
   EXPECT_EQ(support::content(directory_ / "bar.vtu").rfind("<?xml", 0), 0u);
 }
 
 TEST_F(MeshExport, RefusesWhatItCannotDo) {
-  write("bar.scn", kBar);
+  write("bar.scn", kStaticBar);
   write("free.scn",
         "<Node><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/>"
         "<MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/></Node>");

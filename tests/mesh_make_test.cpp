@@ -123,7 +123,7 @@ TEST_F(MeshMake, TubesFollowArcsAndCurves) {
 TEST_F(MeshMake, ShapesRefuseWhatMeansNothing) {
   expect_refused(2, "tube --cells 1 8 6 --inner 0.1 --outer 0.15", "either --length or --along must be given");
   expect_refused(2, "tube --cells 1 8 6 --inner 0.1 --outer 0.15 --bend 90", "--bend requires --length");
-  expect_refused(2, "tube --cells 1 8 --inner 0.1 --outer 0.15 --length 1", "hexaplast mesh tube: error: ");
+  expect_refused(2, "tube --cells 1 8 --inner 0.1 --outer 0.15 --length 1", "--cells: Value --inner not in range");
   expect_refused(3, "tube --cells 1 2 6 --inner 0.1 --outer 0.15 --length 1",
                  "hexaplast mesh tube: error: a grid of 2 cells in direction 1: at least 3 needed");
   expect_refused(3, "tube --cells 1 8 6 --inner 0.2 --outer 0.15 --length 1", "an inner radius of 0.2 m");

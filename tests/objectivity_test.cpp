@@ -26,13 +26,6 @@ Body yielding_bar(const PointArray& positions, const HexMesh& mesh) {
   return Body(HexMesh(positions, mesh.hexahedra()), {support::yielding(100, 0.01)});
 }
 
-/// Distance of two material shapes after the best rigid motion: the averaging fixes the mean, and the turn only
-/// loosely.
-double incongruence(const PointArray& x, const PointArray& expected) {
-  const PointArray from = x.rowwise() - x.colwise().mean(), to = expected.rowwise() - expected.colwise().mean();
-  return support::max_abs(mapped(from, polar(to.transpose() * from).R) - to);
-}
-
 /// A mesh that is stretched and twisted step by step while it flows.
 class DrivenBar {
  public:
@@ -50,7 +43,7 @@ class DrivenBar {
   }
 
   void expect_equal_history(const Body& body, double tolerance) const {
-    EXPECT_LE(incongruence(body.history().material, reference_.history().material), tolerance);
+    EXPECT_LE(support::incongruence(body.history().material, reference_.history().material), tolerance);
     double shape_error = 0, threshold_error = 0;
     for (int e = 0; e < mesh_.num_elements(); ++e) {
       const ElementHistory actual = body.history().element(e), expected = reference_.history().element(e);
@@ -102,7 +95,7 @@ TEST_F(Objectivity, TurningTheWholeSceneTurnsTheResult) {
   const Mat3 R = random.rotation();
   Body body = yielding_bar(mapped(mesh.positions(), R), mesh);
   bar.drive(body, [&](int, const PointArray& x) { return mapped(x, R); });
-  EXPECT_LE(incongruence(body.history().material, bar.reference_material()), 1e-10 * kEdge);
+  EXPECT_LE(support::incongruence(body.history().material, bar.reference_material()), 1e-10 * kEdge);
 }
 
 TEST_F(Objectivity, MovingTheWholeSceneMovesTheResult) {
@@ -110,7 +103,7 @@ TEST_F(Objectivity, MovingTheWholeSceneMovesTheResult) {
     const Vec3 shift(far, -0.5 * far, 0.3 * far);
     Body body = yielding_bar(mapped(mesh.positions(), Mat3::Identity(), shift), mesh);
     bar.drive(body, [&](int, const PointArray& x) { return mapped(x, Mat3::Identity(), shift); });
-    EXPECT_LE(incongruence(body.history().material, bar.reference_material()), far > 1 ? 1e-7 : 1e-10);
+    EXPECT_LE(support::incongruence(body.history().material, bar.reference_material()), far > 1 ? 1e-7 : 1e-10);
   }
 }
 
@@ -123,7 +116,7 @@ TEST_F(Objectivity, TheMirroredSceneHasTheMirroredResult) {
   const HexMesh mirrored(mapped(mesh.positions(), mirror), hexahedra);
   Body body = yielding_bar(mirrored.positions(), mirrored);
   bar.drive(body, [&](int, const PointArray& x) { return mapped(x, mirror); });
-  EXPECT_LE(incongruence(mapped(body.history().material, mirror), bar.reference_material()), 1e-10);
+  EXPECT_LE(support::incongruence(mapped(body.history().material, mirror), bar.reference_material()), 1e-10);
 }
 
 TEST(ObjectivityOfDistortedCells, ThePoseInTheWorldDoesNotMatter) {

@@ -19,7 +19,7 @@ using support::refuses;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The sheet z = 0 of 3 x 2 unit quads, seen from above.
-QuadSurface sheet() {
+QuadSurface bent_sheet() {
   return support::patch(3, 2, [](double u, double v) { return Vec3(3 * u, 2 * v, 0); });
 }
 
@@ -53,7 +53,7 @@ int num_free_faces(const HexMesh& mesh) {
 }
 
 TEST(Offset, OfAPlaneIsABlock) {
-  const Shell shell = offset(sheet(), {0.25, 1, 5});
+  const Shell shell = offset(bent_sheet(), {0.25, 1, 5});
   EXPECT_EQ(shell.mesh.num_elements(), 6 * 5);
   EXPECT_EQ(shell.mesh.num_nodes(), 12 * 6);
   EXPECT_NEAR(shell.quality.volume, 6 * 1.25, 1e-14);
@@ -67,7 +67,7 @@ TEST(Offset, OfAPlaneIsABlock) {
 }
 
 TEST(Offset, MayLieOffTheSurfaceAndOnEitherSide) {
-  const Shell above = offset(sheet(), {-0.5, 0.75, 1}), below = offset(sheet(), {0, -0.75, 2});
+  const Shell above = offset(bent_sheet(), {-0.5, 0.75, 1}), below = offset(bent_sheet(), {0, -0.75, 2});
   EXPECT_DOUBLE_EQ(above.mesh.positions().col(2).minCoeff(), 0.5);
   EXPECT_DOUBLE_EQ(above.mesh.positions().col(2).maxCoeff(), 0.75);
   EXPECT_NEAR(above.quality.volume, 1.5, 1e-14);
@@ -218,11 +218,15 @@ TEST(Offset, RefusesToFold) {
 }
 
 TEST(Offset, RefusesNumbersThatMeanNothing) {
-  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, 0, 1}); }, {"0 inward and 0 outward"}));
-  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0.5, -0.5, 1}); }, {"their sum not 0"}));
-  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, kInfinity, 1}); }, {"inf outward", "must be finite"}));
-  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, 1, 0}); }, {"0 layers: at least 1"}));
-  EXPECT_TRUE(refuses<InputError>([] { offset(sheet(), {0, 1, std::numeric_limits<int>::max()}); }, {"more nodes"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(bent_sheet(), {0, 0, 1}); }, {"0 inward and 0 outward"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(bent_sheet(), {0.5, -0.5, 1}); }, {"their sum not 0"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(bent_sheet(), {0, kInfinity, 1}); }, {"inf outward", "must be finite"}));
+  EXPECT_TRUE(refuses<InputError>([] { offset(bent_sheet(), {0, 1, 0}); }, {"0 layers: at least 1"}));
+  EXPECT_TRUE(refuses<InputError>(
+      [] {
+        offset(bent_sheet(), {0, 1, std::numeric_limits<int>::max()});
+      },
+      {"more nodes"}));
 }
 
 // A corner of a cube pulled out to a needle, and a roof whose two sides all but touch.
@@ -270,7 +274,7 @@ TEST(Offset, MakesShellsThatCoarsen) {
 // ---- the surface ----------------------------------------------------------------------------------------------------
 
 TEST(QuadSurface, KnowsItsNeighboursAndWhetherItIsClosed) {
-  const QuadSurface open = sheet();
+  const QuadSurface open = bent_sheet();
   EXPECT_FALSE(open.is_closed());
   EXPECT_EQ(open.incident(5).size(), 4u);
   EXPECT_EQ(open.incident(0).size(), 1u);
@@ -278,7 +282,7 @@ TEST(QuadSurface, KnowsItsNeighboursAndWhetherItIsClosed) {
 }
 
 TEST(QuadSurface, RefusesWhatIsNoSurface) {
-  const QuadSurface good = sheet();
+  const QuadSurface good = bent_sheet();
   const auto made = [&](const std::function<void(PointArray&, std::vector<Quad>&)>& change) {
     return [&, change] {
       PointArray x = good.positions();

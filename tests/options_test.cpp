@@ -134,12 +134,6 @@ PointArray material_after(const HexMesh& mesh, const Settings& settings, const M
   return body.history().material;
 }
 
-/// Distance of two shapes after the best rigid motion.
-double incongruence(const PointArray& x, const PointArray& expected) {
-  const PointArray from = x.rowwise() - x.colwise().mean(), to = expected.rowwise() - expected.colwise().mean();
-  return support::max_abs(mapped(from, polar(to.transpose() * from).R) - to);
-}
-
 class PaperMode : public testing::TestWithParam<RotationPlasticity> {};
 
 TEST_P(PaperMode, IsObjectiveAgainstTheBestFitAndNotAgainstTheAxes) {
@@ -152,8 +146,8 @@ TEST_P(PaperMode, IsObjectiveAgainstTheBestFitAndNotAgainstTheAxes) {
   for (const RotationFrame frame : {RotationFrame::kBestFit, RotationFrame::kWorld}) {
     settings.rotation_frame = frame;
     const PointArray expected = material_after(mesh, settings, Mat3::Identity(), still);
-    const double posed = incongruence(material_after(mesh, settings, R, still), expected);
-    const double spinning = incongruence(material_after(mesh, settings, Mat3::Identity(), spin), expected);
+    const double posed = support::incongruence(material_after(mesh, settings, R, still), expected);
+    const double spinning = support::incongruence(material_after(mesh, settings, Mat3::Identity(), spin), expected);
     if (frame == RotationFrame::kBestFit) {
       EXPECT_LE(posed, 1e-9);
       EXPECT_LE(spinning, 1e-9);

@@ -14,8 +14,8 @@ namespace {
 
 using support::Random;
 
-const Lame kSoft = lame(5000, 0.45);
-constexpr YieldNorm kNorms[] = {YieldNorm::kVonMises, YieldNorm::kFrobenius, YieldNorm::kSpectral};
+const Lame kSoftLame = lame(5000, 0.45);
+constexpr YieldNorm kYieldNorms[] = {YieldNorm::kVonMises, YieldNorm::kFrobenius, YieldNorm::kSpectral};
 
 Mat3 random_stretch(Random& random, double size) {
   const Mat3 V = random.rotation();
@@ -28,7 +28,7 @@ TEST(StressNorm, OfUniaxialTensionIsTheTension) {
   for (const double tension : {700.0, -700.0}) {
     const Mat3 R = random.rotation();
     const Mat3 sigma = R * Vec3(tension, 0, 0).asDiagonal() * R.transpose();
-    for (const YieldNorm norm : kNorms) EXPECT_NEAR(stress_norm(sigma, norm), 700, 1e-10);
+    for (const YieldNorm norm : kYieldNorms) EXPECT_NEAR(stress_norm(sigma, norm), 700, 1e-10);
   }
 }
 
@@ -58,15 +58,15 @@ TEST(FlowShare, IsTheRateTimesTheExcessAndStaysWithinZeroAndOne) {
 
 TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
   Random random(53);
-  for (const YieldNorm norm : kNorms) {
+  for (const YieldNorm norm : kYieldNorms) {
     for (int k = 0; k < 200; ++k) {
       const Mat3 S = random_stretch(random, 0.4);
-      const StretchFlow flow = stretch_flow(S, kSoft, norm, 100, 3, 0.01);
+      const StretchFlow flow = stretch_flow(S, kSoftLame, norm, 100, 3, 0.01);
       const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
       Vec3 logs = eigen.eigenvalues().array().log();
       logs.array() -= logs.mean();
 
-      ASSERT_NEAR(flow.norm, stress_norm(stress(S, kSoft), norm), 1e-9);
+      ASSERT_NEAR(flow.norm, stress_norm(stress(S, kSoftLame), norm), 1e-9);
       ASSERT_DOUBLE_EQ(flow.share, flow_share(flow.norm, 100, 3, 0.01));
       const Vec3 expected = (flow.share * logs).array().exp();
       ASSERT_LE((flow.increment - eigen.eigenvectors() * expected.asDiagonal() * eigen.eigenvectors().transpose())
@@ -76,7 +76,7 @@ TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
       ASSERT_NEAR(flow.increment.determinant(), 1, 1e-12);
       ASSERT_NEAR(flow.strain, std::sqrt(2.0 / 3) * flow.share * logs.norm(), 1e-12);
       const Mat3 flowed = eigen.eigenvectors() * (flow.share * logs).asDiagonal() * eigen.eigenvectors().transpose();
-      ASSERT_NEAR(flow.dissipated, stress(S, kSoft).cwiseProduct(flowed).sum(), 1e-9);
+      ASSERT_NEAR(flow.dissipated, stress(S, kSoftLame).cwiseProduct(flowed).sum(), 1e-9);
     }
   }
 }
@@ -84,14 +84,14 @@ TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
 TEST(StretchFlow, NeverGainsEnergy) {
   Random random(54);
   for (int k = 0; k < 500; ++k) {
-    const StretchFlow flow = stretch_flow(random_stretch(random, 0.5), kSoft, YieldNorm::kVonMises, 50, 3, 0.01);
+    const StretchFlow flow = stretch_flow(random_stretch(random, 0.5), kSoftLame, YieldNorm::kVonMises, 50, 3, 0.01);
     ASSERT_GE(flow.dissipated, 0);
   }
 }
 
 TEST(StretchFlow, IsExactlyNothingBelowYield) {
   Random random(55);
-  const StretchFlow flow = stretch_flow(random_stretch(random, 0.3), kSoft, YieldNorm::kFrobenius, 1e6, 3, 0.01);
+  const StretchFlow flow = stretch_flow(random_stretch(random, 0.3), kSoftLame, YieldNorm::kFrobenius, 1e6, 3, 0.01);
   EXPECT_EQ(flow.share, 0);
   EXPECT_EQ(flow.strain, 0);
   EXPECT_EQ(flow.dissipated, 0);
@@ -99,7 +99,7 @@ TEST(StretchFlow, IsExactlyNothingBelowYield) {
 }
 
 TEST(StretchFlow, OfAPureVolumeChangeHasNoShape) {
-  const StretchFlow flow = stretch_flow(1.05 * Mat3::Identity(), kSoft, YieldNorm::kFrobenius, 300, 3, 0.01);
+  const StretchFlow flow = stretch_flow(1.05 * Mat3::Identity(), kSoftLame, YieldNorm::kFrobenius, 300, 3, 0.01);
   EXPECT_GT(flow.share, 0);
   EXPECT_LE((flow.increment - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-15);
 }

@@ -205,7 +205,8 @@ def main():
                    stdout=subprocess.DEVNULL)
 
     wrong = []
-    with tempfile.TemporaryDirectory() as profile:
+    # processes of the browser outlive it by a moment, and still write then
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         browser = Browser(program, profile)
         for page in (report, comparison):
             for device, width in WIDTHS.items():

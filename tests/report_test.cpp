@@ -16,7 +16,7 @@ namespace hexaplast {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
+using Json = nlohmann::json;
 using output::Manifest;
 using output::OutputError;
 using support::content;
@@ -78,15 +78,15 @@ std::vector<std::string> pieces(const std::string& page, const std::string& begi
   return found;
 }
 
-std::vector<json> charts_of(const std::string& page) {
-  std::vector<json> charts;
+std::vector<Json> charts_of(const std::string& page) {
+  std::vector<Json> charts;
   for (const std::string& text : pieces(page, "<script type=\"application/json\">", "</script>", false))
-    charts.push_back(json::parse(text));
+    charts.push_back(Json::parse(text));
   return charts;
 }
 
-json chart_of(const std::string& page, const std::string& quantity) {
-  for (const json& chart : charts_of(page))
+Json chart_of(const std::string& page, const std::string& quantity) {
+  for (const Json& chart : charts_of(page))
     if (chart.at("quantity") == quantity) return chart;
   ADD_FAILURE() << "no chart of " << quantity;
   return {};
@@ -122,10 +122,10 @@ TEST(Report, HasTheNumbersOfTheHistory) {
                                    {"yielded hexahedra", "yielded", "yielded", 1, 0},
                                    {"solver iterations", "iterations", "solver_iterations", 1, 0},
                                    {"time per step", "step", "step_ms", 1, 0}}) {
-    const json series = chart_of(page, expected.quantity).at("series").at(0);
+    const Json series = chart_of(page, expected.quantity).at("series").at(0);
     const auto& curves = series.at("curves");
     const auto curve =
-        std::ranges::find_if(curves, [&](const json& candidate) { return candidate.at("name") == expected.curve; });
+        std::ranges::find_if(curves, [&](const Json& candidate) { return candidate.at("name") == expected.curve; });
     ASSERT_NE(curve, curves.end()) << expected.quantity << " " << expected.curve;
     ASSERT_EQ(series.at("times").size(), rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -145,7 +145,7 @@ TEST(Report, ChartsAreWellFormedXmlWithOneLinePerCurve) {
   run_and_report(scratch / "run", some_run());
   const std::string page = content(scratch / "run/report.html");
   const std::vector<std::string> figures = pieces(page, "<figure class=\"chart\">", "</figure>", true);
-  const std::vector<json> charts = charts_of(page);
+  const std::vector<Json> charts = charts_of(page);
   ASSERT_GE(figures.size(), 7u);
   ASSERT_EQ(figures.size(), charts.size());
   for (std::size_t k = 0; k < figures.size(); ++k) {
@@ -233,7 +233,7 @@ TEST(Report, OfALongRunIsSmallAndKeepsItsPeaks) {
   EXPECT_LT(fs::file_size(scratch / "run/report.html"), 1'000'000u);
 
   const std::string page = content(scratch / "run/report.html");
-  const json series = chart_of(page, "elongation").at("series")[0];
+  const Json series = chart_of(page, "elongation").at("series")[0];
   const std::vector<long> steps = series.at("steps");
   const std::vector<double> values = series.at("curves")[0].at("values");
   const auto peak = std::ranges::find(steps, kPeak);
@@ -254,8 +254,8 @@ TEST(Report, OfARunThatFailedShowsWhatWasFinite) {
   put(scratch / "run/history.csv", "step,time,end_displacement,world_elongation\n0,0,0,0\n1,1,2,3\n2,2,inf,4\n");
   write_report(scratch / "run", some_run());
   const std::string page = content(scratch / "run/report.html");
-  EXPECT_EQ(chart_of(page, "displacement of loaded nodes").at("series")[0].at("steps"), json({0, 1}));
-  EXPECT_EQ(chart_of(page, "elongation").at("series")[0].at("steps"), json({0, 1, 2}));
+  EXPECT_EQ(chart_of(page, "displacement of loaded nodes").at("series")[0].at("steps"), Json({0, 1}));
+  EXPECT_EQ(chart_of(page, "elongation").at("series")[0].at("steps"), Json({0, 1, 2}));
 }
 
 TEST(Percentile, IsTheNearestRank) {
@@ -306,7 +306,7 @@ TEST(ManifestFile, ComesBackAsItWas) {
   run.title = kHostile;
   run.state = output::RunState::kInterrupted;
   write_manifest(scratch / "run", run);
-  const json written = json::parse(content(scratch / "run/manifest.json"));
+  const Json written = Json::parse(content(scratch / "run/manifest.json"));
   EXPECT_EQ(written.at("scene").at("name"), kHostile);
   EXPECT_EQ(written.at("state"), "interrupted");
   EXPECT_EQ(written.at("components")[0].at("attributes").at("yieldStress"), "250");
@@ -314,7 +314,7 @@ TEST(ManifestFile, ComesBackAsItWas) {
   const std::optional<Manifest> read = output::read_manifest(scratch / "run");
   ASSERT_TRUE(read);
   write_manifest(scratch / "run", *read);
-  EXPECT_EQ(json::parse(content(scratch / "run/manifest.json")), written);
+  EXPECT_EQ(Json::parse(content(scratch / "run/manifest.json")), written);
 }
 
 TEST(ManifestFile, OfAnotherKindIsRefused) {

@@ -19,7 +19,7 @@ using hexaplast::support::content;
 using hexaplast::support::Outcome;
 
 // A bar with a triangle in it, pulled until it flows and tears, while a tool holds it.
-const std::string kBar =
+const std::string kTearingBar =
     "<Node name='root' gravity='0 0 -9.81' dt='0.02'>\n<DefaultAnimationLoop/><RunSettings steps='40' outputEvery='8'/>"
     "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.01'/><CGLinearSolver iterations='60'/>"
     "<RegularGridTopology n='3 2 5' max='0.2 0.1 0.4'/><MechanicalObject/><DiagonalMass massDensity='1000'/>"
@@ -34,7 +34,7 @@ class Resume : public Command {
  protected:
   void SetUp() override {
     Command::SetUp();
-    write("bar.scn", kBar);
+    write("bar.scn", kTearingBar);
   }
 
   static std::string hash_in(const std::string& out) {
@@ -129,7 +129,7 @@ TEST_F(Resume, CutsWhatTheRunHadWrittenAfterItsCheckpoint) {
 }
 
 TEST_F(Resume, FromAnotherPlaceFindsItsScene) {
-  write("at_rest.scn", kBar);
+  write("at_rest.scn", kTearingBar);
   ASSERT_EQ(
       hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 10 --set root/body.hardening=0.2").code,
       0);
@@ -157,7 +157,7 @@ TEST_F(Resume, ASignalLeavesACheckpointToGoOnFrom) {
 
 TEST_F(Resume, AFailureKeepsTheLastGoodCheckpoint) {
   // a step of a second is more than the bar can bear: the run fails by itself
-  std::string text = kBar;
+  std::string text = kTearingBar;
   text.insert(text.find("<GraspForceField"),
               "<LinearForceField points='0' times='0 0.2 0.22' forces='0 0 0  0 0 0  0 0 1e300'/>");
   write("fails.scn", text);
@@ -173,13 +173,13 @@ TEST_F(Resume, WhatIsForeignOrDamagedIsRefusedAndUntouched) {
   const std::string history = content(directory_ / "run/history.csv");
   const fs::path newest = directory_ / "run/checkpoint_000000025.hxc";
 
-  std::string other = kBar;
+  std::string other = kTearingBar;
   other.replace(other.find("2e4"), 3, "3e4");
   write("bar.scn", other);
   Outcome refused = hexaplast("resume run --steps 40");
   EXPECT_EQ(refused.code, 3);
   EXPECT_NE(refused.err.find("is of another scene"), std::string::npos) << refused.err;
-  write("bar.scn", kBar);
+  write("bar.scn", kTearingBar);
 
   write("run/history.csv", "step,time\n0,0\n");
   refused = hexaplast("resume run --steps 40");

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using hexaplast::support::content;
 using hexaplast::support::Outcome;
-using nlohmann::json;
+using Json = nlohmann::json;
 
 const std::string kBody = hexaplast::support::held_bar("rayleighMass='0.1'", "precision='mixed' yieldStress='300'",
                                                        "indices='2' forces='1 0 0'");
@@ -22,10 +22,10 @@ std::string scene(const std::string& body) { return hexaplast::support::in_a_nod
 
 class RunRecord : public hexaplast::support::Command {
  protected:
-  json manifest(const std::string& run) { return json::parse(content(directory_ / run / "manifest.json")); }
+  Json manifest(const std::string& run) { return Json::parse(content(directory_ / run / "manifest.json")); }
 
   /// The manifest of a run of `file`.
-  json manifest_of(const std::string& file, const std::string& options = "") {
+  Json manifest_of(const std::string& file, const std::string& options = "") {
     EXPECT_EQ(hexaplast("run " + file + " --out run --force --frames 0 --quiet " + options).code, 0);
     return manifest("run");
   }
@@ -36,16 +36,16 @@ TEST_F(RunRecord, SaysWhatIsNeededToRepeatTheRun) {
   const Outcome outcome =
       hexaplast("run bar.scn --out first --frames 0 --threads 2 --set bar/material.yieldStress=250 --steps 3");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const json first = manifest("first");
+  const Json first = manifest("first");
   EXPECT_EQ(first.at("state"), "finished");
-  EXPECT_EQ(first.at("command"), json({"hexaplast", "run", "bar.scn", "--out", "first", "--frames", "0", "--threads",
+  EXPECT_EQ(first.at("command"), Json({"hexaplast", "run", "bar.scn", "--out", "first", "--frames", "0", "--threads",
                                        "2", "--set", "bar/material.yieldStress=250", "--steps", "3"}));
   EXPECT_EQ(first.at("working_directory"), fs::canonical(directory_).string());
-  EXPECT_EQ(first.at("overrides"), json({"bar/material.yieldStress=250"}));
+  EXPECT_EQ(first.at("overrides"), Json({"bar/material.yieldStress=250"}));
   EXPECT_EQ(first.at("threads"), 2);
   EXPECT_EQ(first.at("precision"), "mixed");
-  EXPECT_EQ(first.at("solver"), json({{"motion", "EulerImplicitSolver"}, {"linear", "SparseLDLSolver"}}));
-  EXPECT_EQ(first.at("steps"), json({{"asked", 3}, {"done", 3}}));
+  EXPECT_EQ(first.at("solver"), Json({{"motion", "EulerImplicitSolver"}, {"linear", "SparseLDLSolver"}}));
+  EXPECT_EQ(first.at("steps"), Json({{"asked", 3}, {"done", 3}}));
   EXPECT_TRUE(
       std::regex_match(first.at("started").get<std::string>(), std::regex(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ)")));
   // the summary is the one that was printed
@@ -81,14 +81,14 @@ TEST_F(RunRecord, TheSceneIsHashedAsItIsCarriedOut) {
 
 TEST_F(RunRecord, ListsAttributesThatDifferFromTheirDefaults) {
   write("bar.scn", scene(kBody));
-  const json components =
+  const Json components =
       manifest_of("bar.scn", "--set bar/material.plasticFlowRate=0 --set bar/material.poissonRatio=0.3")
           .at("components");
-  const auto material = std::ranges::find_if(components, [](const json& c) { return c.at("path") == "/bar/material"; });
+  const auto material = std::ranges::find_if(components, [](const Json& c) { return c.at("path") == "/bar/material"; });
   ASSERT_NE(material, components.end());
   EXPECT_EQ(material->at("class"), "HexahedronElastoplasticFEMForceField");
   EXPECT_EQ(material->at("attributes"),  // a flow rate of 0 is the default one
-            json({{"precision", "mixed"}, {"yieldStress", "300"}, {"poissonRatio", "0.3"}}));
+            Json({{"precision", "mixed"}, {"yieldStress", "300"}, {"poissonRatio", "0.3"}}));
 }
 
 TEST_F(RunRecord, KeepsWarningsThatAQuietRunDoesNotShow) {
@@ -96,7 +96,7 @@ TEST_F(RunRecord, KeepsWarningsThatAQuietRunDoesNotShow) {
                                             "CGLinearSolver iterations='1' tolerance='1e-12' threshold='0'")));
   const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --quiet");
   EXPECT_EQ(outcome.err, "");
-  const json warnings = manifest("run").at("warnings");
+  const Json warnings = manifest("run").at("warnings");
   ASSERT_FALSE(warnings.empty());
   EXPECT_EQ(warnings.back(), "warning: the linear solver stopped before its tolerance in 4 of 4 steps");
   EXPECT_NE(content(directory_ / "run/report.html").find("stopped before its tolerance in 4 of 4 steps"),
@@ -118,7 +118,7 @@ TEST_F(RunRecord, TellsWhereTheWorkWent) {
                 1e-9 * at("load_work") + 1e-15);
     EXPECT_LE(std::abs(at("energy_error")), 1e-3 * at("load_work")) << row;
   }
-  const json last = json::parse(content(directory_ / "last.json"));
+  const Json last = Json::parse(content(directory_ / "last.json"));
   const double way = last.at("positions").at(2).at(0).get<double>() - 1;  // of the node that is pulled with 1 N
   EXPECT_GT(way, 0);
   EXPECT_NEAR(history.number(40, "load_work"), way, 1e-9 * way);
@@ -139,7 +139,7 @@ TEST_F(RunRecord, TellsHowTheRunEnded) {
   const std::string overload = "<LinearForceField points='5' times='0 0.02 0.03' forces='2 0 0  2 0 0  1.7e308 0 0'/>";
   write("bar.scn", scene(kBody + overload + overload));
   EXPECT_EQ(hexaplast("run bar.scn --out failed --frames 0 --steps 9").code, 4);
-  const json failed = manifest("failed");
+  const Json failed = manifest("failed");
   EXPECT_EQ(failed.at("summary").dump().find("nan"), std::string::npos) << failed;
   EXPECT_EQ(failed.at("summary").at("energy").get<std::string>().find("work "), 0u);
   EXPECT_EQ(failed.at("state"), "failed");
@@ -151,7 +151,7 @@ TEST_F(RunRecord, TellsHowTheRunEnded) {
   const long done = failed.at("steps").at("done");
   ASSERT_GT(done, 0);
   EXPECT_EQ(hexaplast("run bar.scn --out whole --frames 0 --steps " + std::to_string(done)).code, 0);
-  const json whole = manifest("whole");
+  const Json whole = manifest("whole");
   EXPECT_EQ(failed.at("state_hash"), whole.at("state_hash"));
   EXPECT_EQ(failed.at("summary").at("plastic elongation"), whole.at("summary").at("plastic elongation"));
   EXPECT_EQ(failed.at("summary").at("largest strain"), whole.at("summary").at("largest strain"));
@@ -159,14 +159,14 @@ TEST_F(RunRecord, TellsHowTheRunEnded) {
   write("bar.scn", scene(kBody));
   const std::string endless = "run bar.scn --steps 1000000000 --frames 0 --out ";
   EXPECT_EQ(hexaplast(endless + "stopped", "timeout --foreground --preserve-status -s INT 0.5").code, 130);
-  const json stopped = manifest("stopped");
+  const Json stopped = manifest("stopped");
   EXPECT_EQ(stopped.at("state"), "interrupted");
   EXPECT_EQ(stopped.at("exit_reason"), "Ended by signal 2");
   const std::string history = content(directory_ / "stopped/history.csv");
   EXPECT_EQ(stopped.at("steps").at("done"), std::ranges::count(history, '\n') - 2);  // header and initial state
 
   hexaplast(endless + "killed", "timeout --foreground -s KILL 0.5");
-  const json killed = manifest("killed");
+  const Json killed = manifest("killed");
   EXPECT_EQ(killed.at("state"), "running");
   EXPECT_EQ(killed.at("steps").at("done"), 0);
   EXPECT_FALSE(fs::exists(directory_ / "killed/report.html"));

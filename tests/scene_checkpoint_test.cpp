@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 using namespace hexaplast;
 using support::at;
 using support::read_and_init;
+using support::run;
 
 std::vector<std::byte> saved(scene::Scene& scene) {
   std::vector<std::byte> bytes;
@@ -48,10 +49,6 @@ std::string hash_of(scene::Scene& scene) {
   return hash.text();
 }
 
-void run(scene::Scene& scene, int steps) {
-  for (int k = 0; k < steps; ++k) scene.step();
-}
-
 /// Goes on from every one of `moments` to `num_steps`, on another number of threads, and compares with a run that did
 /// not stop.
 void expect_same_future(const std::string& text, int num_steps, std::initializer_list<int> moments) {
@@ -76,8 +73,8 @@ void expect_same_future(const std::string& text, int num_steps, std::initializer
 }
 
 /// A bar of eight hexahedra that hangs on its upper end, in which plastic flow and tears happen within a few steps.
-std::string bar(const std::string& lines, const std::string& solver = "<CGLinearSolver iterations='60'/>",
-                const std::string& ode = "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.01'/>") {
+std::string tearing_bar(const std::string& lines, const std::string& solver = "<CGLinearSolver iterations='60'/>",
+                        const std::string& ode = "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.01'/>") {
   return "<Node dt='0.02' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + ode + solver +
          "<RegularGridTopology name='grid' n='3 2 5' max='0.2 0.1 0.4'/><MechanicalObject name='nodes'/>"
          "<DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='2e4' "
@@ -89,39 +86,40 @@ std::string bar(const std::string& lines, const std::string& solver = "<CGLinear
 const std::string kHeld = "<FixedProjectiveConstraint indices='24-29'/>";
 
 TEST(SceneCheckpoint, PlasticFlowAndTearsGoOnBitForBit) {
-  scene::Scene scene = read_and_init(bar(kHeld));
+  scene::Scene scene = read_and_init(tearing_bar(kHeld));
   run(scene, 30);
   ASSERT_FALSE(at<scene::ForceField>(scene, "body").body()->history().removed.empty()) << "the case is to tear";
-  expect_same_future(bar(kHeld), 30, {1, 8, 20});
+  expect_same_future(tearing_bar(kHeld), 30, {1, 8, 20});
 }
 
 TEST(SceneCheckpoint, WarmStartsAndPatternsOfSolversGoOn) {
   for (const char* solver :
        {"<CGLinearSolver iterations='7' warmStart='1'/>", "<SparseLDLSolver/>", "<MultigridCGLinearSolver/>",
         "<PCGLinearSolver preconditioner='@direct' iterations='20'/><EigenSimplicialLDLT name='direct'/>"})
-    expect_same_future(bar(kHeld, solver), 24, {3, 17});
+    expect_same_future(tearing_bar(kHeld, solver), 24, {3, 17});
 }
 
 TEST(SceneCheckpoint, EquilibriumGoesOn) {
   const std::string text =
-      bar(kHeld, "<SparseLDLSolver/>", "<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='5'/>");
+      tearing_bar(kHeld, "<SparseLDLSolver/>", "<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='5'/>");
   expect_same_future(text, 3, {1, 2});  // before it tears: a piece by itself has no equilibrium
 }
 
 TEST(SceneCheckpoint, AGripStaysClosed) {
   expect_same_future(
-      bar(kHeld + "<GraspForceField name='grasp' radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 .05 -.2' "
+      tearing_bar(kHeld +
+                  "<GraspForceField name='grasp' radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 .05 -.2' "
                   "graspTime='0.06' releaseTime='0.3' stiffness='300' maxForce='12'/>"),
       20, {2, 6, 18});
 }
 
 TEST(SceneCheckpoint, PrescribedMotionGoesOnFromItsBeginning) {
   expect_same_future(
-      bar("<LinearMovementProjectiveConstraint indices='24-29' keyTimes='0 0.2 9' movements='0 0 0  0 .05 "
-          ".1  0 .05 .1'/>"),
+      tearing_bar("<LinearMovementProjectiveConstraint indices='24-29' keyTimes='0 0.2 9' movements='0 0 0  0 .05 "
+                  ".1  0 .05 .1'/>"),
       16, {3, 12});
-  expect_same_future(bar("<AffineMovementProjectiveConstraint indices='24-29' beginConstraintTime='0.04' "
-                         "endConstraintTime='0.2' rotation='0 -1 0 1 0 0 0 0 1' translation='.1 0 .1'/>"),
+  expect_same_future(tearing_bar("<AffineMovementProjectiveConstraint indices='24-29' beginConstraintTime='0.04' "
+                                 "endConstraintTime='0.2' rotation='0 -1 0 1 0 0 0 0 1' translation='.1 0 .1'/>"),
                      16, {3, 12});
 }
 
@@ -129,13 +127,13 @@ TEST(SceneCheckpoint, FacesThatWentStayWithoutLoad) {
   const std::string pressure = kHeld +
                                "<QuadPressureForceField quadList='0' pressure='0 0 -20000'/>"
                                "<SurfacePressureForceField quadIndices='0-5' pressure='800'/>";
-  expect_same_future(bar(pressure), 20, {2, 15});
+  expect_same_future(tearing_bar(pressure), 20, {2, 15});
 }
 
 TEST(SceneCheckpoint, StatesThatFollowAndTheirLoadsGoOn) {
   expect_same_future(
-      bar(kHeld + "<Node name='points'><MechanicalObject name='points' position='.05 .05 .05  .15 .04 .1'/>"
-                  "<UniformMass totalMass='0.5'/><BarycentricMapping/></Node>"),
+      tearing_bar(kHeld + "<Node name='points'><MechanicalObject name='points' position='.05 .05 .05  .15 .04 .1'/>"
+                          "<UniformMass totalMass='0.5'/><BarycentricMapping/></Node>"),
       14, {5});
 }
 
@@ -167,7 +165,7 @@ class Follower final : public scene::Component {
 
 TEST(SceneCheckpoint, WhatFollowsOthersIsAsItWas) {
   support::factory().add<Follower>(kFollower);
-  const std::string text = bar(kHeld + "<Follower name='follower' field='@nodes.position'/>");
+  const std::string text = tearing_bar(kHeld + "<Follower name='follower' field='@nodes.position'/>");
   scene::Scene straight = read_and_init(text);
   run(straight, 5);
   const std::vector<std::byte> checkpoint = saved(straight);
@@ -218,13 +216,13 @@ TEST(SceneCheckpoint, MaterialsThatFollowMoveThresholdsOnce) {
 }
 
 TEST(SceneCheckpoint, OfAnotherSceneIsRefused) {
-  scene::Scene scene = read_and_init(bar(kHeld));
+  scene::Scene scene = read_and_init(tearing_bar(kHeld));
   run(scene, 2);
   std::vector<std::byte> bytes = saved(scene);
-  scene::Scene other = read_and_init(bar(kHeld + "<ConstantForceField indices='0' forces='0 0 1'/>"));
+  scene::Scene other = read_and_init(tearing_bar(kHeld + "<ConstantForceField indices='0' forces='0 0 1'/>"));
   EXPECT_THROW(take_up(other, bytes), InputError);
   for (std::size_t size = 0; size < bytes.size(); size += 97) {
-    scene::Scene fresh = read_and_init(bar(kHeld));
+    scene::Scene fresh = read_and_init(tearing_bar(kHeld));
     EXPECT_THROW(take_up(fresh, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}), InputError);
   }
 }
@@ -247,9 +245,9 @@ class WrittenFiles : public testing::Test {
 };
 
 TEST_F(WrittenFiles, OfExportersGoOnWhereTheyWere) {
-  const std::string text = bar(kHeld + "<WriteState filename='" + (directory_ / "state.txt").string() +
-                               "' period='0.04'/><VTKExporter filename='" + (directory_ / "mesh").string() +
-                               "' exportEveryNumberOfSteps='3' hexas='1' edges='0'/>");
+  const std::string text = tearing_bar(kHeld + "<WriteState filename='" + (directory_ / "state.txt").string() +
+                                       "' period='0.04'/><VTKExporter filename='" + (directory_ / "mesh").string() +
+                                       "' exportEveryNumberOfSteps='3' hexas='1' edges='0'/>");
   std::vector<std::byte> checkpoint;
   {
     scene::Scene straight = read_and_init(text);

@@ -28,7 +28,7 @@ EnergyBalance after(scene::Scene& scene, int steps) {
 }
 
 /// A hanging bar of 0.1 x 0.1 x 0.4 m in a node of its own, of the given material, with other components.
-std::string bar(const std::string& material, const std::string& others, double dt = 0.01) {
+std::string heavy_bar(const std::string& material, const std::string& others, double dt = 0.01) {
   return "<Node dt='" + std::to_string(dt) +
          "' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver name='euler' rayleighMass='0.2' "
          "rayleighStiffness='0.01'/><SparseLDLSolver/><RegularGridTopology n='3 3 9' max='.1 .1 .4'/>"
@@ -63,7 +63,7 @@ TEST(EnergyOfAScene, DragIsDampingAndLoadsDoWork) {
 
 // The work of weight is m g times the way down of the centre of mass.
 TEST(EnergyOfAScene, WeightWorksAlongTheWayOfTheCentreOfMass) {
-  scene::Scene scene = accounted(bar("youngModulus='30000'", "<FixedProjectiveConstraint indices='72-80'/>"));
+  scene::Scene scene = accounted(heavy_bar("youngModulus='30000'", "<FixedProjectiveConstraint indices='72-80'/>"));
   const PointArray before = at<scene::MechanicalState>(scene, "nodes").positions();
   const EnergyBalance balance = after(scene, 60);
   const PointArray way = at<scene::MechanicalState>(scene, "nodes").positions() - before;
@@ -86,10 +86,10 @@ TEST(EnergyOfAScene, NodesThatAreLedPutEnergyIn) {
   const std::string material = "youngModulus='200000'";
   for (const std::string motion : {"keyTimes='0 .25 99' movements='0 0 0  0 0 .04  0 0 .04'",
                                    "keyTimes='0 .1 .35 99' movements='0 0 0  0 0 0  0 0 .04  0 0 .04'"}) {
-    scene::Scene scene = accounted(bar(material,
-                                       "<FixedProjectiveConstraint indices='0-8'/>"
-                                       "<LinearMovementProjectiveConstraint indices='72-80' " +
-                                           motion + "/>"));
+    scene::Scene scene = accounted(heavy_bar(material,
+                                             "<FixedProjectiveConstraint indices='0-8'/>"
+                                             "<LinearMovementProjectiveConstraint indices='72-80' " +
+                                                 motion + "/>"));
     const EnergyBalance balance = after(scene, 300);
     const double stretched = 200000 * 0.01 * 0.04 * 0.04 / (2 * 0.4);  // E A u^2 / 2 L, ends held a little stiffer
     EXPECT_GT(balance.support_work, stretched);
@@ -103,12 +103,12 @@ TEST(EnergyOfAScene, NodesThatAreLedPutEnergyIn) {
 TEST(EnergyOfAScene, APlasticCycleCloses) {
   const auto run = [](double dt, int steps) {
     scene::Scene scene = accounted(
-        bar("youngModulus='20000' yieldStress='1500' plasticFlowRate='3'",
-            "<FixedProjectiveConstraint indices='72-80'/>"
-            "<PlaneForceField normal='0 0 1' d='-.02' stiffness='500' damping='2'/>"
-            "<GraspForceField keyTimes='0 .3' positions='.05 .05 0  .1 .05 -.15' radius='.08' stiffness='400' "
-            "damping='5' releaseTime='.5'/>",
-            dt));
+        heavy_bar("youngModulus='20000' yieldStress='1500' plasticFlowRate='3'",
+                  "<FixedProjectiveConstraint indices='72-80'/>"
+                  "<PlaneForceField normal='0 0 1' d='-.02' stiffness='500' damping='2'/>"
+                  "<GraspForceField keyTimes='0 .3' positions='.05 .05 0  .1 .05 -.15' radius='.08' stiffness='400' "
+                  "damping='5' releaseTime='.5'/>",
+                  dt));
     const EnergyBalance balance = after(scene, steps);
     const double dissipated = at<scene::ForceField>(scene, "body").body()->history().dissipated_energy;
     EXPECT_GT(dissipated, 0.05 * balance.load_work);
@@ -124,18 +124,18 @@ TEST(EnergyOfAScene, APlasticCycleCloses) {
 // Masses and loads on a state that follows the body count as if they were on it.
 TEST(EnergyOfAScene, WhatActsOnEmbeddedPointsCounts) {
   scene::Scene scene = accounted(
-      bar("youngModulus='30000'",
-          "<FixedProjectiveConstraint indices='72-80'/><Node name='skin'><MechanicalObject name='points' "
-          "position='.02 .03 .01  .08 .07 .02  .05 .05 .1'/><UniformMass totalMass='0.3'/><ConstantForceField "
-          "forces='1 0 -1'/><BarycentricMapping/></Node>"));
+      heavy_bar("youngModulus='30000'",
+                "<FixedProjectiveConstraint indices='72-80'/><Node name='skin'><MechanicalObject name='points' "
+                "position='.02 .03 .01  .08 .07 .02  .05 .05 .1'/><UniformMass totalMass='0.3'/><ConstantForceField "
+                "forces='1 0 -1'/><BarycentricMapping/></Node>"));
   const EnergyBalance balance = after(scene, 60);
   EXPECT_GT(balance.load_work, 0.2);
   EXPECT_LT(std::abs(balance.error()), 0.02 * balance.load_work);
 }
 
 TEST(EnergyOfAScene, ResetBeginsAnewAndChangesNoBit) {
-  const std::string text =
-      bar("youngModulus='20000' yieldStress='900' plasticFlowRate='3'", "<FixedProjectiveConstraint indices='72-80'/>");
+  const std::string text = heavy_bar("youngModulus='20000' yieldStress='900' plasticFlowRate='3'",
+                                     "<FixedProjectiveConstraint indices='72-80'/>");
   scene::Scene silent = read_and_init(text), scene = accounted(text);
   for (int k = 0; k < 30; ++k) silent.step();
   const EnergyBalance first = after(scene, 30);

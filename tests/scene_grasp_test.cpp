@@ -14,16 +14,18 @@ using support::at;
 using support::errors_of;
 using support::force_of;
 using support::four_nodes;
+using support::nodes;
 using support::read_and_init;
 using support::rows;
+using support::run;
 
 using Numbers = std::vector<std::int64_t>;
 
 /// A bar of 0.1 x 0.1 x 0.4 m, four hexahedra without lateral contraction, and a tool above its upper end; E A / L is
 /// 2000 N/m.
-std::string bar(const std::string& grasp, const std::string& material = "youngModulus='8e4' poissonRatio='0'",
-                const std::string& solver = "<SparseLDLSolver/>", const std::string& held = "0-3",
-                const std::string& below = "") {
+std::string gripped_bar(const std::string& grasp, const std::string& material = "youngModulus='8e4' poissonRatio='0'",
+                        const std::string& solver = "<SparseLDLSolver/>", const std::string& held = "0-3",
+                        const std::string& below = "") {
   return "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='1' "
          "rayleighStiffness='0.02'/>" +
          solver +
@@ -36,12 +38,6 @@ std::string grasp(const std::string& attributes, const std::string& path =
                                                      "keyTimes='0 0.1' positions='.05 .05 .42  "
                                                      ".05 .05 .46'") {
   return "<GraspForceField name='grasp' radius='0.08' " + path + " " + attributes + "/>";
-}
-
-const PointArray& nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").positions(); }
-
-void run(scene::Scene& scene, int steps) {
-  for (int k = 0; k < steps; ++k) scene.step();
 }
 
 /// Of the upper end [m].
@@ -92,7 +88,7 @@ TEST(Grasp, TellsItsLoadAndIsAsBefore) {
 
 // Two springs in series: the tool goes 40 mm, the bar takes k / (k + E A / L) of it.
 TEST(Grasp, PullsABarAsFarAsTwoSpringsInSeries) {
-  scene::Scene scene = read_and_init(bar(grasp("stiffness='6000'")));
+  scene::Scene scene = read_and_init(gripped_bar(grasp("stiffness='6000'")));
   run(scene, 600);
   EXPECT_NEAR(elongation(scene), 0.04 * 6000 / (6000 + 2000), 1e-6);
   EXPECT_NEAR(at<scene::Component>(scene, "grasp").vector3("force")[2], 0.03 * 2000, 2e-3);
@@ -100,7 +96,7 @@ TEST(Grasp, PullsABarAsFarAsTwoSpringsInSeries) {
 
 // However far the tool goes: 20 N stretch the bar by 10 mm.
 TEST(Grasp, PullsNoHarderThanItsLimit) {
-  scene::Scene scene = read_and_init(bar(grasp("stiffness='6000' maxForce='20'")));
+  scene::Scene scene = read_and_init(gripped_bar(grasp("stiffness='6000' maxForce='20'")));
   for (int k = 0; k < 600; ++k) {
     scene.step();
     EXPECT_LE(at<scene::Component>(scene, "grasp").vector3("force").norm(), 20 + 1e-12);
@@ -134,7 +130,7 @@ TEST(Grasp, EverySolverFeelsItsStiffness) {
                     path = "keyTimes='0 0.1 0.2' positions='.05 .02 .42  .06 .05 .46  0 .08 .44'";
   for (const std::string limit : {"", "maxForce='5'"}) {
     const auto end = [&](const std::string& solver) {
-      scene::Scene scene = read_and_init(bar(grasp("stiffness='2000' " + limit, path), soft, solver));
+      scene::Scene scene = read_and_init(gripped_bar(grasp("stiffness='2000' " + limit, path), soft, solver));
       run(scene, 20);
       return PointArray(nodes(scene));
     };
@@ -149,8 +145,8 @@ TEST(Grasp, EverySolverFeelsItsStiffness) {
 // stretched comes back.
 TEST(Grasp, WhatItStretchedStaysSo) {
   const auto left = [](const std::string& yield) {
-    scene::Scene scene =
-        read_and_init(bar(grasp("stiffness='6000' releaseTime='2'"), "youngModulus='8e4' poissonRatio='0.3' " + yield));
+    scene::Scene scene = read_and_init(
+        gripped_bar(grasp("stiffness='6000' releaseTime='2'"), "youngModulus='8e4' poissonRatio='0.3' " + yield));
     run(scene, 200);
     EXPECT_GT(elongation(scene), 0.02);
     run(scene, 400);
@@ -170,7 +166,8 @@ TEST(Grasp, HoldsEmbeddedPoints) {
       "<Node name='skin'><MechanicalObject name='points' position='.02 .03 .38  .08 .07 .39  .05 .05 .1'/>"
       "<BarycentricMapping/>" +
       grasp("stiffness='3000' maxForce='20'") + "</Node>";
-  scene::Scene scene = read_and_init(bar("", "youngModulus='8e4' poissonRatio='0'", "<SparseLDLSolver/>", "0-3", skin));
+  scene::Scene scene =
+      read_and_init(gripped_bar("", "youngModulus='8e4' poissonRatio='0'", "<SparseLDLSolver/>", "0-3", skin));
   run(scene, 600);
   EXPECT_EQ(at<scene::Component>(scene, "skin/grasp").integers("grasped"), (Numbers{0, 1}));
   EXPECT_NEAR(at<scene::Component>(scene, "skin/grasp").vector3("force")[2], 20, 1e-3);
@@ -181,13 +178,13 @@ TEST(Grasp, HoldsEmbeddedPoints) {
 }
 
 TEST(Grasp, ChoosesAmongTheNodesThatCanBeHeld) {
-  scene::Scene scene = read_and_init(bar(grasp("indices='12-17'", "keyTimes='0' positions='.05 .05 .35'")));
+  scene::Scene scene = read_and_init(gripped_bar(grasp("indices='12-17'", "keyTimes='0' positions='.05 .05 .35'")));
   scene.step();
   EXPECT_EQ(at<scene::Component>(scene, "grasp").integers("grasped"), Numbers{});
   EXPECT_EQ(scene::format(scene.diagnostics().take_warnings().back()),
             "test.scn:1: warning: GraspForceField.radius: the grip closes on nothing: no node within 0.08 m of (0.05, "
             "0.05, 0.35) at t = 0 s");
-  scene::Scene near = read_and_init(bar(grasp("indices='12-17'", "keyTimes='0' positions='.05 .05 .38'")));
+  scene::Scene near = read_and_init(gripped_bar(grasp("indices='12-17'", "keyTimes='0' positions='.05 .05 .38'")));
   near.step();
   EXPECT_EQ(at<scene::Component>(near, "grasp").integers("grasped"), (Numbers{16, 17}));
 }
@@ -195,8 +192,8 @@ TEST(Grasp, ChoosesAmongTheNodesThatCanBeHeld) {
 // A hand that comes later does the same as one that has waited: all solvers hear of it.
 TEST(Grasp, MayJoinASceneThatIsReady) {
   const std::string path = "keyTimes='0' positions='.05 .05 .42'";
-  scene::Scene waiting = read_and_init(bar(grasp("graspTime='0.025' stiffness='900'", path)));
-  scene::Scene joined = read_and_init(bar(""));
+  scene::Scene waiting = read_and_init(gripped_bar(grasp("graspTime='0.025' stiffness='900'", path)));
+  scene::Scene joined = read_and_init(gripped_bar(""));
   run(waiting, 3);
   run(joined, 3);
   const auto move = [](scene::Scene& scene) {
@@ -230,7 +227,7 @@ TEST(Grasp, MayJoinASceneThatIsReady) {
 }
 
 TEST(Grasp, AValueThatIsRefusedLeavesNoTrace) {
-  scene::Scene scene = read_and_init(bar(""));
+  scene::Scene scene = read_and_init(gripped_bar(""));
   scene::Data& yield = *at<scene::Component>(scene, "body").find_data("yieldStress");
   EXPECT_THROW(yield.give(std::vector<double>{-1}, {}), InputError);
   EXPECT_FALSE(yield.is_given());
@@ -239,14 +236,14 @@ TEST(Grasp, AValueThatIsRefusedLeavesNoTrace) {
 }
 
 TEST(Grasp, RefusesWhatItCannotDo) {
-  EXPECT_EQ(errors_of(bar(grasp("graspTime='2' releaseTime='2'"))),
+  EXPECT_EQ(errors_of(gripped_bar(grasp("graspTime='2' releaseTime='2'"))),
             "test.scn:1: error: GraspForceField.releaseTime: is 2, must be after graspTime 2");
-  EXPECT_EQ(errors_of(bar(grasp("", "keyTimes='0 1' positions='0 0 0'"))),
+  EXPECT_EQ(errors_of(gripped_bar(grasp("", "keyTimes='0 1' positions='0 0 0'"))),
             "test.scn:1: error: GraspForceField.positions: 1 positions given for 2 times, must be as many");
-  EXPECT_EQ(errors_of(bar("<GraspForceField keyTimes='0' positions='0 0 0'/>")),
+  EXPECT_EQ(errors_of(gripped_bar("<GraspForceField keyTimes='0' positions='0 0 0'/>")),
             "test.scn:1: error: GraspForceField.radius: is not given");
-  EXPECT_NE(errors_of(bar(grasp("maxForce='0'"))), "");
-  EXPECT_NE(errors_of(bar(grasp("indices='20'"))), "");
+  EXPECT_NE(errors_of(gripped_bar(grasp("maxForce='0'"))), "");
+  EXPECT_NE(errors_of(gripped_bar(grasp("indices='20'"))), "");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ namespace {
 using namespace hexaplast;
 using support::at;
 using support::errors_of;
+using support::nodes;
 using support::read_and_init;
 
 // Three hexahedra without parallel edges, held at one end, and two points in them; `inner` goes into their node.
@@ -28,11 +29,9 @@ std::string skewed(const std::string& inner, const std::string& solver = "<Spars
          "</Node></Node>";
 }
 
-const PointArray& nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").positions(); }
-
 PointArray after(const std::string& text, int steps) {
   scene::Scene scene = read_and_init(text);
-  for (int k = 0; k < steps; ++k) scene.step();
+  support::run(scene, steps);
   return nodes(scene);
 }
 

@@ -14,7 +14,7 @@ using support::read;
 using support::read_and_init;
 
 // What a scene needs around the lines under test; these stand on line 3 and after.
-std::string bar(const std::string& lines) {
+std::string framed(const std::string& lines) {
   return "<Node name=\"root\" gravity=\"0 0 0\">\n"
          " <DefaultAnimationLoop/> <EulerImplicitSolver name=\"euler\"/> <CGLinearSolver/>"
          " <RegularGridTopology name=\"grid\" n=\"3 3 3\"/> <MechanicalObject name=\"nodes\"/> <UniformMass "
@@ -22,18 +22,18 @@ std::string bar(const std::string& lines) {
          lines + "\n</Node>\n";
 }
 
-TEST(SceneReading, TheFrameOfTheseTestsIsSound) { EXPECT_EQ(errors_of(bar("")), ""); }
+TEST(SceneReading, TheFrameOfTheseTestsIsSound) { EXPECT_EQ(errors_of(framed("")), ""); }
 
 TEST(SceneReading, UnknownComponentsAndAttributesAreNamedWithTheNearestKnownOne) {
-  EXPECT_EQ(errors_of(bar("<DiagonalMas massDensity='1'/>")),
+  EXPECT_EQ(errors_of(framed("<DiagonalMas massDensity='1'/>")),
             "test.scn:3: error: DiagonalMas: unknown component\n  hint: did you mean 'DiagonalMass'?");
-  EXPECT_EQ(errors_of(bar("\n<DiagonalMass\n massDensty='1'/>")),
+  EXPECT_EQ(errors_of(framed("\n<DiagonalMass\n massDensty='1'/>")),
             "test.scn:5: error: DiagonalMass.massDensty: unknown attribute\n  hint: did you mean 'massDensity'?");
-  EXPECT_EQ(errors_of(bar("<TotallyElse/>")), "test.scn:3: error: TotallyElse: unknown component");
+  EXPECT_EQ(errors_of(framed("<TotallyElse/>")), "test.scn:3: error: TotallyElse: unknown component");
 }
 
 TEST(SceneReading, ValuesOutsideTheirRangeAreNamedWithTheRange) {
-  EXPECT_EQ(errors_of(bar("<HexahedronElastoplasticFEMForceField poissonRatio='0.5'/>")),
+  EXPECT_EQ(errors_of(framed("<HexahedronElastoplasticFEMForceField poissonRatio='0.5'/>")),
             "test.scn:3: error: HexahedronElastoplasticFEMForceField.poissonRatio: 0.5 must lie in [0, 0.5)");
   EXPECT_EQ(errors_of("<Node dt='0'/>"), "test.scn:1: error: Node.dt: 0 must be > 0");
 }
@@ -41,7 +41,7 @@ TEST(SceneReading, ValuesOutsideTheirRangeAreNamedWithTheRange) {
 TEST(SceneReading, AllErrorsAreReportedAtOnceAndAtMostTwenty) {
   std::string lines;
   for (int i = 0; i < 23; ++i) lines += "<Nonsense/>\n";
-  const std::string errors = errors_of(bar(lines));
+  const std::string errors = errors_of(framed(lines));
   EXPECT_NE(errors.find("test.scn:3: error: Nonsense: unknown component\n"), errors.npos);
   EXPECT_NE(errors.find("test.scn:22: error: Nonsense: unknown component\n"), errors.npos);
   EXPECT_EQ(errors.find("test.scn:23: "), errors.npos);
@@ -50,19 +50,19 @@ TEST(SceneReading, AllErrorsAreReportedAtOnceAndAtMostTwenty) {
 
 TEST(SceneReading, AMistakeDoesNotHideTheDanglingLinkBesideIt) {
   const std::string errors =
-      errors_of(bar("<DiagonalMass massDensity='x'/>\n<FixedProjectiveConstraint indices='@no.indices'/>"));
+      errors_of(framed("<DiagonalMass massDensity='x'/>\n<FixedProjectiveConstraint indices='@no.indices'/>"));
   EXPECT_NE(errors.find("test.scn:3: error: DiagonalMass.massDensity: 'x' is not a number"), errors.npos);
   EXPECT_NE(errors.find("test.scn:4: error: FixedProjectiveConstraint.indices: link '@no.indices'"), errors.npos);
 }
 
 TEST(SceneReading, AttributesWithAnUnderscoreOrNoInFrontAreSwitchedOff) {
-  EXPECT_EQ(errors_of(bar("<MechanicalObject name='x' _position='nonsense' NOvelocity='nonsense'/>")),
+  EXPECT_EQ(errors_of(framed("<MechanicalObject name='x' _position='nonsense' NOvelocity='nonsense'/>")),
             "test.scn:2: error: EulerImplicitSolver: 2 mechanical states in its node and below, must be one");
-  EXPECT_EQ(errors_of(bar("<RunSettings _steps='nonsense' NOsteps='nonsense'/>")), "");
+  EXPECT_EQ(errors_of(framed("<RunSettings _steps='nonsense' NOsteps='nonsense'/>")), "");
 }
 
 TEST(SceneReading, UnnamedObjectsAreNumberedByClass) {
-  scene::Scene scene = read(bar("<BoxROI/> <BoxROI name='BoxROI2'/> <BoxROI/> <Node/>"));
+  scene::Scene scene = read(framed("<BoxROI/> <BoxROI name='BoxROI2'/> <BoxROI/> <Node/>"));
   EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI1"));
   EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI2"));
   EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI3"));
@@ -78,8 +78,8 @@ TEST(SceneReading, ARequiredPluginIsNamed) {
 }
 
 TEST(SceneReading, AGenericObjectNamesItsClassByType) {
-  EXPECT_EQ(errors_of(bar("<Object type='BoxROI' box='0 0 0 1 1 1'/>")), "");
-  EXPECT_EQ(errors_of(bar("<Object/>")),
+  EXPECT_EQ(errors_of(framed("<Object type='BoxROI' box='0 0 0 1 1 1'/>")), "");
+  EXPECT_EQ(errors_of(framed("<Object/>")),
             "test.scn:3: error: Object.type: is not given, must be the class of a component");
 }
 
@@ -93,13 +93,13 @@ TEST(SceneReading, WhatSofaScenesSayBesidesIsAccepted) {
 }
 
 TEST(SceneReading, TemplatesOfThreeDimensionsInDoublePrecisionAlone) {
-  EXPECT_EQ(errors_of(bar("<BoxROI template='Vec3'/> <BoxROI template='Vec3d'/>")), "");
-  EXPECT_EQ(errors_of(bar("<BoxROI template='Rigid3d'/>")),
+  EXPECT_EQ(errors_of(framed("<BoxROI template='Vec3'/> <BoxROI template='Vec3d'/>")), "");
+  EXPECT_EQ(errors_of(framed("<BoxROI template='Rigid3d'/>")),
             "test.scn:3: error: BoxROI.template: 'Rigid3d', must be one of: Vec3 Vec3d");
 }
 
 TEST(SceneReading, AnAttributeMayNotBeGivenTwiceUnderTwoNames) {
-  EXPECT_EQ(errors_of(bar("<RegularGridTopology points='0 0 0'/>")),
+  EXPECT_EQ(errors_of(framed("<RegularGridTopology points='0 0 0'/>")),
             "test.scn:3: error: RegularGridTopology.points: is computed, and cannot be set");
 }
 
@@ -129,14 +129,14 @@ TEST(SceneReading, NodesThatAreNotActiveAreLeftOut) {
 }
 
 TEST(SceneReading, RenamedComponentsAreAcceptedWithANote) {
-  scene::Scene scene = read_and_init(bar("<FixedConstraint indices='1'/>"));
+  scene::Scene scene = read_and_init(framed("<FixedConstraint indices='1'/>"));
   EXPECT_EQ(at<scene::ProjectiveConstraint>(scene, "FixedProjectiveConstraint1").integers("indices"),
             (std::vector<std::int64_t>{1}));
   EXPECT_EQ(
       scene::format(scene.diagnostics().take_warnings()[0]),
       "test.scn:3: note: FixedConstraint: this name is deprecated, the component is called FixedProjectiveConstraint "
       "now");
-  EXPECT_EQ(errors_of(bar("<EulerImplicit/>")),
+  EXPECT_EQ(errors_of(framed("<EulerImplicit/>")),
             "test.scn:3: error: EulerImplicit: unknown component\n  hint: SOFA calls it 'EulerImplicitSolver' now");
 }
 
@@ -150,7 +150,7 @@ TEST(SceneReading, AsSofaReadsUnknownThingsArePassedOver) {
     scene.init();
     return scene;
   };
-  scene::Scene scene = read_as_sofa(bar(lines));
+  scene::Scene scene = read_as_sofa(framed(lines));
   std::vector<std::string> said;
   for (const scene::Message& message : scene.diagnostics().take_warnings()) said.push_back(scene::format(message));
   EXPECT_EQ(said, (std::vector<std::string>{
@@ -166,12 +166,12 @@ TEST(SceneReading, AsSofaReadsUnknownThingsArePassedOver) {
   for (const char* wrong :
        {"<BoxROI box='x'/>", "<BoxROI template='Rigid3d'/>",
         "<FixedProjectiveConstraint indices='@Nonsense1.indices'/><Nonsense/>", "<DiagonalMass massDensity='-1'/>"})
-    EXPECT_THROW(read_as_sofa(bar(wrong)), scene::SceneError) << wrong;
+    EXPECT_THROW(read_as_sofa(framed(wrong)), scene::SceneError) << wrong;
 }
 
 TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
-  EXPECT_EQ(errors_of(bar("words")), "test.scn:3: error: Node 'root': holds text, must hold nodes and components");
-  EXPECT_EQ(errors_of(bar("<BoxROI><BoxROI/></BoxROI>")),
+  EXPECT_EQ(errors_of(framed("words")), "test.scn:3: error: Node 'root': holds text, must hold nodes and components");
+  EXPECT_EQ(errors_of(framed("<BoxROI><BoxROI/></BoxROI>")),
             "test.scn:3: error: BoxROI: components hold neither elements nor text");
   EXPECT_EQ(errors_of("<BoxROI/>"), "test.scn:1: error: the root element is <BoxROI>, must be <Node>");
 }
@@ -210,7 +210,7 @@ TEST(SceneReading, DepthIsLimited) {
 }
 
 TEST(SceneReading, EveryTruncationIsRefusedOrLoads) {
-  const std::string whole = bar(
+  const std::string whole = framed(
       "<BoxROI name='b' box='0 0 0 1 1 1'/><!-- \xC3\xA4 &amp; --><FixedProjectiveConstraint indices='@b.indices'/>");
   for (std::size_t length = 0; length < whole.size(); ++length)
     EXPECT_NO_THROW(errors_of(whole.substr(0, length))) << length;
@@ -237,48 +237,48 @@ TEST(SceneLinks, LeadForwardsUpwardsAndAround) {
        {"@roi.indices", "@./roi.indices", "@/roi.indices", "@[1].indices", "@Node1/../roi.indices"}) {
     SCOPED_TRACE(link);
     scene::Scene scene = read_and_init(
-        bar("<FixedProjectiveConstraint name='fixed' indices='" + std::string(link) + "'/>" + roi + "<Node/>"));
+        framed("<FixedProjectiveConstraint name='fixed' indices='" + std::string(link) + "'/>" + roi + "<Node/>"));
     EXPECT_EQ(fixed_nodes(scene), bottom);
   }
 }
 
 TEST(SceneLinks, ABareNameIsFoundInTheNodesAbove) {
-  scene::Scene scene =
-      read_and_init(bar("<BoxROI name='roi' box='0 0 0 1 1 0'/>"
-                        "<Node name='inner'><FixedProjectiveConstraint name='fixed' indices='@roi.indices'/></Node>"));
+  scene::Scene scene = read_and_init(
+      framed("<BoxROI name='roi' box='0 0 0 1 1 0'/>"
+             "<Node name='inner'><FixedProjectiveConstraint name='fixed' indices='@roi.indices'/></Node>"));
   EXPECT_EQ(at<scene::ProjectiveConstraint>(scene, "inner/fixed").integers("indices").size(), 9u);
 }
 
 TEST(SceneLinks, ALinkToANodeFindsTheComponentOfItsKind) {
-  EXPECT_EQ(errors_of(bar("<HexahedronElastoplasticFEMForceField topology='@.'/>"
-                          "<HexahedronElastoplasticFEMForceField topology='@grid'/>"
-                          "<HexahedronElastoplasticFEMForceField topology='@/'/>")),
+  EXPECT_EQ(errors_of(framed("<HexahedronElastoplasticFEMForceField topology='@.'/>"
+                             "<HexahedronElastoplasticFEMForceField topology='@grid'/>"
+                             "<HexahedronElastoplasticFEMForceField topology='@/'/>")),
             "");
-  EXPECT_EQ(errors_of(bar("<HexahedronElastoplasticFEMForceField topology='@nodes'/>")),
+  EXPECT_EQ(errors_of(framed("<HexahedronElastoplasticFEMForceField topology='@nodes'/>")),
             "test.scn:3: error: HexahedronElastoplasticFEMForceField.topology: the link leads to MechanicalObject "
             "'nodes', must "
             "lead to a Topology");
 }
 
 TEST(SceneLinks, SayWhereTheyStop) {
-  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@../roi.indices'/>")),
+  EXPECT_EQ(errors_of(framed("<FixedProjectiveConstraint indices='@../roi.indices'/>")),
             "test.scn:3: error: FixedProjectiveConstraint.indices: link '@../roi.indices' stops at node '/', which has "
             "no parent");
-  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@gird.hexahedra'/>")),
+  EXPECT_EQ(errors_of(framed("<FixedProjectiveConstraint indices='@gird.hexahedra'/>")),
             "test.scn:3: error: FixedProjectiveConstraint.indices: link '@gird.hexahedra' stops at node '/', which "
             "holds no 'gird'\n"
             "  hint: did you mean 'grid'?");
-  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid/x.y'/>")),
+  EXPECT_EQ(errors_of(framed("<FixedProjectiveConstraint indices='@grid/x.y'/>")),
             "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid/x.y' stops at RegularGridTopology "
             "'grid', which holds "
             "nothing");
   EXPECT_EQ(
-      errors_of(bar("<FixedProjectiveConstraint indices='@grid'/>")),
+      errors_of(framed("<FixedProjectiveConstraint indices='@grid'/>")),
       "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid' names no attribute: must be @path.attribute");
-  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid.position'/>")),
+  EXPECT_EQ(errors_of(framed("<FixedProjectiveConstraint indices='@grid.position'/>")),
             "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid.position' leads to RegularGridTopology "
             "'grid'.position (test.scn:2), which holds groups of three numbers, must hold whole numbers");
-  EXPECT_EQ(errors_of(bar("<FixedProjectiveConstraint indices='@grid.positon'/>")),
+  EXPECT_EQ(errors_of(framed("<FixedProjectiveConstraint indices='@grid.positon'/>")),
             "test.scn:3: error: FixedProjectiveConstraint.indices: link '@grid.positon' stops at RegularGridTopology "
             "'grid', which "
             "has no attribute 'positon'\n  hint: did you mean 'position'?");
@@ -300,47 +300,47 @@ TEST(SceneLinks, ReachAttributesOfNodesAndTheComponentItself) {
 TEST(SceneLinks, AClassStandsForItsOnlyComponent) {
   const std::string roi = "<BoxROI name='roi' box='0 0 0 1 1 0'/>",
                     link = "<FixedProjectiveConstraint name='fixed' indices='@BoxROI.indices'/>";
-  scene::Scene scene = read_and_init(bar(link + roi));
+  scene::Scene scene = read_and_init(framed(link + roi));
   EXPECT_EQ(fixed_nodes(scene).size(), 9u);
   EXPECT_EQ(
-      errors_of(bar(link + roi + "<BoxROI name='other'/>")),
+      errors_of(framed(link + roi + "<BoxROI name='other'/>")),
       "test.scn:3: error: FixedProjectiveConstraint.indices: link '@BoxROI.indices' stops at node '/', which holds 2 "
       "components of class BoxROI: give them names");
   // a name counts before a class
-  scene::Scene named = read_and_init(bar(link + roi + "<BoxROI name='BoxROI' box='0 0 0 0 0 0'/>"));
+  scene::Scene named = read_and_init(framed(link + roi + "<BoxROI name='BoxROI' box='0 0 0 0 0 0'/>"));
   EXPECT_EQ(fixed_nodes(named).size(), 1u);
 }
 
 TEST(SceneLinks, SrcConnectsAllThatIsNotGiven) {
   const std::string grid = "<RegularGridTopology name='other' n='2 2 2' max='2 3 4'/>";
   scene::Scene scene = read_and_init(
-      bar(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
-                 "<BoxROI name='own' src='@other' position='5 5 5  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0' "
-                 "box='1 1 1 9 9 9'/>"));
+      framed(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
+                    "<BoxROI name='own' src='@other' position='5 5 5  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0' "
+                    "box='1 1 1 9 9 9'/>"));
   EXPECT_EQ(at<scene::Engine>(scene, "all").reals("pointsInROI"), (std::vector<double>{2, 3, 4}));
   EXPECT_EQ(at<scene::Engine>(scene, "own").reals("pointsInROI"), (std::vector<double>{5, 5, 5}));
 
-  EXPECT_EQ(errors_of(bar("<BoxROI src='@absent'/>")),
+  EXPECT_EQ(errors_of(framed("<BoxROI src='@absent'/>")),
             "test.scn:3: error: BoxROI.src: link '@absent' stops at node '/', which holds no 'absent'");
   EXPECT_EQ(
-      errors_of(bar("<RunSettings src='@grid'/>")),
+      errors_of(framed("<RunSettings src='@grid'/>")),
       "test.scn:3: error: RunSettings.src: link '@grid' leads to RegularGridTopology 'grid', which has no attribute "
       "that belongs here");
 }
 
 TEST(SceneLinks, WhatTheyBringMustLieInTheRange) {
   EXPECT_EQ(
-      errors_of(bar("<BoxROI name='roi' position='.1 .2 .7'/>"
-                    "<HexahedronElastoplasticFEMForceField poissonRatio='@roi.position'/>")),
+      errors_of(framed("<BoxROI name='roi' position='.1 .2 .7'/>"
+                       "<HexahedronElastoplasticFEMForceField poissonRatio='@roi.position'/>")),
       "test.scn:3: error: HexahedronElastoplasticFEMForceField.poissonRatio: link '@roi.position': 0.7 must lie in "
       "[0, 0.5)");
 }
 
 TEST(SceneLinks, CirclesAreFound) {
-  EXPECT_EQ(errors_of(bar("<BoxROI name='a' box='@b.box'/>\n<BoxROI name='b' box='@a.box'/>")),
+  EXPECT_EQ(errors_of(framed("<BoxROI name='a' box='@b.box'/>\n<BoxROI name='b' box='@a.box'/>")),
             "test.scn:3: error: BoxROI.box: link '@b.box' leads back to itself\n"
             "test.scn:4: error: BoxROI.box: link '@a.box' leads back to itself");
-  EXPECT_EQ(errors_of(bar("<BoxROI name='a' position='@a.pointsInROI'/>")),
+  EXPECT_EQ(errors_of(framed("<BoxROI name='a' position='@a.pointsInROI'/>")),
             "test.scn:3: error: BoxROI.pointsInROI: depends on itself through links");
 }
 
@@ -382,7 +382,7 @@ TEST(SceneLinks, WhatCannotFollowAChangeRefusesIt) {
 // -----------------------------------------------------------------------------------------------------------------
 
 TEST(SceneOverride, ReplacesAnAttributeBeforeInit) {
-  scene::Scene scene = read(bar("<Node name='in'><BoxROI name='roi'/></Node>"));
+  scene::Scene scene = read(framed("<Node name='in'><BoxROI name='roi'/></Node>"));
   scene::override_attribute(scene, "root.dt=0.25");
   scene::override_attribute(scene, ".gravity=0 0 -2");
   scene::override_attribute(scene, "in/roi.box=0 0 0 .5 .5 .5");
@@ -393,7 +393,7 @@ TEST(SceneOverride, ReplacesAnAttributeBeforeInit) {
 }
 
 TEST(SceneOverride, TheLastOneCounts) {
-  scene::Scene scene = read(bar(""));
+  scene::Scene scene = read(framed(""));
   scene::override_attribute(scene, "euler.rayleighStiffness=0.5");
   scene::override_attribute(scene, "euler.rayleighMass=@euler.rayleighStiffness");
   scene::Object& euler = at<scene::Object>(scene, "euler");
@@ -403,7 +403,7 @@ TEST(SceneOverride, TheLastOneCounts) {
 }
 
 TEST(SceneOverride, SaysWhatIsWrong) {
-  scene::Scene scene = read(bar(""));
+  scene::Scene scene = read(framed(""));
   const auto refusal = [&](const char* assignment) -> std::string {
     try {
       scene::override_attribute(scene, assignment);

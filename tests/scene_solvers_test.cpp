@@ -14,7 +14,7 @@ using support::errors_of;
 using support::read_and_init;
 
 // A bar of 2 x 2 x 5 hexahedra, held at one end, pulled aside at the other.
-std::string bar(const std::string& ode_solver, const std::string& linear_solver) {
+std::string pulled_bar(const std::string& ode_solver, const std::string& linear_solver) {
   return "<Node dt='0.02' gravity='0 -3 0'><DefaultAnimationLoop/>" + ode_solver + linear_solver +
          "<RegularGridTopology n='3 3 6' min='0 0 0' max='0.2 0.2 0.5'/><MechanicalObject name='nodes'/>"
          "<DiagonalMass massDensity='1000'/><BoxROI name='end' box='-1 -1 -.01  1 1 .01'/>"
@@ -25,7 +25,7 @@ std::string bar(const std::string& ode_solver, const std::string& linear_solver)
 }
 
 PointArray end_of_run(const std::string& ode_solver, const std::string& linear_solver, int steps = 25) {
-  scene::Scene scene = read_and_init(bar(ode_solver, linear_solver));
+  scene::Scene scene = read_and_init(pulled_bar(ode_solver, linear_solver));
   for (int k = 0; k < steps; ++k) scene.step();
   return at<scene::MechanicalState>(scene, "nodes").positions();
 }
@@ -65,7 +65,7 @@ TEST(SolverPairs, GiveTheSameTrajectory) {
 // |r| / |b| of one iteration of conjugate gradients lies well above that of a hundred.
 TEST(CGLinearSolver, StopsAtItsIterationsAndSaysSo) {
   scene::Scene scene = read_and_init(
-      bar("<EulerImplicitSolver/>", "<CGLinearSolver iterations='7' tolerance='1e-12' threshold='1e-30'/>"));
+      pulled_bar("<EulerImplicitSolver/>", "<CGLinearSolver iterations='7' tolerance='1e-12' threshold='1e-30'/>"));
   const SolveReport report = scene.step();
   EXPECT_EQ(report.iterations, 7);
   EXPECT_FALSE(report.converged);
@@ -75,17 +75,17 @@ TEST(CGLinearSolver, StopsAtItsIterationsAndSaysSo) {
 TEST(PCGLinearSolver, WithAnExactPreconditionerNeedsOneIteration) {
   const std::string direct = "<SparseLDLSolver name='direct'/>";
   scene::Scene with =
-      read_and_init(bar("<EulerImplicitSolver linearSolver='@pcg'/>",
-                        direct + "<PCGLinearSolver name='pcg' tolerance='1e-16' preconditioner='@direct'/>"));
+      read_and_init(pulled_bar("<EulerImplicitSolver linearSolver='@pcg'/>",
+                               direct + "<PCGLinearSolver name='pcg' tolerance='1e-16' preconditioner='@direct'/>"));
   EXPECT_EQ(with.step().iterations, 1);
   scene::Scene without = read_and_init(
-      bar("<EulerImplicitSolver linearSolver='@pcg'/>",
-          direct + "<PCGLinearSolver name='pcg' tolerance='1e-16' preconditioner='@direct' use_precond='0'/>"));
+      pulled_bar("<EulerImplicitSolver linearSolver='@pcg'/>",
+                 direct + "<PCGLinearSolver name='pcg' tolerance='1e-16' preconditioner='@direct' use_precond='0'/>"));
   EXPECT_GT(without.step().iterations, 10);
-  EXPECT_EQ(
-      errors_of(bar("<EulerImplicitSolver/>", "<PCGLinearSolver preconditioner='@cg'/><CGLinearSolver name='cg'/>")),
-      "test.scn:1: error: PCGLinearSolver.preconditioner: the link leads to CGLinearSolver 'cg', must lead to a "
-      "direct solver");
+  EXPECT_EQ(errors_of(pulled_bar("<EulerImplicitSolver/>",
+                                 "<PCGLinearSolver preconditioner='@cg'/><CGLinearSolver name='cg'/>")),
+            "test.scn:1: error: PCGLinearSolver.preconditioner: the link leads to CGLinearSolver 'cg', must lead to a "
+            "direct solver");
 }
 
 // The settings of SOFA before there was a NewtonRaphsonSolver.

@@ -67,14 +67,14 @@ std::string layers(const std::string& before, const std::string& after, const st
          after + below + "</Node></Node>";
 }
 
-PointArray& nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "bar/nodes").positions(); }
+PointArray& bar_nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "bar/nodes").positions(); }
 
 /// Ends a step with one layer stretched: it breaks, and goes back to where it was.
 void tear_layer(scene::Scene& scene, int layer) {
-  const PointArray x = nodes(scene);
-  for (Eigen::Index n = 6 * (layer + 1); n < x.rows(); ++n) nodes(scene)(n, 2) += 0.08;
+  const PointArray x = bar_nodes(scene);
+  for (Eigen::Index n = 6 * (layer + 1); n < x.rows(); ++n) bar_nodes(scene)(n, 2) += 0.08;
   scene::end_step(scene.root(), 0.01);
-  nodes(scene) = x;
+  bar_nodes(scene) = x;
 }
 
 using Lines = std::vector<std::string>;
@@ -187,7 +187,7 @@ TEST(FaceLoads, GoWithTheFacesTheyActOn) {
              "<QuadPressureForceField name='quads' pressure='0 5 0' normal='1 0 0' dmin='-0.01' dmax='0.01'/>"));
   const auto total = [&](const char* name) {
     PointArray f = PointArray::Zero(24, 3);
-    at<scene::ForceField>(scene, std::string("bar/") + name).add_force(0, nodes(scene), PointArray::Zero(24, 3), f);
+    at<scene::ForceField>(scene, std::string("bar/") + name).add_force(0, bar_nodes(scene), PointArray::Zero(24, 3), f);
     return Vec3(f.colwise().sum().transpose());
   };
   const auto agree = [](const Vec3& found, const Vec3& expected) { return (found - expected).norm() < 1e-14; };

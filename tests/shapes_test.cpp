@@ -18,14 +18,12 @@ namespace {
 using std::numbers::pi;
 using support::refuses;
 
-double volume_of(const HexMesh& mesh) { return quality(mesh).volume; }
-
 TEST(Sheet, IsABoxUnlessItIsBent) {
   const HexMesh flat = sheet({4, 3, 2}, {0.4, 0.6}, 0.01);
   EXPECT_EQ(flat.num_nodes(), 5 * 4 * 3);
   EXPECT_TRUE(flat.positions().row(0).isApprox(Eigen::RowVector3d(-0.2, -0.3, -0.005)));
   EXPECT_TRUE(flat.positions().row(1 + 5 * (2 + 4 * 2)).isApprox(Eigen::RowVector3d(-0.1, 0.1, 0.005)));
-  EXPECT_NEAR(volume_of(flat), 0.4 * 0.6 * 0.01, 1e-15);
+  EXPECT_NEAR(quality(flat).volume, 0.4 * 0.6 * 0.01, 1e-15);
   EXPECT_NEAR(quality(flat).least_scaled_jacobian, 1, 1e-12);
 }
 
@@ -35,7 +33,7 @@ TEST(Sheet, BendsAboutItsMiddle) {
   for (const double side : {1., -1.}) {
     const HexMesh bent = sheet({12, 2, 2}, {length, 0.3}, thickness, side / radius);
     const double step = length / radius / 12;
-    EXPECT_NEAR(volume_of(bent), length * 0.3 * thickness * std::sin(step) / step, 1e-15);
+    EXPECT_NEAR(quality(bent).volume, length * 0.3 * thickness * std::sin(step) / step, 1e-15);
     const Vec3 axis(0, 0, -side * radius);
     for (int n = 0; n < bent.num_nodes(); ++n) {
       Vec3 from_axis = bent.positions().row(n).transpose() - axis;
@@ -51,7 +49,7 @@ TEST(Tube, HasTheVolumeOfItsPrisms) {
   const HexMesh mesh = tube({2, 12, 5}, 0.1, 0.15, arc(0.7, 0, 6));
   EXPECT_EQ(mesh.num_nodes(), 3 * 12 * 6);
   EXPECT_EQ(mesh.num_elements(), 2 * 12 * 5);
-  EXPECT_NEAR(volume_of(mesh), 12 * std::sin(2 * pi / 12) / 2 * (0.15 * 0.15 - 0.1 * 0.1) * 0.7, 1e-15);
+  EXPECT_NEAR(quality(mesh).volume, 12 * std::sin(2 * pi / 12) / 2 * (0.15 * 0.15 - 0.1 * 0.1) * 0.7, 1e-15);
   EXPECT_TRUE(mesh.positions().row(0).isApprox(Eigen::RowVector3d(0.1, 0, 0)));
   EXPECT_TRUE(mesh.positions().row(2 + 3 * (3 + 12 * 5)).isApprox(Eigen::RowVector3d(0, 0.15, 0.7), 1e-14));
   EXPECT_EQ(mesh.boundary_faces().size(), 2u * (12 * 5 + 2 * 12));
@@ -61,7 +59,7 @@ TEST(Tube, HasTheVolumeOfItsPrisms) {
 TEST(Tube, BentAlongAnArcApproachesASectorOfATorus) {
   const auto error = [](int n) {
     const HexMesh mesh = tube({n, 8 * n, 12 * n}, 0.1, 0.2, arc(1.5, 1.5 * pi, 12 * n + 1));
-    return std::abs(volume_of(mesh) / (pi * (0.2 * 0.2 - 0.1 * 0.1) * 1.5) - 1);
+    return std::abs(quality(mesh).volume / (pi * (0.2 * 0.2 - 0.1 * 0.1) * 1.5) - 1);
   };
   EXPECT_LT(error(2), 0.035);
   EXPECT_NEAR(std::log2(error(1) / error(2)), 2, 0.1);
@@ -128,7 +126,9 @@ TEST(CurveThrough, FollowsLinesAndCircles) {
 TEST(SpherePatch, ApproachesItsSolidAngle) {
   const double angle = 1.1, sine_squared = std::pow(std::sin(angle / 2), 2);
   const double exact = 4 * std::asin(sine_squared) * (std::pow(0.3, 3) - std::pow(0.25, 3)) / 3;
-  const auto error = [&](int n) { return std::abs(volume_of(sphere_patch({n, n, 2}, 0.25, 0.3, angle)) / exact - 1); };
+  const auto error = [&](int n) {
+    return std::abs(quality(sphere_patch({n, n, 2}, 0.25, 0.3, angle)).volume / exact - 1);
+  };
   EXPECT_LT(error(8), 0.01);
   EXPECT_NEAR(std::log2(error(8) / error(16)), 2, 0.1);
   const HexMesh mesh = sphere_patch({4, 6, 2}, 0.25, 0.3, angle);

@@ -72,13 +72,13 @@ Json read_json(const fs::path& path) {
 }
 
 /// What a scene leaves behind.
-struct Outcome {
+struct SceneOutcome {
   Json final;                                          ///< the final state
   std::map<std::string, std::vector<double>> history;  ///< columns of history.csv
 };
 
 /// Runs a scene with one thread and with two, which must end alike.
-void run_twice(const std::string& name, Outcome& outcome) {
+void run_twice(const std::string& name, SceneOutcome& outcome) {
   const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + name + ".scn";
   const fs::path folder = fs::temp_directory_path() / ("hexaplast_" + name + std::to_string(getpid()));
   const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
@@ -95,7 +95,7 @@ void run_twice(const std::string& name, Outcome& outcome) {
 class ShippedScene : public testing::TestWithParam<SceneCase> {};
 
 TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
-  Outcome outcome;
+  SceneOutcome outcome;
   ASSERT_NO_FATAL_FAILURE(run_twice(GetParam().name, outcome));
   auto& [final, history] = outcome;
   EXPECT_NEAR(final["time"], 5, 1e-9);
@@ -233,7 +233,7 @@ void expect_kept_volume(std::map<std::string, std::vector<double>>& history) {
 // The grasper goes 26 mm up. The fat keeps nearly half of it; the wall is drawn 5 mm along and comes back to about
 // 2: it does not flow itself, but the fat around it has.
 TEST(FattyTissue, KeepsABumpOnAWallThatDoesNotFlow) {
-  Outcome outcome;
+  SceneOutcome outcome;
   ASSERT_NO_FATAL_FAILURE(run_twice("fatty_tissue", outcome));
   auto& [final, history] = outcome;
 
@@ -264,7 +264,7 @@ TEST(FattyTissue, KeepsABumpOnAWallThatDoesNotFlow) {
 
 // The forceps go 40 mm out. The lobe keeps about half of it.
 TEST(LiverCage, KeepsItsLobeDrawnOut) {
-  Outcome outcome;
+  SceneOutcome outcome;
   ASSERT_NO_FATAL_FAILURE(run_twice("liver_cage", outcome));
   auto& [final, history] = outcome;
 

@@ -394,6 +394,9 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   // an option that is not known leaves its value behind, and that is no mistake of its own
   std::stable_partition(unknown.begin(), unknown.end(), [](const std::string& word) { return word.starts_with('-'); });
 
+  // a wrong value may be the name of the next option, whose own value is then left over
+  const bool is_value_wrong = dynamic_cast<const CLI::ConversionError*>(&error) != nullptr ||
+                              dynamic_cast<const CLI::ValidationError*>(&error) != nullptr;
   std::vector<std::string> known;
   std::string text = error.what(), hint;
   if (!unknown.empty() && unknown.front().starts_with('-')) {
@@ -402,7 +405,7 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
       for (const std::string& name : other->get_lnames()) known.push_back("--" + name);
     text = fmt::format("unknown option '{}'", option);
     hint = scene::did_you_mean(option, {known.begin(), known.end()});
-  } else if (!unknown.empty()) {
+  } else if (!unknown.empty() && !is_value_wrong) {
     for (const CLI::App* other : command.get_subcommands({})) known.push_back(other->get_name());
     text = fmt::format("{} '{}'", known.empty() ? "unexpected argument" : "unknown subcommand", unknown.front());
     hint = scene::did_you_mean(unknown.front(), {known.begin(), known.end()});

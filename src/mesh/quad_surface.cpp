@@ -9,8 +9,8 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kSamePlace = 1e-9;   // of the extent: vertices this close are one that was written twice
-constexpr double kFlatCorner = 1e-3;  // sine of the angle at a corner, seen along the normal of the quad
+constexpr double kSamePlace = 1e-9;       // of the extent: vertices this close are one that was written twice
+constexpr double kFlatQuadCorner = 1e-3;  // sine of the angle at a corner, seen along the normal of the quad
 
 /// Marks every vertex of which another one lies at the same place.
 Offenders coincident(const PointArray& x) {
@@ -144,7 +144,7 @@ void QuadSurface::check_shapes() const {
     bool is_sound = normal.allFinite();
     for (int k = 0; k < 4; ++k) {
       const Vec3 forward = at(q, k + 1) - at(q, k), back = at(q, k - 1) - at(q, k);
-      is_sound = is_sound && forward.cross(back).dot(normal) > kFlatCorner * forward.norm() * back.norm();
+      is_sound = is_sound && forward.cross(back).dot(normal) > kFlatQuadCorner * forward.norm() * back.norm();
     }
     if (!is_sound) bad.add(q);
   }

@@ -19,4 +19,6 @@ inline Material yielding(double yield_stress, double rotation_yield) {
   return m;
 }
 
+inline const Material kSoft = yielding(300, 0.02);
+
 }  // namespace hexaplast::support

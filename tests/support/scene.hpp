@@ -60,6 +60,13 @@ T& at(scene::Scene& scene, std::string_view path) {
   throw std::out_of_range(std::string(path));
 }
 
+/// Where the points of the state `nodes` of the root are.
+inline const PointArray& nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").positions(); }
+
+inline void run(scene::Scene& scene, int steps) {
+  for (int k = 0; k < steps; ++k) scene.step();
+}
+
 /// A scene with solvers and the given components.
 inline std::string in_root(const std::string& attributes, const std::string& lines) {
   return "<Node " + attributes + "><DefaultAnimationLoop/><EulerImplicitSolver name='euler'/><SparseLDLSolver/>" +

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/mesh/grid.hpp"
 #include "support/random.hpp"
 
@@ -47,6 +48,13 @@ inline HexMesh distorted_block(std::array<int, 3> cells, double edge, double sha
 template <class Rows>
 Rows mapped(const Rows& x, const Mat3& A, const Vec3& b = Vec3::Zero()) {
   return (x * A.transpose()).rowwise() + b.transpose();
+}
+
+/// Greatest distance of two shapes along an axis after the best rigid motion: averaging fixes the mean, and the turn
+/// only loosely.
+inline double incongruence(const PointArray& x, const PointArray& expected) {
+  const PointArray from = x.rowwise() - x.colwise().mean(), to = expected.rowwise() - expected.colwise().mean();
+  return (mapped(from, polar(to.transpose() * from).R) - to).cwiseAbs().maxCoeff();
 }
 
 /// Nodes whose original coordinate along `axis` lies within `reach` of `value`.
