@@ -113,7 +113,7 @@ TEST(MeshFile, DamagedAnywhereIsRefusedOrLoads) {
       std::string damaged = whole;
       for (int i = 0; i < 1 + mutation % 3; ++i) {
         const auto at = static_cast<std::size_t>(random.uniform(0, static_cast<double>(whole.size())));
-        damaged[at] = static_cast<char>(random.uniform(0, 256));
+        damaged[at] = static_cast<char>(static_cast<int>(random.uniform(0, 256)));
       }
       try {
         const ImportedMesh mesh = parse(file, damaged);

@@ -337,7 +337,8 @@ TEST(Loads, AreNamedWithTheGreatestOfTheRun) {
     EXPECT_TRUE(words.contains("gravity 3.71 m/s²"));
   }
   gallery.add(0, 0, mesh.positions(), {0, 1});
-  for (const Drawing::Text& text : drawings_of(gallery)[2].texts) {
+  const std::vector<Drawing> drawings = drawings_of(gallery);
+  for (const Drawing::Text& text : drawings[2].texts) {
     EXPECT_FALSE(text.words.starts_with("load,")) << "there is none in this state";
     EXPECT_FALSE(text.words.starts_with("instrument,"));
   }

@@ -14,7 +14,8 @@ struct Instrument {
   std::vector<int> nodes;  ///< on which it pulls
   PointArray forces;       ///< [N] on them, one row each
 
-  Vec3 force() const { return forces.colwise().sum().transpose(); }  ///< [N] on the body
+  /// [N] on the body.
+  Vec3 force() const { return forces.rows() == 0 ? Vec3::Zero() : Vec3(forces.colwise().sum()); }
 };
 
 /// What holds and loads a body at a moment, but for its weight.

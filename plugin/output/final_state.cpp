@@ -12,7 +12,7 @@ namespace hexaplast::output {
 namespace {
 
 /// 17 significant digits give every double back; JSON has no infinity, and a NaN must not pass for one.
-std::string number(double value) {
+std::string exact(double value) {
   if (std::isnan(value)) throw OutputError("the last state holds a number that is not one (NaN)");
   return std::isfinite(value) ? fmt::format("{:.17g}", value) : "null";
 }
@@ -20,14 +20,14 @@ std::string number(double value) {
 void write_points(WholeFile& out, std::string_view name, ConstPoints points) {
   out.write(fmt::format("  \"{}\": [", name));
   for (Eigen::Index n = 0; n < points.rows(); ++n)
-    out.write(fmt::format("{}\n    [{}, {}, {}]", n == 0 ? "" : ",", number(points(n, 0)), number(points(n, 1)),
-                          number(points(n, 2))));
+    out.write(fmt::format("{}\n    [{}, {}, {}]", n == 0 ? "" : ",", exact(points(n, 0)), exact(points(n, 1)),
+                          exact(points(n, 2))));
   out.write("\n  ],\n");
 }
 
 void write_values(WholeFile& out, std::string_view name, const std::vector<double>& values) {
   out.write(fmt::format("  \"{}\": [", name));
-  for (std::size_t e = 0; e < values.size(); ++e) out.write((e == 0 ? "" : ", ") + number(values[e]));
+  for (std::size_t e = 0; e < values.size(); ++e) out.write((e == 0 ? "" : ", ") + exact(values[e]));
   out.write("],\n");
 }
 
@@ -43,8 +43,8 @@ void write_isolated_shapes(WholeFile& out, const History& history) {
 
     out.write(e == 0 ? "\n    [" : ",\n    [");
     for (int a = 0; a < kCorners; ++a)
-      out.write(fmt::format("{}[{}, {}, {}]", a == 0 ? "" : ", ", number(shape(a, 0)), number(shape(a, 1)),
-                            number(shape(a, 2))));
+      out.write(fmt::format("{}[{}, {}, {}]", a == 0 ? "" : ", ", exact(shape(a, 0)), exact(shape(a, 1)),
+                            exact(shape(a, 2))));
     out.write("]");
   }
   out.write("\n  ],\n");
@@ -72,7 +72,7 @@ void write_final(const std::filesystem::path& file, long step, double time, Cons
 void write_final(WholeFile& out, long step, double time, ConstPoints positions, ConstPoints velocities,
                  const Body& body) {
   const ElementFields fields = body.fields(positions);
-  out.write(fmt::format("{{\n  \"time\": {},\n", number(time)));
+  out.write(fmt::format("{{\n  \"time\": {},\n", exact(time)));
   write_points(out, "positions", positions);
   write_points(out, "velocities", velocities);
   write_points(out, "material_positions", body.history().material);

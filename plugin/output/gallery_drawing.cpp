@@ -29,8 +29,6 @@ constexpr float kShortestEdge = 4, kLongestEdge = 48;
 constexpr float kWidestEdge = 1.2f, kCageWidth = 1.1f, kWireWidth = 1.5f, kCutWidth = 1.6f;
 constexpr float kStrongestEdge = 0.75f, kCageOpacity = 0.3f;
 
-constexpr float kDot = 3.2f;  // radius of the mark of a fixed node, at most
-
 constexpr float kArrowGirth = 0.055f;  // diameter of shafts, in parts of the longest arrow's length
 constexpr float kShortestArrow = 3;    // on the page; shorter ones are left out
 constexpr float kBetweenArrows = 24;   // on the page: of denser ones the strongest are drawn
@@ -185,17 +183,16 @@ void Gallery::draw_surfaces(const State& state, const Camera& camera, const Scal
   };
   for (const Shown* one : shown)
     for (const Surface::Face& face : one->surface->faces()) {
-      const auto& [a, b, c, d] = face;
       if (Surface::is_triangle(face)) {
-        place_above(one->points[a], one->points[b], one->points[c]);
+        place_above(one->points[face[0]], one->points[face[1]], one->points[face[2]]);
         continue;
       }
       // a warped quad would shade itself by triangles that lie off it
       const int parts = is_warped(one->points, face) ? kShadeParts : 1;
       const auto at = [&](int i, int j) {
         const std::array weight = weights_at(static_cast<float>(i) / parts, static_cast<float>(j) / parts);
-        return Vector3f(weight[0] * one->points[a] + weight[1] * one->points[b] + weight[2] * one->points[c] +
-                        weight[3] * one->points[d]);
+        return Vector3f(weight[0] * one->points[face[0]] + weight[1] * one->points[face[1]] +
+                        weight[2] * one->points[face[2]] + weight[3] * one->points[face[3]]);
       };
       for (int j = 0; j < parts; ++j)
         for (int i = 0; i < parts; ++i) {
@@ -326,7 +323,7 @@ void Gallery::draw_loads(const State& state, const Camera& camera, const Stronge
 void Gallery::draw_marks(const State& state, const Camera& camera, Page& page) const {
   const Pen pen(camera, sides(camera), page.drawing());
   if (staging_.shows_hexahedra) {
-    const float radius = std::min(kDot, mean_edge(*state.body.surface) * camera.scale() / 6);
+    const float radius = mean_edge(*state.body.surface) * camera.scale() / 6;
     for (const Vector3f& place : state.fixed) {
       if (!pen.reaches(place)) continue;
       Drawing::Vertex centre = camera.project(place);

@@ -23,7 +23,7 @@ constexpr float kArrow = 11;                    // length of the end of a scale 
 
 constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
 
-constexpr float kDot = 3.2f;
+constexpr float kDot = 3.2f;  // radius of the mark of a fixed node, at most
 constexpr float kRing = 9, kRingWidth = 2.4f, kRimWidth = 2.4f;
 constexpr int kCircle = 28;  // corners of a round mark
 
@@ -189,8 +189,8 @@ void Page::add_ring(Drawing::Vertex centre) {
   for (const auto& [colour, width] : {std::pair{kPaper, kRingWidth + kRimWidth}, std::pair{kSteel, kRingWidth}}) {
     centre.colour = colour;
     for (int k = 0; k < kCircle; ++k) {
-      const auto inner = [&](int corner) { return on_circle(centre, kRing - width / 2, corner); };
-      const auto outer = [&](int corner) { return on_circle(centre, kRing + width / 2, corner); };
+      const auto inner = [&, width = width](int corner) { return on_circle(centre, kRing - width / 2, corner); };
+      const auto outer = [&, width = width](int corner) { return on_circle(centre, kRing + width / 2, corner); };
       drawing_.triangles.push_back({{inner(k), outer(k), outer(k + 1)}});
       drawing_.triangles.push_back({{inner(k), outer(k + 1), inner(k + 1)}});
     }

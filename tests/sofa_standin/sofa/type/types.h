@@ -50,6 +50,8 @@ struct RGBAColor {
 };
 
 struct BoundingBox {
+  BoundingBox() = default;
+  BoundingBox(const Vec3& min, const Vec3& max) : least(min), most(max) {}
   Vec3 least, most;
 };
 
