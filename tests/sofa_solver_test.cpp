@@ -154,7 +154,7 @@ TEST_F(MultigridSolver, KeepsToConstraintsThatCoupleCoordinates) {
   tissue.get<Held>()->has_slope = true;
   nodes.write(1)->beginEdit()->at(4) = {0.1, 0.8, -0.6};  // along the slope
   const PointArray x = solve();
-  EXPECT_NEAR(0.6 * x(4, 1) + 0.8 * x(4, 2), 0, 1e-14);
+  EXPECT_NEAR(0.6 * x(4, 1) + 0.8 * x(4, 2), 0, 1e-13);  // rounding of what it starts from, of order 1
   EXPECT_GT(x.row(4).norm(), 1e-3);
   EXPECT_GT(weights.num_products, 5);
 }
