@@ -15,18 +15,18 @@
 namespace hexaplast::support {
 namespace {
 
-constexpr double kCellEdge = 0.01, kWidth = 3 * kCellEdge;  // [m]
-constexpr int kNumSlices = 10, kAxis = 2;
+constexpr double kCell = 0.01, kWidth = 3 * kCell;  // [m]
+constexpr int kSlices = 10, kAxis = 2;
 
 /// The bar of a case, with the origin on its axis at the lower end.
 HexMesh bar_mesh(int refine) {
-  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, kNumSlices * kCellEdge);
-  return regular_grid({3 * refine, 3 * refine, kNumSlices * refine}, least, most);
+  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, kSlices * kCell);
+  return regular_grid({3 * refine, 3 * refine, kSlices * refine}, least, most);
 }
 
 std::vector<int> central(const HexMesh& mesh, std::vector<int> end) {
   std::erase_if(
-      end, [&](int n) { return mesh.positions().row(n).head<2>().cwiseAbs().maxCoeff() > kCellEdge / 2 * (1 + 1e-9); });
+      end, [&](int n) { return mesh.positions().row(n).head<2>().cwiseAbs().maxCoeff() > kCell / 2 * (1 + 1e-9); });
   return end;
 }
 
@@ -34,7 +34,7 @@ std::vector<int> central(const HexMesh& mesh, std::vector<int> end) {
 PointArray end_loads(const BarCase& bar, const HexMesh& mesh) {
   PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
   for (const double sense : {-1.0, 1.0}) {
-    const std::vector<int> end = nodes_at(mesh, kAxis, sense < 0 ? 0 : kNumSlices * kCellEdge);
+    const std::vector<int> end = nodes_at(mesh, kAxis, sense < 0 ? 0 : kSlices * kCell);
     const std::vector<double> share =
         face_shares(mesh, bar.load == EndLoad::kCentralStretch ? central(mesh, end) : end);
     if (bar.load != EndLoad::kFaceTwist) {
@@ -43,7 +43,7 @@ PointArray end_loads(const BarCase& bar, const HexMesh& mesh) {
     }
     double moment = 0;  // [m^2] of the forces share (-y, x)
     for (const int n : end) moment += share[n] * mesh.positions().row(n).head<2>().squaredNorm();
-    const double scale = 2 * bar.force * kCellEdge / moment;
+    const double scale = 2 * bar.force * kCell / moment;
     for (const int n : end) {
       loads(n, 0) = -sense * scale * share[n] * mesh.positions()(n, 1);
       loads(n, 1) = sense * scale * share[n] * mesh.positions()(n, 0);
@@ -61,18 +61,18 @@ double mean_height(const std::vector<int>& nodes, ConstPoints x) {
 BarState measure(const Body& body, ConstPoints x) {
   const HexMesh& mesh = body.mesh();
   std::vector<std::vector<int>> layers;
-  for (int k = 0; k <= kNumSlices; ++k) layers.push_back(nodes_at(mesh, kAxis, k * kCellEdge));
+  for (int k = 0; k <= kSlices; ++k) layers.push_back(nodes_at(mesh, kAxis, k * kCell));
 
   BarState state;
-  const double length = kNumSlices * kCellEdge;
+  const double length = kSlices * kCell;
   state.mean_elongation = (mean_height(layers.back(), x) - mean_height(layers.front(), x)) / length - 1;
   state.central_elongation =
       (mean_height(central(mesh, layers.back()), x) - mean_height(central(mesh, layers.front()), x)) / length - 1;
   state.volume_ratio = body.volume(x) / body.original_volume();
   for (const std::vector<int>& layer : layers)
     state.twist_deg.push_back(section_angle(mesh, layer, kAxis, x) * 180 / std::numbers::pi);
-  for (int k = 0; k < kNumSlices; ++k)
-    state.slice_stretch.push_back((mean_height(layers[k + 1], x) - mean_height(layers[k], x)) / kCellEdge);
+  for (int k = 0; k < kSlices; ++k)
+    state.slice_stretch.push_back((mean_height(layers[k + 1], x) - mean_height(layers[k], x)) / kCell);
   return state;
 }
 
@@ -141,7 +141,7 @@ BarRun run_bar(const BarCase& bar) {
   Body body(bar_mesh(bar.refine), {bar.material}, bar.settings);
   const HexMesh& mesh = body.mesh();
   const PointArray loads = end_loads(bar, mesh);
-  LoadedBody system(body, std::vector<double>(mesh.num_nodes(), 0.0), nodes_at(mesh, kAxis, kNumSlices / 2 * kCellEdge),
+  LoadedBody system(body, std::vector<double>(mesh.num_nodes(), 0.0), nodes_at(mesh, kAxis, kSlices / 2 * kCell),
                     [&](double time, ConstPoints, Points f) { f += bar.schedule.share(time) * loads; });
   NewtonRaphson newton(settings_for(bar.force));
   CholeskySolver solver;
@@ -170,10 +170,10 @@ std::vector<double> uniaxial_stretch(const Material& material, double nominal_st
   constexpr double kStep = 0.01;  // [s]
   Settings settings;
   settings.rotation = RotationPlasticity::kNone;
-  Body body(block({1, 1, 1}, kCellEdge), {material}, settings);
-  const double force = nominal_stress * kCellEdge * kCellEdge;
+  Body body(block({1, 1, 1}, kCell), {material}, settings);
+  const double force = nominal_stress * kCell * kCell;
   CorneredBody system(body, [&](double time, ConstPoints, Points f) {
-    for (const int n : nodes_at(body.mesh(), kAxis, kCellEdge)) f(n, kAxis) += Schedule().share(time) * force / 4;
+    for (const int n : nodes_at(body.mesh(), kAxis, kCell)) f(n, kAxis) += Schedule().share(time) * force / 4;
   });
   NewtonRaphson newton(settings_for(force));
   CholeskySolver solver;
@@ -182,7 +182,7 @@ std::vector<double> uniaxial_stretch(const Material& material, double nominal_st
   for (int step = 1; stretch.size() < times.size(); ++step) {
     if (newton.solve(system, solver, step * kStep, x).status == NewtonStatus::kNotConverged)
       throw std::runtime_error("no equilibrium");
-    if (step * kStep > times[stretch.size()] - kStep / 2) stretch.push_back(x.col(kAxis).maxCoeff() / kCellEdge);
+    if (step * kStep > times[stretch.size()] - kStep / 2) stretch.push_back(x.col(kAxis).maxCoeff() / kCell);
     body.flow(x, kStep);
   }
   return stretch;
