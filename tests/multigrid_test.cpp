@@ -36,6 +36,55 @@ HexMesh tube(int around, int layers, int along) {
   return HexMesh(X, hexahedra);
 }
 
+/// A cylinder of five blocks: a square of 4 x 4 in the middle, and four of 4 x 4 around it. Around four of its lines
+/// only three hexahedra meet, so that no single lattice numbers all of them.
+HexMesh o_grid(int along) {
+  std::vector<Eigen::Vector2d> points;
+  const auto find = [&](const Eigen::Vector2d& at) {
+    for (std::size_t n = 0; n < points.size(); ++n)
+      if ((points[n] - at).norm() < 1e-9) return static_cast<int>(n);
+    points.push_back(at);
+    return static_cast<int>(points.size()) - 1;
+  };
+  std::vector<std::array<int, 4>> quads;
+  const auto add = [&](int n0, int n1, const auto& at) {
+    for (int j = 0; j < n1; ++j)
+      for (int i = 0; i < n0; ++i)
+        quads.push_back({find(at(i, j)), find(at(i + 1, j)), find(at(i + 1, j + 1)), find(at(i, j + 1))});
+  };
+  add(4, 4, [](int i, int j) { return Eigen::Vector2d(0.01 * (i - 2), 0.01 * (j - 2)); });
+  for (int side = 0; side < 4; ++side)
+    add(4, 4, [&](int i, int j) -> Eigen::Vector2d {
+      const double angle = std::numbers::pi / 8 * (j - 2), out = i / 4.0;
+      const Eigen::Vector2d inner(0.02, 0.01 * (j - 2)), outer(0.05 * std::cos(angle), 0.05 * std::sin(angle));
+      return Eigen::Rotation2Dd(std::numbers::pi / 2 * side) * Eigen::Vector2d((1 - out) * inner + out * outer);
+    });
+  const int per_layer = static_cast<int>(points.size());
+  PointArray X(per_layer * (along + 1), 3);
+  for (int n = 0; n < X.rows(); ++n) X.row(n) << points[n % per_layer].transpose(), 0.01 * (n / per_layer);
+  std::vector<Hexahedron> hexahedra;
+  for (int k = 0; k < along; ++k)
+    for (const auto& [a, b, c, d] : quads) {
+      const int low = k * per_layer, high = low + per_layer;
+      hexahedra.push_back({low + a, low + b, low + c, low + d, high + a, high + b, high + c, high + d});
+    }
+  return HexMesh(X, hexahedra);
+}
+
+/// The same mesh `count` times, far apart.
+HexMesh copies(const HexMesh& mesh, int count) {
+  PointArray X = mesh.positions().replicate(count, 1);
+  std::vector<Hexahedron> hexahedra;
+  for (int k = 0; k < count; ++k) {
+    X.middleRows(k * mesh.num_nodes(), mesh.num_nodes()).col(0).array() += k;
+    for (Hexahedron h : mesh.hexahedra()) {
+      for (int& node : h) node += k * mesh.num_nodes();
+      hexahedra.push_back(h);
+    }
+  }
+  return HexMesh(X, hexahedra);
+}
+
 /// A block without the cells of one corner region and some others: a voxel cage.
 HexMesh cage() {
   const HexMesh block = regular_grid({9, 10, 11}, Vec3::Zero(), Vec3(0.9, 1.0, 1.1));
@@ -110,6 +159,31 @@ TEST(Coarsening, ClosesTubesWhateverTheirCount) {
   }
 }
 
+TEST(Coarsening, KeepsSeparatePartsApart) {
+  const HexMesh part = regular_grid({4, 4, 6}, Vec3::Zero(), Vec3(0.4, 0.4, 0.6));
+  const auto single = coarsen(part.num_nodes(), part.hexahedra());
+  ASSERT_TRUE(single);
+  for (const int count : {3, 6, 40}) {
+    const HexMesh mesh = copies(part, count);
+    const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+    ASSERT_TRUE(coarse) << count;
+    EXPECT_EQ(coarse->cells.size(), count * single->cells.size());
+    EXPECT_EQ(coarse->num_nodes, count * single->num_nodes);
+    expect_linear(mesh, *coarse, true);
+    for (std::size_t cell = 0; cell < coarse->cells.size(); ++cell)
+      for (const int child : coarse->children[cell])
+        EXPECT_EQ(child / part.num_elements(), coarse->children[cell][0] / part.num_elements()) << "cell " << cell;
+  }
+}
+
+TEST(Coarsening, TakesMeshesOfSeveralLattices) {
+  const HexMesh mesh = o_grid(8);
+  const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+  ASSERT_TRUE(coarse);
+  EXPECT_LT(coarse->cells.size(), mesh.hexahedra().size() / 4);
+  expect_linear(mesh, *coarse, false);
+}
+
 /// Iterations to a relative residual of 1e-6 in the first step of a body under gravity, one end fixed; the answer is
 /// compared with the direct solver's.
 int iterations_of(const HexMesh& mesh, std::vector<Material> materials, Precision precision, double tolerance,
@@ -141,6 +215,17 @@ TEST(Multigrid, NeedsFewIterationsWhereJacobiNeedsMany) {
   gains(regular_grid({8, 8, 16}, Vec3::Zero(), Vec3(0.1, 0.1, 0.2)), 3);
   gains(tube(24, 2, 20), 3);
   gains(cage(), 1.5);  // holes in one cell of two
+}
+
+TEST(Multigrid, NeedsAsManyIterationsForManyPartsAsForOne) {
+  Material stiff;
+  stiff.young_modulus = 1e6;
+  const HexMesh part = regular_grid({8, 8, 8}, Vec3::Zero(), Vec3(0.1, 0.1, 0.1));
+  const auto iterations = [&](const HexMesh& mesh) {
+    return iterations_of(mesh, {stiff}, Precision::kDouble, 1e-6, Preconditioner::kMultigrid);
+  };
+  const int of_one = iterations(part);
+  for (const int count : {3, 6, 40}) EXPECT_LE(iterations(copies(part, count)), of_one + 1) << count << " parts";
 }
 
 TEST(Multigrid, HoldsInMixedPrecisionAndForMixedStiffness) {

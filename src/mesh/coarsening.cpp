@@ -21,11 +21,27 @@ struct Charts {
   std::vector<std::array<Lattice, kCorners>> corners;  // per element
 };
 
-std::uint64_t key_of(const Lattice& at, int chart) {
-  std::uint64_t key = static_cast<std::uint64_t>(chart);
-  for (const int i : at) key = key * 2097152 + static_cast<std::uint64_t>(i + 1048576);
-  return key;
-}
+/// A place on the lattice of one chart.
+struct ChartPlace {
+  int chart = 0;
+  Lattice at{};
+
+  bool operator==(const ChartPlace&) const = default;
+};
+
+struct HashOfPlace {
+  std::size_t operator()(const ChartPlace& place) const {
+    std::uint64_t hash = static_cast<std::uint32_t>(place.chart);
+    for (const int i : place.at) {
+      hash = (hash ^ static_cast<std::uint32_t>(i)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    return static_cast<std::size_t>(hash);
+  }
+};
+
+/// Looked up, never walked through: no order comes from it.
+using NumberAtPlace = std::unordered_map<ChartPlace, int, HashOfPlace>;
 
 Lattice least(const std::array<Lattice, kCorners>& corners) {
   Lattice low = corners[0];
@@ -69,7 +85,7 @@ Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
   Charts charts;
   charts.chart.assign(hexahedra.size(), -1);
   charts.corners.resize(hexahedra.size());
-  std::unordered_map<std::uint64_t, int> taken;
+  NumberAtPlace taken;
   std::vector<int> queue;
   int num_charts = 0;
 
@@ -78,7 +94,7 @@ Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
     for (int a = 0; a < kCorners; ++a)
       for (int d = 0; d < 3; ++d) charts.corners[seed][a][d] = kCornerSign[a][d] > 0;
     charts.chart[seed] = num_charts;
-    taken.emplace(key_of({0, 0, 0}, num_charts), seed);
+    taken.emplace(ChartPlace{num_charts, {0, 0, 0}}, seed);
     queue = {seed};
     for (std::size_t head = 0; head < queue.size(); ++head) {
       const int e = queue[head];
@@ -113,7 +129,7 @@ Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
           if (complete)
             for (int i = 0; i < 3; ++i) places[a][i] = places[from][i] + outward[i];
         }
-        if (!complete || !taken.emplace(key_of(least(places), num_charts), other).second) continue;
+        if (!complete || !taken.emplace(ChartPlace{num_charts, least(places)}, other).second) continue;
         charts.chart[other] = num_charts;
         charts.corners[other] = places;
         queue.push_back(other);
@@ -152,11 +168,11 @@ struct Cells {
 
 Cells find_cells(const Charts& charts) {
   Cells cells;
-  std::unordered_map<std::uint64_t, int> cell_at;
+  NumberAtPlace cell_at;
   for (std::size_t e = 0; e < charts.chart.size(); ++e) {
     const Lattice low = least(charts.corners[e]);
     const Lattice place{low[0] / 2, low[1] / 2, low[2] / 2};
-    const auto [found, is_new] = cell_at.emplace(key_of(place, charts.chart[e]), cells.count());
+    const auto [found, is_new] = cell_at.emplace(ChartPlace{charts.chart[e], place}, cells.count());
     if (is_new) {
       cells.place.push_back(place);
       cells.chart.push_back(charts.chart[e]);
@@ -277,14 +293,14 @@ std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& 
 
   // coarse nodes: one per even place of a chart, merged where charts, or two ends of one, share a node of the mesh
   Coarsening out;
-  std::unordered_map<std::uint64_t, int> node_at;
+  NumberAtPlace node_at;
   std::vector<int> parent, coarse_of_fine(static_cast<std::size_t>(num_nodes), -1);
   out.cells.resize(cells.place.size());
   for (int c = 0; c < cells.count(); ++c)
     for (int a = 0; a < kCorners; ++a) {
       Lattice place = cells.place[c];
       for (int d = 0; d < 3; ++d) place[d] += kCornerSign[a][d] > 0;
-      const auto [found, is_new] = node_at.emplace(key_of(place, cells.chart[c]), static_cast<int>(parent.size()));
+      const auto [found, is_new] = node_at.emplace(ChartPlace{cells.chart[c], place}, static_cast<int>(parent.size()));
       if (is_new) parent.push_back(found->second);
       out.cells[c][a] = found->second;
       const int child = cells.children[c][a];
