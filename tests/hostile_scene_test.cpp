@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "hexaplast/material/material.hpp"
 #include "support/command.hpp"
 
 extern char** environ;
@@ -68,6 +69,26 @@ class HostileScene : public Command {
     EXPECT_NE(shown.find(message), std::string::npos) << shown;
     EXPECT_LT(cost.seconds, 0.05 * kSlower) << message;
     EXPECT_LT(cost.megabytes, 20 + kMegabytesMore + 2e-6 * static_cast<double>(text.size())) << message;
+  }
+};
+
+/// [byte] per hexahedron that a run of a grid which flows takes.
+class BodyMemory : public HostileScene {
+ protected:
+  double megabytes(int cells, const std::string& precision) {
+    const std::string nodes = std::to_string(cells + 1);
+    write("body.scn",
+          "<Node dt='0.01' gravity='0 0 -5'><EulerImplicitSolver/><MultigridCGLinearSolver/>"
+          "<RegularGridTopology n='" +
+              nodes + " " + nodes + " " + nodes +
+              "'/><MechanicalObject/>"
+              "<DiagonalMass massDensity='1000'/><BoxROI name='foot' box='-1 -1 -.001 2 2 .001'/>"
+              "<FixedProjectiveConstraint indices='@foot.indices'/><HexahedronElastoplasticFEMForceField "
+              "yieldStress='1e-9' plasticFlowRate='2' rotationFlowRate='1' precision='" +
+              precision + "'/></Node>");
+    const Cost cost = run("body.scn");
+    EXPECT_EQ(cost.code, 0) << content(directory_ / "err");
+    return cost.megabytes;
   }
 };
 
@@ -132,6 +153,22 @@ TEST_F(HostileScene, NumbersThatWouldBeAllocated) {
     expect_refused("<Node>\n<FixedProjectiveConstraint indices='" + std::string(index) + "'/></Node>",
                    ":2: error: FixedProjectiveConstraint.indices: ");
   expect_refused("<Node>\n<FixedProjectiveConstraint indices='0-2147483646'/></Node>", "stands for more than");
+}
+
+// What keeps a body that the machine cannot hold from being begun must not count less than it takes.
+TEST_F(BodyMemory, IsWhatTheGuardCounts) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "sanitizers hold memory of their own";
+#endif
+  const hexaplast::Material flows{.yield_stress = 1, .flow_rate = 1};
+  for (const auto& [name, precision] :
+       {std::pair{"double", hexaplast::Precision::kDouble}, std::pair{"mixed", hexaplast::Precision::kMixed}}) {
+    const double hexahedra = 28 * 28 * 28 - 12 * 12 * 12;
+    const double counted = hexaplast::bytes_per_hexahedron({flows}, {.precision = precision});
+    const double taken = 1e6 * (megabytes(28, name) - megabytes(12, name)) / hexahedra;
+    EXPECT_LT(taken, 1.05 * counted) << name;  // pages of the allocator come and go
+    EXPECT_GT(taken, 0.6 * counted) << name;
+  }
 }
 
 }  // namespace

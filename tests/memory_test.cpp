@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/material/material.hpp"
 #include "support/compare.hpp"
 
 namespace hexaplast {
@@ -15,12 +16,27 @@ constexpr std::uint64_t kGB = 1'000'000'000;
 
 // The largest grid of a scene, 256 x 256 x 256 at 2.5 kB, takes 41.9 GB.
 TEST(Memory, ABodyThatDoesNotFitIsRefused) {
-  EXPECT_TRUE(refuses<InputError>([] { require_memory(16'777'216, 24 * kGB); },
+  EXPECT_TRUE(refuses<InputError>([] { require_memory(16'777'216, 2500, 24 * kGB); },
                                   {"16777216 hexahedra", "about 41.9 GB", "the machine has 24 GB"}));
-  EXPECT_TRUE(refuses<InputError>([] { require_memory(9'600'001, 24 * kGB); }, {"9600001 hexahedra"}));
-  EXPECT_NO_THROW(require_memory(9'600'000, 24 * kGB));
-  EXPECT_NO_THROW(require_memory(16'777'216, 48 * kGB));
-  EXPECT_NO_THROW(require_memory(1e15, 0)) << "unknown";
+  EXPECT_TRUE(refuses<InputError>([] { require_memory(9'600'001, 2500, 24 * kGB); }, {"9600001 hexahedra"}));
+  EXPECT_NO_THROW(require_memory(9'600'000, 2500, 24 * kGB));
+  EXPECT_NO_THROW(require_memory(16'777'216, 2500, 48 * kGB));
+  EXPECT_NO_THROW(require_memory(1e15, 2500, 0)) << "unknown";
+}
+
+// BodyMemory.IsWhatTheGuardCounts measures it.
+TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
+  const Material elastic, yields{.yield_stress = 300, .flow_rate = 2}, turns{.rotation_flow_rate = 1};
+  const Settings in_double, mixed{.precision = Precision::kMixed},
+      stretches_alone{.rotation = RotationPlasticity::kNone};
+  for (const Settings& settings : {in_double, mixed}) {
+    const double still = bytes_per_hexahedron({elastic}, settings);
+    EXPECT_GE(still, kLeastBytesPerHexahedron);
+    EXPECT_GT(bytes_per_hexahedron({yields}, settings), still);
+    EXPECT_EQ(bytes_per_hexahedron({elastic, turns}, settings), bytes_per_hexahedron({yields}, settings));
+  }
+  EXPECT_EQ(bytes_per_hexahedron({turns}, stretches_alone), bytes_per_hexahedron({elastic}, in_double));
+  EXPECT_LT(bytes_per_hexahedron({yields}, mixed), bytes_per_hexahedron({yields}, in_double));
 }
 
 TEST(Memory, IsWhatTheSystemSays) {

@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/base/parallel.hpp"
 
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
 #include "hexaplast/base/hash.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
@@ -18,13 +27,66 @@ class Threads {
   int before_;
 };
 
+/// Adds 1 to each of `count` numbers in a parallel loop.
+std::vector<int> visits(int count) {
+  std::vector<int> visited(count, 0);
+  parallel_for(count, [&](int i) { ++visited[i]; });
+  return visited;
+}
+
 TEST(ParallelFor, VisitsEveryIndexOnce) {
-  for (const int threads : {1, 2, 7}) {
+  for (const int threads : {1, 2, 7, 40}) {
     const Threads scope(threads);
-    std::vector<int> visits(1003, 0);
-    parallel_for(1003, [&](int i) { ++visits[i]; });
-    EXPECT_EQ(visits, std::vector<int>(1003, 1)) << threads << " threads";
+    for (const int count : {0, 1, 2, 6, 7, 1003, 100000})
+      for (int again = 0; again < 20; ++again)
+        ASSERT_EQ(visits(count), std::vector<int>(count, 1)) << threads << " threads, " << count;
   }
+}
+
+// The threads of a loop are there for one caller at a time; the others do their loops by themselves.
+TEST(ParallelFor, MayStandInAnotherAndInSeveralThreadsOfTheProgram) {
+  const Threads scope(3);
+  std::vector<int> sums(50, 0);
+  parallel_for(50, [&](int i) {
+    for (const int visit : visits(i)) sums[i] += visit;
+  });
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(sums[i], i);
+
+  std::atomic<int> wrong = 0;
+  std::vector<std::thread> callers;
+  for (int k = 0; k < 4; ++k)
+    callers.emplace_back([&] {
+      for (int again = 0; again < 200; ++again) wrong += visits(777) != std::vector<int>(777, 1);
+    });
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+// As Python's multiprocessing does; the threads of the first process are not in the second one.
+TEST(ParallelFor, WorksInAProcessThatWasForked) {
+  const Threads scope(3);
+  ASSERT_EQ(visits(1003), std::vector<int>(1003, 1));
+  const pid_t child = fork();
+  if (child == 0) _exit(visits(1003) == std::vector<int>(1003, 1) ? 0 : 1);
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(visits(1003), std::vector<int>(1003, 1));
+}
+
+/// [s] of processor time of all threads.
+double processor_time() {
+  timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+TEST(ParallelFor, ThreadsThatWaitSleep) {
+  const Threads scope(4);
+  visits(1003);
+  const double before = processor_time();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_LT(processor_time() - before, 0.01);  // three that spin: up to 0.3 s
 }
 
 TEST(Dot, HasTheSameBitsForAnyThreadCount) {

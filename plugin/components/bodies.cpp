@@ -37,8 +37,9 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     topology_ = &linked<scene::Topology>("topology");
     const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, *topology_, state_->num_nodes());
     const Settings settings = given_settings();
-    require_memory(static_cast<double>(hexahedra.size()));
-    body_.emplace(HexMesh(state_->rest_positions(), hexahedra), given_materials(hexahedra.size()), settings);
+    std::vector<Material> materials = given_materials(hexahedra.size());
+    require_memory(static_cast<double>(hexahedra.size()), bytes_per_hexahedron(materials, settings));
+    body_.emplace(HexMesh(state_->rest_positions(), hexahedra), std::move(materials), settings);
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 

@@ -140,10 +140,6 @@ std::string man_page(const CLI::App& app, const std::string& version) {
   for (const CLI::Option* option : options_of(app)) add_option(*option, page);
   page += ".SH COMMANDS\n";
   add_command(app, "hexaplast", page);
-  page += fmt::format(
-      ".SH ENVIRONMENT\n.TP\nOMP_WAIT_POLICY\n{}\n",
-      roff("passive: threads that wait for one another sleep instead of spinning. To be set where --threads is greater "
-           "than the number of cores that other programs leave free."));
   page +=
       ".SH EXIT STATUS\n"
       ".TP\n0\ndone\n.TP\n2\nthe command line means nothing\n.TP\n3\nthe scene, the mesh or the input is rejected\n"

@@ -50,6 +50,20 @@ void validate(const std::vector<Material>& materials) {
   }
 }
 
+bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
+
+bool can_rotate(const Material& material, const Settings& settings) {
+  return settings.rotation != RotationPlasticity::kNone && material.rotation_flow_rate > 0;
+}
+
+double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
+  const bool flows = std::any_of(materials.begin(), materials.end(), [&](const Material& material) {
+    return can_stretch(material) || can_rotate(material, settings);
+  });
+  if (settings.precision == Precision::kMixed) return flows ? 4200 : 2600;
+  return flows ? 5900 : 3300;
+}
+
 void validate(const Settings& settings) {
   require(settings.volume_restitution >= 0 && std::isfinite(settings.volume_restitution), "volumeRestitution",
           settings.volume_restitution, "", "[0, inf) 1/s");

@@ -11,12 +11,6 @@ namespace hexaplast {
 
 namespace {
 
-bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
-
-bool can_rotate(const Material& material, const Settings& settings) {
-  return settings.rotation != RotationPlasticity::kNone && material.rotation_flow_rate > 0;
-}
-
 /// Stretch at every corner: what flows, and what it does to thresholds and accumulated quantities.
 void flow_stretch(const ElementMoment& at, double dt, ElementStep& step) {
   for (int i = 0; i < kCorners; ++i) {

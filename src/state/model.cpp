@@ -43,11 +43,10 @@ void Model::take_materials() {
 
   tracks_plastic_stretch = std::any_of(materials.begin(), materials.end(),
                                        [](const Material& m) { return std::isfinite(m.fracture_stretch); });
-  can_stretch = std::any_of(materials.begin(), materials.end(),
-                            [](const Material& m) { return m.flow_rate > 0 && std::isfinite(m.yield_stress); });
-  can_rotate =
-      settings.rotation != RotationPlasticity::kNone &&
-      std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.rotation_flow_rate > 0; });
+  can_stretch =
+      std::any_of(materials.begin(), materials.end(), [](const Material& m) { return hexaplast::can_stretch(m); });
+  can_rotate = std::any_of(materials.begin(), materials.end(),
+                           [&](const Material& m) { return hexaplast::can_rotate(m, settings); });
 
   lame.resize(num_elements);
   lame_blocks.assign(static_cast<std::size_t>(partition->num_blocks) * 2 * kBlock, 0.0);

@@ -8,9 +8,12 @@ namespace hexaplast {
 /// [byte] of the machine; 0 where the system does not say.
 std::uint64_t physical_memory();
 
-/// Throws InputError where a body of so many hexahedra, at 2.5 kB each (docs/reliability.md), does not fit into a
-/// memory of `physical` bytes: the machine would not refuse it, but swap until nothing moves. 0: unknown, everything
-/// fits.
-void require_memory(double num_hexahedra, std::uint64_t physical = physical_memory());
+/// [byte] per hexahedron that a body takes at least, whatever it is made of (material.hpp: bytes_per_hexahedron).
+inline constexpr double kLeastBytesPerHexahedron = 2200;
+
+/// Throws InputError where a body of so many hexahedra, at so many bytes each, does not fit into a memory of `physical`
+/// bytes: the machine would not refuse it, but swap until nothing moves. 0: unknown, everything fits.
+void require_memory(double num_hexahedra, double bytes_per_hexahedron = kLeastBytesPerHexahedron,
+                    std::uint64_t physical = physical_memory());
 
 }  // namespace hexaplast

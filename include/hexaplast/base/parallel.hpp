@@ -9,12 +9,25 @@ namespace hexaplast {
 void set_num_threads(int count);
 int num_threads();
 
+/// Calls range(body, first, last) for consecutive parts of [0, count), on all threads. Use parallel_for.
+void run_in_parallel(int count, void (*range)(const void* body, int first, int last) noexcept, const void* body);
+
 /// Calls body(i) for every i in [0, count). The calls may run concurrently, so each writes only what belongs to its i.
+/// None may throw. A loop that is begun within another, or while another thread of the program is in one, runs on the
+/// thread that calls it.
+///
+/// A thread that waits spins for some tens of microseconds at most, then it sleeps; a loop waits only for threads that
+/// have begun a part of it. So the loop does not stand still where other programs keep the processors busy.
 template <class Body>
 void parallel_for(int count, const Body& body) {
-  const int threads = num_threads();
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (int i = 0; i < count; ++i) body(i);
+  const auto range = [](const void* of, int first, int last) noexcept {
+    const Body& call = *static_cast<const Body*>(of);
+    for (int i = first; i < last; ++i) call(i);
+  };
+  if (num_threads() > 1 && count > 1)
+    run_in_parallel(count, range, &body);
+  else
+    range(&body, 0, count);
 }
 
 /// Sum of the element-wise product of two nodal fields of equal size.

@@ -95,6 +95,15 @@ struct Settings {
   bool operator==(const Settings&) const = default;
 };
 
+/// Whether stretch, or rotation, of a hexahedron can ever become permanent.
+bool can_stretch(const Material& material);
+bool can_rotate(const Material& material, const Settings& settings);
+
+/// [byte] of memory per hexahedron of such a body in a running scene: the body, its state, a solver with multigrid and
+/// what a run writes. Measured (docs/performance.md). A sparse direct solver takes more, and ever more the larger the
+/// body is.
+double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings);
+
 /// Throws InputError naming the first value outside its range and the element it belongs to.
 void validate(const std::vector<Material>& materials);
 void validate(const Settings& settings);
