@@ -228,6 +228,19 @@ TEST(Multigrid, NeedsAsManyIterationsForManyPartsAsForOne) {
   for (const int count : {3, 6, 40}) EXPECT_LE(iterations(copies(part, count)), of_one + 1) << count << " parts";
 }
 
+TEST(Multigrid, TakesDistortedMeshesAndSeveralLattices) {
+  Material stiff;
+  stiff.young_modulus = 1e6;
+  const auto iterations = [&](const HexMesh& mesh) {
+    return iterations_of(mesh, {stiff}, Precision::kDouble, 1e-6, Preconditioner::kMultigrid);
+  };
+  for (const std::uint64_t seed : {1, 2}) {
+    const int mildly = iterations(support::distorted_block({12, 12, 12}, 0.1 / 12, 0.2, seed));
+    EXPECT_LE(iterations(support::distorted_block({12, 12, 12}, 0.1 / 12, 0.25, seed)), 2 * mildly) << "seed " << seed;
+  }
+  EXPECT_LE(iterations(o_grid(12)), 2 * iterations(regular_grid({8, 8, 12}, Vec3::Zero(), Vec3(0.08, 0.08, 0.12))));
+}
+
 TEST(Multigrid, HoldsInMixedPrecisionAndForMixedStiffness) {
   const HexMesh mesh = regular_grid({8, 8, 16}, Vec3::Zero(), Vec3(0.1, 0.1, 0.2));
   std::vector<Material> materials(mesh.num_elements());

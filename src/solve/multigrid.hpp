@@ -15,6 +15,8 @@ struct MultigridLevel {
   FixedNumbers fixed;
   std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
   AlignedVector<T> x, r, d, Ad;
+  std::vector<double> partial;  ///< sums per chunk
+  double radius = 1;            ///< of D^-1 A: what the smoother takes for the upper end of its spectrum
 
   void resize();
 };
@@ -24,7 +26,7 @@ struct MultigridLevel {
 template <class T>
 class Multigrid final : public SlotPreconditioner<T> {
  public:
-  /// Takes the system's operators, diagonal and fixed degrees of freedom; finds the spectral radius anew.
+  /// Takes the system's operators, diagonal and fixed degrees of freedom; finds the spectral radii anew.
   void refer_to(const KernelSystem& system);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
 
@@ -40,7 +42,6 @@ class Multigrid final : public SlotPreconditioner<T> {
   MultigridLevel<T> fine_;
   std::vector<MultigridLevel<float>> coarse_;
   const KernelSystem* system_ = nullptr;
-  double radius_ = 1;          // of D^-1 A
   long diagonal_version_ = 0;  // KernelSystem::diagonal_version of the system that it refers to
 };
 

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The cycle as a matrix: conjugate gradients may lean on it only where it is symmetric and positive definite.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
+#include "hexaplast/mesh/shapes.hpp"
+#include "solve/multigrid.hpp"
+#include "support/random.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kTimeStep = 0.1;
+constexpr double kGreatest = 5;  // eigenvalue of M^-1 A: a coarse operator may be softer than what it stands for
+
+/// M + h^2 K of a body twisted about z, one end fixed, and its cycle.
+template <class T>
+class Cycle {
+ public:
+  Cycle(const HexMesh& mesh, const std::vector<Material>& materials, const std::vector<int>& removed = {})
+      : body_(mesh, materials, settings()) {
+    PointArray x = mesh.positions();
+    const double low = x.col(2).minCoeff(), height = x.col(2).maxCoeff() - low;
+    for (int n = 0; n < x.rows(); ++n) {
+      const double angle = 0.5 * (x(n, 2) - low) / height;
+      x.row(n).head<2>() = (Eigen::Rotation2Dd(angle) * Eigen::Vector2d(x(n, 0), x(n, 1))).transpose();
+    }
+    body_.remove(removed);
+    body_.linearize(x);
+    system_.wants_coarse = true;
+    body_.to_kernels(-kTimeStep * kTimeStep, system_);
+    system_.diagonal = (1000 * nodal_volumes(mesh.positions(), mesh.hexahedra())).replicate(1, 3);
+    system_.free.setOnes(mesh.num_nodes(), 3);
+    for (int n = 0; n < mesh.num_nodes(); ++n)
+      if (mesh.positions()(n, 2) < low + 0.01 * height || mesh.incident(n).empty()) system_.free.row(n).setZero();
+    cycle_.refer_to(system_);
+  }
+  Cycle(const Cycle&) = delete;
+
+  int num_levels() const { return static_cast<int>(system_.coarse.size()) + 1; }
+  int size() const { return 3 * static_cast<int>(system_.free.rows()); }
+  bool is_free(int i) const { return system_.free(i / 3, i % 3) != 0; }
+
+  Eigen::VectorXd random(std::uint64_t seed) const {
+    support::Random numbers(seed);
+    Eigen::VectorXd out(size());
+    for (int i = 0; i < size(); ++i) out[i] = is_free(i) ? numbers.uniform(-1, 1) : 0;
+    return out;
+  }
+
+  Eigen::VectorXd preconditioned(const Eigen::VectorXd& r) {
+    const AlignedVector<T> from = slots(r);
+    AlignedVector<T> to(from.size(), T(0));
+    cycle_.apply(from, to);
+    return field(to);
+  }
+
+  Eigen::VectorXd product(const Eigen::VectorXd& p) const {
+    AlignedVector<T> from = slots(p), to(from.size(), T(0));
+    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) update_copies(partition(), chunk, from.data());
+    for (int chunk = 0; chunk < partition().num_chunks; ++chunk)
+      op().add_product(chunk, static_cast<T>(system_.factor), from.data(), to.data());
+    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) add_returns(partition(), chunk, to.data());
+    Eigen::VectorXd out = field(to);
+    for (int i = 0; i < size(); ++i) out[i] = is_free(i) ? out[i] + system_.diagonal(i / 3, i % 3) * p[i] : 0;
+    return out;
+  }
+
+ private:
+  static Settings settings() {
+    Settings out;
+    out.precision = std::is_same_v<T, double> ? Precision::kDouble : Precision::kMixed;
+    return out;
+  }
+  const ChunkedOperator<T>& op() const {
+    if constexpr (std::is_same_v<T, double>)
+      return *system_.double_operator;
+    else
+      return *system_.single_operator;
+  }
+  const Partition& partition() const { return op().partition(); }
+  std::size_t number(int i) const {
+    return 4 * static_cast<std::size_t>(partition().slot_of_node[i / 3]) + static_cast<std::size_t>(i % 3);
+  }
+  AlignedVector<T> slots(const Eigen::VectorXd& from) const {
+    AlignedVector<T> out = slot_vector<T>(partition());
+    for (int i = 0; i < size(); ++i) out[number(i)] = static_cast<T>(from[i]);
+    return out;
+  }
+  Eigen::VectorXd field(const AlignedVector<T>& from) const {
+    Eigen::VectorXd out(size());
+    for (int i = 0; i < size(); ++i) out[i] = static_cast<double>(from[number(i)]);
+    return out;
+  }
+
+  Body body_;
+  KernelSystem system_;
+  Multigrid<T> cycle_;
+};
+
+struct Range {
+  double least = 0, greatest = 0;
+};
+
+/// Of the eigenvalues of M^-1 A, M^-1 the cycle, by as many steps of conjugate gradients as find both ends.
+template <class T>
+Range eigenvalues(Cycle<T>& cycle) {
+  constexpr int kSteps = 40;
+  Eigen::VectorXd r = cycle.random(1), z = cycle.preconditioned(r), p = z;
+  Eigen::VectorXd diagonal(kSteps), beside = Eigen::VectorXd::Zero(kSteps);
+  double rho = r.dot(z), alpha_before = 0, beta = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    EXPECT_GT(rho, 0) << "step " << step;
+    const Eigen::VectorXd Ap = cycle.product(p);
+    const double alpha = rho / p.dot(Ap);
+    diagonal[step] = 1 / alpha + (step > 0 ? beta / alpha_before : 0);
+    r -= alpha * Ap;
+    z = cycle.preconditioned(r);
+    beta = r.dot(z) / rho;
+    rho *= beta;
+    if (!(rho > 0) || !(alpha > 0)) return {rho, rho};
+    beside[step] = std::sqrt(beta) / alpha;
+    alpha_before = alpha;
+    p = z + beta * p;
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(diagonal, Eigen::VectorXd(beside.head(kSteps - 1)), Eigen::EigenvaluesOnly);
+  return {solver.eigenvalues()[0], solver.eigenvalues()[kSteps - 1]};
+}
+
+template <class T>
+void expect_definite_in(const char* name, Cycle<T>&& cycle) {
+  SCOPED_TRACE(name);
+  EXPECT_GT(cycle.num_levels(), 1);
+  const Eigen::VectorXd a = cycle.random(11), b = cycle.random(12);
+  const Eigen::VectorXd of_a = cycle.preconditioned(a), of_b = cycle.preconditioned(b);
+  EXPECT_LE(std::abs(a.dot(of_b) - b.dot(of_a)), 1e-5 * std::sqrt(a.dot(of_a) * b.dot(of_b)));
+  const Range range = eigenvalues(cycle);
+  EXPECT_GT(range.least, 0);
+  EXPECT_LT(range.greatest, kGreatest);
+}
+
+template <class Make>
+void expect_definite(const char* name, const Make& make) {
+  expect_definite_in(name, make.template operator()<double>());
+  expect_definite_in(name, make.template operator()<float>());
+}
+
+Material stiff(double poisson_ratio) {
+  Material material;
+  material.young_modulus = 1e6;
+  material.poisson_ratio = poisson_ratio;
+  return material;
+}
+
+/// nu 0, every seventh nu .49; every fifth a thousand times as stiff as the others.
+std::vector<Material> mixture(int count) {
+  std::vector<Material> out(count, stiff(0));
+  for (int e = 0; e < count; ++e) {
+    if (e % 7 == 0) out[e].poisson_ratio = 0.49;
+    if (e % 5 != 0) out[e].young_modulus = 1e3;
+  }
+  return out;
+}
+
+TEST(MultigridCycle, IsPositiveDefiniteOnDistortedMeshes) {
+  for (const double nu : {0.3, 0.49})
+    for (const double share : {0.0, 0.2, 0.25})
+      expect_definite("distorted", [&]<class T> {
+        return Cycle<T>(support::distorted_block({12, 12, 12}, 0.01, share, 1), {stiff(nu)});
+      });
+}
+
+TEST(MultigridCycle, IsPositiveDefiniteForMixedMaterials) {
+  const HexMesh block = support::block({12, 12, 12}, 0.01);
+  expect_definite("mixture", [&]<class T> { return Cycle<T>(block, mixture(block.num_elements())); });
+  std::vector<Material> one(block.num_elements(), stiff(0));
+  one[700].poisson_ratio = 0.49;
+  one[700].young_modulus = 1e9;
+  expect_definite("one stiff one", [&]<class T> { return Cycle<T>(block, one); });
+  const HexMesh moved = support::distorted_block({12, 12, 12}, 0.01, 0.25, 2);
+  expect_definite("distorted mixture", [&]<class T> { return Cycle<T>(moved, mixture(moved.num_elements())); });
+}
+
+TEST(MultigridCycle, IsPositiveDefiniteOnTornThinAndHollowMeshes) {
+  const HexMesh block = support::block({12, 12, 12}, 0.01);
+  std::vector<int> torn;
+  for (int e = 0; e < block.num_elements(); ++e)
+    if ((e / 144 == 5 && e % 12 < 9) || e % 11 == 0) torn.push_back(e);
+  expect_definite("torn", [&]<class T> { return Cycle<T>(block, {stiff(0.45)}, torn); });
+  std::vector<Hexahedron> kept;
+  for (int e = 0; e < block.num_elements(); ++e)
+    if (e % 12 < 6 || e / 12 % 12 < 5 || e % 17 == 0) kept.push_back(block.hexahedra()[e]);
+  const HexMesh voxels(block.positions(), kept);
+  expect_definite("voxels", [&]<class T> { return Cycle<T>(voxels, {stiff(0.45)}); });
+  const HexMesh thin = regular_grid({20, 2, 20}, Vec3::Zero(), Vec3(0.1, 0.001, 0.1));
+  expect_definite("thin", [&]<class T> { return Cycle<T>(thin, {stiff(0.45)}); });
+  const HexMesh ring = tube({2, 16, 20}, 0.1, 0.12, arc(0.4, 1, 21));
+  expect_definite("tube", [&]<class T> { return Cycle<T>(ring, mixture(ring.num_elements())); });
+}
+
+/// All of the matrix, on a mesh that is small enough for it.
+TEST(MultigridCycle, HasNoNegativeEigenvalue) {
+  const HexMesh mesh = support::distorted_block({4, 4, 5}, 0.01, 0.25, 7);
+  Cycle<double> cycle(mesh, mixture(mesh.num_elements()));
+  std::vector<int> free;
+  for (int i = 0; i < cycle.size(); ++i)
+    if (cycle.is_free(i)) free.push_back(i);
+  const int size = static_cast<int>(free.size());
+  Eigen::MatrixXd inverse(size, size), A(size, size);
+  for (int j = 0; j < size; ++j) {
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(cycle.size(), free[j]);
+    inverse.col(j) = cycle.preconditioned(unit)(free);
+    A.col(j) = cycle.product(unit)(free);
+  }
+  const Eigen::VectorXd scale = A.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * inverse * scale.asDiagonal();
+  EXPECT_LE((scaled - scaled.transpose()).cwiseAbs().maxCoeff(), 1e-5 * scaled.cwiseAbs().maxCoeff());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0], 0.05);
+  const Eigen::MatrixXd L = A.llt().matrixL();
+  const Eigen::VectorXd of_both =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L.transpose() * inverse * L, Eigen::EigenvaluesOnly).eigenvalues();
+  EXPECT_GT(of_both[0], 0);
+  EXPECT_LT(of_both[size - 1], kGreatest);
+}
+
+}  // namespace
+}  // namespace hexaplast
