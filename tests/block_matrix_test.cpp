@@ -35,6 +35,38 @@ TEST(BlockMatrix, KeepsItsPatternWhenCleared) {
   EXPECT_GT(M.pattern_version(), version);
 }
 
+TEST(BlockMatrix, DropsWhatTheLatestAssemblyDidNotTouch) {
+  support::Random random(63);
+  const Mat3 A = random.matrix(1), B = random.matrix(1);
+  BlockMatrix M(3);
+  for (const int column : {0, 1, 2}) M.add(1, column, A);
+  M.add(0, 0, A);
+  const long version = M.pattern_version();
+  M.drop_unused();
+  EXPECT_EQ(M.pattern_version(), version) << "all of it is used";
+
+  M.clear();
+  M.add(1, 2, B);
+  M.add(2, 1, Mat3::Zero());  // nothing, but added
+  M.add(1, 0, B);
+  M.drop_unused();
+  EXPECT_GT(M.pattern_version(), version + 1);
+  EXPECT_TRUE(M.row(0).empty());
+  ASSERT_EQ(M.row(1).size(), 2u);
+  EXPECT_EQ(M.row(1)[0].column, 0);
+  EXPECT_EQ(M.row(1)[1].column, 2);
+  EXPECT_EQ(M.row(1)[1].block, B);
+  EXPECT_EQ(M.row(2).size(), 1u);
+
+  M.clear();
+  M.pin(1, 1);
+  M.drop_unused();
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(9, 9);
+  expected(4, 4) = 1;
+  EXPECT_EQ(dense(M), expected);
+  EXPECT_EQ(M.row(1).size(), 1u);
+}
+
 TEST(BlockMatrix, PinsOneDegreeOfFreedom) {
   BlockMatrix M(2);
   for (const int row : {0, 1}) {

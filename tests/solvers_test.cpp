@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <set>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
+#include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
 
 using support::agrees;
+using support::refuses;
 using support::stacked;
 using support::unstacked;
 
@@ -30,8 +35,12 @@ class DenseSystem final : public LinearSystem {
   int num_nodes() const override { return static_cast<int>(A_.rows()) / 3; }
   void apply(ConstPoints p, Points Ap) const override { Ap = unstacked(A_ * stacked(p)); }
   void assemble(BlockMatrix& A) const override {
+    ++num_assemblies;
     for (int n = 0; n < num_nodes(); ++n) {
-      for (int m = 0; m < num_nodes(); ++m) A.add(n, m, A_.block<3, 3>(3 * n, 3 * m));
+      for (int m = 0; m < num_nodes(); ++m) {
+        const Mat3 block = A_.block<3, 3>(3 * n, 3 * m);
+        if (n == m || !block.isZero(0)) A.add(n, m, block);
+      }
     }
     for (const int dof : constrained_) A.pin(dof / 3, dof % 3);
   }
@@ -40,6 +49,8 @@ class DenseSystem final : public LinearSystem {
   }
 
   const Eigen::MatrixXd& matrix() const { return A_; }
+
+  mutable int num_assemblies = 0;
 
  private:
   Eigen::MatrixXd A_;
@@ -219,6 +230,170 @@ TEST_F(Solvers, ConjugateGradientsStartWarmWhenAsked) {
   EXPECT_EQ(warm.solve(DenseSystem(A), b, x).iterations, first);
 }
 
+/// Every kind of solver, new. The preconditioner must outlive it.
+std::vector<std::pair<std::string, std::unique_ptr<LinearSolver>>> every_solver(LinearSolver& preconditioner) {
+  std::vector<std::pair<std::string, std::unique_ptr<LinearSolver>>> all;
+  all.emplace_back("Cholesky", std::make_unique<CholeskySolver>());
+  for (const bool warm : {false, true})
+    all.emplace_back(warm ? "warm CG" : "CG",
+                     std::make_unique<ConjugateGradients>(ConjugateGradientSettings{
+                         .iterations = 1000, .tolerance = 1e-10, .threshold = 0, .warm_start = warm}));
+  all.emplace_back("PCG", std::make_unique<PreconditionedConjugateGradients>(1e-10, 1000));
+  all.emplace_back("multigrid PCG",
+                   std::make_unique<PreconditionedConjugateGradients>(1e-10, 1000, Preconditioner::kMultigrid));
+  all.emplace_back("SOFA's PCG", std::make_unique<SolverPreconditionedConjugateGradients>(1e-20, 1000, nullptr));
+  all.emplace_back("SOFA's PCG with Cholesky",
+                   std::make_unique<SolverPreconditionedConjugateGradients>(1e-20, 1000, &preconditioner));
+  return all;
+}
+
+// What is not a number, in b, in A or in the start, must not be remembered.
+TEST_F(Solvers, RecoverFromWhatIsNoNumber) {
+  const PointArray nan = PointArray::Constant(kNodes, 3, NAN);
+  Eigen::MatrixXd spoiled = A;
+  spoiled(4, 7) = spoiled(7, 4) = NAN;
+  CholeskySolver preconditioner;
+  for (const auto& [name, made] : every_solver(preconditioner)) {
+    LinearSolver* const solver = made.get();
+    PointArray x(kNodes, 3), again(kNodes, 3);
+    solver->solve(DenseSystem(A), b, x);  // SOFA's rules differ in the very first solve
+    solver->reset();
+    solver->solve(DenseSystem(A), b, x);
+    for (const auto& trouble : std::initializer_list<std::function<void()>>{
+             [&] { solver->solve(DenseSystem(A), nan, again); }, [&] { solver->solve(DenseSystem(spoiled), b, again); },
+             [&] {
+               again = nan;
+               solver->improve(DenseSystem(A), b, again);
+             }}) {
+      try {
+        trouble();
+      } catch (const NumericalError&) {
+      }
+      const SolveReport report = solver->solve(DenseSystem(A), b, again);
+      EXPECT_TRUE(report.converged) << name;
+      EXPECT_TRUE(agrees(again, exact, 1e-8)) << name;
+    }
+  }
+  PreconditionedConjugateGradients pcg(1e-10, 1000);
+  PointArray x = nan;
+  EXPECT_TRUE(pcg.improve(DenseSystem(A), b, x).converged) << "a start that is no number is none";
+  EXPECT_TRUE(agrees(x, exact, 1e-8));
+}
+
+// The same bits as those of a new solver, whatever was solved before.
+TEST_F(Solvers, DirectOnesRememberNothingThatAResultDependsOn) {
+  Eigen::MatrixXd sparse = A;  // a chain: each node with the next
+  for (int n = 0; n < kNodes; ++n)
+    for (int m = 0; m < kNodes; ++m)
+      if (std::abs(n - m) > 1) sparse.block<3, 3>(3 * n, 3 * m).setZero();
+  sparse.diagonal().array() += 30;
+  Eigen::MatrixXd indefinite = A;
+  indefinite(20, 20) = -1;
+  PointArray expected(kNodes, 3), x(kNodes, 3);
+  CholeskySolver().solve(DenseSystem(sparse), b, expected);
+
+  CholeskySolver used;
+  used.solve(DenseSystem(A), b, x);  // couples all nodes
+  used.solve(DenseSystem(sparse), b, x);
+  EXPECT_EQ(x, expected);
+  EXPECT_THROW(used.solve(DenseSystem(indefinite), b, x), NumericalError);
+  used.solve(DenseSystem(sparse), b, x);
+  EXPECT_EQ(x, expected);
+  used.solve(DenseSystem(2 * sparse), b, x);
+  used.solve(DenseSystem(sparse), b, x);
+  EXPECT_EQ(x, expected);
+}
+
+TEST_F(Solvers, FactoriseOncePerSolve) {
+  const DenseSystem system(A);
+  CholeskySolver direct;
+  SolverPreconditionedConjugateGradients pcg(1e-28, 1000, &direct);
+  PointArray x(kNodes, 3);
+  for (int solve = 1; solve <= 3; ++solve) {
+    pcg.solve(system, b, x);
+    EXPECT_EQ(system.num_assemblies, solve);
+  }
+  EXPECT_TRUE(agrees(x, exact, 1e-10));
+
+  CholeskySolver by_hand;
+  by_hand.setup(system);
+  for (const double factor : {1.0, -3.0}) {
+    by_hand.solve_again(system, factor * b, x);
+    EXPECT_TRUE(agrees(x, factor * exact, 1e-10));
+  }
+  EXPECT_EQ(system.num_assemblies, 4);
+}
+
+class Definiteness : public Solvers {
+ protected:
+  std::vector<std::pair<std::string, std::unique_ptr<LinearSolver>>> iterative() {
+    std::vector<std::pair<std::string, std::unique_ptr<LinearSolver>>> some;
+    some.emplace_back("PCG", std::make_unique<PreconditionedConjugateGradients>(1e-10, 1000));
+    some.emplace_back("SOFA's PCG", std::make_unique<SolverPreconditionedConjugateGradients>(1e-20, 1000, nullptr));
+    return some;
+  }
+  /// Eigenvalues 1 to 2 and, of the last three, `last`.
+  Eigen::MatrixXd with_last(double last) const {
+    const Eigen::MatrixXd Q = A.householderQr().householderQ();
+    Eigen::VectorXd eigenvalues = Eigen::VectorXd::LinSpaced(kSize, 1, 2);
+    eigenvalues.tail<3>().setConstant(last);
+    return Q * eigenvalues.asDiagonal() * Q.transpose();
+  }
+};
+
+TEST_F(Definiteness, NegativeCurvatureIsRefused) {
+  for (const auto& [name, made] : iterative())
+    for (const double last : {-2.0, -0.5, -0.01}) {
+      LinearSolver* const solver = made.get();
+      PointArray x(kNodes, 3);
+      EXPECT_TRUE(refuses<NumericalError>([&] { solver->solve(DenseSystem(with_last(last)), b, x); },
+                                          {"not positive definite", "p.Ap = -"}))
+          << name << " " << last;
+    }
+  for (const auto& [name, solver] : iterative()) {
+    PointArray x(kNodes, 3);
+    EXPECT_THROW(solver->solve(DenseSystem(-A), b, x), NumericalError) << name;
+  }
+}
+
+// b has a part outside of the range: nothing solves it, and nothing is wrong with the matrix.
+TEST_F(Definiteness, ASemiDefiniteMatrixIsReportedAsNotConverged) {
+  const Eigen::MatrixXd Q = A.householderQr().householderQ(), singular = with_last(0);
+  const PointArray within = unstacked(singular * stacked(b)), outside = unstacked(Q.col(kSize - 1));
+  for (const auto& [name, solver] : iterative()) {
+    PointArray x(kNodes, 3);
+    EXPECT_TRUE(solver->solve(DenseSystem(singular), within, x).converged) << name;
+    EXPECT_TRUE(agrees(singular * stacked(x), stacked(within), 1e-8)) << name;
+
+    for (const double share : {1e-3, 1.0}) {
+      SolveReport report;
+      EXPECT_NO_THROW(report = solver->solve(DenseSystem(singular), within + share * outside, x)) << name;
+      EXPECT_FALSE(report.converged) << name;
+      EXPECT_GT(report.residual, 1e-6) << name;
+    }
+    SolveReport report;
+    EXPECT_NO_THROW(report = solver->solve(DenseSystem(singular), outside, x)) << name;
+    EXPECT_FALSE(report.converged) << name;
+    EXPECT_NO_THROW(report = solver->solve(DenseSystem(Eigen::MatrixXd::Zero(kSize, kSize)), b, x)) << name;
+    EXPECT_FALSE(report.converged) << name;
+    EXPECT_TRUE(x.isZero(0)) << name;
+  }
+}
+
+TEST_F(Solvers, APreconditionerThatIsNotPositiveDefiniteIsRefused) {
+  class Negative final : public LinearSolver {
+   public:
+    SolveReport solve(const LinearSystem&, ConstPoints r, Points x) override {
+      x = -r;
+      return {};
+    }
+  } negative;
+  PointArray x(kNodes, 3);
+  SolverPreconditionedConjugateGradients pcg(1e-10, 1000, &negative);
+  EXPECT_TRUE(support::refuses<NumericalError>([&] { pcg.solve(DenseSystem(A), b, x); },
+                                               {"preconditioner", "not positive definite"}));
+}
+
 TEST_F(Solvers, AnswerNothingWithNothing) {
   const PointArray zero = PointArray::Zero(kNodes, 3);
   PointArray x = b;
@@ -234,6 +409,97 @@ TEST_F(Solvers, AnswerNothingWithNothing) {
   CholeskySolver().solve(DenseSystem(A), zero, x);
   EXPECT_TRUE(x.isZero(0));
 }
+
+/// m M + k K of a body, as the kernels see it.
+class BodySystem final : public LinearSystem {
+ public:
+  BodySystem(const LoadedBody& body, const OperatorFactors& factors) : body_(body), factors_(factors) {}
+  int num_nodes() const override { return body_.num_nodes(); }
+  void apply(ConstPoints p, Points Ap) const override {
+    Ap.setZero();
+    body_.add_product(factors_, p, Ap);
+    body_.project(Ap);
+  }
+  void assemble(BlockMatrix& A) const override {
+    body_.add_blocks(factors_, A);
+    body_.pin(A);
+  }
+  bool to_kernels(KernelSystem& system) const override {
+    system.diagonal.setZero(num_nodes(), 3);
+    body_.to_kernels(factors_, system);
+    system.free.setOnes(num_nodes(), 3);
+    body_.project(system.free);
+    return true;
+  }
+
+ private:
+  const LoadedBody& body_;
+  OperatorFactors factors_;
+};
+
+class KernelSolvers : public testing::TestWithParam<std::pair<Precision, Preconditioner>> {
+ protected:
+  static constexpr int kNodes = 9 * 9 * 9;  // large enough for coarse meshes
+  Body body{support::block({8, 8, 8}, 0.1), {Material{}}, {.precision = GetParam().first}};
+  PreconditionedConjugateGradients solver{1e-7, 2000, GetParam().second};
+  const PointArray X = body.mesh().positions();
+};
+
+TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
+  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
+  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
+  const PointArray b = support::Random(8).field(kNodes, 1);
+  PointArray before(kNodes, 3), after(kNodes, 3), spoiled = X;
+  body.linearize(X);
+  ASSERT_TRUE(solver.solve(A, b, before).converged);
+
+  spoiled(300, 1) = NAN;
+  body.linearize(spoiled);
+  EXPECT_FALSE(solver.solve(A, b, after).converged);
+  body.linearize(X);
+  EXPECT_TRUE(solver.solve(A, b, after).converged);
+  EXPECT_EQ(after, before);
+}
+
+// A body that nothing holds, and no mass: rigid motions cost nothing.
+TEST_P(KernelSolvers, TakeABodyThatIsNotHeldForSemiDefinite) {
+  LoadedBody system(body, std::vector<double>(kNodes, 0), {}, {});
+  const BodySystem K(system, {.mass = 0, .stiffness = -1});
+  body.linearize(X);
+  PointArray pull = PointArray::Zero(kNodes, 3), x(kNodes, 3);
+  pull.topRows(81).col(2).array() = -1;
+  pull.bottomRows(81).col(2).array() = 1;
+  EXPECT_TRUE(solver.solve(K, pull, x).converged) << "in equilibrium with itself";
+
+  const PointArray weight = PointArray::Constant(kNodes, 3, 0.1);
+  for (const PointArray& b : {weight, PointArray(pull + weight), PointArray(pull + 1e-4 * weight)}) {
+    SolveReport report;
+    EXPECT_NO_THROW(report = solver.solve(K, b, x));
+    EXPECT_FALSE(report.converged);
+  }
+}
+
+// Stiffness of the wrong sign beside a mass: the diagonal is positive, the matrix is not.
+TEST_P(KernelSolvers, RefuseNegativeCurvature) {
+  LoadedBody system(body, std::vector<double>(kNodes, 1), {}, {});
+  body.linearize(X);
+  BlockMatrix K(kNodes);
+  body.add_stiffness_blocks(-1, K);
+  double greatest = 0;
+  for (int n = 0; n < kNodes; ++n)
+    for (const BlockMatrix::Entry& entry : K.row(n))
+      if (entry.column == n) greatest = std::max(greatest, entry.block.diagonal().maxCoeff());
+  const BodySystem A(system, {.mass = 1, .stiffness = 0.7 / greatest});
+  PointArray x(kNodes, 3);
+  EXPECT_TRUE(refuses<NumericalError>([&] { solver.solve(A, support::Random(8).field(kNodes, 1), x); },
+                                      {"not positive definite"}));
+}
+
+INSTANTIATE_TEST_SUITE_P(InEachForm, KernelSolvers,
+                         testing::Values(std::pair(Precision::kDouble, Preconditioner::kDiagonal),
+                                         std::pair(Precision::kDouble, Preconditioner::kMultigrid),
+                                         std::pair(Precision::kMixed, Preconditioner::kDiagonal),
+                                         std::pair(Precision::kMixed, Preconditioner::kMultigrid)));
 
 }  // namespace
 }  // namespace hexaplast

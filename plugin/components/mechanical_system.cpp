@@ -149,6 +149,7 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
   for (std::size_t i = layers_.size() - 1; i > 0; --i) {
     Layer& layer = layers_[i];
     if (!layer.is_loaded) continue;
+    layer.blocks.drop_unused();
     layer.mapping->add_transposed_blocks(layer.blocks, layer.above == 0 ? A : layers_[layer.above].blocks);
   }
 }

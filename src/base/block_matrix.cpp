@@ -8,26 +8,48 @@ namespace hexaplast {
 BlockMatrix::BlockMatrix(int num_nodes) : rows_(num_nodes) {}
 
 void BlockMatrix::add(int row, int column, const Mat3& block) {
-  auto& entries = rows_[row];
+  auto& [entries, is_used] = rows_[row];
   auto at = std::lower_bound(entries.begin(), entries.end(), column,
                              [](const Entry& entry, int wanted) { return entry.column < wanted; });
+  const auto index = at - entries.begin();
   if (at == entries.end() || at->column != column) {
     at = entries.insert(at, {column, Mat3::Zero()});
+    is_used.insert(is_used.begin() + index, 1);
     ++pattern_version_;
+  } else if (!is_used[index]) {
+    is_used[index] = 1;
+    --num_unused_;
   }
   at->block += block;
 }
 
 void BlockMatrix::clear() {
-  for (auto& entries : rows_)
+  num_unused_ = 0;
+  for (auto& [entries, is_used] : rows_) {
     for (Entry& entry : entries) entry.block.setZero();
+    std::fill(is_used.begin(), is_used.end(), 0);
+    num_unused_ += static_cast<long>(entries.size());
+  }
+}
+
+void BlockMatrix::drop_unused() {
+  if (num_unused_ == 0) return;
+  for (auto& [entries, is_used] : rows_) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < entries.size(); ++k)
+      if (is_used[k]) entries[kept++] = entries[k];
+    entries.resize(kept);
+    is_used.assign(kept, 1);
+  }
+  num_unused_ = 0;
+  ++pattern_version_;
 }
 
 void BlockMatrix::pin(int node, int axis) {
   // the pattern is symmetric, so the blocks of the node's column stand in the rows that its own row names
-  for (Entry& entry : rows_[node]) {
+  for (Entry& entry : rows_[node].entries) {
     entry.block.row(axis).setZero();
-    auto& mirrored = rows_[entry.column];
+    auto& mirrored = rows_[entry.column].entries;
     const auto at = std::lower_bound(mirrored.begin(), mirrored.end(), node,
                                      [](const Entry& other, int wanted) { return other.column < wanted; });
     if (at != mirrored.end() && at->column == node) at->block.col(axis).setZero();

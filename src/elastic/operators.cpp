@@ -174,9 +174,14 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
   Eigen::Matrix<double, 3 * kCorners, kCorners> r;  // a column per sample
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     const int place = partition.place_of_element[e];
-    if (!(at.present[place / kBlock] >> place % kBlock & 1)) continue;
-    const Lame& k = model.lame[e];
     const Hexahedron& corners = model.mesh.hexahedra()[e];
+    if (!(at.present[place / kBlock] >> place % kBlock & 1)) {
+      // the pattern, and with it the order in which a direct solver eliminates, is that of the mesh
+      for (const int a : corners)
+        for (const int b : corners) K.add(a, b, Mat3::Zero());
+      continue;
+    }
+    const Lame& k = model.lame[e];
     const RestOperator rest = rest_operator(corner_points(partition, at.material, corners), model.settings.gradient);
     rotations(deformation_gradients(rest, gather(at.x, corners)), R);
     for (int i = 0; i < kCorners; ++i) {

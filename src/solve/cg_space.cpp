@@ -123,6 +123,7 @@ double SlotCgSpace<T>::begin(ConstPoints b, const PointArray* start) {
   std::fill(x_.begin(), x_.end(), T(0));
   std::fill(p_.begin(), p_.end(), T(0));
   std::fill(Ap_.begin(), Ap_.end(), T(0));
+  std::fill(r_.begin(), r_.end(), T(0));  // the fourth number of a slot too, which to_slots leaves alone
   to_slots(partition, b, r_);
   for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, r_);
   if (start) {

@@ -84,13 +84,15 @@ struct CholeskySolver::Factor {
 CholeskySolver::CholeskySolver() : factor_(std::make_unique<Factor>()) {}
 CholeskySolver::~CholeskySolver() = default;
 
-SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x) {
+// The order of elimination, and with it the last bits, comes from the pattern: it is that of the present system alone.
+void CholeskySolver::setup(const LinearSystem& A) {
   if (matrix_.num_nodes() != A.num_nodes()) {
     matrix_ = BlockMatrix(A.num_nodes());
     factor_->pattern_version = -1;
   }
   matrix_.clear();
   A.assemble(matrix_);
+  matrix_.drop_unused();
 
   Factor& f = *factor_;
   if (f.pattern_version != matrix_.pattern_version())
@@ -98,13 +100,22 @@ SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x
   else
     f.fill(matrix_);
   cholmod_l_factorize(f.lower, f.factor, &f.common);
-  if (f.common.status == CHOLMOD_NOT_POSDEF)
-    throw NumericalError(
-        fmt::format("Cholesky: the matrix is not positive definite (pivot of unknown {} of {} is not positive)",
-                    f.factor->minor, f.factor->n));
-  if (f.common.status < CHOLMOD_OK)
-    throw NumericalError(fmt::format("Cholesky: factorisation failed ({})", f.common.status));
+  const auto status = f.common.status;
+  if (status >= CHOLMOD_OK && status != CHOLMOD_NOT_POSDEF) return;
 
+  const auto pivot = f.factor->minor, size = f.factor->n;
+  f.free_all();  // what it has become is no beginning for another
+  if (status == CHOLMOD_NOT_POSDEF)
+    throw NumericalError(fmt::format(
+        "Cholesky: the matrix is not positive definite (pivot of unknown {} of {} is not positive)", pivot, size));
+  throw NumericalError(fmt::format("Cholesky: factorisation failed ({})", status));
+}
+
+SolveReport CholeskySolver::solve_again(const LinearSystem& A, ConstPoints b, Points x) {
+  require_sizes(A, b, x);
+  Factor& f = *factor_;
+  if (!f.factor || matrix_.num_nodes() != A.num_nodes())
+    throw InputError("Cholesky: setup must come before solve_again");
   Eigen::Map<PointArray>(static_cast<double*>(f.right_hand_side->x), b.rows(), 3) = b;
   cholmod_l_solve2(CHOLMOD_A, f.factor, f.right_hand_side, nullptr, &f.solution, nullptr, &f.work_y, &f.work_e,
                    &f.common);
@@ -112,27 +123,15 @@ SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x
   return {.iterations = 1, .residual = 0, .converged = true};
 }
 
+SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  require_sizes(A, b, x);
+  setup(A);
+  return solve_again(A, b, x);
+}
+
 void CholeskySolver::reset() {
   factor_->free_all();
   matrix_ = BlockMatrix();
-}
-
-void CholeskySolver::serialize(Archive& archive) {
-  std::vector<std::vector<int>> columns(matrix_.num_nodes());
-  for (int n = 0; n < matrix_.num_nodes(); ++n)
-    for (const auto& entry : matrix_.row(n)) columns[n].push_back(entry.column);
-  archive(columns);
-  if (!archive.reads()) return;
-
-  const int num_nodes = static_cast<int>(columns.size());
-  for (const std::vector<int>& row : columns)
-    for (const int column : row)
-      if (column < 0 || column >= num_nodes)
-        throw InputError(fmt::format("the pattern of a matrix of {} nodes has a column {}", num_nodes, column));
-  reset();
-  matrix_ = BlockMatrix(num_nodes);
-  for (int n = 0; n < num_nodes; ++n)
-    for (const int column : columns[n]) matrix_.add(n, column, Mat3::Zero());
 }
 
 }  // namespace hexaplast

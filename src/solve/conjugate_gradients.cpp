@@ -10,6 +10,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "solve/irregular_field.hpp"
 #include "solve/multigrid.hpp"
 
 namespace hexaplast {
@@ -34,16 +35,29 @@ struct ConjugateGradients::Spaces {
   }
 };
 
+namespace {
+
+/// b.b; throws NumericalError where it is beyond all numbers, as products of directions would be.
+double finite_square(ConstPoints b) {
+  const double square = dot(b, b);
+  if (!std::isfinite(square))
+    throw NumericalError("conjugate gradients: the right-hand side or its square is not finite");
+  return square;
+}
+
+}  // namespace
+
 ConjugateGradients::ConjugateGradients(ConjugateGradientSettings settings)
     : settings_(settings), spaces_(std::make_unique<Spaces>()) {}
 ConjugateGradients::~ConjugateGradients() = default;
 
 SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  require_sizes(A, b, x);
   // SOFA lets the first iteration of the very first solve pass its stopping rules
   const bool first_solve = std::exchange(first_solve_, false);
   SolveReport report;
 
-  const double norm_b = std::sqrt(dot(b, b));
+  const double norm_b = std::sqrt(finite_square(b));
   if (norm_b == 0) {
     x.setZero();
     return report;
@@ -76,7 +90,8 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
   space.end(x);
   report.residual = std::sqrt(rho) / norm_b;
   report.converged = report.converged || report.residual <= settings_.tolerance;
-  if (settings_.warm_start) previous_ = x;
+  // a start that is no number would spoil every later solve
+  if (settings_.warm_start && x.allFinite()) previous_ = x;
   return report;
 }
 
@@ -85,42 +100,87 @@ void ConjugateGradients::reset() {
   previous_.resize(0, 3);
 }
 
+namespace {
+
+/// Tells whether conjugate gradients can go on along a direction p = z + beta p', z = M^-1 r, M being the
+/// preconditioner. As r is orthogonal to p',
+///
+///   p.Mp = r.z + beta^2 p'.Mp',   and p.Ap / p.Mp lies between the least and the greatest eigenvalue of M^-1 A
+class Curvature {
+ public:
+  /// False where p.Ap is not positive, but no more than rounding: what is left of b lies outside the range of a
+  /// semi-definite A. Throws NumericalError where A is not semi-definite. typical(): p.Ap / p.Mp of a direction without
+  /// any regularity, asked for where there is no earlier one to compare with.
+  template <class Typical>
+  bool is_positive(double r_z, double p_Ap, const Typical& typical) {
+    const double beta = r_z_ > 0 ? r_z / r_z_ : 0;
+    p_Mp_ = std::abs(r_z) + beta * beta * p_Mp_;
+    r_z_ = r_z;
+    if (p_Ap > 0) {
+      greatest_ = std::max(greatest_, p_Ap / p_Mp_);
+      return true;
+    }
+    if (p_Ap < 0 && -p_Ap > kRounding * p_Mp_ * (greatest_ > 0 ? greatest_ : std::abs(typical())))
+      throw NumericalError(fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", p_Ap));
+    return false;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-5;  // of products in single precision
+
+  double r_z_ = 0, p_Mp_ = 0;
+  double greatest_ = 0;  // p.Ap / p.Mp so far
+};
+
+}  // namespace
+
 SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  require_sizes(A, b, x);
   SolveReport report;
   product_.resize(b.rows(), 3);
   preconditioned_.resize(b.rows(), 3);
   x.setZero();
-  const double b_squared = dot(b, b);
+  const double b_squared = finite_square(b);
   if (b_squared == 0) return report;
 
-  const auto precondition = [&] {
+  if (preconditioner_) preconditioner_->setup(A);
+  const auto precondition = [&](const PointArray& r) {
     if (preconditioner_)
-      preconditioner_->solve(A, residual_, preconditioned_);
+      preconditioner_->solve_again(A, r, preconditioned_);
     else
-      preconditioned_ = residual_;
-    return dot(residual_, preconditioned_);
+      preconditioned_ = r;
+    return dot(r, preconditioned_);
+  };
+  const auto typical_curvature = [&] {
+    PointArray any(b.rows(), 3);
+    fill_irregularly(any);
+    const double r_z = precondition(any);
+    A.apply(preconditioned_, product_);
+    return dot(preconditioned_, product_) / r_z;
   };
 
+  Curvature curvature;
   residual_ = b;
-  double rho = precondition();
+  double rho = precondition(residual_);
   direction_ = preconditioned_;
-  while (report.iterations < iterations_ && rho > tolerance_ * b_squared) {
-    A.apply(direction_, product_);
-    const double curvature = dot(direction_, product_);
-    if (!(curvature > 0))
+  while (report.iterations < iterations_ && std::abs(rho) > tolerance_ * b_squared) {
+    if (rho < 0)
       throw NumericalError(
-          fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", curvature));
+          fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", rho));
+    A.apply(direction_, product_);
+    const double p_Ap = dot(direction_, product_);
+    if (!curvature.is_positive(rho, p_Ap, typical_curvature)) break;
 
-    const double alpha = rho / curvature;
+    const double alpha = rho / p_Ap;
     x += alpha * direction_;
     residual_ -= alpha * product_;
     ++report.iterations;
 
-    const double rho_before = std::exchange(rho, precondition());
+    const double rho_before = std::exchange(rho, precondition(residual_));
     direction_ = preconditioned_ + (rho / rho_before) * direction_;
   }
   report.residual = std::sqrt(dot(residual_, residual_) / b_squared);
-  report.converged = rho <= tolerance_ * b_squared;
+  report.converged = std::abs(rho) <= tolerance_ * b_squared;
   return report;
 }
 
@@ -226,6 +286,7 @@ SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, Const
 }
 
 SolveReport PreconditionedConjugateGradients::improve(const LinearSystem& A, ConstPoints b, Points x) {
+  require_sizes(A, b, x);
   spaces_->start = x;
   return iterate(A, b, &spaces_->start, x);
 }
@@ -237,20 +298,36 @@ constexpr double kSingleSuffices = 1e-3;
 constexpr double kCorrection = 3e-3;  // relative residual of each correction
 constexpr int kMostCorrections = 50;
 
+/// p.Ap / r.z of the first direction towards an irregular right-hand side.
+double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
+  PointArray any(num_nodes, 3);
+  fill_irregularly(any);
+  space.begin(any, nullptr);
+  const double r_z = space.precondition();
+  return space.product(0) / r_z;
+}
+
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
 void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, double enough, int most_iterations,
          SolveReport& report) {
   report.residual = std::sqrt(space.begin(b, start)) / norm_b;
-  if (start && report.residual > 1) report.residual = std::sqrt(space.begin(b, nullptr)) / norm_b;  // worse than none
+  if (start && !(report.residual <= 1)) {  // worse than none
+    start = nullptr;
+    report.residual = std::sqrt(space.begin(b, start)) / norm_b;
+  }
   double rho_before = 0;
   bool first = true;
+  Curvature curvature;
   while (report.residual > enough && report.iterations < most_iterations) {
     const double rho = space.precondition();
-    const double curvature = space.product(first ? 0 : rho / rho_before);
+    const double p_Ap = space.product(first ? 0 : rho / rho_before);
+    if (!curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); })) {
+      if (first) space.begin(b, start);
+      break;
+    }
     first = false;
-    if (!(curvature > 0)) break;  // what is left of b lies outside the range of a semi-definite A: rounding
 
-    report.residual = std::sqrt(space.advance(rho / curvature)) / norm_b;
+    report.residual = std::sqrt(space.advance(rho / p_Ap)) / norm_b;
     ++report.iterations;
     rho_before = rho;
   }
@@ -261,8 +338,9 @@ void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, 
 
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const PointArray* start,
                                                       Points x) {
+  require_sizes(A, b, x);
   SolveReport report;
-  const double norm_b = std::sqrt(dot(b, b));
+  const double norm_b = std::sqrt(finite_square(b));
   if (norm_b == 0) {
     x.setZero();
     return report;

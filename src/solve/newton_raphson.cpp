@@ -6,7 +6,9 @@
 
 #include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/require.hpp"
 #include "solve/constrained_operator.hpp"
+#include "solve/irregular_field.hpp"
 
 namespace hexaplast {
 
@@ -16,9 +18,7 @@ namespace {
 /// regularity moves a force at every other node.
 void find_loose(const MechanicalSystem& system, PointArray& displacement, PointArray& product,
                 std::vector<int>& loose) {
-  constexpr double kGoldenRatio = 1.6180339887498949;  // its multiples fill [0, 1) without a pattern
-  for (Eigen::Index i = 0; i < displacement.size(); ++i)
-    displacement.data()[i] = std::fmod(static_cast<double>(i + 1) * kGoldenRatio, 1.0);
+  fill_irregularly(displacement);
   product.setZero();
   system.add_product({.mass = 0, .damping = 0, .stiffness = -1}, displacement, product);
   loose.clear();
@@ -29,6 +29,7 @@ void find_loose(const MechanicalSystem& system, PointArray& displacement, PointA
 }  // namespace
 
 NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver, double time, Points x) {
+  require_rows("NewtonRaphson::solve", "x", x, system.num_nodes());
   const auto norm = [](ConstPoints field) { return std::sqrt(dot(field, field)); };
   const auto project = [&](PointArray& f) {
     system.project(f);

@@ -94,10 +94,12 @@ double dot_all(std::size_t size, const T* a, const T* b) {
 
 template <class T>
 void smooth_all(std::size_t size, T a, T b, const T* inverse, const T* r, T* d_, T* x) {
+  const bool begins = a == T(0);  // whatever an earlier solve has left in d_
   for_each_register<T>(
       size, [&](auto d, std::size_t i) __attribute__((always_inline)) {
         const auto scaled = hn::Mul(hn::Mul(hn::Set(d, b), hn::LoadU(d, inverse + i)), hn::LoadU(d, r + i));
-        const auto next = hn::MulAdd(hn::Set(d, a), hn::LoadU(d, d_ + i), scaled);
+        const auto before = begins ? hn::Zero(d) : hn::LoadU(d, d_ + i);
+        const auto next = hn::MulAdd(hn::Set(d, a), before, scaled);
         hn::StoreU(next, d, d_ + i);
         hn::StoreU(hn::Add(hn::LoadU(d, x + i), next), d, x + i);
       });

@@ -21,7 +21,8 @@ double advance(std::size_t size, T alpha, const T* p, const T* Ap, const T* inve
 template <class T>
 double slot_dot(std::size_t size, const T* a, const T* b);
 
-/// One step of the Chebyshev iteration on r = b - A x: d = a d + b inverse r, x += d.
+/// One step of the Chebyshev iteration on r = b - A x: d = a d + b inverse r, x += d. Where a is 0, d arrives with any
+/// content, NaN included.
 template <class T>
 void smooth(std::size_t size, T a, T b, const T* inverse, const T* r, T* d, T* x);
 

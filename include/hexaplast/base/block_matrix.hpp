@@ -8,7 +8,8 @@
 namespace hexaplast {
 
 /// Square sparse matrix of 3x3 blocks, assembled by adding. The pattern grows with the first assembly and is kept by
-/// clear(), so that later assemblies only add numbers.
+/// clear(), so that later assemblies only add numbers; drop_unused() then leaves the pattern of the latest one,
+/// whatever was assembled before.
 class BlockMatrix {
  public:
   explicit BlockMatrix(int num_nodes = 0);
@@ -21,6 +22,9 @@ class BlockMatrix {
   /// All blocks to zero; the pattern stays.
   void clear();
 
+  /// Takes out the blocks to which nothing was added since clear().
+  void drop_unused();
+
   /// Empties row and column of one degree of freedom (axis 0..2 of a node) and puts 1 on its diagonal: x there solves
   /// to b.
   void pin(int node, int axis);
@@ -29,13 +33,18 @@ class BlockMatrix {
     int column;
     Mat3 block;
   };
-  const std::vector<Entry>& row(int node) const { return rows_[node]; }  ///< ascending columns
+  const std::vector<Entry>& row(int node) const { return rows_[node].entries; }  ///< ascending columns
 
-  /// Grows with every new block, so that a factorisation knows when its symbolic part is old.
+  /// Grows whenever blocks come or go, so that a factorisation knows when its symbolic part is old.
   long pattern_version() const { return pattern_version_; }
 
  private:
-  std::vector<std::vector<Entry>> rows_;
+  struct Row {
+    std::vector<Entry> entries;
+    std::vector<unsigned char> is_used;  // per entry: something was added since clear()
+  };
+  std::vector<Row> rows_;
+  long num_unused_ = 0;  // entries
   long pattern_version_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/chunked_operator.hpp"
+#include "hexaplast/base/require.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
@@ -50,17 +51,30 @@ class LinearSystem {
   virtual double rounding() const { return 0; }
 };
 
+/// Throws InputError unless b and x have a row per node of A.
+inline void require_sizes(const LinearSystem& A, ConstPoints b, ConstPoints x) {
+  require_rows("solve", "b", b, A.num_nodes());
+  require_rows("solve", "x", x, A.num_nodes());
+}
+
 struct SolveReport {
   int iterations = 0;     ///< 1 for a direct solver
   double residual = 0;    ///< |b - A x| / |b| as the solver knows it (0 for a direct solver)
-  bool converged = true;  ///< false: stopped by the iteration limit
+  bool converged = true;  ///< false: stopped before the tolerance, by the iteration limit or because A is singular
 };
 
-/// Solves A x = b; x arrives with any content. Throws NumericalError when A is found not to be positive definite.
+/// Solves A x = b; x arrives with any content. Throws InputError where b or x has another number of rows than A nodes,
+/// NumericalError when A is found not to be positive semi-definite.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
   virtual SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) = 0;
+
+  /// Prepares what solves with one A and several b share, such as a factorisation: once, before solve_again.
+  virtual void setup(const LinearSystem& /*A*/) {}
+
+  /// solve for the A of the latest setup, which is as it was then.
+  virtual SolveReport solve_again(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
 
   /// The same for an x that arrives near the solution; the tolerance still refers to b.
   virtual SolveReport improve(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }

@@ -52,7 +52,7 @@ struct ProductWorkspace {
 void add_stiffness_product(const Model& model, const Linearization& at, double factor, ConstPoints dx,
                            ProductWorkspace& work, Points df);
 
-/// K += factor * df/dx.                                                                                       eq. 17
+/// K += factor * df/dx. Elements that are gone add zeros.                                                     eq. 17
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K);
 
 /// Elastic energy [J] at x.                                                                                   eq. 18

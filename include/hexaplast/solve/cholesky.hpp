@@ -8,17 +8,15 @@
 namespace hexaplast {
 
 /// Sparse Cholesky factorisation (CHOLMOD) of the assembled system; the symbolic part is reused while the pattern
-/// stays.
+/// stays. It keeps nothing that a result depends on.
 class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver();
   ~CholeskySolver() override;
+  void setup(const LinearSystem& A) override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
+  SolveReport solve_again(const LinearSystem& A, ConstPoints b, Points x) override;
   void reset() override;
-
-  /// The pattern, which holds what earlier systems coupled too: the order of elimination, and with it the last bits,
-  /// comes from it.
-  void serialize(Archive& archive) override;
 
  private:
   struct Factor;

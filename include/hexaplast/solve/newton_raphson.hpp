@@ -47,7 +47,8 @@ class NewtonRaphson {
   explicit NewtonRaphson(NewtonSettings settings) : settings_(settings) {}
 
   /// Moves x [m] towards equilibrium under the loads at `time`; velocities are taken as zero. Throws NumericalError
-  /// naming the first node that left the finite numbers; x is then as before.
+  /// naming the first node that left the finite numbers, InputError where x has not one row per node of the system; x
+  /// is then as before.
   NewtonReport solve(MechanicalSystem& system, LinearSolver& solver, double time, Points x);
 
  private:

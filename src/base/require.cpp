@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/base/require.hpp"
+
+#include <fmt/format.h>
+
+#include "hexaplast/base/error.hpp"
+
+namespace hexaplast {
+
+void require_count(const char* call, const char* name, Eigen::Index given, Eigen::Index expected) {
+  if (given != expected) throw InputError(fmt::format("{}: {} has {} rows, must have {}", call, name, given, expected));
+}
+
+void require_nodes(const char* call, std::span<const int> nodes, Eigen::Index num_rows) {
+  for (const int n : nodes)
+    if (n < 0 || n >= num_rows) throw InputError(fmt::format("{}: node {} must lie in [0, {})", call, n, num_rows));
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cmath>
+
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+/// Numbers in [0, 1) without any regularity, the same in every run: a field to which no symmetry of a mesh is blind.
+inline void fill_irregularly(PointArray& field) {
+  constexpr double kGoldenRatio = 1.6180339887498949;  // its multiples fill [0, 1) without a pattern
+  for (Eigen::Index i = 0; i < field.size(); ++i)
+    field.data()[i] = std::fmod(static_cast<double>(i + 1) * kGoldenRatio, 1.0);
+}
+
+}  // namespace hexaplast
