@@ -13,6 +13,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/require.hpp"
 #include "hexaplast/kinematics/gradients.hpp"
 #include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/corotated.hpp"
@@ -89,19 +90,43 @@ Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
   if (model_.can_flow()) flow_.emplace(model_, history_);
 }
 
-void Body::linearize(ConstPoints x) { hexaplast::linearize(model_, history_, x, at_); }
+void Body::require_field(const char* call, const char* name, ConstPoints field) const {
+  require_rows(call, name, field, model_.mesh.num_nodes());
+}
 
-void Body::add_force(Points f) const { hexaplast::add_force(model_, at_, f); }
+void Body::require_linearized(const char* call) const {
+  if (not_linearized_since_)
+    throw InputError(
+        fmt::format("{}: linearize must be called first, which it was not since {}", call, not_linearized_since_));
+}
+
+void Body::linearize(ConstPoints x) {
+  require_field("linearize", "x", x);
+  hexaplast::linearize(model_, history_, x, at_);
+  not_linearized_since_ = nullptr;
+}
+
+void Body::add_force(Points f) const {
+  require_linearized("add_force");
+  require_field("add_force", "f", f);
+  hexaplast::add_force(model_, at_, f);
+}
 
 void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+  require_linearized("add_stiffness_product");
+  require_field("add_stiffness_product", "dx", dx);
+  require_field("add_stiffness_product", "df", df);
   hexaplast::add_stiffness_product(model_, at_, factor, dx, product_, df);
 }
 
 void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
+  require_linearized("add_stiffness_blocks");
+  require_count("add_stiffness_blocks", "K", K.num_nodes(), model_.mesh.num_nodes());
   hexaplast::add_stiffness_blocks(model_, at_, factor, K);
 }
 
 void Body::to_kernels(double factor, KernelSystem& system) const {
+  require_linearized("to_kernels");
   system.factor = -factor;  // L = - df/dx
   system.double_operator = std::get_if<ElementOperator<double, double>>(&at_.op);
   system.single_operator = nullptr;
@@ -120,9 +145,13 @@ void Body::to_kernels(double factor, KernelSystem& system) const {
   hierarchy_->update(model_, at_, system);
 }
 
-double Body::energy(ConstPoints x) const { return hexaplast::energy(model_, history_, x, product_); }
+double Body::energy(ConstPoints x) const {
+  require_field("energy", "x", x);
+  return hexaplast::energy(model_, history_, x, product_);
+}
 
 FlowReport Body::flow(ConstPoints x, double dt) {
+  require_field("flow", "x", x);
   if (dt != checked_dt_) {
     if (!(dt > 0) || !std::isfinite(dt)) throw InputError(fmt::format("dt = {} s: must be in (0, inf)", dt));
     // a body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it
@@ -130,6 +159,7 @@ FlowReport Body::flow(ConstPoints x, double dt) {
     checked_dt_ = dt;
   }
   require_finite(x, "position");
+  not_linearized_since_ = "flow";
   if (mostly_flows_)
     set_positions(model_, history_, x, at_);
   else
@@ -144,6 +174,7 @@ void Body::remove(std::span<const int> elements) {
   for (const int e : elements)
     if (e < 0 || e >= model_.mesh.num_elements())
       throw InputError(fmt::format("hexahedron {} must lie in [0, {})", e, model_.mesh.num_elements()));
+  not_linearized_since_ = "remove";
   for (const int e : elements) {
     if (!history_.alive[e]) continue;
     history_.alive[e] = 0;
@@ -169,15 +200,16 @@ void Body::set_materials(std::vector<Material> materials) {
         history.rotation_yield[e][i] = moved(history.rotation_yield[e][i], before.rotation_yield, now.rotation_yield);
     }
   }
-  take(std::move(changed), std::move(history));
+  take(std::move(changed), std::move(history), "set_materials");
 }
 
-void Body::take(Model model, History history) {
+void Body::take(Model model, History history, const char* call) {
   const long version = history_.version;
   model_ = std::move(model);
   history_ = std::move(history);
   history_.version = version + 1;  // what was derived from the old history is old
   at_ = Linearization(model_);
+  not_linearized_since_ = call;
   flow_.reset();
   if (model_.can_flow()) flow_.emplace(model_, history_);
   mostly_flows_ = false;
@@ -204,7 +236,7 @@ std::pair<Model, History> Body::read(Archive& archive) const {
 void Body::serialize(Archive& archive) {
   if (!archive.reads()) return write(archive);
   auto [model, history] = read(archive);
-  take(std::move(model), std::move(history));
+  take(std::move(model), std::move(history), "serialize");
 }
 
 void Body::save(std::ostream& out) const {
@@ -249,17 +281,19 @@ void Body::load(std::istream& in) {
   Archive contents{std::span<const std::byte>(bytes)};
   auto [model, history] = read(contents);
   if (contents.rest() != 0) throw InputError(fmt::format("the saved body has {} bytes too many", contents.rest()));
-  take(std::move(model), std::move(history));
+  take(std::move(model), std::move(history), "load");
 }
 
 void Body::reset() {
   const long version = history_.version;
   history_ = History(model_);
   history_.version = version + 1;  // what was derived from the old history is old
+  not_linearized_since_ = "reset";
   if (flow_) flow_.emplace(model_, history_);
 }
 
 ElementFields Body::fields(ConstPoints x) const {
+  require_field("fields", "x", x);
   const int num_elements = model_.mesh.num_elements();
   ElementFields out;
   for (auto* field : {&out.plastic_strain, &out.yield_stress, &out.volume_ratio, &out.stress_norm, &out.strain})
@@ -286,6 +320,7 @@ ElementFields Body::fields(ConstPoints x) const {
 }
 
 double Body::volume(ConstPoints x) const {
+  require_field("volume", "x", x);
   double sum = 0;
   for (int e = 0; e < model_.mesh.num_elements(); ++e)
     if (history_.alive[e]) sum += hexaplast::volume(gather(x, model_.mesh.hexahedra()[e]));

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/require.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 
 namespace hexaplast {
@@ -20,7 +22,15 @@ std::vector<double> lumped_masses(const Model& model, double density) {
 }
 
 LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load)
-    : body_(body), mass_(std::move(mass)), fixed_(std::move(fixed)), load_(std::move(load)) {}
+    : body_(body), mass_(std::move(mass)), load_(std::move(load)) {
+  require_count("LoadedBody", "mass", std::ssize(mass_), num_nodes());
+  fix(std::move(fixed));
+}
+
+void LoadedBody::fix(std::vector<int> nodes) {
+  require_nodes("LoadedBody::fix", nodes, num_nodes());
+  fixed_ = std::move(nodes);
+}
 
 void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
   body_.linearize(x);
@@ -34,26 +44,32 @@ void LoadedBody::add_load(double time, ConstPoints x, ConstPoints, Points f) {
 }
 
 void LoadedBody::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  require_rows("LoadedBody::add_product", "dx", dx, num_nodes());
+  require_rows("LoadedBody::add_product", "df", df, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) df.row(n) += factors.mass * mass_[n] * dx.row(n);
   if (factors.stiffness != 0) body_.add_stiffness_product(factors.stiffness, dx, df);
 }
 
 void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
+  require_count("LoadedBody::add_blocks", "A", A.num_nodes(), num_nodes());
   for (int n = 0; n < num_nodes(); ++n) A.add(n, n, factors.mass * mass_[n] * Mat3::Identity());
   body_.add_stiffness_blocks(factors.stiffness, A);
 }
 
 bool LoadedBody::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
+  require_rows("LoadedBody::to_kernels", "diagonal", system.diagonal, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).array() += factors.mass * mass_[n];
   body_.to_kernels(factors.stiffness, system);
   return true;
 }
 
 void LoadedBody::project(Points field) const {
+  require_rows("LoadedBody::project", "field", field, num_nodes());
   for (const int n : fixed_) field.row(n).setZero();
 }
 
 void LoadedBody::pin(BlockMatrix& A) const {
+  require_count("LoadedBody::pin", "A", A.num_nodes(), num_nodes());
   for (const int n : fixed_) {
     for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }
@@ -99,19 +115,63 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
 }
 
 FlowReport MovingBody::step() {
-  latest = euler_.step(system_, *solver_, time(), dt_, x, v);
-  ++steps_;
-  for (const int n : led_) v.row(n).setZero();
-  led_.clear();
-  return body.flow(x, dt_);
+  x_before_ = x;
+  v_before_ = v;
+  solver_before_.clear();
+  Archive keeping([this](const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const std::byte*>(data);
+    solver_before_.insert(solver_before_.end(), bytes, bytes + size);
+  });
+  solver_->serialize(keeping);
+  try {
+    const SolveReport solved = euler_.step(system_, *solver_, time(), dt_, x, v);
+    const FlowReport flowed = body.flow(x, dt_);
+    latest = solved;
+    ++steps_;
+    for (const int n : led_) v.row(n).setZero();
+    led_.clear();
+    return flowed;
+  } catch (...) {
+    x = x_before_;
+    v = v_before_;
+    Archive kept{std::span<const std::byte>(solver_before_)};
+    solver_->serialize(kept);
+    throw;
+  }
 }
 
-void MovingBody::run(int steps) {
-  for (int k = 0; k < steps; ++k) step();
+void RunReport::add(const SolveReport& solved, const FlowReport& flowed) {
+  const auto raise = [](auto& to, auto value) { to = std::max(to, value); };
+  ++steps;
+  stalled += !solved.converged || !flowed.averaging.converged;
+  raise(solve.iterations, solved.iterations);
+  raise(solve.residual, solved.residual);
+  solve.converged = solve.converged && solved.converged;
+
+  raise(flow.yielded, flowed.yielded);
+  raise(flow.inverted, flowed.inverted);
+  raise(flow.guarded, flowed.guarded);
+  raise(flow.repaired, flowed.repaired);
+  flow.removed += flowed.removed;
+  raise(flow.worst_volume_error, flowed.worst_volume_error);
+  flow.averaging.skipped = flow.averaging.skipped && flowed.averaging.skipped;
+  flow.averaging.fell_back = flow.averaging.fell_back || flowed.averaging.fell_back;
+  raise(flow.averaging.iterations, flowed.averaging.iterations);
+  raise(flow.averaging.residual, flowed.averaging.residual);
+  flow.averaging.converged = flow.averaging.converged && flowed.averaging.converged;
+}
+
+RunReport MovingBody::run(int steps) {
+  RunReport report;
+  for (int k = 0; k < steps; ++k) {
+    const FlowReport flowed = step();
+    report.add(latest, flowed);
+  }
+  return report;
 }
 
 void MovingBody::fix(std::span<const int> nodes) {
-  require_nodes(nodes);
+  require_nodes("MovingBody", nodes, body.mesh().num_nodes());
   for (const int n : nodes) {
     is_fixed_[n] = 1;
     v.row(n).setZero();
@@ -124,6 +184,7 @@ void MovingBody::lead(std::span<const int> nodes, ConstPoints places) {
   if (places.rows() != static_cast<Eigen::Index>(nodes.size()))
     throw InputError(fmt::format("{} places are given for {} nodes", places.rows(), nodes.size()));
   if (!places.allFinite()) throw InputError("a place is not finite");
+  require_rows("MovingBody::lead", "x", x, body.mesh().num_nodes());
   fix(nodes);
   led_.insert(led_.end(), nodes.begin(), nodes.end());
   for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -131,7 +192,7 @@ void MovingBody::lead(std::span<const int> nodes, ConstPoints places) {
 }
 
 void MovingBody::release(std::span<const int> nodes) {
-  require_nodes(nodes);
+  require_nodes("MovingBody", nodes, body.mesh().num_nodes());
   for (const int n : nodes) is_fixed_[n] = 0;
   std::erase_if(led_, [&](int n) { return !is_fixed_[n]; });
   tell_fixed();
@@ -145,12 +206,6 @@ void MovingBody::reset() {
   led_.clear();
   latest = {};
   steps_ = 0;
-}
-
-void MovingBody::require_nodes(std::span<const int> nodes) const {
-  for (const int n : nodes)
-    if (n < 0 || n >= body.mesh().num_nodes())
-      throw InputError(fmt::format("node {}: the body has nodes 0 to {}", n, body.mesh().num_nodes() - 1));
 }
 
 void MovingBody::tell_fixed() {

@@ -103,9 +103,10 @@ TEST_F(PluginFiles, AnotherAbiIsRefusedBeforeAnyCodeRuns) {
     return other;
   };
   scene::AbiTag changed = tag;
-  changed.interface_number = 7;
-  EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another component interface: 7, must be " +
-                                        std::to_string(scene::kInterfaceNumber) + search_path());
+  changed.interface_number = scene::kInterfaceNumber + 1;
+  EXPECT_EQ(refusal(with(changed)),
+            prefix() + "it was built for another component interface: " + std::to_string(scene::kInterfaceNumber + 1) +
+                ", must be " + std::to_string(scene::kInterfaceNumber) + search_path());
   changed = tag;
   changed.scalar_size = 4;
   EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another scalar size: 4, must be 8" + search_path());

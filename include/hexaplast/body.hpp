@@ -33,14 +33,21 @@ PreconditionedConjugateGradients averaging_solver(const Model& model);
 /// knows the order of the stages (docs/architecture.md).
 ///
 /// linearize, add_*, energy and fields evaluate: they never change the plastic history, and may be called at any
-/// positions, in any order, any number of times. flow is called once per accepted time step.
-/// Nodal arguments are num_nodes x 3 [m, N]. Not thread-safe; distinct bodies may be used concurrently.
+/// positions, any number of times. flow is called once per accepted time step.
+///
+///   call                                                  | before it
+///   add_force, add_stiffness_*, to_kernels                | linearize, and none of the calls below since then
+///   flow, remove, set_materials, reset, load, serialize   | nothing; they end the linearization
+///   energy, fields, volume, save                          | nothing; they leave the linearization alone
+///
+/// Nodal arguments are num_nodes x 3 [m, N]. Every build throws InputError where the linearization is missing or an
+/// argument has another size, and nothing has changed then. Not thread-safe; distinct bodies may be used concurrently.
 class Body {
  public:
   /// Throws InputError for materials or settings outside their ranges (material.hpp).
   Body(HexMesh mesh, std::vector<Material> materials, Settings settings = {});
 
-  /// Fixes the positions that add_force and the stiffness verbs refer to.
+  /// Fixes the positions that add_force, the stiffness verbs and to_kernels refer to.
   void linearize(ConstPoints x);
 
   /// f += elastic force at the linearized positions. Sums to zero force and zero moment.
@@ -49,18 +56,19 @@ class Body {
   /// df += factor * (df/dx) dx, rotations held fixed; df/dx is symmetric and negative semi-definite.
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const;
 
-  /// The same operator as 3x3 blocks: K += factor * df/dx.
+  /// The same operator as 3x3 blocks: K += factor * df/dx. Blocks of elements that are gone are there, and zero.
   void add_stiffness_blocks(double factor, BlockMatrix& K) const;
 
-  /// A += factor * df/dx for the solvers that work on the kernels' own vectors. `system` refers to the linearization.
+  /// A += factor * df/dx for the solvers that work on the kernels' own vectors. `system` refers to the linearization,
+  /// and is void together with it.
   void to_kernels(double factor, KernelSystem& system) const;
 
   /// Elastic energy [J] at any positions; leaves the linearization alone.
   double energy(ConstPoints x) const;
 
-  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. The linearization is void
-  /// afterwards. Throws InputError where c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result
-  /// is not finite; the history is then as before.
+  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. Throws InputError where
+  /// c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is not finite; the history is then as
+  /// before.
   FlowReport flow(ConstPoints x, double dt);
 
   /// Takes elements out, as if they had broken; those that are gone already are passed over. Between two time steps.
@@ -116,12 +124,15 @@ class Body {
  private:
   void write(Archive& archive) const;
   std::pair<Model, History> read(Archive& archive) const;
-  void take(Model model, History history);  // in place of the present ones
+  void take(Model model, History history, const char* call);  // in place of the present ones
+  void require_field(const char* call, const char* name, ConstPoints field) const;
+  void require_linearized(const char* call) const;
 
   Model model_;
   History history_;
   Linearization at_;
-  std::optional<FlowWorkspace> flow_;  // of bodies that can flow
+  const char* not_linearized_since_ = "the body was made";  // null while `at_` is what the caller linearized
+  std::optional<FlowWorkspace> flow_;                       // of bodies that can flow
   PreconditionedConjugateGradients averaging_solver_;
   bool mostly_flows_ = false;                          // in the latest plastic step: looking first would be in vain
   double checked_dt_ = 0;                              // time step that passed check_time_step

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <span>
@@ -23,11 +24,12 @@ std::vector<double> lumped_masses(const Model& model, double density);
 /// A body with nodal masses, fixed nodes and a load, as a time integrator sees it.
 class LoadedBody : public MechanicalSystem {
  public:
-  /// The body must outlive this. mass: one per node [kg]. fixed: nodes that do not move. load: may be empty.
+  /// The body must outlive this. mass: one per node [kg]. fixed: nodes that do not move. load: may be empty. Throws
+  /// InputError for another number of masses, and for nodes that do not exist.
   LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load);
 
-  /// Fixes other nodes from now on.
-  void fix(std::vector<int> nodes) { fixed_ = std::move(nodes); }
+  /// Fixes other nodes from now on. Throws InputError for nodes that do not exist.
+  void fix(std::vector<int> nodes);
 
   int num_nodes() const override { return body_.mesh().num_nodes(); }
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
@@ -55,6 +57,16 @@ struct Motion {
   NodalLoad load = {};          ///< none when empty
 };
 
+/// What some steps did together.
+struct RunReport {
+  int steps = 0;
+  int stalled = 0;  ///< steps in which the linear solver, or the one of the averaging, stopped before its tolerance
+  SolveReport solve = {};  ///< most iterations of a step, greatest residual; converged: in every step
+  FlowReport flow = {};    ///< greatest counts of a step, but all that were removed; averaging: as for `solve`
+
+  void add(const SolveReport& solved, const FlowReport& flowed);
+};
+
 /// A body by itself in time, for programs that have no scene: an implicit step of the world, then one plastic flow at
 /// the accepted positions. Nodes without hexahedron have no mass and stay where they are.
 class MovingBody {
@@ -67,11 +79,14 @@ class MovingBody {
   MovingBody(const MovingBody&) = delete;  // the system refers to the body
   MovingBody& operator=(const MovingBody&) = delete;
 
-  /// One time step. Throws NumericalError naming the first node or element that left the finite numbers; what is
-  /// plastic is then as before the step.
+  /// One time step. Throws NumericalError naming the first node or element that left the finite numbers, and what the
+  /// load throws; everything is then as before the step, time, nodes that are led and the memory of the solver
+  /// (LinearSolver::serialize) included, to the last bit.
   FlowReport step();
   SolveReport latest;  ///< of the latest step
-  void run(int steps);
+
+  /// Several steps. Throws as `step` does: those before the one that fails are done.
+  RunReport run(int steps);
 
   /// Nodes stay where they are from now on. Throws InputError where a node does not exist, as do the two below.
   void fix(std::span<const int> nodes);
@@ -99,7 +114,6 @@ class MovingBody {
   PointArray v;              ///< [m/s] num_nodes x 3
 
  private:
-  void require_nodes(std::span<const int> nodes) const;
   void tell_fixed();  // the system, what is_fixed_ says
 
   LoadedBody system_;
@@ -109,6 +123,8 @@ class MovingBody {
   std::vector<unsigned char> is_fixed_;  // per node
   std::vector<int> led_;                 // fixed nodes that move in the next step
   long steps_ = 0;
+  PointArray x_before_, v_before_;        // of the step under way
+  std::vector<std::byte> solver_before_;  // what the solver remembered then
 };
 
 }  // namespace hexaplast

@@ -8,10 +8,10 @@
 
 #include "body.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/moving_body.hpp"
 #include "output/recorder.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
-#include "step_report.hpp"
 
 namespace hexaplast::python {
 namespace {
@@ -71,21 +71,25 @@ class Scene {
     warn(*scene_);
   }
 
-  StepReport step() {
+  RunReport step() {
     const Turn turn(taken());
-    return advance();
+    RunReport report;
+    advance(report);
+    return report;
   }
 
-  void run(std::optional<long> steps) {
+  RunReport run(std::optional<long> steps) {
     if (!steps && !planned_steps_)
       throw InputError("the number of steps is not given: neither here nor by RunSettings.steps in the scene");
     if (steps && *steps < 1) throw InputError(fmt::format("steps = {} must be at least 1", *steps));
     const long end = steps ? num_steps_ + *steps : *planned_steps_;
     const Turn turn(taken());
+    RunReport report;
     while (num_steps_ < end) {
-      advance();
+      advance(report);
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
+    return report;
   }
 
   void reset() {
@@ -126,21 +130,19 @@ class Scene {
     return scene;
   }
 
-  StepReport advance() {
-    StepReport report;
+  void advance(RunReport& report) {
     {
       const py::gil_scoped_release others_may_run;
       try {
-        report.solve = scene_->step();
+        const SolveReport solved = scene_->step();
+        report.add(solved, field_ ? *field_->flow_report() : FlowReport());
       } catch (const NumericalError& error) {
         throw NumericalError(fmt::format("step {}: {}", num_steps_ + 1, error.what()));
       }
       ++num_steps_;
-      if (field_) report.flow = *field_->flow_report();
       if (body_) body_->refresh();
     }
     warn(*scene_);
-    return report;
   }
 
   std::shared_ptr<scene::Scene> scene_;
@@ -193,7 +195,7 @@ void add_scene(py::module_& module) {
           "[J]")
       .def("step", &Scene::step, "One time step")
       .def("run", &Scene::run, py::arg("steps") = py::none(),
-           "Several steps; without a number, up to those that the scene's RunSettings say")
+           "Several steps; without a number, up to those that the scene's RunSettings say. Reports the worst of them")
       .def("reset", &Scene::reset, "Back to the beginning")
       .def(
           "state_hash",

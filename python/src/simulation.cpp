@@ -7,7 +7,6 @@
 #include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
-#include "step_report.hpp"
 
 namespace hexaplast::python {
 namespace {
@@ -40,17 +39,17 @@ class Simulation {
   int num_nodes() const { return moving_->body.mesh().num_nodes(); }
 
   /// Steps under constant forces [N], none where they are not given.
-  StepReport run(long steps, py::object forces) {
+  RunReport run(long steps, py::object forces) {
     const PointArray external = forces.is_none() ? PointArray::Zero(num_nodes(), 3)
                                                  : PointArray(as_points(points("forces", forces, num_nodes())));
     const Turn turn(taken());
     *forces_ = external;
-    StepReport report;
+    RunReport report;
     for (long k = 0; k < steps; ++k) {
       {
         const py::gil_scoped_release others_may_run;
-        report.flow = moving_->step();
-        report.solve = moving_->latest;
+        const FlowReport flowed = moving_->step();
+        report.add(moving_->latest, flowed);
         body_->refresh();
       }
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -82,18 +81,21 @@ class Simulation {
 }  // namespace
 
 void add_simulation(py::module_& module) {
-  py::class_<StepReport>(module, "StepReport", "What happened in one time step.")
+  py::class_<RunReport>(module, "StepReport", "What happened in one time step, or in several: the worst of each.")
+      .def_readonly("steps", &RunReport::steps, "that are reported of")
+      .def_readonly("stalled", &RunReport::stalled,
+                    "steps in which the linear solver, or that of the averaging, stopped before its tolerance")
       .def_property_readonly(
-          "iterations", [](const StepReport& r) { return r.solve.iterations; },
-          "of the linear solver; 1 for a direct one")
+          "iterations", [](const RunReport& r) { return r.solve.iterations; },
+          "of the linear solver, most of a step; 1 for a direct one")
       .def_property_readonly(
-          "residual", [](const StepReport& r) { return r.solve.residual; },
-          "[-] relative, that the linear solver left; 0 for a direct one")
+          "residual", [](const RunReport& r) { return r.solve.residual; },
+          "[-] relative, the greatest that the linear solver left; 0 for a direct one")
       .def_property_readonly(
-          "converged", [](const StepReport& r) { return r.solve.converged; },
-          "False: the linear solver stopped before its tolerance")
-      .def_property_readonly(
-          "flow", [](const StepReport& r) { return r.flow; }, "FlowReport of the plastic step");
+          "converged", [](const RunReport& r) { return r.solve.converged; },
+          "False: the linear solver stopped before its tolerance in some step")
+      .def_readonly("flow", &RunReport::flow,
+                    "FlowReport of the plastic steps: the greatest counts of a step, but all that were removed");
 
   py::class_<Simulation>(
       module, "Simulation",
@@ -154,7 +156,7 @@ void add_simulation(py::module_& module) {
             return s.run(steps, std::move(forces));
           },
           py::arg("steps"), py::arg("forces") = py::none(),
-          "Several steps under constant nodal forces (n, 3) [N]; reports the last one")
+          "Several steps under constant nodal forces (n, 3) [N]; reports the worst of them")
       .def(
           "fix",
           [](Simulation& s, py::handle nodes) {

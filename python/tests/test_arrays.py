@@ -59,6 +59,43 @@ def test_lists_other_types_and_strides_mean_the_same_numbers():
         assert hexaplast.Body(positions, hexahedra).energy(stretched) == expected
 
 
+# name of the argument, and the call with a wrong one
+CALLS = {
+    "energy": ("positions", lambda body, simulation, x: body.energy(x)),
+    "volume": ("positions", lambda body, simulation, x: body.volume(x)),
+    "fields": ("positions", lambda body, simulation, x: body.fields(x)),
+    "force": ("positions", lambda body, simulation, x: body.force(x)),
+    "product, positions": ("positions", lambda body, simulation, x: body.stiffness_product(x, POSITIONS)),
+    "product, dx": ("dx", lambda body, simulation, x: body.stiffness_product(POSITIONS, x)),
+    "flow": ("positions", lambda body, simulation, x: body.flow(x, 0.01)),
+    "step": ("forces", lambda body, simulation, x: simulation.step(x)),
+    "run": ("forces", lambda body, simulation, x: simulation.run(2, x)),
+    "state, positions": ("positions", lambda body, simulation, x: simulation.set_state(x, POSITIONS)),
+    "state, velocities": ("velocities", lambda body, simulation, x: simulation.set_state(POSITIONS, x)),
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_fields_of_another_size_are_refused_and_those_with_gaps_mean_their_numbers(call):
+    name, act = CALLS[call]
+    simulation, _ = stretched_simulation()
+    body = hexaplast.Body(POSITIONS, HEXAHEDRA, YIELDING)
+    for rows in (0, 35, 37, 72):
+        with pytest.raises(ValueError) as caught:
+            act(body, simulation, np.zeros((rows, 3)))
+        assert f"{name}: shape ({rows}, 3), must be (36, 3)" in str(caught.value)
+
+    state = np.hstack([POSITIONS * [1, 1, 1.3], np.full((36, 3), 7.0)])  # positions and others side by side
+    hashes = set()
+    for given in (state[:, :3], state[:, :3].copy()):
+        simulation, _ = stretched_simulation()
+        body = hexaplast.Body(POSITIONS, HEXAHEDRA, YIELDING)
+        result = act(body, simulation, given)
+        numbers = np.asarray(result).tobytes() if isinstance(result, (float, np.ndarray)) else b""
+        hashes.add((body.history_hash(), simulation.state_hash(), numbers))
+    assert len(hashes) == 1
+
+
 def test_nodes_are_numbers_or_a_mask():
     simulation, _ = stretched_simulation()
     with pytest.raises(ValueError, match=r"nodes\[1\] = 36 must lie in \[0, 36\)"):

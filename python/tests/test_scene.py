@@ -44,7 +44,8 @@ def test_steps_runs_and_resets_are_one_motion():
     for _ in range(10):
         report = scene.step()
     assert report.converged and report.flow.removed == 0
-    scene.run(10)
+    report = scene.run(10)
+    assert report.steps == 10 and report.stalled == 0 and report.converged and report.iterations == 1
     once = scene.state_hash()
     assert (positions != rest).any()
     scene.reset()

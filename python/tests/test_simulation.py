@@ -99,16 +99,61 @@ def test_set_state_replaces_positions_and_velocities():
         simulation.set_state(x * np.inf, x)
 
 
-def test_a_step_that_fails_is_an_arithmetic_error_and_changes_nothing():
-    simulation = hexaplast.Simulation(bar())
+@pytest.mark.parametrize("force", [np.nan, 1e160])  # in the solve, and in the flow, when the world has moved
+def test_a_step_that_fails_is_an_arithmetic_error_and_changes_nothing(force):
+    simulation = hexaplast.Simulation(bar(yield_stress=100, flow_rate=4))
     simulation.fix([0, 1, 2, 3])
     simulation.run(3, np.full((20, 3), 0.01))
-    before = simulation.state_hash()
+    before, positions, time_before = simulation.state_hash(), simulation.positions.copy(), simulation.time
     forces = np.zeros((20, 3))
-    forces[13, 2] = np.nan
-    with pytest.raises(ArithmeticError, match="13"):
+    forces[13, 2] = force
+    with pytest.raises(ArithmeticError, match="not finite"):
         simulation.step(forces)
     assert simulation.state_hash() == before
+    assert (simulation.positions == positions).all() and simulation.time == time_before and simulation.num_steps == 3
+    simulation.step()
+
+
+@pytest.mark.parametrize("solver", ["direct", "cg"])
+def test_the_same_state_goes_on_with_the_same_bits_whatever_was_before(solver):
+    def make():
+        body = bar(cells=(3, 3, 8), poisson_ratio=0.45, yield_stress=100, flow_rate=4)
+        simulation = hexaplast.Simulation(body, gravity=(1, 2, -3), solver=solver)
+        simulation.fix(body.original_positions[:, 2] == 0)
+        return simulation
+
+    worked = make()
+    worked.run(10)
+    worked.body.remove([30, 31, 40])
+    worked.run(3)
+    state = worked.positions.copy(), worked.velocities.copy(), worked.body.save()
+    worked.run(4)
+    once = worked.state_hash()
+
+    def goes_on(simulation):
+        simulation.body.load(state[2])
+        simulation.set_state(state[0], state[1])
+        simulation.run(4)
+        return simulation.state_hash()
+
+    assert goes_on(make()) == once, "a new one"
+    assert goes_on(worked) == once, "the same one, back again"
+    worked.reset()
+    worked.run(5)
+    assert goes_on(worked) == once, "after a reset, with all hexahedra"
+
+
+def test_a_run_reports_its_worst_step():
+    body = bar(cells=(2, 2, 8), young_modulus=1e5)
+    simulation = hexaplast.Simulation(body, solver="cg", tolerance=1e-9, iterations=3)
+    simulation.fix(body.original_positions[:, 2] == 0)
+    forces = np.zeros_like(body.original_positions)
+    forces[-9:, 2] = 1
+    report = simulation.run(4, forces)
+    assert report.steps == 4 and report.stalled == 4 and not report.converged and report.residual > 1e-9
+    assert simulation.step(forces).steps == 1
+    simulation.reset()
+    assert report.residual == max(simulation.step(forces).residual for _ in range(4))
 
 
 @pytest.mark.parametrize(

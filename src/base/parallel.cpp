@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
 #include <memory>
 #include <mutex>
 #include <new>
 #include <vector>
 
 #include "base/thread_pool.hpp"
+#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 
@@ -81,7 +81,7 @@ void run_in_parallel(int count, void (*range)(const void* body, int first, int l
 }
 
 double dot(ConstPoints a, ConstPoints b) {
-  assert(a.rows() == b.rows());
+  require_rows("dot", "b", b, a.rows());
   const int num_nodes = static_cast<int>(a.rows());
   const int num_chunks = (num_nodes + kChunk - 1) / kChunk;
 

@@ -3,9 +3,12 @@
 
 #include <cmath>
 
+#include "hexaplast/base/require.hpp"
+
 namespace hexaplast {
 
 double axial_pull(const HexMesh& mesh, const EndSections& ends, ConstPoints forces) {
+  require_rows("axial_pull", "forces", forces, mesh.num_nodes());
   constexpr double kInTheMiddle = 1e-6;  // of the length: such nodes belong to neither half
   const auto X = mesh.positions().col(ends.axis);
   const double middle = (X.minCoeff() + X.maxCoeff()) / 2;

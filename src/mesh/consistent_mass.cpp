@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 
@@ -30,10 +31,12 @@ CornerMatrix products_of_shapes(const ElementPoints& x) {
 
 ConsistentMass::ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahedra, std::span<const double> masses)
     : M_(x.rows(), x.rows()) {
+  require_count("ConsistentMass", "masses", std::ssize(masses), std::ssize(hexahedra));
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(hexahedra.size() * kCorners * kCorners);
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
     const Hexahedron& corners = hexahedra[e];
+    require_nodes("ConsistentMass", corners, x.rows());
     CornerMatrix share = products_of_shapes(gather(x, corners));
     share *= masses[e] / share.sum();
     for (int a = 0; a < kCorners; ++a)
@@ -43,9 +46,14 @@ ConsistentMass::ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahe
   row_sums_ = M_ * Eigen::VectorXd::Ones(x.rows());
 }
 
-void ConsistentMass::add_product(double factor, ConstPoints dx, Points df) const { df += factor * (M_ * dx); }
+void ConsistentMass::add_product(double factor, ConstPoints dx, Points df) const {
+  require_rows("ConsistentMass::add_product", "dx", dx, M_.rows());
+  require_rows("ConsistentMass::add_product", "df", df, M_.rows());
+  df += factor * (M_ * dx);
+}
 
 void ConsistentMass::add_blocks(double factor, BlockMatrix& A) const {
+  require_count("ConsistentMass::add_blocks", "A", A.num_nodes(), M_.rows());
   for (int column = 0; column < M_.outerSize(); ++column)
     for (Eigen::SparseMatrix<double>::InnerIterator entry(M_, column); entry; ++entry)
       A.add(static_cast<int>(entry.row()), column, factor * entry.value() * Mat3::Identity());

@@ -10,6 +10,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 
@@ -147,8 +148,9 @@ class BoxTree {
 
 }  // namespace
 
-Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points) {
+Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points) : num_nodes_(x.rows()) {
   if (hexahedra.empty()) throw InputError("there is no hexahedron in which points could be embedded");
+  for (const Hexahedron& corners : hexahedra) require_nodes("Embedding", corners, num_nodes_);
   require_finite(x, "position");
   require_finite(points, "embedded point");
 
@@ -207,6 +209,8 @@ bool Embedding::is_left(std::span<const int> cell,
 }
 
 void Embedding::apply(ConstPoints nodes, Points points) const {
+  require_rows("Embedding::apply", "nodes", nodes, num_nodes_);
+  require_rows("Embedding::apply", "points", points, num_points());
   parallel_for(num_points(), [&](int i) {
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
     for (int a = 0; a < kCorners; ++a) sum += anchors_[i].weight[a] * nodes.row(anchors_[i].corners[a]);
@@ -215,12 +219,16 @@ void Embedding::apply(ConstPoints nodes, Points points) const {
 }
 
 void Embedding::add_transposed(ConstPoints points, Points nodes) const {
+  require_rows("Embedding::add_transposed", "points", points, num_points());
+  require_rows("Embedding::add_transposed", "nodes", nodes, num_nodes_);
   for (std::size_t i = 0; i < anchors_.size(); ++i)
     for (int a = 0; a < kCorners; ++a)
       nodes.row(anchors_[i].corners[a]) += anchors_[i].weight[a] * points.row(static_cast<Eigen::Index>(i));
 }
 
 void Embedding::add_transposed_blocks(const BlockMatrix& B, BlockMatrix& A) const {
+  require_count("Embedding::add_transposed_blocks", "B", B.num_nodes(), num_points());
+  require_count("Embedding::add_transposed_blocks", "A", A.num_nodes(), num_nodes_);
   for (int i = 0; i < B.num_nodes(); ++i) {
     const Anchor& row = anchors_[i];
     for (const auto& [j, block] : B.row(i)) {

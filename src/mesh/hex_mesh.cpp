@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 #include "mesh/offenders.hpp"
 
@@ -123,6 +124,8 @@ ConnectedParts connected_parts(const HexMesh& mesh, std::span<const unsigned cha
 }
 
 void scatter(const HexMesh& mesh, const std::vector<ElementPoints>& corner, Points nodal) {
+  require_count("scatter", "corner", std::ssize(corner), mesh.num_elements());
+  require_rows("scatter", "nodal", nodal, mesh.num_nodes());
   parallel_for(mesh.num_nodes(), [&](int n) {
     for (const auto& [element, a] : mesh.incident(n)) nodal.row(n) += corner[element].row(a);
   });

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {
@@ -22,7 +23,10 @@ double six_tetrahedra_volume(const ElementPoints& corners) {
 std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra) {
   std::vector<double> volumes;
   volumes.reserve(hexahedra.size());
-  for (const Hexahedron& corners : hexahedra) volumes.push_back(six_tetrahedra_volume(gather(x, corners)));
+  for (const Hexahedron& corners : hexahedra) {
+    require_nodes("element_volumes", corners, x.rows());
+    volumes.push_back(six_tetrahedra_volume(gather(x, corners)));
+  }
   return volumes;
 }
 
@@ -31,17 +35,22 @@ Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahed
 }
 
 Eigen::VectorXd lumped_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses) {
+  require_count("lumped_masses", "masses", std::ssize(masses), std::ssize(hexahedra));
   Eigen::VectorXd share = Eigen::VectorXd::Zero(num_nodes);
-  for (std::size_t e = 0; e < hexahedra.size(); ++e)
+  for (std::size_t e = 0; e < hexahedra.size(); ++e) {
+    require_nodes("lumped_masses", hexahedra[e], num_nodes);
     for (const int node : hexahedra[e]) share[node] += masses[e] / kCorners;
+  }
   return share;
 }
 
 void add_gravity(const Eigen::VectorXd& masses, const Vec3& gravity, Points f) {
+  require_rows("add_gravity", "f", f, masses.size());
   for (int n = 0; n < f.rows(); ++n) f.row(n) += masses[n] * gravity.transpose();
 }
 
 double kinetic_energy(const Eigen::VectorXd& masses, ConstPoints v) {
+  require_rows("kinetic_energy", "v", v, masses.size());
   return masses.dot(v.rowwise().squaredNorm()) / 2;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/require.hpp"
 #include "mesh/runs.hpp"
 
 namespace hexaplast {
@@ -114,6 +115,7 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
 
 template <class T>
 void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots) {
+  require_rows("to_slots", "field", field, partition.num_nodes);
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto put = [&](int slot, int from) {
       T* to = slots.data() + 4 * static_cast<std::size_t>(slot);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "hexaplast/base/require.hpp"
+
 namespace hexaplast {
 namespace {
 
@@ -38,6 +40,7 @@ template <class Face>
 std::optional<Hit> nearest_hit(const Ray& ray, ConstPoints x, std::span<const Face> faces) {
   const Vec3 direction = ray.direction.normalized();
   std::optional<Hit> first;
+  for (const Face& face : faces) require_nodes("first_hit", face, x.rows());
   for_each_triangle(faces, [&](std::size_t face, int a, int b, int c) {
     const std::optional<double> distance =
         distance_to(ray.origin, direction, x.row(a).transpose(), x.row(b).transpose(), x.row(c).transpose());
@@ -59,6 +62,7 @@ std::optional<Hit> first_hit(const Ray& ray, ConstPoints x, std::span<const Quad
 
 std::vector<int> nearest_nodes(ConstPoints x, std::span<const int> candidates, const Vec3& place, double radius,
                                int least) {
+  require_nodes("nearest_nodes", candidates, x.rows());
   const auto squared_distance = [&](int node) { return (x.row(node).transpose() - place).squaredNorm(); };
   std::vector<int> nodes(candidates.begin(), candidates.end());
   std::ranges::stable_sort(nodes, {}, squared_distance);

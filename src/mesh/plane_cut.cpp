@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 
+#include "hexaplast/base/require.hpp"
+
 namespace hexaplast {
 namespace {
 
@@ -97,7 +99,10 @@ Quad sorted(Quad face) {
 }  // namespace
 
 PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const Plane& plane,
-                   std::span<const unsigned char> alive, int parts) {
+                   std::span<const unsigned char> alive, int parts)
+    : num_nodes_(x.rows()) {
+  for (const Hexahedron& corners : hexahedra) require_nodes("PlaneCut", corners, num_nodes_);
+  if (!alive.empty()) require_count("PlaneCut", "alive", std::ssize(alive), std::ssize(hexahedra));
   const std::vector<Cell> cells = cells_of_hexahedron(parts);
   struct CutFace {
     std::vector<Edge> lines;
@@ -194,6 +199,8 @@ PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const P
 }
 
 void PlaneCut::apply(ConstPoints nodes, Points points) const {
+  require_rows("PlaneCut::apply", "nodes", nodes, num_nodes_);
+  require_rows("PlaneCut::apply", "points", points, num_points());
   for (std::size_t n = 0; n < anchors_.size(); ++n) {
     Vec3 value = Vec3::Zero();
     for (int a = 0; a < kCorners; ++a)
@@ -204,9 +211,11 @@ void PlaneCut::apply(ConstPoints nodes, Points points) const {
 
 std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::span<const Hexahedron> hexahedra,
                                        std::span<const unsigned char> alive) {
+  if (!alive.empty()) require_count("extent_along", "alive", std::ssize(alive), std::ssize(hexahedra));
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
     if (!alive.empty() && !alive[e]) continue;
+    require_nodes("extent_along", hexahedra[e], x.rows());
     for (const int node : hexahedra[e]) {
       const double along = normal.dot(x.row(node).transpose());
       least = std::min(least, along);

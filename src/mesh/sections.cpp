@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 
@@ -58,10 +59,14 @@ EndSections end_sections(const HexMesh& mesh) {
 }
 
 double elongation(const EndSections& ends, ConstPoints at) {
+  require_nodes("elongation", ends.most, at.rows());
+  require_nodes("elongation", ends.least, at.rows());
   return (mean_coordinate(ends.most, ends.axis, at) - mean_coordinate(ends.least, ends.axis, at)) / ends.length - 1;
 }
 
 double section_angle(const HexMesh& mesh, const std::vector<int>& section, int axis, ConstPoints at) {
+  require_rows("section_angle", "at", at, mesh.num_nodes());
+  require_nodes("section_angle", section, mesh.num_nodes());
   const PointArray& X = mesh.positions();
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
   const double Xi = mean_coordinate(section, i, X), Xj = mean_coordinate(section, j, X);
@@ -78,6 +83,7 @@ double section_angle(const HexMesh& mesh, const std::vector<int>& section, int a
 }
 
 double twist(const HexMesh& mesh, const EndSections& ends, ConstPoints at) {
+  require_rows("twist", "at", at, mesh.num_nodes());
   double total = 0;
   double previous = 0;
   bool first = true;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "hexaplast/base/require.hpp"
+
 namespace hexaplast {
 namespace {
 
@@ -15,6 +17,8 @@ Eigen::RowVector3d doubled_area(ConstPoints x, int a, int b, int c) {
 }  // namespace
 
 void add_pressure(const Triangle& face, double pressure, ConstPoints x, Points f) {
+  require_nodes("add_pressure", face, x.rows());
+  require_rows("add_pressure", "f", f, x.rows());
   const Eigen::RowVector3d share = pressure / 6 * doubled_area(x, face[0], face[1], face[2]);
   for (const int node : face) f.row(node) += share;
 }
@@ -25,15 +29,19 @@ void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f) {
 }
 
 double share_along(const Triangle& face, const Vec3& direction, ConstPoints x) {
+  require_nodes("share_along", face, x.rows());
   if (direction.isZero(0)) return 1;
   return std::abs(doubled_area(x, face[0], face[1], face[2]).normalized().dot(direction));
 }
 
 double area(const Quad& face, ConstPoints x) {
+  require_nodes("area", face, x.rows());
   return (doubled_area(x, face[0], face[1], face[2]).norm() + doubled_area(x, face[0], face[2], face[3]).norm()) / 2;
 }
 
 std::vector<int> Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
+  require_rows("Obstacle::add_force", "v", v, x.rows());
+  require_rows("Obstacle::add_force", "f", f, x.rows());
   std::vector<int> touching;
   for (int node = 0; node < static_cast<int>(x.rows()); ++node) {
     const double d = x.row(node).dot(normal) - distance;
@@ -48,10 +56,13 @@ std::vector<int> Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) con
 }
 
 void Obstacle::add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const {
+  require_nodes("Obstacle::add_stiffness_product", touching, dx.rows());
+  require_rows("Obstacle::add_stiffness_product", "df", df, dx.rows());
   for (const int node : touching) df.row(node) -= factor * stiffness * dx.row(node).dot(normal) * normal.transpose();
 }
 
 void Obstacle::add_stiffness_blocks(std::span<const int> touching, double factor, BlockMatrix& A) const {
+  require_nodes("Obstacle::add_stiffness_blocks", touching, A.num_nodes());
   const Mat3 block = -factor * stiffness * normal * normal.transpose();
   for (const int node : touching) A.add(node, node, block);
 }

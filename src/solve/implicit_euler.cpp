@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "hexaplast/base/finite.hpp"
+#include "hexaplast/base/require.hpp"
 #include "solve/constrained_operator.hpp"
 
 namespace hexaplast {
 
 SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x,
                                 Points v) {
+  require_rows("ImplicitEuler::step", "x", x, system.num_nodes());
+  require_rows("ImplicitEuler::step", "v", v, system.num_nodes());
   const double h = dt, ah = settings_.trapezoidal ? h / 2 : h;
   const double rM = settings_.rayleigh_mass, rK = settings_.rayleigh_stiffness;
   const bool first_order = settings_.first_order;

@@ -30,7 +30,7 @@ void parallel_for(int count, const Body& body) {
     range(&body, 0, count);
 }
 
-/// Sum of the element-wise product of two nodal fields of equal size.
+/// Sum of the element-wise product of two nodal fields of equal size, InputError otherwise.
 /// Added in fixed chunks and then over the chunks, so that the bits do not depend on the number of threads.
 double dot(ConstPoints a, ConstPoints b);
 

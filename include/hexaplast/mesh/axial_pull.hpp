@@ -9,7 +9,7 @@ namespace hexaplast {
 /// add up to on the nodes beyond the middle of its original length, or against it on those before the middle, whichever
 /// is greater in size. A bar that is pulled by F at one end, the other being held, and one that is pulled by F at both
 /// ends have the same pull F. The elastic forces of a body at rest, taken negatively, have it too: it is the axial
-/// force that the middle carries.
+/// force that the middle carries. Throws InputError for forces of another size.
 double axial_pull(const HexMesh& mesh, const EndSections& ends, ConstPoints forces);
 
 }  // namespace hexaplast

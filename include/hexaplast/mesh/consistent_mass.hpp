@@ -19,7 +19,8 @@ class ConsistentMass {
  public:
   ConsistentMass() = default;
 
-  /// x: num_nodes x 3 [m]; masses: of each hexahedron [kg]; their corners are rows of x.
+  /// x: num_nodes x 3 [m]; masses: of each hexahedron [kg]; their corners are rows of x. All three throw InputError for
+  /// other sizes.
   ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahedra, std::span<const double> masses);
 
   void add_product(double factor, ConstPoints dx, Points df) const;  ///< df += factor M dx

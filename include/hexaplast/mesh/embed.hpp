@@ -23,8 +23,8 @@ namespace hexaplast {
 class Embedding {
  public:
   /// x: num_nodes x 3 [m], hexahedra with corners in x, right side out; points: any number x 3 [m]. Throws InputError
-  /// when there is no hexahedron, NumericalError when a position or a point is not finite. Each point looks at the few
-  /// hexahedra around it, however many there are.
+  /// when there is no hexahedron or a corner is not in x, NumericalError when a position or a point is not finite. Each
+  /// point looks at the few hexahedra around it, however many there are.
   Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points);
 
   int num_points() const { return static_cast<int>(anchors_.size()); }
@@ -43,6 +43,8 @@ class Embedding {
   /// several goes when a point goes.
   bool is_left(std::span<const int> cell, const std::function<bool(std::span<const int> nodes)>& hold_together) const;
 
+  // Throw InputError for a field of other than num_nodes or num_points rows, or matrices of other sizes.
+
   void apply(ConstPoints nodes, Points points) const;           ///< points = J nodes
   void add_transposed(ConstPoints points, Points nodes) const;  ///< nodes += J^T points
 
@@ -55,6 +57,7 @@ class Embedding {
     Hexahedron corners;
     std::array<double, kCorners> weight;
   };
+  Eigen::Index num_nodes_;
   std::vector<Anchor> anchors_;
   int num_outside_ = 0;
   double greatest_distance_ = 0;

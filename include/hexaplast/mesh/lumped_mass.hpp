@@ -9,6 +9,8 @@
 
 namespace hexaplast {
 
+/// Each of these throws InputError for arguments of different sizes and for corners that are not there.
+
 /// Volume [m^3] of a hexahedron cut into six tetrahedra around the diagonal from corner 0 to corner 6, each counted
 /// positive: the volume that SOFA's masses are made of. Equal to the trilinear volume where the faces are plane.
 double six_tetrahedra_volume(const ElementPoints& corners);

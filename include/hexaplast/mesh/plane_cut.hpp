@@ -28,7 +28,7 @@ struct Plane {
 class PlaneCut {
  public:
   /// x: num_nodes x 3 [m], finite; hexahedra with corners in x; alive: if not empty, one per hexahedron, 0 for those
-  /// that do not count; parts: at least 1.
+  /// that do not count; parts: at least 1. Throws InputError for corners that x has not, or an `alive` of another size.
   PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const Plane& plane,
            std::span<const unsigned char> alive = {}, int parts = 1);
 
@@ -40,7 +40,8 @@ class PlaneCut {
   /// The area [m^2] of the cut.
   double area() const { return area_; }
 
-  /// points = the values of a nodal field (positions, or any three numbers per node) at the points of the cut.
+  /// points = the values of a nodal field (positions, or any three numbers per node) at the points of the cut. Throws
+  /// InputError for fields of other sizes.
   void apply(ConstPoints nodes, Points points) const;
 
  private:
@@ -50,6 +51,7 @@ class PlaneCut {
     std::array<double, kCorners> weight;
   };
 
+  Eigen::Index num_nodes_;
   std::vector<Anchor> anchors_;
   std::vector<Triangle> triangles_;
   std::vector<Edge> inner_lines_, outline_;

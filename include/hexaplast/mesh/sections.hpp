@@ -18,6 +18,8 @@ struct EndSections {
 
 EndSections end_sections(const HexMesh& mesh);
 
+/// What follows throws InputError for positions of other than num_nodes rows.
+
 /// (mean axial position of `most` - mean of `least`) / length - 1.
 double elongation(const EndSections& ends, ConstPoints at);
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/types.hpp"
+#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 
@@ -27,13 +27,15 @@ struct OrientedBox {
 };
 
 /// Cells (edges, triangles, quads, hexahedra: their corners are rows of x) that lie inside a region, in ascending
-/// order. x: num_nodes x 3 [m]; region(point) says whether a point is inside.
+/// order. x: num_nodes x 3 [m]; region(point) says whether a point is inside. Throws InputError for a corner that x has
+/// not.
 template <std::size_t N, class Region>
 std::vector<int> cells_inside(ConstPoints x, std::span<const std::array<int, N>> cells, Inside rule,
                               const Region& region) {
   std::vector<int> inside;
   for (std::size_t e = 0; e < cells.size(); ++e) {
     const std::array<int, N>& corners = cells[e];
+    require_nodes("cells_inside", corners, x.rows());
     Vec3 centre = Vec3::Zero();
     for (const int node : corners) centre += x.row(node).transpose() / static_cast<double>(N);
     const bool counts = rule == Inside::kCentre ? region(centre) : std::ranges::all_of(corners, [&](int node) {

@@ -10,7 +10,8 @@
 
 namespace hexaplast {
 
-/// Loads that act where something touches the body. x, v, f: num_nodes x 3 [m, m/s, N].
+/// Loads that act where something touches the body. x, v, f: num_nodes x 3 [m, m/s, N]. Each of them throws InputError
+/// for fields of different sizes and for nodes that they have not.
 
 /// f += pressure [Pa] on a face at its present shape, along the normal that its order of nodes gives: a third of
 /// pressure x area on each corner of a triangle; a quad counts as the two triangles on either side of its first

@@ -10,7 +10,8 @@
 
 namespace hexaplast {
 
-/// Those of `candidates` that lie within `radius` [m] of a place, in their order. x: num_nodes x 3 [m].
+/// Those of `candidates` that lie within `radius` [m] of a place, in their order. x: num_nodes x 3 [m]. Throws
+/// InputError for a candidate that is no row of x.
 std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, const Vec3& place, double radius);
 
 /// An instrument's hold on n nodes. A spring ties each of them to the place that it had, relative to the tool, when the
@@ -29,6 +30,9 @@ std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, cons
 /// of the forces is never greater than most_force.
 ///
 /// Beside each spring stands a dashpot, f_i = -c (v_i - v_tool) with c = damping / n, which the limit does not concern.
+///
+/// InputError, in every build: a held node that a field (num_nodes x 3) has not, or lags that are not one row per held
+/// node, as those of another grip or of an earlier hold are.
 struct Grip {
   std::vector<int> nodes = {};                                  ///< empty: the grip is open
   PointArray arms = {};                                         ///< [m] one row per node, from the tool

@@ -66,8 +66,8 @@ class ImplicitEuler {
  public:
   explicit ImplicitEuler(EulerSettings settings) : settings_(settings) {}
 
-  /// Advances x [m] and v [m/s] by dt [s]. Throws NumericalError naming the first node that left the finite numbers;
-  /// x and v are then as before.
+  /// Advances x [m] and v [m/s] by dt [s]. Throws NumericalError naming the first node that left the finite numbers,
+  /// InputError where x or v has not one row per node of the system; x and v are then as before.
   SolveReport step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x, Points v);
 
   /// From now on each step also tells what it did to the energy, at the cost of about one product more. The motion is

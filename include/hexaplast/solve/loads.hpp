@@ -15,11 +15,12 @@ struct KeyPhase {
 
 KeyPhase phase_at(std::span<const double> times, double time);
 
-/// The value, or the row, at a phase (key >= 0): linear between two keys, the last one from the last key time on.
+/// The value, or the row, at a phase: linear between two keys, the last one from the last key time on. Throws
+/// InputError for a key that is not there, as before the first key time.
 double interpolate(const KeyPhase& at, std::span<const double> values);
 Eigen::RowVector3d interpolate(const KeyPhase& at, ConstPoints rows);
 
-/// Slope of the line between two keys; key >= 0 must have a next one.
+/// Slope of the line between two keys. Throws InputError for a key that is not there, or has no next one.
 Eigen::RowVector3d slope(const KeyPhase& at, std::span<const double> times, ConstPoints rows);
 
 /// f += forces around an axis that turn with the body. The nodes form consecutive groups of `group_size`; for each
@@ -28,7 +29,8 @@ Eigen::RowVector3d slope(const KeyPhase& at, std::span<const double> times, Cons
 ///   p = mean of x over the group,   t = axis x (p - centre) / |axis x (p - centre)|
 ///
 /// and every node of it receives force / group_size along t. `force` [N] acts on each group. There is no stiffness
-/// term. Throws NumericalError for a group whose p lies on the axis, where no tangent exists.
+/// term. Throws InputError for nodes that x has not or an f of another size, NumericalError for a group whose p lies on
+/// the axis, where no tangent exists.
 void add_tangential_forces(std::span<const int> nodes, int group_size, const Vec3& axis, const Vec3& centre,
                            double force, ConstPoints x, Points f);
 

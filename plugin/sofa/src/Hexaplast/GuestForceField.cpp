@@ -80,22 +80,20 @@ void GuestForceField::addDForce(const MechanicalParams* mparams, DataVecDeriv& d
     if (!works()) return;
     auto forces = sofa::helper::getWriteAccessor(df);
     if (forces.size() < dx.getValue().size()) forces.resize(dx.getValue().size());
-    guest()->add_stiffness_product(factor, view(dx.getValue()), view(forces.wref()));
+    attempt(*this, [&] { guest()->add_stiffness_product(factor, view(dx.getValue()), view(forces.wref())); });
 }
 
-const BlockMatrix& GuestForceField::stiffness()
+bool GuestForceField::findStiffness()
 {
     m_stiffness.clear();
-    guest()->add_stiffness_blocks(1, m_stiffness);
-    return m_stiffness;
+    return attempt(*this, [&] { guest()->add_stiffness_blocks(1, m_stiffness); });
 }
 
 void GuestForceField::addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset)
 {
-    if (!works()) return;
-    const BlockMatrix& K = stiffness();
-    for (int row = 0; row < K.num_nodes(); ++row)
-        for (const auto& [column, block] : K.row(row))
+    if (!works() || !findStiffness()) return;
+    for (int row = 0; row < m_stiffness.num_nodes(); ++row)
+        for (const auto& [column, block] : m_stiffness.row(row))
             for (int a = 0; a < 3; ++a)
                 for (int b = 0; b < 3; ++b)
                     matrix->add(static_cast<int>(offset) + 3 * row + a, static_cast<int>(offset) + 3 * column + b,
@@ -104,11 +102,10 @@ void GuestForceField::addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SRea
 
 void GuestForceField::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
 {
-    if (!works()) return;
+    if (!works() || !findStiffness()) return;
     auto dfdx = matrix->getForceDerivativeIn(this->mstate).withRespectToPositionsIn(this->mstate);
-    const BlockMatrix& K = stiffness();
-    for (int row = 0; row < K.num_nodes(); ++row)
-        for (const auto& [column, block] : K.row(row))
+    for (int row = 0; row < m_stiffness.num_nodes(); ++row)
+        for (const auto& [column, block] : m_stiffness.row(row))
         {
             sofa::type::Mat<3, 3, SReal> entry(sofa::type::NOINIT);
             for (int a = 0; a < 3; ++a)

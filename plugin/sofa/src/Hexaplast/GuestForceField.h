@@ -57,8 +57,8 @@ protected:
     AttributeData& attributes() { return m_attributes; }
 
 private:
-    /// Stiffness at the latest forces; refers to the pattern of the one before.
-    const BlockMatrix& stiffness();
+    /// The stiffness at the latest forces into m_stiffness; false where it has failed, which is said.
+    bool findStiffness();
 
     const attributes::Description& m_description;
     AttributeData m_attributes;
