@@ -74,4 +74,28 @@ std::vector<std::string> advice(const Survey& survey) {
   return sentences;
 }
 
+std::vector<std::string> fracture_advice(const std::vector<Material>& materials) {
+  const auto count = [&](auto condition) { return std::ranges::count_if(materials, condition); };
+  const auto yields = [](const Material& m) { return std::isfinite(m.yield_stress); };
+  const auto flows = [](const Material& m) { return m.flow_rate > 0; };
+  const auto hardens = [](const Material& m) { return m.hardening > 0; };
+  const auto breaks_by_stress = [](const Material& m) { return std::isfinite(m.fracture_stress); };
+  const auto breaks_by_stretch = [](const Material& m) { return std::isfinite(m.fracture_stretch); };
+  const auto begins_beyond = [&](const Material& m) { return yields(m) && m.yield_stress > m.fracture_stress; };
+
+  const char* missing = count(yields) == 0 ? "yieldStress" : count(flows) == 0 ? "plasticFlowRate" : nullptr;
+  std::vector<std::string> sentences;
+  if (missing && count(breaks_by_stretch) > 0)
+    sentences.push_back(fmt::format("fractureStretch tears nothing: without {} no stretch flows", missing));
+  if (!missing && count(hardens) == 0) missing = "a hardening above 0";
+  if (missing && count(breaks_by_stress) > 0)
+    sentences.push_back(fmt::format("fractureStress tears nothing: without {} no yield stress grows", missing));
+  if (!missing && count(begins_beyond) > 0)
+    sentences.push_back(
+        fmt::format("yieldStress lies above fractureStress in {} of {} hexahedra: they tear as soon as "
+                    "they flow",
+                    count(begins_beyond), materials.size()));
+  return sentences;
+}
+
 }  // namespace hexaplast

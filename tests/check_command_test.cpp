@@ -67,6 +67,28 @@ TEST_F(Command, CheckWarnsOfUnwiseChoices) {
             "held.scn: warning: poissonRatio = 0.495: above 0.49 bending comes out too stiff\n");
 }
 
+TEST_F(Command, CheckAndRunWarnOfFractureThatNeverComesAndRefuseOneFromTheStart) {
+  for (const char* command : {"check bar.scn", "run bar.scn --steps 1"}) {
+    write("bar.scn", bar(kHeld, "rotationFlowRate='2' fractureStress='400'"));
+    const Outcome elastic = hexaplast(command);
+    EXPECT_EQ(elastic.code, 0);
+    EXPECT_NE(elastic.err.find("warning: HexahedronElastoplasticFEMForceField"), std::string::npos) << elastic.err;
+    EXPECT_NE(elastic.err.find("fractureStress tears nothing: without yieldStress"), std::string::npos) << elastic.err;
+
+    const std::string flows = "plasticFlowRate='2' hardening='0.1' fractureStress='400' yieldStress=";
+    write("bar.scn", bar(kHeld, flows + "'500'"));
+    const Outcome refused = hexaplast(command);
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_NE(refused.err.find("fractureStress = 400: must lie in [500, inf] Pa"), std::string::npos) << refused.err;
+
+    write("bar.scn", bar(kHeld, flows + "'300 500'"));
+    const Outcome mixed = hexaplast(command);
+    EXPECT_EQ(mixed.code, 0);
+    EXPECT_NE(mixed.err.find("yieldStress lies above fractureStress in 1 of 2 hexahedra"), std::string::npos)
+        << mixed.err;
+  }
+}
+
 TEST_F(Command, CheckEndsAsRunDoes) {
   write("bad.scn", "<Node>\n<Nonsense/></Node>");
   EXPECT_EQ(hexaplast("check bad.scn").code, 3);

@@ -52,6 +52,44 @@ TEST(Fracture, TakesAnElementInTheStepInWhichItsYieldStressPassesTheLimit) {
   }
 }
 
+// Rotation flows below the yield stress, and without one. The threshold of stretch does not grow by it.
+TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
+  const HexMesh mesh = support::block({1, 1, 4}, kEdge);
+  const PointArray twisted = support::stretched_and_twisted(mesh, 1, 2);
+  for (const RotationPlasticity mode :
+       {RotationPlasticity::kObjective, RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
+    for (const double yield_stress : {std::numeric_limits<double>::infinity(), 1e9}) {
+      Material turning;
+      turning.yield_stress = yield_stress;
+      turning.flow_rate = 4;
+      turning.rotation_flow_rate = 2;
+      turning.hardening = 0.3;
+      std::vector<Material> materials(4, turning);
+      materials[3].fracture_stress = yield_stress;  // one may be torn by stress, or the limit would be refused
+      for (int e = 0; e < 3; ++e) materials[e].fracture_stress = 600;
+      Settings settings;
+      settings.rotation = mode;
+      if (mode != RotationPlasticity::kObjective) settings.averaging = AveragingMethod::kLocalGlobal;
+      Body body(mesh, materials, settings);
+      for (int k = 0; k < 50; ++k) ASSERT_EQ(body.flow(twisted, kStep).removed, 0) << "step " << k;
+      EXPECT_TRUE(body.history().removed.empty());
+      EXPECT_GT(support::max_abs(body.history().material - mesh.positions()), 0.01 * kEdge) << "nothing flowed";
+    }
+  }
+}
+
+// What begins beyond the limit, as some of a body may, goes in the step in which it hardens.
+TEST(Fracture, TakesWhatBeginsBeyondTheLimitWhenItFlows) {
+  const HexMesh mesh = support::block({1, 1, 2}, kEdge);
+  std::vector<Material> materials(2, hardening());
+  materials[0].fracture_stress = 200;
+  materials[1].fracture_stress = 1e9;
+  Body body(mesh, materials);
+  EXPECT_EQ(body.flow(support::stretched_and_twisted(mesh, 1.02, 0), kStep).removed, 0);  // 100 Pa
+  EXPECT_EQ(body.flow(support::stretched_and_twisted(mesh, 1.2, 0), kStep).removed, 1);
+  EXPECT_EQ(body.history().removed, std::vector<int>{0});
+}
+
 TEST(Fracture, TakesAnElementInTheStepInWhichItsPlasticStretchPassesTheLimit) {
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
   Material brittle = hardening();

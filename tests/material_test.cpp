@@ -49,6 +49,22 @@ TEST(Material, MessagesStateTheValue) {
   EXPECT_TRUE(refuses<InputError>([&] { validate({m}); }, {"poissonRatio", "0.625", "[0, 0.5)"}));
 }
 
+// Of one material, and of a body of which no element can be carried past its limit. Where some can, it is theirs.
+TEST(Material, RefusesAFractureStressBelowTheYieldStress) {
+  Material m;
+  m.yield_stress = 500;
+  m.fracture_stress = 400;
+  EXPECT_TRUE(refuses<InputError>([&] { validate({m}); }, {"fractureStress = 400", "must lie in [500, inf] Pa"}));
+  std::vector<Material> materials(3, m);
+  materials[2].yield_stress = 450;
+  EXPECT_TRUE(
+      refuses<InputError>([&] { validate(materials); }, {"fractureStress = 400 of element 2", "[450, inf] Pa"}));
+  for (const double accepted : {400.0, 300.0, kInf}) {  // at the limit; below it; no yield, that is no growth
+    materials[1].yield_stress = accepted;
+    EXPECT_NO_THROW(validate(materials));
+  }
+}
+
 TEST(Material, IsOneOrOnePerElement) {
   EXPECT_TRUE(refuses<InputError>(
       [] {

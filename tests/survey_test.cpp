@@ -68,6 +68,34 @@ TEST(Survey, KnowsWhatHandCalculationGives) {
   EXPECT_TRUE(advice(found).empty());
 }
 
+TEST(FractureAdvice, NamesWhatIsMissingForALimitToBeReached) {
+  using Sentences = std::vector<std::string>;
+  const Material whole{.yield_stress = 300, .flow_rate = 4, .hardening = 0.3};
+  EXPECT_TRUE(fracture_advice({whole}).empty());
+  Material tears = whole;
+  tears.fracture_stress = 600;
+  tears.fracture_stretch = 1.3;
+  EXPECT_TRUE(fracture_advice({tears}).empty());
+  const auto changed = [&](double Material::*member, double value) {
+    Material material = tears;
+    material.*member = value;
+    return fracture_advice({material});
+  };
+  for (const double hardening : {0.0, -0.1})
+    EXPECT_EQ(changed(&Material::hardening, hardening),
+              Sentences{"fractureStress tears nothing: without a hardening above 0 no yield stress grows"});
+  EXPECT_EQ(changed(&Material::yield_stress, std::numeric_limits<double>::infinity()),
+            (Sentences{"fractureStretch tears nothing: without yieldStress no stretch flows",
+                       "fractureStress tears nothing: without yieldStress no yield stress grows"}));
+  EXPECT_EQ(changed(&Material::flow_rate, 0),
+            (Sentences{"fractureStretch tears nothing: without plasticFlowRate no stretch flows",
+                       "fractureStress tears nothing: without plasticFlowRate no yield stress grows"}));
+  Material wall = tears;
+  wall.yield_stress = 1e9;
+  EXPECT_EQ(fracture_advice({tears, wall, tears}),
+            Sentences{"yieldStress lies above fractureStress in 1 of 3 hexahedra: they tear as soon as they flow"});
+}
+
 TEST(Survey, WithoutMassThereAreNoWaves) {
   const Survey found = survey(Body(support::block({1, 1, 1}, 1), {{}}), 0, 0.01);
   EXPECT_EQ(found.wave_speed, 0);

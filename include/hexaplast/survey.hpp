@@ -36,4 +36,7 @@ Survey survey(const Body& body, double mass, double dt);
 /// One sentence for each choice that is legal but unwise. What concerns rates and the time step check_time_step says.
 std::vector<std::string> advice(const Survey& survey);
 
+/// One sentence for each limit of fracture that nothing can reach, or beyond which elements begin.
+std::vector<std::string> fracture_advice(const std::vector<Material>& materials);
+
 }  // namespace hexaplast

@@ -82,8 +82,10 @@ inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
      .type = Type::kReal,
      .unit = "Pa",
      .range = kNotNegative,
-     .help = "A hexahedron is removed when its yield stress has hardened past this value at some corner. Without it "
-             "nothing tears by stress."},
+     .help = "A hexahedron is removed in the step in which hardening carries its yield stress past this value at some "
+             "corner: needs plasticFlowRate, hardening, and a yieldStress not above it. Where yieldStress has a value "
+             "for each hexahedron some may lie above: these tear as soon as they flow. Without it nothing tears by "
+             "stress."},
     {.name = "fractureStretch",
      .type = Type::kReal,
      .range = {.least = 1, .without_least = true},

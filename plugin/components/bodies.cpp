@@ -11,6 +11,7 @@
 #include "hexaplast/base/memory.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/filling.hpp"
+#include "hexaplast/survey.hpp"
 #include "scene/potential.hpp"
 #include "scene/scene.hpp"
 
@@ -130,6 +131,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     }
     for (const std::string& advice : check_time_step(materials, given_settings(), node().clock().dt))
       remark(scene::Severity::kWarning, {}, advice);
+    for (const std::string& advice : fracture_advice(materials)) remark(scene::Severity::kWarning, {}, advice);
     return materials;
   }
 

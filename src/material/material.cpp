@@ -17,6 +17,22 @@ void require(bool accepted, const char* name, double value, const std::string& w
   if (!accepted) throw InputError(fmt::format("{} = {}{}: must lie in {}", name, value, where, allowed));
 }
 
+std::string place_of(std::size_t e, const std::vector<Material>& materials) {
+  return materials.size() > 1 ? fmt::format(" of element {}", e) : "";
+}
+
+/// Where every element begins beyond its limit, hardening never carries one past it.
+void require_fracture_beyond_yield(const std::vector<Material>& materials) {
+  const auto begins_beyond = [](const Material& m) {
+    return std::isfinite(m.yield_stress) && m.yield_stress > m.fracture_stress;
+  };
+  if (materials.empty() || !std::ranges::all_of(materials, begins_beyond)) return;
+  const auto least = std::ranges::min_element(materials, {}, &Material::yield_stress);
+  require(false, "fractureStress", least->fracture_stress,
+          place_of(static_cast<std::size_t>(least - materials.begin()), materials),
+          fmt::format("[{}, inf] Pa, from yieldStress on", least->yield_stress).c_str());
+}
+
 double largest(const std::vector<Material>& materials, double Material::*rate) {
   double most = 0;
   for (const Material& material : materials) most = std::max(most, material.*rate);
@@ -33,7 +49,7 @@ Lame lame(double young_modulus, double poisson_ratio) {
 void validate(const std::vector<Material>& materials) {
   for (std::size_t e = 0; e < materials.size(); ++e) {
     const Material& m = materials[e];
-    const std::string where = materials.size() > 1 ? fmt::format(" of element {}", e) : "";
+    const std::string where = place_of(e, materials);
     // a comparison with NaN is false, so every test is written to accept, never to refuse
     require(m.young_modulus > 0 && std::isfinite(m.young_modulus), "youngModulus", m.young_modulus, where,
             "(0, inf) Pa");
@@ -48,6 +64,7 @@ void validate(const std::vector<Material>& materials) {
     require(m.fracture_stress >= 0, "fractureStress", m.fracture_stress, where, "[0, inf] Pa");
     require(m.fracture_stretch > 1, "fractureStretch", m.fracture_stretch, where, "(1, inf]");
   }
+  require_fracture_beyond_yield(materials);
 }
 
 bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }

@@ -187,22 +187,26 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
   return report;
 }
 
-/// Whether hardening or plastic stretch has carried an element past its limits at some corner.
-bool is_broken(const Material& material, const History& history, int e) {
-  const CornerValues& tau = history.yield_stress[e];
-  if (*std::max_element(tau.begin(), tau.end()) > material.fracture_stress) return true;
+/// Whether this step has carried an element past its limits at some corner: its yield stress by hardening, or its
+/// plastic stretch. A yield stress that lies beyond the limit without having grown there breaks nothing: an element
+/// without one, for which it is infinite, may still flow by rotation.
+bool is_broken(const Material& material, const History& before, const History& now, int e) {
+  for (int i = 0; i < kCorners; ++i) {
+    const double tau = now.yield_stress[e][i];
+    if (tau > before.yield_stress[e][i] && tau > material.fracture_stress) return true;
+  }
   if (!std::isfinite(material.fracture_stretch)) return false;
-  const CornerTensors& stretch = history.plastic_stretch[e];
+  const CornerTensors& stretch = now.plastic_stretch[e];
   return std::any_of(stretch.begin(), stretch.end(), [&](const Mat3& Fp) {
     return Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch;
   });
 }
 
 /// Removes the elements that broke in this step; returns how many.
-int remove_broken(const Model& model, FlowWorkspace& work) {
+int remove_broken(const Model& model, const History& history, FlowWorkspace& work) {
   int count = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    if (!work.flows[e].yielded || !is_broken(model.material(e), work.trial, e)) continue;
+    if (!work.flows[e].yielded || !is_broken(model.material(e), history, work.trial, e)) continue;
     work.trial.alive[e] = 0;
     work.trial.removed.push_back(e);
     ++count;
@@ -263,7 +267,7 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
   report.averaging = average_safely(model, solver, history, work);
   require_finite(work.trial.material, "material position");
   report.yielded = count(&ElementFlow::yielded);
-  report.removed = remove_broken(model, work);
+  report.removed = remove_broken(model, history, work);
   for (const ElementFlow& f : work.flows) work.trial.dissipated_energy += f.dissipated;
   work.trial.version = history.version + 1;
   std::swap(history, work.trial);
