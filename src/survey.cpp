@@ -43,9 +43,14 @@ Survey survey(const Body& body, double mass, double dt) {
     found.yield_strain = std::min(found.yield_strain, material.yield_stress / material.young_modulus);
 
   if (mass > 0) {
-    double stiffest = 0;  // [Pa] lambda + 2 mu
-    for (const Lame& k : model.lame) stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
+    double stiffest = 0, stiffest_in_volume = 0;  // [Pa] lambda + 2 mu, 3 lambda + 2 mu
+    for (const Lame& k : model.lame) {
+      stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
+      stiffest_in_volume = std::max(stiffest_in_volume, 3 * k.lambda + 2 * k.mu);
+    }
     found.wave_speed = std::sqrt(stiffest / found.density);
+    // of a cube on its own that swells and shrinks; neighbours slow it down
+    found.highest_frequency = 2 * std::sqrt(stiffest_in_volume / found.density) / found.quality.shortest_edge;
     found.edges_per_step = found.wave_speed * dt / found.quality.shortest_edge;
     found.steps_across = found.extent.maxCoeff() / (found.wave_speed * dt);
   }

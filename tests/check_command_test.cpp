@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "support/command.hpp"
 
@@ -65,6 +66,21 @@ TEST_F(Command, CheckWarnsOfUnwiseChoices) {
   write("held.scn", bar(kHeld));
   EXPECT_EQ(hexaplast("check held.scn --set body.poissonRatio=0.495").err,
             "held.scn: warning: poissonRatio = 0.495: above 0.49 bending comes out too stiff\n");
+}
+
+// Of cubes of 0.5 m with E / density = 250 m^2/s^2 and nu = 0: 2 sqrt(250) / 0.5 rad/s.
+TEST_F(Command, CheckAndRunWarnOfVibrationsThatGrow) {
+  write("bar.scn", std::regex_replace(bar(kHeld), std::regex("<EulerImplicitSolver"),
+                                      "<EulerImplicitSolver rayleighStiffness='0.1' trapezoidalScheme='true'"));
+  const std::string warning =
+      "bar.scn:2: warning: EulerImplicitSolver.trapezoidalScheme: vibrations of up to 63.2 rad/s times dt = 0.04 s is "
+      "2.53";
+  for (const char* command : {"check bar.scn", "run bar.scn --steps 1"}) {
+    EXPECT_EQ(hexaplast(command + std::string(" --set .dt=0.03")).err, "");
+    const Outcome outcome = hexaplast(command + std::string(" --set .dt=0.04"));
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.err.find(warning), 0u) << outcome.err;
+  }
 }
 
 TEST_F(Command, CheckAndRunWarnOfFractureThatNeverComesAndRefuseOneFromTheStart) {

@@ -7,6 +7,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/survey.hpp"
 
 namespace hexaplast::components {
 
@@ -194,6 +195,19 @@ double NodeSystem::elastic_energy() const {
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body()) energy += body->energy(layer.state->positions());
   return energy;
+}
+
+double NodeSystem::highest_frequency() const {
+  double frequency = 0;
+  for (const Layer& layer : layers_) {
+    // weight [N] under a gravity of 1 m/s^2 is the mass [kg]
+    PointArray weight = PointArray::Zero(layer.state->num_nodes(), 3);
+    for (const scene::Mass* mass : layer.masses) mass->add_gravity(Vec3::UnitX(), weight);
+    for (const scene::ForceField* field : layer.force_fields)
+      if (const Body* body = field->body())
+        frequency = std::max(frequency, survey(*body, weight.col(0).sum(), node_.clock().dt).highest_frequency);
+  }
+  return frequency;
 }
 
 void NodeSystem::project_motion(double time) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -54,11 +55,13 @@ class EulerImplicitSolver final : public SystemSolver {
   void bwd_init() override {
     SystemSolver::bwd_init();
     if (!system().has_mass()) throw InputError("no mass in its node or below, must be at least one");
-    euler_.emplace(EulerSettings{.rayleigh_mass = real("rayleighMass"),
+    const EulerSettings settings{.rayleigh_mass = real("rayleighMass"),
                                  .rayleigh_stiffness = real("rayleighStiffness"),
                                  .velocity_damping = real("vdamping"),
                                  .first_order = boolean("firstOrder"),
-                                 .trapezoidal = boolean("trapezoidalScheme")});
+                                 .trapezoidal = boolean("trapezoidalScheme")};
+    euler_.emplace(settings);
+    warn_of_growing_vibrations(settings);
   }
 
   SolveReport solve(double time, double dt) override {
@@ -107,6 +110,18 @@ class EulerImplicitSolver final : public SystemSolver {
   }
 
  private:
+  void warn_of_growing_vibrations(const EulerSettings& settings) {
+    const double dt = node().clock().dt, stable = stable_phase_per_step(settings, dt);
+    if (!std::isfinite(stable)) return;
+    const double frequency = system().highest_frequency();
+    if (dt * frequency > stable)
+      remark(
+          scene::Severity::kWarning, "trapezoidalScheme",
+          fmt::format("vibrations of up to {:.3g} rad/s times dt = {} s is {:.3g}: above {:.3g} they grow from step to "
+                      "step, Rayleigh damping or not; take dt below {:.2g} s",
+                      frequency, dt, dt * frequency, stable, stable / frequency));
+  }
+
   /// [J] kinetic energy, where masses have inertia.
   double inertial_energy() { return boolean("firstOrder") ? 0 : kinetic_energy(); }
 

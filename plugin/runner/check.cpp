@@ -104,6 +104,7 @@ Json json_of(const Survey& body) {
           {"rotation_flow_per_step", body.rotation_flow_per_step},
           {"restitution_per_step", body.restitution_per_step},
           {"wave_speed", body.wave_speed},
+          {"highest_frequency", body.highest_frequency},
           {"edges_per_step", body.edges_per_step},
           {"steps_across", body.steps_across}};
 }

@@ -50,8 +50,12 @@ struct EulerSettings {
   double rayleigh_stiffness = 0;  ///< [s]
   double velocity_damping = 0;    ///< [1/s]
   bool first_order = false;       ///< M v = f instead of M dv/dt = f
-  bool trapezoidal = false;       ///< forces at the middle of the step
+  bool trapezoidal = false;       ///< forces at the middle of the step; stable below stable_phase_per_step only
 };
+
+/// The product of dt [s] and the angular frequency of a vibration below which steps do not make it grow, whatever
+/// that frequency is: 2 in the trapezoidal scheme without velocity damping, no bound in the others.    theory.md eq. 49
+double stable_phase_per_step(const EulerSettings& settings, double dt);
 
 /// One step of linearised implicit Euler, as SOFA's EulerImplicitSolver defines it:             theory.md eq. 40-42
 ///

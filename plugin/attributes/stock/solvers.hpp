@@ -33,7 +33,10 @@ inline constexpr Attribute kEulerImplicitAttributes[] = {
     {.name = "trapezoidalScheme",
      .type = Type::kBool,
      .initial = "false",
-     .help = "Forces at the middle of the step instead of its end: second order in time, and no numerical damping."},
+     .help =
+         "Forces at the middle of the step instead of its end, with half the numerical damping. As in SOFA positions "
+         "move by the velocity at the end: first order in time, and vibrations faster than 2 / dt (rad/s) grow from "
+         "step to step, Rayleigh damping or not."},
     {.name = "linearSolver",
      .type = Type::kLink,
      .help =
