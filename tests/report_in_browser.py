@@ -7,7 +7,7 @@ width of a desk's screen and of a phone, light and dark. Fails where the browser
 for anything but itself, where a chart or picture is not there to be seen, where a page scrolls sideways, and where a
 chart does not tell the numbers of history.csv under the pointer. With a folder PICTURES, what was seen is kept there.
 
-Ends with 77, which ctest counts as skipped, where there is no Chromium (apt-get install chromium)."""
+Ends with 77, which ctest counts as skipped, where there is no Chromium (scripts/install_packages --test)."""
 import base64
 import csv
 import json

@@ -1,27 +1,23 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Pulls at a scene in the live window, as a hand would: opens it on a screen that only exists in memory, presses the
+# Pulls at a scene in the live window, as a hand would: opens it on the screen that there is (on_screen.sh), presses the
 # mouse on tissue, moves it, lets go, takes a picture before and after, and closes the window.
 #   pull_in_window.sh HEXAPLAST SCENE FROM_X FROM_Y STEP_X STEP_Y
 # What `hexaplast view` prints goes to the file outcome, its last state to final.json, pictures to this directory.
 set -euo pipefail
 hexaplast=$1 scene=$2 from_x=$3 from_y=$4 step_x=$5 step_y=$6
 
-exec 3< <(exec Xvfb -displayfd 1 -screen 0 1440x860x24 -nolisten tcp 2> xvfb.log)
-screen=$!
 window=
-trap 'kill $window $screen 2> /dev/null || true' EXIT
-read -r -t 20 display <&3
-export DISPLAY=:$display LIBGL_ALWAYS_SOFTWARE=1
+trap 'kill $window 2> /dev/null || true' EXIT
 
 "$hexaplast" view "$scene" --free --run --final final.json > outcome &
 window=$!
-timeout 40 xdotool search --sync --onlyvisible --name Hexaplast > /dev/null
+timeout 120 xdotool search --sync --onlyvisible --name Hexaplast > /dev/null
 
 # Waits until there are so many pictures: the window has then seen everything that was done before.
 take_picture() {
   xdotool key p
-  for _ in $(seq 200); do
+  for _ in $(seq 600); do
     [ "$(find . -name '*_*.png' | wc -l)" -ge "$1" ] && return
     sleep 0.1
   done

@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Holds scripts/check_skips against what ctest itself writes: check_skips_test.py CTEST"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TESTS = """
+add_test(Whole.Passes echo passed)
+add_test(Whole.OfGoogleTest echo "test.cpp:7: Skipped\\nno screen here\\n[  SKIPPED ] Whole.OfGoogleTest")
+set_tests_properties(Whole.OfGoogleTest PROPERTIES SKIP_REGULAR_EXPRESSION "\\\\[  SKIPPED \\\\]")
+add_test(Whole.ByItsCode sh -c "exit 77")
+set_tests_properties(Whole.ByItsCode PROPERTIES SKIP_RETURN_CODE 77)
+add_test(Whole.SwitchedOff echo never)
+set_tests_properties(Whole.SwitchedOff PROPERTIES DISABLED TRUE)
+add_test(Part.OfPytest echo "..s\\nSKIPPED [1] test_body.py:3: no numpy\\n2 passed, 1 skipped")
+add_test(Part.OfAScript echo "full disk: skipped: only root can mount")
+add_test(Part.IsAWord echo "no test was skipped")
+"""
+SKIPPED = {"Whole.OfGoogleTest": "no screen here", "Whole.ByItsCode": "", "Whole.SwitchedOff": "",
+           "Part.OfPytest": "test_body.py:3: no numpy", "Part.OfAScript": "only root can mount"}
+
+
+def check_skips(results, allowed, lines):
+    allowed.write_text("# a comment\n\n" + "\n".join(lines) + "\n")
+    return subprocess.run([ROOT / "scripts" / "check_skips", results, allowed], capture_output=True, text=True)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        directory = pathlib.Path(name)
+        (directory / "CTestTestfile.cmake").write_text(TESTS)
+        results, allowed = directory / "results.xml", directory / "allowed.txt"
+        subprocess.run([sys.argv[1], "--output-junit", results], cwd=directory, check=True, stdout=subprocess.DEVNULL)
+
+        named = [f"{test} is not to be had here" for test in SKIPPED]
+        all_named = check_skips(results, allowed, named)
+        assert all_named.returncode == 0, all_named.stderr
+        assert all_named.stderr == "" and len(all_named.stdout.splitlines()) == len(SKIPPED), all_named
+        for test, words in SKIPPED.items():
+            without = check_skips(results, allowed, [line for line in named if not line.startswith(test)])
+            assert without.returncode == 1, f"{test} may be skipped by nobody's leave"
+            assert len(without.stderr.splitlines()) >= 1 and without.stderr.startswith(f"{test} was skipped"), without
+            assert words in without.stderr, without.stderr
+        reasonless = check_skips(results, allowed, [*named[1:], named[0].split()[0]])
+        assert reasonless.returncode == 1 and "no reason is given" in reasonless.stderr, reasonless
+
+
+if __name__ == "__main__":
+    main()
