@@ -169,6 +169,49 @@ TEST(SceneReading, AsSofaReadsUnknownThingsArePassedOver) {
     EXPECT_THROW(read_as_sofa(framed(wrong)), scene::SceneError) << wrong;
 }
 
+// The names are SOFA's: v26.06 has components of collision by each of them.
+TEST(SceneReading, ContactIsAnErrorAndAsSofaReadsOneWarning) {
+  EXPECT_EQ(errors_of(framed("<CollisionPipeline/>\n<TriangleCollisionModel template='Other' moving='0'/>")),
+            "test.scn:3: error: CollisionPipeline: there is no contact between bodies\n"
+            "  hint: leave it out, or pass over it with --sofa-compat: bodies pass through each other\n"
+            "test.scn:4: error: TriangleCollisionModel: there is no contact between bodies");
+  EXPECT_EQ(errors_of(framed("<Node activated='false'><CollisionPipeline/></Node>")), "");
+
+  std::string all;
+  for (const char* name : {"CollisionPipeline",
+                           "BruteForceBroadPhase",
+                           "BVHNarrowPhase",
+                           "DirectSAP",
+                           "DirectSAPNarrowPhase",
+                           "IncrSAP",
+                           "MinProximityIntersection",
+                           "NewProximityIntersection",
+                           "LocalMinDistance",
+                           "DiscreteIntersection",
+                           "CollisionResponse",
+                           "RuleBasedContactManager",
+                           "PointCollisionModel",
+                           "LineCollisionModel",
+                           "TriangleCollisionModel",
+                           "SphereCollisionModel",
+                           "CubeCollisionModel",
+                           "RayCollisionModel",
+                           "TetrahedronCollisionModel",
+                           "ContactListener"}) {
+    const std::string component = std::string("<") + name + " contactStiffness='3'/>\n";
+    EXPECT_NE(errors_of(framed(component)).find("there is no contact"), std::string::npos) << name;
+    all += component;
+  }
+  scene::Scene scene = scene::read_scene_text(framed(all), "test.scn", support::factory(), support::plugins(),
+                                              scene::Grammar::kSofaCompatible);
+  scene.init();
+  const std::vector<scene::Message> said = scene.diagnostics().take_warnings();
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(scene::format(said[0]),
+            "test.scn:3: warning: CollisionPipeline: there is no contact: bodies pass through each other, whatever the "
+            "scene's components of collision say");
+}
+
 TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
   EXPECT_EQ(errors_of(framed("words")), "test.scn:3: error: Node 'root': holds text, must hold nodes and components");
   EXPECT_EQ(errors_of(framed("<BoxROI><BoxROI/></BoxROI>")),

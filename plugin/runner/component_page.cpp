@@ -49,7 +49,8 @@ including node, class by class and name by name. At most 16 levels.
 
 **Strictness.** Unknown components and attributes, values out of range and links that lead nowhere are errors, with file,
 line and the name that was probably meant. `--sofa-compat` passes over unknown components, attributes, templates and
-plugins with a warning, as SOFA does.
+plugins with a warning, as SOFA does. There is no contact between bodies: SOFA's components of collision are errors too,
+and with `--sofa-compat` one warning that bodies pass through each other.
 
 **Attributes of every component.**
 
@@ -131,9 +132,9 @@ std::string ignored_components(const std::vector<const Description*>& components
     names += fmt::format("{}`{}`", names.empty() ? "" : ", ", component->class_name);
   }
   std::string text =
-      "\n## Components without effect\n\nThey are accepted with whatever attributes they have, so that scenes written "
-      "for SOFA "
-      "can be read.\n\n| components | here |\n| --- | --- |\n";
+      "\n## Components without effect\n\nWhatever attributes they have, nothing of them is read. All but those of "
+      "collision are accepted, so that scenes written for SOFA can be read.\n\n| components | here |\n| --- | --- "
+      "|\n";
   for (const auto& [reason, names] : names_of) text += fmt::format("| {} | {} |\n", names, reason);
   return text;
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
@@ -144,6 +145,7 @@ class Reader {
     const ElementAttribute* given_name = element.find("name");
     component.introduce(given_name ? given_name->value : default_name(&node, class_name), element.place, diagnostics_);
     warn_of_twin(&node, component);
+    if (component.description().category == attributes::kCollision) refuse_contact(component);
     if (component.description().takes_anything) return;
 
     read_template(element, component);
@@ -171,6 +173,21 @@ class Reader {
     std::vector<std::string_view> known = {"Node", attributes::kRequiredPlugin.class_name};
     for (const Description* description : factory_.descriptions()) known.push_back(description->class_name);
     complain(place, fmt::format("{}: unknown component", class_name), did_you_mean(class_name, known));
+  }
+
+  // SOFA would keep bodies apart, here they pass through each other: said once where SOFA's reading is asked for.
+  void refuse_contact(const Component& component) {
+    const bool is_first = !std::exchange(has_met_contact_, true);
+    if (grammar_ == Grammar::kStrict) {
+      diagnostics_.error(
+          component.place(), fmt::format("{}: there is no contact between bodies", component.class_name()),
+          is_first ? "leave it out, or pass over it with --sofa-compat: bodies pass through each other" : "");
+    } else if (is_first) {
+      diagnostics_.add(Severity::kWarning, component.place(),
+                       fmt::format("{}: there is no contact: bodies pass through each other, whatever the scene's "
+                                   "components of collision say",
+                                   component.class_name()));
+    }
   }
 
   void load_plugins(RequiredPlugin& required) {
@@ -278,6 +295,7 @@ class Reader {
   const Factory& factory_;
   PluginLoader& plugins_;
   Grammar grammar_;
+  bool has_met_contact_ = false;
 };
 
 }  // namespace

@@ -19,16 +19,18 @@ constexpr Description ignored_component(std::string_view class_name, std::string
 constexpr Description visual_component(std::string_view class_name) {
   return ignored_component(class_name, "Visual", "visual: ignored here");
 }
+inline constexpr std::string_view kCollision = "Collision";
 constexpr Description collision_component(std::string_view class_name) {
-  return ignored_component(class_name, "Collision",
-                           "contact is not supported: ignored, bodies pass through each other");
+  return ignored_component(
+      class_name, kCollision,
+      "contact: there is none here; an error, or with --sofa-compat one warning that bodies pass through each other");
 }
 constexpr Description bookkeeping_component(std::string_view class_name) {
   return ignored_component(class_name, "Bookkeeping", "bookkeeping of SOFA: not needed here");
 }
 
-/// Drawing and the user interface: a note. Collision: a warning, for the scene means something that will not happen.
-/// Bookkeeping: nothing is lost, nothing is said.
+/// Drawing and the user interface: a note. Collision: an error unless the scene is read as SOFA does, for it means
+/// something that will not happen. Bookkeeping: nothing is lost, nothing is said.
 inline constexpr Description kIgnoredComponents[] = {
     visual_component("VisualModel"),
     visual_component("VisualMesh"),
