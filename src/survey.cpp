@@ -10,7 +10,6 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kPoorShape = 0.2;  // scaled Jacobian below which the stiffness of a corner dominates its element
 constexpr double kNearlyIncompressible = 0.49;  // above, trilinear hexahedra lock in bending
 constexpr double kLargeYieldStrain = 0.5;
 
@@ -39,8 +38,12 @@ Survey survey(const Body& body, double mass, double dt) {
   found.restitution_per_step = model.settings.volume_restitution * dt;
   found.yield_stress = least_and_greatest(&Material::yield_stress).first;
   found.yield_strain = std::numeric_limits<double>::infinity();
-  for (const Material& material : model.materials)
+  found.rotation_yield = std::numeric_limits<double>::infinity();
+  for (const Material& material : model.materials) {
     found.yield_strain = std::min(found.yield_strain, material.yield_stress / material.young_modulus);
+    if (model.can_rotate && material.rotation_flow_rate > 0)
+      found.rotation_yield = std::min(found.rotation_yield, material.rotation_yield);
+  }
 
   if (mass > 0) {
     double stiffest = 0, stiffest_in_volume = 0;  // [Pa] lambda + 2 mu, 3 lambda + 2 mu
@@ -62,9 +65,6 @@ std::vector<std::string> advice(const Survey& survey) {
   const auto say = [&](bool is_unwise, const std::string& sentence) {
     if (is_unwise) sentences.push_back(sentence);
   };
-  say(survey.quality.least_scaled_jacobian < kPoorShape,
-      fmt::format("hexahedron {} is badly shaped: its scaled Jacobian is {:.3g}, results are poor below {}",
-                  survey.quality.worst_element, survey.quality.least_scaled_jacobian, kPoorShape));
   say(survey.quality.num_unused_nodes > 0,
       fmt::format("{} nodes belong to no hexahedron", survey.quality.num_unused_nodes));
   say(survey.num_parts > 1, fmt::format("the body has {} parts that do not connect", survey.num_parts));

@@ -7,6 +7,7 @@
 namespace {
 
 using hexaplast::support::Command;
+using hexaplast::support::content;
 using hexaplast::support::Outcome;
 using Json = nlohmann::json;
 
@@ -51,6 +52,49 @@ TEST_F(Command, CheckSaysWhatASceneMeans) {
   for (const char* part : {"bar: can run", "12, of which 3 are held", "stress 100 Pa, strain 0.05", "flow 0.02",
                            "2 kg, 8 kg/m^3", "on 2 nodes, together (6, 0, 0) N at t = 0.5 s", "100 of 0.01 s"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in\n" << text.out;
+}
+
+TEST_F(Command, CheckShowsRotationFlowOfABodyThatNeverYields) {
+  write("bar.scn", bar(kHeld, "rotationYield='0.15' rotationFlowRate='3'"));
+  const Outcome text = hexaplast("check bar.scn");
+  for (const char* part : {"yield               never", "rotation yield      0.15 rad", "rotation flow 0.03"})
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in\n" << text.out;
+  EXPECT_EQ(Json::parse(hexaplast("check bar.scn --json").out)["body"]["rotation_yield"], 0.15);
+
+  const Outcome never = hexaplast("check bar.scn --set body.rotationFlowRate=0");
+  EXPECT_NE(never.out.find("rotation yield      never"), std::string::npos) << never.out;
+  EXPECT_EQ(never.out.find("rates times dt"), std::string::npos) << never.out;
+}
+
+// The second cube's corner at (1, .5, .5) is pushed behind the plane of its three neighbours.
+TEST_F(Command, CheckAndRunWarnOfCornersThatAreInsideOut) {
+  std::string scene = bar(kHeld);
+  const std::string grid = "<RegularGridTopology n='3 2 2' max='1 .5 .5'/><MechanicalObject/>";
+  ASSERT_NE(scene.find(grid), std::string::npos);
+  scene.replace(
+      scene.find(grid), grid.size(),
+      "<MeshTopology position='0 0 0 .5 0 0 1 0 0 0 .5 0 .5 .5 0 1 .5 0 0 0 .5 .5 0 .5 1 0 .5 0 .5 .5 .5 .5 .5 "
+      ".8 .3 .3' hexahedra='0 1 4 3 6 7 10 9 1 2 5 4 7 8 11 10'/><MechanicalObject/>");
+  write("bent.scn", scene);
+  const std::string warning =
+      "bent.scn:4: warning: HexahedronElastoplasticFEMForceField: 1 of the hexahedra is inside out at a corner, the "
+      "worst "
+      "is hexahedron 1: its scaled Jacobian is ";
+  const auto count = [&](const std::string& text) {
+    int number = 0;
+    for (std::size_t at = text.find(warning); at != text.npos; at = text.find(warning, at + 1)) ++number;
+    return number;
+  };
+  const Outcome check = hexaplast("check bent.scn"), run = hexaplast("run bent.scn --steps 1 --out bent --summary sum");
+  EXPECT_EQ(check.code, 0);
+  EXPECT_EQ(count(check.err), 1) << check.err;
+  EXPECT_EQ(run.code, 0);
+  EXPECT_EQ(count(run.err), 1) << run.err;
+  EXPECT_EQ(count(content(directory_ / "bent/report.html")), 1);
+  const Json found = Json::parse(hexaplast("check bent.scn --json").out);
+  EXPECT_EQ(found["body"]["inside_out"], 1);
+  EXPECT_EQ(found["advice"].size(), 1u);
+  EXPECT_LT(Json::parse(content(directory_ / "sum"))["least_scaled_jacobian"], 0);
 }
 
 TEST_F(Command, CheckTakesNoStep) {

@@ -109,6 +109,7 @@ TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
   EXPECT_EQ(last[12], kBars);
   EXPECT_EQ(content(scratch / "run/history.csv").find("nan"), std::string::npos);
   EXPECT_EQ(output::summarise(body, x).num_pieces, 0);
+  EXPECT_EQ(output::summarise(body, x).plastic_strain.hexahedron, -1);
 }
 
 TEST(FinalState, ComesBackWithAllItsBits) {
@@ -183,9 +184,36 @@ TEST(Summary, MeasuresAStretchedBox) {
   EXPECT_NEAR(summary.plastic_elongation, 0, 1e-14);
   EXPECT_NEAR(summary.material_volume_ratio, 1, 1e-14);
   EXPECT_NEAR(summary.worst_element_volume_error, 0, 1e-14);
-  EXPECT_NEAR(summary.largest_strain, 0.5, 1e-12);
-  const Vec3 centre = gather(x, body.mesh().hexahedra()[summary.largest_strain_element]).colwise().mean().transpose();
-  EXPECT_EQ(summary.largest_strain_place, centre);
+  EXPECT_NEAR(summary.strain.value, 0.5, 1e-12);
+  const Vec3 centre = gather(x, body.mesh().hexahedra()[summary.strain.hexahedron]).colwise().mean().transpose();
+  EXPECT_EQ(summary.strain.place, centre);
+  EXPECT_EQ(summary.plastic_strain.value, 0);
+  EXPECT_EQ(summary.num_pieces, 1);
+}
+
+// Four cubes in a row, of which the second is drawn out most and the last second most; then the second goes.
+TEST(Summary, LargestPlasticStrainIsOfWhatIsLeft) {
+  Body body(support::block({4, 1, 1}, 0.1), {{.young_modulus = 1000, .yield_stress = 10, .flow_rate = 5}});
+  PointArray x = body.mesh().positions();
+  const std::array<double, 5> place{0, 0.1, 0.26, 0.37, 0.5};  // [m] of the planes between the cubes
+  for (Eigen::Index n = 0; n < x.rows(); ++n) x(n, 0) = place[static_cast<std::size_t>(std::lround(x(n, 0) / 0.1))];
+  body.linearize(x);
+  body.flow(x, 0.01);
+  const std::vector<double> strain = body.fields(x).plastic_strain;
+  const output::Summary whole = output::summarise(body, x);
+  EXPECT_EQ(whole.plastic_strain.hexahedron, 1);
+  EXPECT_EQ(whole.plastic_strain.value, strain[1]);
+  EXPECT_EQ(whole.num_pieces, 1);
+
+  const int second = 1;
+  body.remove({&second, 1});
+  ASSERT_EQ(body.fields(x).plastic_strain[1], strain[1]) << "what has gone keeps its strain";
+  const output::Summary torn = output::summarise(body, x);
+  EXPECT_EQ(torn.plastic_strain.hexahedron, 3);
+  EXPECT_EQ(torn.plastic_strain.value, strain[3]);
+  EXPECT_NEAR(torn.plastic_strain.place.x(), 0.435, 1e-12);
+  EXPECT_NEAR(torn.plastic_strain.place.y(), 0.05, 1e-12);
+  EXPECT_EQ(torn.num_pieces, 2);
 }
 
 TEST(PlotFile, IsWellFormedXmlWhateverTheTitle) {

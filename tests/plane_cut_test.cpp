@@ -164,6 +164,41 @@ TEST(PlaneCut, HasNoHolesWhereRoundingDecides) {
     }
 }
 
+// The middle layer of nodes of a block lies in the plane but for a millionth of an edge, as it does after a run. What
+// is cut are the faces of the layer, and what is drawn are their edges.
+TEST(PlaneCut, AlmostAlongALayerOfFacesShowsTheirEdges) {
+  constexpr double kCell = 0.1, kOff = 1e-7;
+  const HexMesh even = support::block({4, 3, 5}, kCell);
+  PointArray x = even.positions();
+  support::Random random(17);
+  for (Eigen::Index n = 0; n < x.rows(); ++n)
+    if (std::abs(x(n, 0) - 2 * kCell) < kCell / 2) x(n, 0) += kOff * random.uniform(-1, 1);
+  const HexMesh mesh(x, even.hexahedra());
+  const Plane plane{Vec3::UnitX(), 2 * kCell};
+  const double edges_inside = 2 * 0.5 + 4 * 0.3;  // [m] of the lines between 3 x 5 squares
+
+  const PlaneCut exact(x, mesh.hexahedra(), plane, {}, 4);
+  EXPECT_NEAR(exact.area(), 0.15, 1e-9);
+  EXPECT_GT(length(exact.inner_lines(), points_of(exact, x)), 1.5 * edges_inside) << "where it crosses the layer";
+
+  for (const int parts : {1, 4}) {
+    const PlaneCut along(x, mesh.hexahedra(), plane, {}, parts, 10 * kOff);
+    const PointArray points = points_of(along, x);
+    EXPECT_NEAR(along.area(), 0.15, 1e-9) << parts;
+    EXPECT_NEAR(length(along.inner_lines(), points), edges_inside, 1e-9) << parts;
+    EXPECT_NEAR(length(along.outline(), points), 1.6, 1e-9) << parts;
+    EXPECT_LE((points.col(0).array() - 2 * kCell).abs().maxCoeff(), kOff) << parts;
+    for (const std::vector<Edge>* lines : {&along.inner_lines(), &along.outline()})
+      for (const auto& [a, b] : *lines) {
+        const auto is_along_edges = [&](int across) {
+          const double cells = points(a, across) / kCell;
+          return std::abs(points(a, across) - points(b, across)) < 1e-15 && std::abs(cells - std::round(cells)) < 1e-12;
+        };
+        EXPECT_TRUE(is_along_edges(1) || is_along_edges(2)) << points.row(a) << " to " << points.row(b);
+      }
+  }
+}
+
 TEST(PlaneCut, LeavesOutWhatIsRemoved) {
   const HexMesh mesh = support::block({2, 2, 1}, 1);
   const std::vector<unsigned char> alive{1, 0, 1, 1};

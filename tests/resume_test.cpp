@@ -109,6 +109,7 @@ TEST_F(Resume, GoesOnBitForBitAndWritesTheSameFiles) {
   const Outcome straight = hexaplast("run bar.scn --out straight --frames 0 --checkpoint every=15 --threads 1");
   ASSERT_EQ(straight.code, 0) << straight.err;
   ASSERT_NE(straight.out.find("removed "), std::string::npos) << "the case is to tear\n" << straight.out;
+  EXPECT_NE(straight.out.find("connected parts "), std::string::npos) << straight.out;
 
   // 20 steps, the last of them at no output: a run of 40 would not write it
   ASSERT_EQ(hexaplast("run bar.scn --out resumed --frames 0 --checkpoint every=15 --steps 20 --threads 2").code, 0);

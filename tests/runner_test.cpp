@@ -28,7 +28,8 @@ TEST_F(Command, ShowsASummaryAndWritesNothingElse) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* line : {"bar: 4 steps of 0.01 s, to t = 0.04 s", "hexahedra           2", "plastic elongation",
-                           "plastic twist", "volume error", "largest strain", "hex/ms", "state hash"}) {
+                           "plastic twist", "volume error", "largest strain",
+                           "plastic strain      0.0000 at most, in hexahedron 0 at (", "hex/ms", "state hash"}) {
     EXPECT_NE(outcome.out.find(line), std::string::npos) << line << " is missing in\n" << outcome.out;
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 3);  // the scene, out and err

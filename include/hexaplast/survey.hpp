@@ -21,6 +21,7 @@ struct Survey {
   double least_poisson_ratio = 0, greatest_poisson_ratio = 0;
   double yield_stress = 0;            ///< [Pa] least of the elements; infinite: it never yields
   double yield_strain = 0;            ///< least tau / E of the elements; infinite: it never yields
+  double rotation_yield = 0;          ///< [rad] least tau^R of the elements; infinite: rotation never flows
   double flow_per_step = 0;           ///< greatest nu dt
   double rotation_flow_per_step = 0;  ///< greatest nu^R dt
   double restitution_per_step = 0;    ///< c dt
@@ -35,7 +36,8 @@ struct Survey {
 /// mass [kg] of the whole body, dt [s].
 Survey survey(const Body& body, double mass, double dt);
 
-/// One sentence for each choice that is legal but unwise. What concerns rates and the time step check_time_step says.
+/// One sentence for each choice that is legal but unwise. What concerns rates and the time step check_time_step says,
+/// what concerns the mesh check_shapes.
 std::vector<std::string> advice(const Survey& survey);
 
 /// One sentence for each limit of fracture that nothing can reach, or beyond which elements begin.

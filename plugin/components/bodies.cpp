@@ -11,6 +11,7 @@
 #include "hexaplast/base/memory.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/filling.hpp"
+#include "hexaplast/mesh/quality.hpp"
 #include "hexaplast/survey.hpp"
 #include "scene/potential.hpp"
 #include "scene/scene.hpp"
@@ -41,6 +42,8 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     std::vector<Material> materials = given_materials(hexahedra.size());
     require_memory(static_cast<double>(hexahedra.size()), bytes_per_hexahedron(materials, settings));
     body_.emplace(HexMesh(state_->rest_positions(), hexahedra), std::move(materials), settings);
+    for (const std::string& advice : check_shapes(quality(body_->mesh())))
+      remark(scene::Severity::kWarning, {}, advice);
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 

@@ -7,6 +7,7 @@
 
 #include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/sections.hpp"
+#include "output/picture_cut.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -188,7 +189,7 @@ std::vector<Gallery::Shown> Gallery::ghosts_at(const PointArray* nodes) const {
 
 Gallery::CutFace Gallery::cut_face(ConstPoints positions, const PointArray& values,
                                    std::span<const unsigned char> alive) const {
-  const PlaneCut cut(positions, mesh_.hexahedra(), *staging_.cut, alive, kCutParts);
+  const PlaneCut cut = picture_cut(mesh_, positions, *staging_.cut, alive);
   PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
   cut.apply(positions, points);
   cut.apply(values, blended);

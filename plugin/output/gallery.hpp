@@ -75,8 +75,6 @@ class Gallery {
  private:
   using Places = std::vector<Eigen::Vector3f>;
 
-  static constexpr int kCutParts = 4;  // of a hexahedron along each direction, for its cut and what meets it
-
   /// What a skin's points are, and who moves them.
   struct EmbeddedSkin {
     Embedding embedding;

@@ -9,6 +9,7 @@
 
 #include "output/gallery.hpp"
 #include "output/lighting.hpp"
+#include "output/picture_cut.hpp"
 #include "output/quantity.hpp"
 
 namespace hexaplast::output {

@@ -316,11 +316,19 @@ Summary summarise(const Body& body, ConstPoints positions) {
       summary.worst_element_volume_error =
           std::max(summary.worst_element_volume_error, std::abs(fields.volume_ratio[e] - 1));
 
-  const auto largest = std::ranges::max_element(fields.strain);
-  summary.largest_strain = *largest;
-  summary.largest_strain_element = static_cast<int>(largest - fields.strain.begin());
-  summary.largest_strain_place =
-      gather(positions, body.mesh().hexahedra()[summary.largest_strain_element]).colwise().mean().transpose();
+  const auto largest = [&](const std::vector<double>& values) {
+    Largest found;
+    for (std::size_t e = 0; e < alive.size(); ++e)
+      if (alive[e] && (found.hexahedron < 0 || values[e] > found.value)) {
+        found.value = values[e];
+        found.hexahedron = static_cast<int>(e);
+      }
+    if (found.hexahedron >= 0)
+      found.place = gather(positions, body.mesh().hexahedra()[found.hexahedron]).colwise().mean().transpose();
+    return found;
+  };
+  summary.strain = largest(fields.strain);
+  summary.plastic_strain = largest(fields.plastic_strain);
   return summary;
 }
 

@@ -91,13 +91,19 @@ class Recorder {
   std::unique_ptr<Files> files_;
 };
 
+/// The greatest value of the hexahedra that are left, and where it is.
+struct Largest {
+  double value = 0;
+  int hexahedron = -1;        ///< the first one with that value; -1: none is left
+  Vec3 place = Vec3::Zero();  ///< [m] its world centre
+};
+
 /// What the summary at the end of a run shows, computed from a body and its world state.
 struct Summary : Measures {
   double worst_element_volume_error = 0;  ///< greatest |material volume / original - 1| of a hexahedron that is left
-  double largest_strain = 0;              ///< greatest |D - 1| and the hexahedron and place where it is
-  int largest_strain_element = 0;
-  Vec3 largest_strain_place = Vec3::Zero();  ///< [m] world centre of that hexahedron
-  int num_pieces = 0;                        ///< connected parts of what is left
+  Largest strain = {};                    ///< [-] greatest |D - 1| of a corner
+  Largest plastic_strain = {};            ///< [-] mean over the corners of the accumulated plastic strain
+  int num_pieces = 0;                     ///< connected parts of what is left
 };
 Summary summarise(const Body& body, ConstPoints positions);
 

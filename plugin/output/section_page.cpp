@@ -7,15 +7,14 @@
 #include <cmath>
 
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/plane_cut.hpp"
 #include "output/page.hpp"
+#include "output/picture_cut.hpp"
 
 namespace hexaplast::output {
 namespace {
 
 constexpr float kGap = 26;                      // between sections
 constexpr float kCaption = 34;                  // height of the line below a section
-constexpr int kCutParts = 4;                    // of a hexahedron along each direction
 constexpr float kBehind = 0.9f, kFront = 0.5f;  // depths
 
 /// A section as it is seen: places in its plane [m].
@@ -34,7 +33,7 @@ std::pair<Vec3, Vec3> directions(int axis) {
 
 Section section_at(const HexMesh& mesh, ConstPoints positions, const PointArray& at_nodes,
                    std::span<const unsigned char> alive, int axis, double place) {
-  const PlaneCut cut(positions, mesh.hexahedra(), {Vec3::Unit(axis), place}, alive, kCutParts);
+  const PlaneCut cut = picture_cut(mesh, positions, {Vec3::Unit(axis), place}, alive);
   PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
   cut.apply(positions, points);
   cut.apply(at_nodes, blended);

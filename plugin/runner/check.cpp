@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -35,7 +36,7 @@ struct Findings {
   double memory = 0;         // [byte] most that the process has held
   std::optional<Survey> body;
   int num_hexahedra = 0;
-  std::vector<std::string> advice;
+  std::vector<std::string> advice;  // but what the body itself has remarked, check_shapes
 };
 
 // Weight [N] under a gravity of 1 m/s^2 is the mass [kg].
@@ -91,6 +92,7 @@ Json json_of(const Survey& body) {
           {"extent", json_of(body.extent)},
           {"volume", body.volume},
           {"least_scaled_jacobian", body.quality.least_scaled_jacobian},
+          {"inside_out", body.quality.num_inside_out},
           {"worst_hexahedron", body.quality.worst_element},
           {"shortest_edge", body.quality.shortest_edge},
           {"longest_edge", body.quality.longest_edge},
@@ -100,6 +102,7 @@ Json json_of(const Survey& body) {
           {"poisson_ratio", {body.least_poisson_ratio, body.greatest_poisson_ratio}},
           {"yield_stress", number_or_null(body.yield_stress)},
           {"yield_strain", number_or_null(body.yield_strain)},
+          {"rotation_yield", number_or_null(body.rotation_yield)},
           {"flow_per_step", body.flow_per_step},
           {"rotation_flow_per_step", body.rotation_flow_per_step},
           {"restitution_per_step", body.restitution_per_step},
@@ -110,6 +113,8 @@ Json json_of(const Survey& body) {
 }
 
 Json json_of(const Findings& found) {
+  std::vector<std::string> advice = found.advice;
+  if (found.body) std::ranges::copy(check_shapes(found.body->quality), std::back_inserter(advice));
   return {{"nodes", found.num_nodes},
           {"hexahedra", found.num_hexahedra},
           {"held_nodes", found.num_held},
@@ -121,7 +126,7 @@ Json json_of(const Findings& found) {
           {"steps", found.steps ? Json(*found.steps) : Json(nullptr)},
           {"memory_bytes", found.memory},
           {"body", found.body ? json_of(*found.body) : Json(nullptr)},
-          {"advice", found.advice}};
+          {"advice", advice}};
 }
 
 std::string range(double least, double greatest) {
@@ -136,13 +141,13 @@ void print(const Survey& body) {
              range(body.quality.shortest_edge, body.quality.longest_edge));
   fmt::print("  material            E {} Pa, nu {}\n", range(body.least_young_modulus, body.greatest_young_modulus),
              range(body.least_poisson_ratio, body.greatest_poisson_ratio));
-  if (std::isfinite(body.yield_stress)) {
-    fmt::print("  yield               stress {:.6g} Pa, strain {:.4g}\n", body.yield_stress, body.yield_strain);
+  const bool yields = std::isfinite(body.yield_stress), turns = std::isfinite(body.rotation_yield);
+  fmt::print("  yield               {}\n",
+             yields ? fmt::format("stress {:.6g} Pa, strain {:.4g}", body.yield_stress, body.yield_strain) : "never");
+  fmt::print("  rotation yield      {}\n", turns ? fmt::format("{:.4g} rad", body.rotation_yield) : "never");
+  if (yields || turns)
     fmt::print("  rates times dt      flow {:.4g}, rotation flow {:.4g}, volume restitution {:.4g}\n",
                body.flow_per_step, body.rotation_flow_per_step, body.restitution_per_step);
-  } else {
-    fmt::print("  yield               never\n");
-  }
   if (body.wave_speed > 0) {
     fmt::print("  mass                {:.6g} kg, {:.6g} kg/m^3\n", body.mass, body.density);
     fmt::print("  waves               {:.4g} m/s: {:.3g} edges per step, across the body in {:.3g} steps\n",

@@ -100,11 +100,10 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
 }
 
 /// Which hexahedra a body has lost, as far as a line holds them.
-std::string removed_line(const std::vector<int>& removed, const Totals& totals, int num_pieces) {
+std::string removed_line(const std::vector<int>& removed, const Totals& totals) {
   constexpr std::size_t kMostNamed = 8;
   const std::size_t named = std::min(removed.size(), kMostNamed);
-  return fmt::format("{} in steps {} to {}, {} connected part{} left: {}{}", removed.size(), totals.first_removal,
-                     totals.latest_removal, num_pieces, num_pieces == 1 ? "" : "s",
+  return fmt::format("{} in steps {} to {}: {}{}", removed.size(), totals.first_removal, totals.latest_removal,
                      fmt::join(removed.begin(), removed.begin() + static_cast<std::ptrdiff_t>(named), ", "),
                      named < removed.size() ? ", ..." : "");
 }
@@ -155,10 +154,11 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
   add("nodes", fmt::format("{}", simulation.state().num_nodes()));
   if (const Body* body = simulation.body()) {
     const output::Summary summary = output::summarise(*body, simulation.state().positions());
-    const Vec3& place = summary.largest_strain_place;
     add("hexahedra", fmt::format("{}", body->mesh().num_elements()));
-    if (!body->history().removed.empty())
-      add("removed", removed_line(body->history().removed, totals, summary.num_pieces));
+    if (!body->history().removed.empty()) {
+      add("removed", removed_line(body->history().removed, totals));
+      add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
+    }
     add_finite(
         "plastic elongation", {summary.plastic_elongation, summary.world_elongation},
         fmt::format("{:+.3f} %  (world {:+.3f} %)", 100 * summary.plastic_elongation, 100 * summary.world_elongation));
@@ -168,9 +168,15 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
                fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
                            100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
                            100 * (summary.world_volume_ratio - 1)));
-    add_finite("largest strain", {summary.largest_strain, place.sum()},
-               fmt::format("{:.4f} in hexahedron {} at ({:.4g}, {:.4g}, {:.4g}) m", summary.largest_strain,
-                           summary.largest_strain_element, place.x(), place.y(), place.z()));
+    const auto add_largest = [&](const char* label, const char* words, const output::Largest& largest) {
+      const Vec3& place = largest.place;
+      if (largest.hexahedron >= 0)
+        add_finite(label, {largest.value, place.sum()},
+                   fmt::format("{:.4f} {} hexahedron {} at ({:.4g}, {:.4g}, {:.4g}) m", largest.value, words,
+                               largest.hexahedron, place.x(), place.y(), place.z()));
+    };
+    add_largest("largest strain", "in", summary.strain);
+    add_largest("plastic strain", "at most, in", summary.plastic_strain);
     if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
   }
   if (const std::optional<EnergyBalance>& energy = simulation.latest().energy)

@@ -4,15 +4,19 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hexaplast/mesh/quality.hpp"
+
 namespace hexaplast::runner {
 
-nlohmann::ordered_json summary_json(Simulation& simulation) {
+using Json = nlohmann::ordered_json;
+
+Json summary_json(Simulation& simulation) {
   const Body& body = *simulation.body();
   const PointArray& x = simulation.state().positions();
   const output::StepRecord& latest = simulation.latest();
   const Totals& totals = simulation.totals();
   const output::Summary summary = output::summarise(body, x);
-  const double largest_plastic_strain = std::ranges::max(body.fields(x).plastic_strain);
+  const output::Largest& plastic = summary.plastic_strain;
 
   return {{"state_hash", output::state_hash(latest.step, x, simulation.state().velocities(), &body)},
           {"steps", latest.step},
@@ -24,6 +28,8 @@ nlohmann::ordered_json summary_json(Simulation& simulation) {
           {"nodes", simulation.state().num_nodes()},
           {"hexahedra", body.mesh().num_elements()},
           {"removed", body.history().removed.size()},
+          {"connected_parts", summary.num_pieces},
+          {"least_scaled_jacobian", quality(body.mesh()).least_scaled_jacobian},
           {"plastic_elongation", summary.plastic_elongation},
           {"plastic_twist_deg", summary.plastic_twist_deg},
           {"world_elongation", summary.world_elongation},
@@ -32,7 +38,8 @@ nlohmann::ordered_json summary_json(Simulation& simulation) {
           {"volume_error", summary.material_volume_ratio - 1},
           {"world_volume_ratio", summary.world_volume_ratio},
           {"worst_element_volume_error", summary.worst_element_volume_error},
-          {"largest_plastic_strain", largest_plastic_strain},
+          {"largest_plastic_strain", plastic.value},
+          {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
           {"kinetic_energy", latest.kinetic_energy},
           {"elastic_energy", body.energy(x)},
           {"dissipated_energy", body.history().dissipated_energy}};

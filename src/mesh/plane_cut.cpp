@@ -99,7 +99,7 @@ Quad sorted(Quad face) {
 }  // namespace
 
 PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const Plane& plane,
-                   std::span<const unsigned char> alive, int parts)
+                   std::span<const unsigned char> alive, int parts, double tolerance)
     : num_nodes_(x.rows()) {
   for (const Hexahedron& corners : hexahedra) require_nodes("PlaneCut", corners, num_nodes_);
   if (!alive.empty()) require_count("PlaneCut", "alive", std::ssize(alive), std::ssize(hexahedra));
@@ -172,7 +172,8 @@ PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const P
     const Hexahedron& corners = hexahedra[e];
     std::array<double, kCorners> corner_height{};
     for (int a = 0; a < kCorners; ++a) corner_height[a] = plane.height(x.row(corners[a]).transpose());
-    for (double& height : corner_height) height = without_rounding(height, corner_height);
+    for (double& height : corner_height)
+      height = std::abs(height) < tolerance ? 0 : without_rounding(height, corner_height);
     const auto [least, most] = std::ranges::minmax(corner_height);
     if (least >= 0 || most < 0) continue;
 

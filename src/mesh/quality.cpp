@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/mesh/quality.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -31,12 +33,30 @@ MeshQuality quality(const HexMesh& mesh) {
       found.shortest_edge = std::min(found.shortest_edge, edges.minCoeff());
       found.longest_edge = std::max(found.longest_edge, edges.maxCoeff());
     }
-    if (const double shape = scaled_jacobian(x); shape < found.least_scaled_jacobian) {
+    const double shape = scaled_jacobian(x);
+    found.num_inside_out += shape <= 0;
+    if (shape < found.least_scaled_jacobian) {
       found.least_scaled_jacobian = shape;
       found.worst_element = e;
     }
   }
   return found;
+}
+
+std::vector<std::string> check_shapes(const MeshQuality& quality) {
+  std::vector<std::string> sentences;
+  if (quality.num_inside_out > 0) {
+    sentences.push_back(
+        fmt::format("{} of the hexahedra {} inside out at a corner, the worst is hexahedron {}: its scaled Jacobian is "
+                    "{:.3g}, results are wrong where it is not positive",
+                    quality.num_inside_out, quality.num_inside_out == 1 ? "is" : "are", quality.worst_element,
+                    quality.least_scaled_jacobian));
+  } else if (quality.least_scaled_jacobian < kPoorShape) {
+    sentences.push_back(
+        fmt::format("hexahedron {} is badly shaped: its scaled Jacobian is {:.3g}, results are poor below {}",
+                    quality.worst_element, quality.least_scaled_jacobian, kPoorShape));
+  }
+  return sentences;
 }
 
 }  // namespace hexaplast

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {
@@ -16,9 +19,16 @@ struct MeshQuality {
   double shortest_edge = 0;  ///< [m]
   double longest_edge = 0;   ///< [m]
   double volume = 0;         ///< [m^3]
+  int num_inside_out = 0;    ///< elements with a scaled Jacobian that is not positive
   int num_unused_nodes = 0;  ///< nodes without element
 };
 
 MeshQuality quality(const HexMesh& mesh);
+
+/// Scaled Jacobian below which the stiffness of a corner dominates its element.
+inline constexpr double kPoorShape = 0.2;
+
+/// One sentence for each thing in a mesh from which results suffer.
+std::vector<std::string> check_shapes(const MeshQuality& quality);
 
 }  // namespace hexaplast
