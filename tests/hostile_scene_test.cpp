@@ -1,61 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Scene files made to hurt: refused with a message, at once, in little memory, and never by a crash.
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <functional>
 #include <utility>
 #include <vector>
 
 #include "hexaplast/material/material.hpp"
-#include "support/command.hpp"
-
-extern char** environ;
+#include "support/cost.hpp"
 
 namespace {
 
 using hexaplast::support::Command;
 using hexaplast::support::content;
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr double kSlower = 20;  // sanitizers cost time, and memory for their shadow
-constexpr double kMegabytesMore = 300;
-#else
-constexpr double kSlower = 1;
-constexpr double kMegabytesMore = 0;
-#endif
-
-/// What a run of the command cost.
-struct Cost {
-  int code;          ///< exit code; -1: it did not exit
-  double seconds;    ///< of processor time
-  double megabytes;  ///< most memory held
-};
+using hexaplast::support::Cost;
+using hexaplast::support::cost_of;
+using hexaplast::support::kMegabytesMore;
+using hexaplast::support::kSlower;
 
 class HostileScene : public Command {
  protected:
-  Cost run(const std::string& scene) {
-    const std::string file = directory_ / scene, messages = directory_ / "err";
-    std::string program = HEXAPLAST_COMMAND, command = "run", steps = "--steps=1";
-    std::string argument = file;
-    char* arguments[] = {program.data(), command.data(), argument.data(), steps.data(), nullptr};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, 2, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    pid_t child = 0;
-    const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failure != 0) return {-1, 0, 0};
-    int status = 0;
-    rusage usage{};
-    wait4(child, &status, 0, &usage);
-    const auto seconds = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * time.tv_usec; };
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds(usage.ru_utime) + seconds(usage.ru_stime),
-            usage.ru_maxrss / 1024.0};
-  }
+  Cost run(const std::string& scene) { return cost_of({"run", directory_ / scene, "--steps=1"}, directory_ / "err"); }
 
   /// `text` is refused with `message` within 50 ms, in 20 MB and twice the file's own size.
   void expect_refused(const std::string& text, const std::string& message) {
@@ -117,7 +81,7 @@ TEST_F(HostileScene, WhatIsNoText) {
   expect_refused(std::string("<Node>\n\n\0</Node>", 16), ":3: error: the file contains a NUL byte");
   expect_refused("<Node>\n\xFF</Node>", ":2: error: the file is not valid UTF-8");
   expect_refused("<Node/>\n<Node/>", ":2: error: something stands beside the root element");
-  expect_refused("<Node>\n<Node dt='1' dt='2'/></Node>", ":2: error: an attribute is given twice");
+  expect_refused("<Node>\n<Node dt='1' dt='2'/></Node>", ":2: error: Node.dt: is given twice");
 }
 
 TEST_F(HostileScene, IncludesOfThemselvesAndOfTooMany) {

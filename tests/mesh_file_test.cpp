@@ -362,7 +362,7 @@ TEST(VtuFile, RefusesWhatItCannotRead) {
                                   {"DataArray", "288 bytes"}));
   EXPECT_TRUE(
       refuses<InputError>(reading(replaced(vtu, "type=\"UnstructuredGrid\"", "type=\"PolyData\"")), {"PolyData"}));
-  EXPECT_TRUE(refuses<InputError>(reading("<VTKFile>"), {"a.vtu:", "not well-formed"}));
+  EXPECT_TRUE(refuses<InputError>(reading("<VTKFile>"), {"a.vtu:1: <VTKFile> is never closed"}));
 }
 
 TEST(LegacyVtkFile, TakesVoxelsAndPixelsInTheirOwnOrder) {

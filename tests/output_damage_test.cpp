@@ -24,7 +24,7 @@ using support::read_with_meshio;
 using support::Scratch;
 using support::series_in;
 
-TEST(WholeFile, ReplacesFilesAloneAndFollowsLinks) {
+TEST(WholeFile, ReplacesFilesAndLinksAlone) {
   const Scratch scratch;
   const std::filesystem::path pipe = scratch / "pipe", file = scratch / "file", link = scratch / "link";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
@@ -34,12 +34,87 @@ TEST(WholeFile, ReplacesFilesAloneAndFollowsLinks) {
 
   std::ofstream(file) << "before";
   std::filesystem::create_symlink(file, link);
-  WholeFile out(link);
-  out.write("after");
-  EXPECT_EQ(content(file), "before");
-  out.commit();
-  EXPECT_EQ(content(file), "after");
-  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  {
+    WholeFile out(link);
+    out.write("after");
+    EXPECT_EQ(content(link), "before");
+    out.commit();
+  }
+  EXPECT_EQ(content(file), "before") << "what the link led to is not touched";
+  EXPECT_EQ(content(link), "after");
+  EXPECT_FALSE(std::filesystem::is_symlink(link));
+
+  // but a name on a command line stands for what it leads to
+  std::filesystem::remove(link);
+  std::filesystem::create_symlink(file, link);
+  EXPECT_EQ(output_place(link), std::filesystem::canonical(file));
+  EXPECT_EQ(output_place(file), file);
+}
+
+TEST(WholeFile, IsWrittenIntoANewPartAlone) {
+  const Scratch scratch;
+  const fs::path file = scratch / "file", part = scratch / "file.part", victim = scratch / "victim";
+  support::put(victim, "mine");
+
+  // what a killed run has left is taken away, not filled: another name of it keeps its content
+  fs::create_hard_link(victim, part);
+  {
+    WholeFile out(file);
+    EXPECT_FALSE(fs::equivalent(victim, part));
+    out.write("new");
+    EXPECT_THROW(WholeFile{file}, OutputError) << "somebody is writing it";
+    EXPECT_TRUE(fs::exists(part));
+    out.commit();
+  }
+  EXPECT_EQ(content(victim), "mine");
+  EXPECT_EQ(content(file), "new");
+
+  for (const fs::path& target : {victim, scratch / "nothing"}) {
+    fs::create_symlink(target, part);
+    EXPECT_THROW(WholeFile{file}, OutputError);
+    EXPECT_TRUE(fs::is_symlink(part));
+    fs::remove(part);
+  }
+  EXPECT_EQ(content(victim), "mine");
+  EXPECT_FALSE(fs::exists(scratch / "nothing"));
+
+  // exchanged on the way
+  WholeFile out(file);
+  out.write("newer");
+  fs::remove(part);
+  fs::create_symlink(victim, part);
+  EXPECT_THROW(out.commit(), OutputError);
+  EXPECT_EQ(content(file), "new");
+  EXPECT_EQ(content(victim), "mine");
+}
+
+TEST(InputFiles, AreKnownWhateverTheirNames) {
+  const Scratch scratch;
+  support::put(scratch / "scene", "text");
+  fs::create_symlink(scratch / "scene", scratch / "link");
+  fs::create_hard_link(scratch / "scene", scratch / "other");
+  support::put(scratch / "copy", "text");
+  const InputFiles inputs({scratch / "link", scratch / "absent"});
+  for (const char* name : {"scene", "link", "other", "./scene"}) {
+    EXPECT_TRUE(inputs.has(scratch / name)) << name;
+    EXPECT_THROW(output_place(scratch / name, inputs), OutputError);
+  }
+  EXPECT_FALSE(inputs.has(scratch / "copy"));
+  EXPECT_FALSE(inputs.has(scratch / "absent"));
+}
+
+TEST(LineFile, FollowsNoLink) {
+  const Scratch scratch;
+  support::put(scratch / "victim", "mine");
+  fs::create_symlink(scratch / "victim", scratch / "history.csv");
+  EXPECT_THROW(output::LineFile(scratch / "history.csv"), OutputError);
+  std::vector<std::byte> nothing(16);  // no bytes, and their checksum
+  StateHash hash;
+  const std::uint64_t checksum = hash.value();
+  std::memcpy(nothing.data() + 8, &checksum, 8);
+  Archive saved{std::span<const std::byte>(nothing)};
+  EXPECT_THROW(output::LineFile(scratch / "history.csv", saved), OutputError);
+  EXPECT_EQ(content(scratch / "victim"), "mine");
 }
 
 TEST(Directory, ThatCannotBeMadeIsRefused) {
@@ -77,6 +152,25 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
                                        "plot.svg",        "removed.csv"};
   EXPECT_EQ(names_in(scratch / "run"), after);
   EXPECT_EQ(content(scratch / "run/notes.txt"), "earlier");
+}
+
+TEST(Directory, WithAnInputOrALinkAmongItsFilesIsRefusedEvenIfForced) {
+  const Scratch scratch;
+  const Body body = support::yielding_block();
+  fs::create_directories(scratch / "run");
+  fs::create_directories(scratch / "elsewhere");
+  support::put(scratch / "run/mesh_000010.vtu", "the mesh of the scene");
+  support::put(scratch / "elsewhere/frame_000001.png", "mine");
+  RunPlan run = plan(1, 1);
+  run.force = true;
+  run.inputs.add(scratch / "run/mesh_000010.vtu");
+  EXPECT_THROW(Recorder(scratch / "run", body, run), OutputError);
+  EXPECT_EQ(names_in(scratch / "run"), std::vector<std::string>{"mesh_000010.vtu"});
+
+  run.inputs = {};
+  fs::create_directory_symlink(scratch / "elsewhere", scratch / "run/frames");
+  EXPECT_THROW(Recorder(scratch / "run", body, run), OutputError);
+  EXPECT_EQ(content(scratch / "elsewhere/frame_000001.png"), "mine");
 }
 
 TEST(Directory, WithSomethingElseInAFilesPlaceIsRefusedEvenIfForced) {

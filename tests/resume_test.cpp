@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstring>
 #include <thread>
 
+#include "hexaplast/base/hash.hpp"
 #include "support/command.hpp"
 
 namespace {
@@ -202,6 +204,184 @@ TEST_F(Resume, WhatIsForeignOrDamagedIsRefusedAndUntouched) {
   EXPECT_EQ(hexaplast("resume nowhere").code, 5);
   fs::create_directory(directory_ / "empty");
   EXPECT_EQ(hexaplast("resume empty").code, 5);
+}
+
+/// A directory that a stranger has made: a scene in it that needs a plugin, which lies there too, and a checkpoint.
+class ResumeOfAStranger : public Resume {
+ protected:
+  void SetUp() override {
+    Resume::SetUp();
+    fs::create_directories(directory_ / "theirs/plugins");
+    fs::create_directories(directory_ / "mine");
+    for (const char* place : {"theirs", "theirs/plugins", "mine"})
+      fs::copy_file(HEXAPLAST_PLANTED_PLUGIN, directory_ / place / "libPlanted.so");
+    std::string text = kTearingBar;
+    text.insert(text.find("<RunSettings"), "<RequiredPlugin pluginName='Planted'/>");
+    write("theirs/bar.scn", text);
+    const Outcome run = hexaplast(
+        "run theirs/bar.scn --out theirs --frames 0 --steps 20 --checkpoint every=10 --plugin-path "
+        "theirs/plugins --final victim.json --summary victim.txt");
+    ASSERT_EQ(run.code, 0) << run.err;
+    ASSERT_TRUE(fs::exists(directory_ / "planted_code_has_run")) << "loading it does no harm that could be seen";
+    for (const char* file : {"planted_code_has_run", "theirs/planted_code_has_run"}) fs::remove(directory_ / file);
+    for (const char* file : {"victim.json", "victim.txt"}) write(file, "mine");
+  }
+
+  void expect_harmless(const std::string& line, int code, const std::string& message) {
+    const Outcome outcome = shell(line);
+    EXPECT_EQ(outcome.code, code) << line << "\n" << outcome.err;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << line << "\n" << outcome.err;
+    for (const auto& entry : fs::recursive_directory_iterator(directory_))
+      EXPECT_NE(entry.path().filename(), "planted_code_has_run") << line << ": " << entry.path();
+    for (const char* file : {"victim.json", "victim.txt"}) EXPECT_EQ(content(directory_ / file), "mine") << line;
+  }
+
+  /// Replaces some bytes in the section `run` of the newest checkpoint, by as many others, and mends the checksum.
+  void forge(const std::string& what, const std::string& by) {
+    ASSERT_EQ(what.size(), by.size());
+    const fs::path file = directory_ / "theirs/checkpoint_000000020.hxc";
+    std::string bytes = content(file);
+    const std::size_t head = 8 + 4 + 4 + 8 + 8;
+    ASSERT_EQ(bytes.substr(head, 4), std::string("run\0", 4));
+    std::uint64_t size = 0;
+    std::memcpy(&size, bytes.data() + head + 8, 8);
+    const std::size_t at = bytes.find(what, head + 16);
+    ASSERT_LT(at, head + 16 + size) << what;
+    bytes.replace(at, what.size(), by);
+    hexaplast::StateHash hash;
+    hash.add(bytes.data() + head, 16 + size);
+    const std::uint64_t checksum = hash.value();
+    std::memcpy(bytes.data() + head + 16 + size, &checksum, 8);
+    write("theirs/checkpoint_000000020.hxc", bytes);
+  }
+
+  const std::string command_ = "'" HEXAPLAST_COMMAND "' ";
+};
+
+// The run that the stranger carried out knew the plugin's folder and wrote files elsewhere: that was the stranger's
+// will.
+TEST_F(ResumeOfAStranger, LoadsNothingFromTheRunsDirectoryAndWritesNothingElsewhere) {
+  const std::string missing = "there is no libPlanted.so", below = "from which nothing is loaded";
+  expect_harmless(command_ + "resume theirs --steps 40", 6, missing);
+  expect_harmless("cd theirs && " + command_ + "resume . --steps 40", 6, missing);
+  for (const char* path : {"theirs", "theirs/plugins", "./mine/../theirs", "link", "mine/link"}) {
+    if (!fs::exists(directory_ / "link")) fs::create_directory_symlink("theirs", directory_ / "link");
+    if (!fs::exists(directory_ / "mine/link"))
+      fs::create_directory_symlink("../theirs/plugins", directory_ / "mine/link");
+    expect_harmless(command_ + "resume theirs --steps 40 --plugin-path " + path, 6, below);
+    expect_harmless(command_ + "resume link --steps 40 --plugin-path " + path, 6, below);
+  }
+  expect_harmless("cd theirs && " + command_ + "resume . --steps 40 --plugin-path .", 6, below);
+  expect_harmless("cd theirs && LD_LIBRARY_PATH=. " + command_ + "resume . --steps 40 --plugin-path plugins", 6, below);
+  fs::create_directory(directory_ / "linked");
+  fs::create_symlink("../theirs/libPlanted.so", directory_ / "linked/libPlanted.so");
+  expect_harmless(command_ + "resume theirs --steps 40 --plugin-path linked", 6, below);
+
+  // the same plugin from where the user has it
+  const Outcome mine = hexaplast("resume theirs --steps 40 --plugin-path mine --final last.json --summary last.txt");
+  EXPECT_EQ(mine.code, 0) << mine.err;
+  EXPECT_TRUE(fs::exists(directory_ / "planted_code_has_run")) << "the working directory is the user's";
+  for (const char* file : {"last.json", "last.txt"}) EXPECT_TRUE(fs::exists(directory_ / file)) << file;
+  for (const char* file : {"victim.json", "victim.txt"}) EXPECT_EQ(content(directory_ / file), "mine");
+}
+
+// With the plugin where it may be loaded from: whatever else is wrong is found before.
+TEST_F(ResumeOfAStranger, LoadsNothingBeforeEverythingIsChecked) {
+  const std::string resume = command_ + "resume theirs --plugin-path mine ";
+  expect_harmless(resume, 2, "has all 20 steps of the run already");
+  expect_harmless(resume + "--steps 40 --final nowhere/last.json", 5, "nowhere/last.json.part: cannot be created");
+  expect_harmless(resume + "--steps 40 --final theirs/bar.scn", 5, "is an input");
+  expect_harmless(resume + "--steps 40 --final theirs/checkpoint_000000020.hxc", 5, "is an input");
+  expect_harmless(resume + "--steps x", 2, "--steps");
+
+  const std::string history = content(directory_ / "theirs/history.csv"),
+                    scene = content(directory_ / "theirs/bar.scn");
+  write("theirs/history.csv", "step,time\n");
+  expect_harmless(resume + "--steps 40", 3, "history.csv does not begin with");
+  write("theirs/history.csv", history);
+  write("theirs/bar.scn", scene.substr(0, scene.find("2e4")) + "3" + scene.substr(scene.find("2e4") + 1));
+  expect_harmless(resume + "--steps 40", 3, "is of another scene");
+  write("theirs/bar.scn", scene);
+
+  std::string bytes = content(directory_ / "theirs/checkpoint_000000020.hxc");
+  bytes[8] = 1;  // an earlier format, which told where to look for plugins
+  write("theirs/checkpoint_000000020.hxc", bytes);
+  expect_harmless(resume + "--steps 40", 3, "has format version 1, must be 2");
+  bytes[8] = 2;
+  bytes[100] = static_cast<char>(bytes[100] ^ 1);
+  write("theirs/checkpoint_000000020.hxc", bytes);
+  expect_harmless(resume + "--steps 40", 3, "is damaged");
+}
+
+TEST_F(ResumeOfAStranger, AForgedRecordIsRefusedOrHarmless) {
+  const auto number = [](std::int64_t value) { return std::string(reinterpret_cast<const char*>(&value), 8); };
+  const std::string resume = command_ + "resume theirs --plugin-path mine --steps 40", given(1, 1);
+  const std::string path = (directory_ / "theirs/bar.scn").string();
+  const fs::path checkpoint = directory_ / "theirs/checkpoint_000000020.hxc";
+  const std::string sound = content(checkpoint);
+  forge(given + number(10), given + number(0));
+  expect_harmless(resume, 3, "is damaged");
+  write("theirs/checkpoint_000000020.hxc", sound);
+  forge(given + number(20), given + number(-20));
+  expect_harmless(resume, 3, "is damaged");
+  write("theirs/checkpoint_000000020.hxc", sound);
+
+  // another scene in its place, whose text is not the one of the run
+  write("theirs/baz.scn", kTearingBar);
+  forge(path, path.substr(0, path.size() - 7) + "baz.scn");
+  expect_harmless(resume, 3, "is of another scene");
+}
+
+TEST_F(Resume, FollowsNoLinkOutOfTheRunsDirectory) {
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20").code, 0);
+  fs::create_directory(directory_ / "elsewhere");
+  write("elsewhere/frame_000001.png", "mine");
+  for (const char* name : {"mesh.pvd", "report.html", "manifest.json", "plot.svg", "mesh_000040.vtu",
+                           "mesh_000024.vtu.part", "surface.pvd"}) {
+    write(std::string("elsewhere/") + name, "mine");
+    fs::remove(directory_ / "run" / name);
+    fs::create_symlink(directory_ / "elsewhere" / name, directory_ / "run" / name);
+  }
+  fs::create_directory_symlink(directory_ / "elsewhere", directory_ / "run/frames");
+  const Outcome refused = hexaplast("resume run --steps 40");
+  EXPECT_EQ(refused.code, 5) << refused.err;
+  EXPECT_NE(refused.err.find("run/frames: is a symbolic link"), std::string::npos) << refused.err;
+  fs::remove(directory_ / "run/frames");
+  const Outcome resumed = hexaplast("resume run --steps 40");
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  for (const auto& entry : fs::directory_iterator(directory_ / "elsewhere"))
+    EXPECT_EQ(content(entry.path()), "mine") << entry.path();
+
+  const std::string history = content(directory_ / "run/history.csv");
+  write("elsewhere/history.csv", history);
+  fs::remove(directory_ / "run/history.csv");
+  fs::create_symlink(directory_ / "elsewhere/history.csv", directory_ / "run/history.csv");
+  EXPECT_EQ(hexaplast("resume run --steps 60").code, 5);
+  EXPECT_EQ(content(directory_ / "elsewhere/history.csv"), history);
+}
+
+// What the scene of a stranger writes lies in the run's directory too, and needs its own leave to lie elsewhere.
+TEST_F(Resume, TheScenesFilesStayInTheRunsDirectory) {
+  std::string text = kTearingBar;
+  text.insert(text.find("<FixedProjective"), "<WriteState filename='states.txt'/>");
+  write("bar.scn", text);
+  ASSERT_EQ(hexaplast("run bar.scn --out straight --frames 0").code, 0);
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20").code, 0);
+  EXPECT_EQ(hexaplast("resume run --steps 40").code, 0);
+  EXPECT_EQ(content(directory_ / "run/states.txt"), content(directory_ / "straight/states.txt"));
+  EXPECT_FALSE(content(directory_ / "run/states.txt").empty());
+
+  text.replace(text.find("states.txt"), 10, "../states.txt");
+  write("bar.scn", text);
+  EXPECT_EQ(hexaplast("run bar.scn --out other --frames 0").code, 3);
+  ASSERT_EQ(hexaplast("run bar.scn --out else --frames 0 --checkpoint every=10 --steps 20 --allow-outside").code, 0);
+  write("states.txt", content(directory_ / "states.txt") + "mine");
+  const std::string before = content(directory_ / "states.txt");
+  const Outcome refused = hexaplast("resume else --steps 40");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("hint: --allow-outside permits that"), std::string::npos) << refused.err;
+  EXPECT_EQ(content(directory_ / "states.txt"), before);
+  EXPECT_EQ(hexaplast("resume else --steps 40 --allow-outside").code, 0);
 }
 
 TEST_F(Resume, TheCommandLineIsChecked) {

@@ -26,12 +26,20 @@ class Export : public testing::Test {
   }
   ~Export() override { fs::remove_all(folder_); }
 
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  fs::path path(const std::string& name) const { return folder_ / name; }
+  scene::OutputRules below() const { return {.directory = folder_}; }
   std::string content(const std::string& name) const {
-    std::ifstream stream(folder_ / name);
+    std::ifstream stream(folder_ / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
   std::size_t num_files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
+
+  /// One node that falls.
+  static std::string falling(const std::string& more) {
+    return in_root(
+        "gravity='0 0 -8' dt='0.5'",
+        "<MechanicalObject name='nodes' position='1 0 0' velocity='0 2 0'/><UniformMass vertexMass='1'/>" + more);
+  }
 
   static std::string box(const std::string& more) {
     return in_root("gravity='0 0 -9.81' dt='0.125'",
@@ -46,10 +54,10 @@ class Export : public testing::Test {
 
 // Read back by the reader of .vtu files, whose own tests rest on meshio.
 TEST_F(Export, VtkFilesHoldTheStateWithAllItsBits) {
-  scene::Scene scene =
-      read_and_init(box("<VTKExporter filename='" + path("state.vtu") +
-                        "' exportEveryNumberOfSteps='2' exportAtBegin='true' hexas='true' quads='1' edges='0' "
-                        "pointsDataFields='speed=nodes.velocity nodes.rest_position'/>"));
+  scene::Scene scene = read_and_init(
+      box("<VTKExporter filename='state.vtu' exportEveryNumberOfSteps='2' exportAtBegin='true' hexas='true' "
+          "quads='1' edges='0' pointsDataFields='speed=nodes.velocity nodes.rest_position'/>"),
+      below());
   const PointArray first = at<scene::MechanicalState>(scene, "nodes").positions();
   EXPECT_EQ(num_files(), 0u) << "nothing is written before a step";
   PointArray second;
@@ -69,10 +77,9 @@ TEST_F(Export, VtkFilesHoldTheStateWithAllItsBits) {
 }
 
 TEST_F(Export, OneFileMayBeWrittenAgainAndAgain) {
-  scene::Scene scene = read_and_init(box("<VTKExporter filename='" + path("state") +
-                                         "' exportEveryNumberOfSteps='1' overwrite='1'/>"
-                                         "<VTKExporter filename='" +
-                                         path("never") + "' exportEveryNumberOfSteps='1' enable='0'/>"));
+  scene::Scene scene = read_and_init(box("<VTKExporter filename='state' exportEveryNumberOfSteps='1' overwrite='1'/>"
+                                         "<VTKExporter filename='never' exportEveryNumberOfSteps='1' enable='0'/>"),
+                                     below());
   for (int k = 0; k < 3; ++k) scene.step();
   EXPECT_EQ(num_files(), 1u);
   EXPECT_EQ(read_vtk(path("state.vtu")).positions, at<scene::MechanicalState>(scene, "nodes").positions());
@@ -80,11 +87,12 @@ TEST_F(Export, OneFileMayBeWrittenAgainAndAgain) {
 }
 
 TEST_F(Export, OfANodeBelowShowsWhatFollows) {
-  scene::Scene scene = read_and_init(box(
-      "<Node name='skin'><MeshTopology triangles='0 1 2'/><MechanicalObject name='points' position='.2 .2 .2  .9 .2 "
-      ".4  .5 .8 .6'/><BarycentricMapping/><VTKExporter filename='" +
-      path("skin") + "' exportEveryNumberOfSteps='1' edges='0' triangles='1'/><WriteState filename='" +
-      path("skin.txt") + "' time='0.125'/></Node>"));
+  scene::Scene scene = read_and_init(
+      box("<Node name='skin'><MeshTopology triangles='0 1 2'/><MechanicalObject name='points' position='.2 .2 .2  .9 "
+          ".2 "
+          ".4  .5 .8 .6'/><BarycentricMapping/><VTKExporter filename='skin' exportEveryNumberOfSteps='1' edges='0' "
+          "triangles='1'/><WriteState filename='skin.txt' time='0.125'/></Node>"),
+      below());
   scene.step();
   const ImportedMesh mesh = read_vtk(path("skin0.vtu"));
   EXPECT_EQ(mesh.positions, at<scene::MechanicalState>(scene, "skin/points").positions());
@@ -97,10 +105,8 @@ TEST_F(Export, OfANodeBelowShowsWhatFollows) {
 // One node falls: at the beginning of step k it is where k steps have brought it.
 TEST_F(Export, StatesAreWrittenAtTheBeginningOfSteps) {
   const auto written = [&](const std::string& attributes, int steps) {
-    scene::Scene scene = read_and_init(in_root("gravity='0 0 -8' dt='0.5'",
-                                               "<MechanicalObject position='1 0 0' velocity='0 2 0'/><UniformMass "
-                                               "vertexMass='1'/><WriteState filename='" +
-                                                   path("state.txt") + "' " + attributes + "/>"));
+    scene::Scene scene = read_and_init(falling("<WriteState filename='state.txt' " + attributes + "/>"),
+                                       {.directory = path(""), .replaces = true});
     for (int k = 0; k < steps; ++k) scene.step();
     return content("state.txt");
   };
@@ -112,8 +118,8 @@ TEST_F(Export, StatesAreWrittenAtTheBeginningOfSteps) {
 
 TEST_F(Export, RefusesPlacesAndFieldsThatAreNot) {
   const std::string exporter = "test.scn:1: error: VTKExporter.";
-  EXPECT_EQ(errors_of(box("<VTKExporter filename='" + path("none/state") + "'/>")),
-            exporter + "filename: '" + path("none") + "' is no directory");
+  EXPECT_EQ(errors_of(box("<VTKExporter filename='" + path("none/state").string() + "'/>"), {.allows_outside = true}),
+            exporter + "filename: '" + path("none").string() + "' is no directory");
   EXPECT_EQ(errors_of(box("<VTKExporter pointsDataFields='nodes.speed'/>")),
             exporter + "pointsDataFields: 'nodes.speed': MechanicalObject has no attribute 'speed'");
   EXPECT_EQ(errors_of(box("<VTKExporter pointsDataFields='a=grid.n'/>")),
@@ -121,8 +127,109 @@ TEST_F(Export, RefusesPlacesAndFieldsThatAreNot) {
   EXPECT_NE(errors_of(box("<VTKExporter exportAtEnd='true'/>")), "");
   EXPECT_EQ(errors_of(box("<WriteState/>")), "test.scn:1: error: WriteState.filename: is not given, must name a file");
   scene::Scene scene = read_and_init(
-      box("<VTKExporter filename='" + path("x") + "' exportEveryNumberOfSteps='1' cellsDataFields='nodes.position'/>"));
+      box("<VTKExporter filename='x' exportEveryNumberOfSteps='1' cellsDataFields='nodes.position'/>"), below());
   EXPECT_THROW(scene.step(), scene::SceneError);
+}
+
+// Whatever a scene says, what it writes lies below the directory that the host gave.
+TEST_F(Export, GoesBelowItsDirectoryAlone) {
+  fs::create_directories(path("run"));
+  fs::create_directories(path("other"));
+  fs::create_directory_symlink(path("other"), path("run/away"));
+  fs::create_symlink(path("other/victim"), path("run/link.txt"));
+  std::ofstream(path("other/victim")) << "mine";
+  const scene::OutputRules inside{.directory = path("run"), .replaces = true, .how_outside = "ask for it"};
+  for (const std::string& name :
+       {path("other/x.txt").string(), path("run/x.txt").string(), std::string("../other/x.txt"),
+        std::string("a/../../other/x.txt"), std::string("a/../x.txt"), std::string("away/x.txt"),
+        std::string("link.txt"), std::string(".."), std::string("a/")}) {
+    for (const char* exporter : {"WriteState", "VTKExporter overwrite='1'"}) {
+      const std::string class_name = std::string(exporter).substr(0, std::string(exporter).find(' '));
+      if (class_name == "VTKExporter" && (name == "link.txt" || name == ".." || name == "a/")) continue;  // adds .vtu
+      const std::string error = errors_of(falling(std::string("<") + exporter + " filename='" + name + "'/>"), inside);
+      EXPECT_EQ(error.find("test.scn:1: error: " + class_name + ".filename: '"), 0u) << name << ": " << error;
+      const bool names_a_file = name != "a/" && name != "..";
+      EXPECT_TRUE(!names_a_file || error.find("\n  hint: ask for it") != error.npos) << error;
+    }
+  }
+  EXPECT_EQ(content("other/victim"), "mine");
+  EXPECT_FALSE(fs::exists(path("other/x.txt")));
+
+  // folders below it are made; elsewhere they must be there, and the host must allow it
+  scene::Scene scene = read_and_init(falling("<WriteState filename='deep/er/x.txt'/>"), inside);
+  EXPECT_FALSE(fs::exists(path("run/deep"))) << "nothing is written before a step";
+  scene.step();
+  EXPECT_EQ(content("run/deep/er/x.txt"), "T= 0\n  X= 1 0 0\n");
+  scene::OutputRules anywhere = inside;
+  anywhere.allows_outside = true;
+  for (const std::string& name :
+       {path("other/x.txt").string(), std::string("../other/y.txt"), std::string("away/z.txt")})
+    read_and_init(falling("<WriteState filename='" + name + "'/>"), anywhere).step();
+  for (const char* name : {"other/x.txt", "other/y.txt", "other/z.txt"})
+    EXPECT_EQ(content(name), "T= 0\n  X= 1 0 0\n") << name;
+}
+
+TEST_F(Export, ReplacesFilesOnlyWhereTheHostSaysSoAndInputsNever) {
+  std::ofstream(path("state.txt")) << "mine";
+  std::ofstream(path("beam7.vtu")) << "mine";
+  std::ofstream(path("mesh.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  fs::create_hard_link(path("mesh.obj"), path("other.obj"));
+  fs::create_hard_link(path("state.txt"), path("kept.txt"));
+  scene::OutputRules rules = below();
+  rules.how_to_replace = "say so";
+  EXPECT_EQ(
+      errors_of(falling("<WriteState filename='state.txt'/>"), rules),
+      "test.scn:1: error: WriteState.filename: '" + path("state.txt").string() + "' is there already\n  hint: say so");
+  EXPECT_NE(errors_of(falling("<VTKExporter filename='beam'/>"), rules).find("beam7.vtu' is there already"),
+            std::string::npos);
+  rules.replaces = true;
+  read_and_init(falling("<WriteState filename='state.txt'/><VTKExporter filename='beam'/>"), rules).step();
+  EXPECT_EQ(content("state.txt"), "T= 0\n  X= 1 0 0\n");
+  EXPECT_EQ(content("kept.txt"), "mine") << "another name of the file that was there";
+
+  for (const char* name : {"mesh.obj", "other.obj"})
+    EXPECT_EQ(errors_of(falling("<MeshOBJLoader filename='" + path("mesh.obj").string() + "'/><WriteState filename='" +
+                                name + "'/>"),
+                        rules),
+              "test.scn:1: error: WriteState.filename: '" + path(name).string() +
+                  "' is read by this scene, and what is read is never written over");
+  rules.is_taken = [&](const fs::path& file) { return file == path("history.csv"); };
+  EXPECT_NE(errors_of(falling("<WriteState filename='history.csv'/>"), rules).find("is written by the run itself"),
+            std::string::npos);
+  for (const char* two : {"<WriteState filename='a.txt'/><WriteState filename='./a.txt'/>",
+                          "<VTKExporter filename='b'/><VTKExporter filename='b1'/>",
+                          "<VTKExporter filename='b'/><WriteState filename='b12.vtu'/>",
+                          "<VTKExporter/><Node><VTKExporter name='VTKExporter1'/></Node>"})
+    EXPECT_NE(errors_of(falling(two), rules).find("is written by another component too"), std::string::npos) << two;
+  EXPECT_EQ(errors_of(falling("<VTKExporter filename='b'/><VTKExporter filename='ba'/><WriteState filename='b.vtu'/>"),
+                      rules),
+            "");
+}
+
+TEST_F(Export, BeginsAnewAfterReset) {
+  scene::Scene scene = read_and_init(
+      box("<WriteState filename='state.txt'/><VTKExporter filename='s' exportEveryNumberOfSteps='1'/>"), below());
+  scene.step();
+  const std::string first = content("state.txt"), picture = content("s0.vtu");
+  ASSERT_EQ(first.substr(0, 5), "T= 0\n");
+  scene.step();
+  EXPECT_GT(content("state.txt").size(), first.size());
+  EXPECT_EQ(num_files(), 3u);
+  fs::remove(path("s0.vtu"));
+
+  scene.reset();
+  scene.step();
+  EXPECT_EQ(content("state.txt"), first);
+  EXPECT_EQ(content("s0.vtu"), picture) << "numbers begin anew too";
+  EXPECT_EQ(num_files(), 3u);
+}
+
+TEST_F(Export, OfAHostThatOnlyTriesThingsWritesNothing) {
+  scene::Scene scene =
+      read_and_init(falling("<WriteState filename='/no/where'/><VTKExporter exportEveryNumberOfSteps='1'/>"),
+                    {.directory = path(""), .writes = false});
+  scene.step();
+  EXPECT_EQ(num_files(), 0u);
 }
 
 }  // namespace

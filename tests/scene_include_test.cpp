@@ -112,7 +112,7 @@ TEST_F(SceneInclude, ErrorsShowTheChainOfFiles) {
             "parts/b.xml:4: error: Nonsense: unknown component\n  included at parts/a.xml:3\n  included at main.scn:2");
   write("parts/b.xml", "<Node>\n<BoxROI></Node>");
   EXPECT_EQ(errors_of("main.scn"),
-            "parts/b.xml:2: error: an element is closed by another one's end, or not at all\n"
+            "parts/b.xml:2: error: </Node> stands where </BoxROI> must close the <BoxROI> of line 2\n"
             "  included at parts/a.xml:3\n  included at main.scn:2");
 }
 

@@ -221,7 +221,7 @@ TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
 
 TEST(SceneReading, FilesThatAreNoPlainXmlAreRefusedWithTheirLine) {
   EXPECT_EQ(errors_of("<!DOCTYPE scene [<!ENTITY a 'b'>]>\n<Node/>"),
-            "test.scn:1: error: document types and entities are not allowed in a scene");
+            "test.scn:1: error: document types and entities are not allowed");
   EXPECT_EQ(errors_of("<Node>\n\n<RunSettings tags='&x;'/></Node>"),
             "test.scn:3: error: unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
   for (const char* reference : {"&#0;", "&#x0;", "&#xD800;", "&#x110000;", "&#;", "&#xg;"})
@@ -230,14 +230,15 @@ TEST(SceneReading, FilesThatAreNoPlainXmlAreRefusedWithTheirLine) {
         "test.scn:1: error: unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
   EXPECT_EQ(errors_of("<Node/>\n<Node/>"),
             "test.scn:2: error: something stands beside the root element, must be one <Node> alone");
-  EXPECT_EQ(errors_of("<Node>\n<Node name='a' name='b'/></Node>"),
-            "test.scn:2: error: an attribute is given twice, or is not of the form name=\"value\"");
+  EXPECT_EQ(errors_of("<Node>\n<Node name='a' name='b'/></Node>"), "test.scn:2: error: Node.name: is given twice");
   EXPECT_EQ(errors_of("<Node>\n\xC3</Node>"), "test.scn:2: error: the file is not valid UTF-8");
   EXPECT_EQ(errors_of("<Node>\n<!-- \xED\xA0\x80 --></Node>"), "test.scn:2: error: the file is not valid UTF-8");
   EXPECT_EQ(errors_of(std::string("<Node>\n\0</Node>", 15)),
             "test.scn:2: error: the file contains a NUL byte: must be text");
-  EXPECT_EQ(errors_of(""), "test.scn: error: the file holds no element, must hold one <Node>");
-  EXPECT_NE(errors_of("<Node>").find("test.scn:"), std::string::npos);
+  EXPECT_EQ(errors_of(""), "test.scn:1: error: the file holds no element, must hold one <Node>");
+  EXPECT_EQ(errors_of("\n<Node>"), "test.scn:2: error: <Node> is never closed");
+  EXPECT_EQ(errors_of("<Node>\n<Node>\n</Nod></Node>"),
+            "test.scn:3: error: </Nod> stands where </Node> must close the <Node> of line 2");
 }
 
 TEST(SceneReading, CommentsEntitiesAndWindowsLineEndsAreFine) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/whole_file.hpp"
 #include "hexaplast/mesh/file_export.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/links.hpp"
@@ -28,18 +31,25 @@ class Exporter : public scene::Component {
   void refresh() override {}  // files hold what there is when they are written
 
  protected:
-  /// Rejects a place where no file can be.
-  void check_place(const fs::path& file) {
-    const fs::path folder = file.parent_path();
-    if (!folder.empty() && !fs::is_directory(folder))
-      reject("filename", fmt::format("'{}' is no directory", folder.string()));
-    if (fs::exists(file) && !fs::is_regular_file(file))
-      reject("filename", fmt::format("'{}' is not a file", file.string()));
+  /// Where files of that name go; rejects a name to which nothing may be written.
+  fs::path claim(const fs::path& name, bool is_series) {
+    try {
+      return node().files().claim(name, is_series);
+    } catch (const scene::OutputRefusal& refusal) {
+      reject("filename", refusal.what(), refusal.hint());
+    }
   }
 
-  [[noreturn]] void fail(const fs::path& file) {
-    throw scene::FileError(
-        scene::format_error(place(), fmt::format("{}: '{}' cannot be written", class_name(), file.string())));
+  bool writes() const { return node().files().rules.writes; }
+
+  /// Turns what goes wrong with a file into an error of the scene's.
+  template <class Write>
+  void attempt(const Write& write) {
+    try {
+      write();
+    } catch (const OutputError& error) {
+      throw scene::FileError(scene::format_error(place(), fmt::format("{}: {}", class_name(), error.what())));
+    }
   }
 };
 
@@ -48,7 +58,11 @@ class VTKExporter final : public Exporter {
   VTKExporter() : Exporter(attributes::kVTKExporter) {}
 
   void bwd_init() override {
-    check_place(file());
+    fs::path name = text("filename").empty() ? this->name() : text("filename");
+    if (name.extension() == ".vtu") name.replace_extension();
+    is_series_ = !boolean("overwrite");
+    if (!is_series_) name += ".vtu";
+    place_ = claim(name, is_series_);
     collect(field_sources_.points, "pointsDataFields");
     collect(field_sources_.cells, "cellsDataFields");
     num_steps_ = num_files_ = 0;
@@ -62,6 +76,7 @@ class VTKExporter final : public Exporter {
     ++num_steps_;
     if (num_steps_ % every == 0) write();
   }
+  void reset() override { num_steps_ = num_files_ = 0; }
   void serialize(Archive& archive) override { archive(num_steps_, num_files_); }
 
  private:
@@ -112,12 +127,9 @@ class VTKExporter final : public Exporter {
     std::vector<std::vector<double>> values;  // of each field
   };
 
-  fs::path file() {
-    fs::path path = text("filename").empty() ? name() : text("filename");
-    if (path.extension() == ".vtu") path.replace_extension();
-    if (!boolean("overwrite")) path += std::to_string(num_files_);
-    path += ".vtu";
-    return path;
+  fs::path file() const {
+    if (!is_series_) return place_;
+    return fs::path(place_) += std::to_string(num_files_) + ".vtu";
   }
 
   // Words of the form [name=]path.attribute.
@@ -158,6 +170,7 @@ class VTKExporter final : public Exporter {
   }
 
   void write() {
+    if (!writes()) return;
     std::vector<double> own_points;
     if (is_given("position")) {
       own_points = reals("position");
@@ -176,20 +189,20 @@ class VTKExporter final : public Exporter {
     mesh.cell_fields = fields(field_sources_.cells, "cellsDataFields", cells.is_left.size());
     cells.leave_out(mesh.cell_fields);
 
-    // whole under its own name, or not at all
-    const fs::path whole = file(), part = whole.string() + ".part";
-    std::ofstream stream(part, std::ios::binary);
-    stream << vtu_text(mesh);
-    stream.close();
-    std::error_code failure;
-    if (stream) fs::rename(part, whole, failure);
-    if (!stream || failure) fail(whole);
+    attempt([&] {
+      node().files().prepare(file());
+      WholeFile out(file());
+      out.write(vtu_text(mesh));
+      out.commit();
+    });
     ++num_files_;
   }
 
   struct {
     std::vector<Source> points, cells;
   } field_sources_;
+  fs::path place_;  // of the file, or of the series
+  bool is_series_ = true;
   int num_steps_ = 0, num_files_ = 0;
 };
 
@@ -198,10 +211,9 @@ class WriteState final : public Exporter {
   WriteState() : Exporter(attributes::kWriteState) {}
 
   void init() override {
-    file_ = text("filename");
-    if (file_.empty()) reject("filename", "is not given, must name a file");
-    if (file_.extension() == ".gz") reject("filename", "ends in .gz: compressed files are not written here");
-    check_place(file_);
+    const fs::path name = text("filename");
+    if (name.empty()) reject("filename", "is not given, must name a file");
+    if (name.extension() == ".gz") reject("filename", "ends in .gz: compressed files are not written here");
     state_ = &needed_ready<scene::MechanicalState>();
     times_ = reals("time");
     period_ = real_if_given("period");
@@ -213,16 +225,24 @@ class WriteState final : public Exporter {
     }
   }
 
+  void bwd_init() override { file_ = claim(text("filename"), false); }
+
   void begin_step() override {
-    if (is_due(node().clock().time, node().clock().dt)) write(node().clock().time);
+    if (!writes()) return;
+    if (size_ > 0 && !stream_.is_open()) attempt([&] { go_on(); });
+    if (is_due(node().clock().time, node().clock().dt)) attempt([&] { write(node().clock().time); });
   }
   void reset() override {
     next_ = 0;
     latest_ = 0;
+    size_ = 0;
+    stream_.close();  // the next state begins the file anew
   }
   void serialize(Archive& archive) override {
     archive(next_, latest_, size_);
-    if (archive.reads() && size_ > 0) go_on();
+    if (!archive.reads() || !writes()) return;
+    stream_.close();
+    if (size_ > 0) require_saved();
   }
 
  private:
@@ -237,25 +257,45 @@ class WriteState final : public Exporter {
     return true;
   }
 
-  /// Cuts off what was written after the checkpoint.
-  void go_on() {
+  void require_saved() {
     std::error_code failure;
     const std::uintmax_t present = fs::file_size(file_, failure);
     if (failure || present < size_)
       throw InputError(fmt::format("'{}' has not the {} bytes that the checkpoint knows of", file_.string(), size_));
-    stream_.close();
-    fs::resize_file(file_, size_, failure);
-    if (!failure) stream_.open(file_, std::ios::binary | std::ios::app);
-    if (failure || !stream_) fail(file_);
+    attempt([&] { node().files().prepare(file_); });
   }
 
+  /// Cuts off what was written after the checkpoint.
+  void go_on() {
+    open(O_WRONLY);
+    std::error_code failure;
+    fs::resize_file(file_, size_, failure);
+    if (failure) fail();
+  }
+
+  void begin() {
+    node().files().prepare(file_);
+    std::error_code failure;
+    fs::remove(file_, failure);  // not emptied: other names of that file keep it
+    open(O_WRONLY | O_CREAT | O_EXCL);
+  }
+
+  /// Where lines follow those that are there.
+  void open(int flags) {
+    std::fclose(open_in_place(file_, flags, "wb"));
+    stream_.open(file_, std::ios::binary | std::ios::app);
+    if (!stream_) fail();
+  }
+
+  [[noreturn]] void fail() const { throw OutputError(fmt::format("'{}' cannot be written", file_.string())); }
+
   void write(double time) {
-    if (!stream_.is_open()) stream_.open(file_, std::ios::binary);
+    if (!stream_.is_open()) begin();
     fmt::print(stream_, "T= {}\n", time);
     if (boolean("writeX")) write("X", state_->positions());
     if (boolean("writeX0")) write("X0", state_->rest_positions());
     if (boolean("writeV")) write("V", state_->velocities());
-    if (!stream_.flush()) fail(file_);
+    if (!stream_.flush()) fail();
     size_ = static_cast<std::uint64_t>(stream_.tellp());
   }
   void write(const char* name, const PointArray& field) {

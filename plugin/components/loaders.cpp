@@ -47,6 +47,7 @@ class MeshLoader final : public scene::Component {
   }
 
   ImportedMesh loaded() {
+    node().files().inputs.add(path());
     ImportedMesh mesh;
     try {
       mesh = read_(path());

@@ -136,8 +136,10 @@ class SparseGridTopology final : public GridTopology {
   ImportedMesh loaded() {
     const std::string& name = text("fileTopology");
     if (name.empty()) reject("fileTopology", "is not given, must name a mesh file");
+    const std::filesystem::path file = std::filesystem::path(place().file).parent_path() / name;
+    node().files().inputs.add(file);
     try {
-      return read_mesh(std::filesystem::path(place().file).parent_path() / name);
+      return read_mesh(file);
     } catch (const InputError& error) {
       reject("fileTopology", error.what());
     }

@@ -74,15 +74,12 @@ std::string last_line(std::FILE* file) {
 }  // namespace
 
 Ffmpeg::Ffmpeg(fs::path file, double frames_per_second)
-    : file_(std::move(file)),
-      part_(file_.string() + std::string(kPart)),
-      program_(find_program("ffmpeg")),
-      frames_per_second_(frames_per_second) {
+    : file_(std::move(file)), program_(find_program("ffmpeg")), frames_per_second_(frames_per_second) {
   if (program_.empty())
     throw OutputError(fmt::format(
         "{}: needs the program ffmpeg, which is not on the PATH; a name that ends in .png makes an animated PNG",
         file_.string()));
-  WholeFile place(file_);  // refuses what must not be replaced, and a directory that cannot be written
+  place_.emplace(file_);  // refuses what must not be replaced, and a directory that cannot be written
 }
 
 Ffmpeg::~Ffmpeg() {
@@ -92,7 +89,6 @@ Ffmpeg::~Ffmpeg() {
     ::waitpid(process_, nullptr, 0);
   }
   if (messages_) std::fclose(messages_);
-  ::unlink(part_.c_str());
 }
 
 void Ffmpeg::start(int width, int height) {
@@ -103,7 +99,7 @@ void Ffmpeg::start(int width, int height) {
                                  fmt::format("{}", frames_per_second_), "-i", "pipe:0",
                                  // what is made of it: common players want even sizes and halved colours
                                  "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p", "-movflags",
-                                 "+faststart", "-f", "mp4", part_.string()};
+                                 "+faststart", "-f", "mp4", file_.string() + std::string(kPart)};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -147,9 +143,7 @@ void Ffmpeg::add(const Image& image) {
 
 void Ffmpeg::finish() {
   wait();
-  std::error_code error;
-  fs::rename(part_, file_, error);
-  if (error) throw OutputError(fmt::format("{}: cannot be put in place: {}", file_.string(), error.message()));
+  place_->commit();
 }
 
 void Ffmpeg::wait() {

@@ -4,8 +4,10 @@
 #include <sys/types.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
 
+#include "output/files.hpp"
 #include "output/film.hpp"
 
 namespace hexaplast::output {
@@ -24,7 +26,8 @@ class Ffmpeg final : public Film {
   void start(int width, int height);
   void wait();  // for its end; throws what it says unless it ended well
 
-  std::filesystem::path file_, part_, program_;
+  std::filesystem::path file_, program_;
+  std::optional<WholeFile> place_;  // the program writes its part
   double frames_per_second_;
   pid_t process_ = -1;
   int pipe_ = -1;                  // its standard input

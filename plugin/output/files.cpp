@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
-#include <vector>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/readable_file.hpp"
@@ -24,14 +23,6 @@ namespace {
   throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::strerror(error)));
 }
 
-/// A rename is on disk only when its directory is. Some file systems cannot do that: the file itself is safe even then.
-void sync_directory(const fs::path& directory) {
-  const int handle = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (handle < 0) return;
-  ::fsync(handle);
-  ::close(handle);
-}
-
 std::string_view without_part(std::string_view name) {
   return name.ends_with(kPart) ? name.substr(0, name.size() - kPart.size()) : name;
 }
@@ -40,26 +31,26 @@ bool is_series(std::string_view name) {
   return name == "mesh.pvd" || name == "surface.pvd" || name == "instruments.pvd";
 }
 
-/// Files of an earlier run, finished or not; refuses a directory in the place of one. Time series come first: removed
-/// first, they never name a file that has gone.
-std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
+/// Files of an earlier run, finished or not; refuses a directory in the place of one, and an input. Time series come
+/// first: removed first, they never name a file that has gone.
+std::vector<fs::path> files_of_earlier_run(const fs::path& directory, const InputFiles& inputs) {
   std::vector<fs::path> found;
   const auto collect = [&](const fs::path& in, auto&& is_ours) {
     std::error_code error;
     for (fs::directory_iterator entry(in, error), end; !error && entry != end; entry.increment(error))
-      if (is_ours(without_part(entry->path().filename().string()))) found.push_back(entry->path());
+      if (is_ours(entry->path().filename().string())) found.push_back(entry->path());
     if (error && error != std::errc::no_such_file_or_directory) fail(in, "cannot be read", error.value());
   };
-  collect(directory, [](std::string_view name) {
-    return is_series(name) || name == "history.csv" || name == "removed.csv" || name == "plot.svg" ||
-           name == "manifest.json" || name == "report.html" || is_numbered(name, "mesh_", ".vtu") ||
-           is_numbered(name, "surface_", ".vtu") || is_numbered(name, "instruments_", ".vtu") ||
-           is_numbered(name, "checkpoint_", ".hxc");
-  });
+  collect(directory, is_of_run);
+  if (fs::is_symlink(directory / "frames"))
+    throw OutputError((directory / "frames").string() + ": is a symbolic link, which is not followed here");
   if (fs::is_directory(directory / "frames"))
-    collect(directory / "frames", [](std::string_view name) { return is_numbered(name, "frame_", ".png"); });
+    collect(directory / "frames",
+            [](std::string_view name) { return is_numbered(without_part(name), "frame_", ".png"); });
   for (const fs::path& file : found)
     if (fs::is_directory(file)) throw OutputError(file.string() + ": is a directory where a file belongs");
+  for (const fs::path& file : found)
+    if (inputs.has(file)) throw OutputError(file.string() + ": is an input of this run, which would replace it");
   std::stable_partition(found.begin(), found.end(),
                         [](const fs::path& path) { return is_series(path.filename().string()); });
   return found;
@@ -67,11 +58,18 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory) {
 
 }  // namespace
 
-bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix) {
-  if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
-    return false;
-  const std::string_view digits = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
-  return std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
+bool is_of_run(std::string_view name) {
+  name = without_part(name);
+  return is_series(name) || name == "history.csv" || name == "removed.csv" || name == "plot.svg" ||
+         name == "manifest.json" || name == "report.html" || is_numbered(name, "mesh_", ".vtu") ||
+         is_numbered(name, "surface_", ".vtu") || is_numbered(name, "instruments_", ".vtu") ||
+         is_numbered(name, "checkpoint_", ".hxc");
+}
+
+void add_files_of_run(const fs::path& directory, InputFiles& files) {
+  std::error_code error;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error))
+    if (is_of_run(entry->path().filename().string())) files.add(entry->path());
 }
 
 void require_readable(const fs::path& file) {
@@ -79,47 +77,15 @@ void require_readable(const fs::path& file) {
     throw OutputError(fmt::format("{}: {}", file.string(), reason));
 }
 
-WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
-  // a link keeps pointing where it points; a device, a pipe or a directory must not be replaced by a file
-  std::error_code error;
-  if (fs::is_symlink(path_, error)) path_ = fs::weakly_canonical(path_);
-  part_ = path_.string() + std::string(kPart);
-  for (const fs::path& file : {path_, part_})
-    if (const fs::file_status status = fs::status(file, error); fs::exists(status) && !fs::is_regular_file(status))
-      throw OutputError(file.string() + ": is not a regular file and will not be replaced");
-  file_ = std::fopen(part_.c_str(), "wbe");
-  if (!file_) fail(part_, "cannot be created", errno);
-}
-
-WholeFile::~WholeFile() {
-  if (!file_) return;
-  std::fclose(file_);
-  ::unlink(part_.c_str());
-}
-
-void WholeFile::write(const void* data, std::size_t bytes) {
-  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes) fail(part_, "cannot be written", errno);
-}
-
-void WholeFile::commit() {
-  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail(part_, "cannot be written", errno);
-  if (::rename(part_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be put in place", errno);
-  std::fclose(file_);
-  file_ = nullptr;
-  sync_directory(path_.parent_path());
-}
-
 LineFile::LineFile(fs::path path) : path_(std::move(path)) {
-  file_ = std::fopen(path_.c_str(), "wbe");
-  if (!file_) fail(path_, "cannot be created", errno);
+  file_ = open_in_place(path_, O_WRONLY | O_CREAT | O_TRUNC, "wb");
 }
 
 LineFile::LineFile(fs::path path, Archive& saved) : path_(std::move(path)) {
   std::uint64_t size = 0, checksum = 0;
   saved(size, checksum);
   require_readable(path_);
-  file_ = std::fopen(path_.c_str(), "r+be");
-  if (!file_) fail(path_, "cannot be opened", errno);
+  file_ = open_in_place(path_, O_RDWR, "r+b");
 
   std::array<char, 65536> buffer;
   while (size_ < size) {
@@ -173,14 +139,14 @@ void make_directory(const fs::path& directory) {
   if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) fail(directory, "cannot be written", errno);
 }
 
-void prepare_directory(const fs::path& directory, bool force) {
+void prepare_directory(const fs::path& directory, bool force, const InputFiles& inputs) {
   make_directory(directory);
   const fs::path frames = directory / "frames";
   if (fs::exists(frames) && !fs::is_directory(frames))
     throw OutputError(frames.string() + ": is a file where the directory of the pictures belongs");
   if (fs::exists(frames) && ::access(frames.c_str(), R_OK | W_OK | X_OK) != 0) fail(frames, "cannot be written", errno);
 
-  const std::vector<fs::path> earlier = files_of_earlier_run(directory);
+  const std::vector<fs::path> earlier = files_of_earlier_run(directory, inputs);
   if (!earlier.empty() && !force)
     throw OutputError(fmt::format("{}: holds an earlier run ({}); --force replaces it", directory.string(),
                                   earlier.front().lexically_relative(directory).string()));
@@ -188,7 +154,7 @@ void prepare_directory(const fs::path& directory, bool force) {
     if (::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);
 }
 
-void prepare_to_go_on(const fs::path& directory, long step,
+void prepare_to_go_on(const fs::path& directory, long step, const InputFiles& inputs,
                       const std::function<bool(const std::string& name)>& is_kept) {
   if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) fail(directory, "cannot be written", errno);
   const auto stays = [&](const fs::path& file) {
@@ -197,7 +163,7 @@ void prepare_to_go_on(const fs::path& directory, long step,
     if (is_numbered(name, "checkpoint_", ".hxc")) return step_of(file) <= step;
     return is_series(name) || name == "history.csv" || name == "removed.csv" || is_kept(name);
   };
-  for (const fs::path& file : files_of_earlier_run(directory))
+  for (const fs::path& file : files_of_earlier_run(directory, inputs))
     if (!stays(file) && ::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);
 }
 

@@ -9,6 +9,8 @@
 #include <cmath>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/readable_file.hpp"
+#include "hexaplast/base/xml.hpp"
 #include "hexaplast/mesh/file_import.hpp"
 #include "output/files.hpp"
 #include "output/instruments_vtu.hpp"
@@ -29,34 +31,42 @@ std::optional<long> number_at_end(const std::string& stem) {
 }
 
 std::vector<RecordedRun::Entry> entries_of(const fs::path& pvd) {
-  std::error_code error;
-  if (!fs::is_regular_file(pvd, error))
+  std::error_code unknown;
+  if (!fs::is_regular_file(pvd, unknown))
     throw OutputError(
         fmt::format("{}: is not there, or no file: must be the directory of a run, or its .pvd file", pvd.string()));
   const auto refuse = [&](int line, const std::string& what) {
     throw InputError(fmt::format("{}:{}: {}", pvd.string(), line, what));
   };
   tinyxml2::XMLDocument document;
-  if (document.LoadFile(pvd.c_str()) != tinyxml2::XML_SUCCESS)
-    refuse(document.ErrorLineNum(), fmt::format("not well-formed XML ({})", document.ErrorName()));
+  try {
+    parse_xml(whole_file(pvd), kXmlOfPrograms, document);
+  } catch (const XmlError& error) {
+    refuse(error.line(), error.what());
+  }
   const tinyxml2::XMLElement* root = document.RootElement();
   const tinyxml2::XMLElement* collection = root ? root->FirstChildElement("Collection") : nullptr;
   if (!collection) refuse(1, "must be a VTKFile with a Collection");
 
-  std::vector<RecordedRun::Entry> entries;
+  // all of it is looked at before any of it is kept
+  std::vector<double> times;
   for (const auto* at = collection->FirstChildElement("DataSet"); at; at = at->NextSiblingElement("DataSet")) {
-    const char* file = at->Attribute("file");
     const char* time = at->Attribute("timestep");
-    RecordedRun::Entry entry;
-    if (!file) refuse(at->GetLineNum(), "DataSet names no file");
+    if (!at->Attribute("file")) refuse(at->GetLineNum(), "DataSet names no file");
     if (!time) refuse(at->GetLineNum(), "DataSet has no timestep");
-    const std::string_view text(time);
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), entry.time);
-    if (status != std::errc() || end != text.data() + text.size() || !std::isfinite(entry.time))
-      refuse(at->GetLineNum(), fmt::format("DataSet.timestep '{}', must be a finite number", text));
-    entry.file = pvd.parent_path() / file;
+    const std::string_view number(time);
+    const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), times.emplace_back());
+    if (status != std::errc() || end != number.data() + number.size() || !std::isfinite(times.back()))
+      refuse(at->GetLineNum(), fmt::format("DataSet.timestep '{}', must be a finite number", number));
+  }
+  std::vector<RecordedRun::Entry> entries;
+  const auto* at = collection->FirstChildElement("DataSet");
+  for (const double time : times) {
+    RecordedRun::Entry& entry = entries.emplace_back();
+    entry.time = time;
+    entry.file = pvd.parent_path() / at->Attribute("file");
     entry.step = number_at_end(entry.file.stem().string());
-    entries.push_back(std::move(entry));
+    at = at->NextSiblingElement("DataSet");
   }
   if (entries.empty()) throw InputError(fmt::format("{}: names no state", pvd.string()));
   return entries;

@@ -86,8 +86,8 @@ long step_of_vtu(std::string_view name) {
   return std::strtol(std::string(name.substr(name.find_last_of('_') + 1)).c_str(), nullptr, 10);
 }
 
-fs::path prepared(fs::path directory, bool force) {
-  prepare_directory(directory, force);
+fs::path prepared(fs::path directory, const RunPlan& plan) {
+  prepare_directory(directory, plan.force, plan.inputs);
   return directory;
 }
 
@@ -97,7 +97,7 @@ struct Recorder::Files {
   Files(fs::path where, const Body& of, RunPlan run, RendererSource source)
       : plan(std::move(run)),
         film(film_of(plan)),
-        directory(prepared(std::move(where), plan.force)),
+        directory(prepared(std::move(where), plan)),
         body(of),
         renderer(std::move(source)),
         ruler(body),
@@ -138,7 +138,7 @@ struct Recorder::Files {
     open_companions();
     for (std::optional<TimeSeries>* series : {&surfaces, &instruments})
       if (*series) (*series)->keep(is_there);
-    prepare_to_go_on(directory, step, [&](const std::string& name) {
+    prepare_to_go_on(directory, step, plan.inputs, [&](const std::string& name) {
       return name.ends_with(".vtu") && meshes.has(vtu_name(kMesh, step_of_vtu(name)));
     });
     history.cut();
@@ -304,6 +304,10 @@ std::vector<std::string> Recorder::Files::draw_pictures() {
   }
   if (film) film->finish();
   return {};
+}
+
+void require_saved_files(const fs::path& directory, Archive& saved) {
+  const LineFile history(directory / "history.csv", saved), removed(directory / "removed.csv", saved);
 }
 
 Summary summarise(const Body& body, ConstPoints positions) {

@@ -26,6 +26,7 @@ struct RunPlan {
   int output_every = 25;            ///< steps between two .vtu files; the first and the last state are always written
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;               ///< write into a directory that holds an earlier run
+  InputFiles inputs = {};           ///< files that are read, and so never replaced
   std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
   bool has_instruments = false;        ///< something in the scene may take hold of the body
   Staging staging = {};                ///< of the pictures
@@ -110,6 +111,10 @@ Summary summarise(const Body& body, ConstPoints positions);
 /// XXH64, as 16 hexadecimal digits, over step count (64 bits), positions, velocities and every History array of the
 /// body; null: there is none.
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body);
+
+/// Looks whether the files of a run are those of a checkpoint, without changing them; `saved` is what save() left.
+/// Throws InputError and OutputError.
+void require_saved_files(const std::filesystem::path& directory, Archive& saved);
 
 /// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
 /// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and

@@ -11,6 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
+#include "hexaplast/base/text.hpp"
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/simulation.hpp"
@@ -52,7 +53,9 @@ scene::Component* find_linear_solver(scene::Scene& scene) {
 /// The scene once, from its beginning, with one number of threads.
 bench::Record measure_scene(const BenchOptions& options, int threads) {
   set_num_threads(threads);
-  Simulation simulation(options.scene);
+  SceneOptions scene = options.scene;
+  scene.output.writes = false;
+  Simulation simulation(scene);
   if (!simulation.body())
     throw scene::SceneError(
         scene::format_error(simulation.scene().root().place(), "no body in the scene: nothing to measure"));
@@ -115,7 +118,7 @@ bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
   return bench::run(wanted, limits, [&](const std::vector<bench::Record>& records) {
     if (!prints) return;
     fmt::print("\n{}", bench::table_head());
-    for (const bench::Record& record : records) fmt::print("{}", bench::table_row(record));
+    for (const bench::Record& record : records) fmt::print("{}", printable(bench::table_row(record)));
     std::fflush(stdout);
   });
 }
@@ -129,7 +132,7 @@ void bench(const BenchOptions& options) {
   std::vector<bench::Record> baseline;
   if (options.baseline) baseline = bench::read_json(*options.baseline);
   std::optional<output::WholeFile> json;
-  if (options.json && prints) json.emplace(*options.json);
+  if (options.json && prints) json.emplace(output_place(*options.json, InputFiles({options.scene.file})));
 
   bench::Outcome outcome;
   if (options.scene.file.empty()) {
@@ -139,7 +142,7 @@ void bench(const BenchOptions& options) {
     outcome.failures = bench::differing_hashes(outcome.records);
     if (prints) {
       fmt::print("{}", bench::table_head());
-      for (const bench::Record& record : outcome.records) fmt::print("{}", bench::table_row(record));
+      for (const bench::Record& record : outcome.records) fmt::print("{}", printable(bench::table_row(record)));
     }
   }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "hexaplast/base/text.hpp"
 #include "hexaplast/survey.hpp"
 #include "runner/loads.hpp"
 #include "runner/standard_output.hpp"
@@ -37,6 +38,7 @@ struct Findings {
   std::optional<Survey> body;
   int num_hexahedra = 0;
   std::vector<std::string> advice;  // but what the body itself has remarked, check_shapes
+  std::vector<std::string> writes;  // names of files
 };
 
 // Weight [N] under a gravity of 1 m/s^2 is the mass [kg].
@@ -52,6 +54,7 @@ Findings look_at(scene::Scene& scene) {
   only_solver(scene);
   Findings found;
   found.num_nodes = state.num_nodes();
+  found.writes = scene.root().files().claimed();
   found.dt = scene.dt();
   if (scene::Component* settings = find_settings(scene); settings && settings->is_given("steps"))
     found.steps = settings->integer("steps");
@@ -126,6 +129,7 @@ Json json_of(const Findings& found) {
           {"steps", found.steps ? Json(*found.steps) : Json(nullptr)},
           {"memory_bytes", found.memory},
           {"body", found.body ? json_of(*found.body) : Json(nullptr)},
+          {"writes", found.writes},
           {"advice", advice}};
 }
 
@@ -156,7 +160,7 @@ void print(const Survey& body) {
 }
 
 void print(const Findings& found, const std::string& title) {
-  fmt::print("{}: can run\n", title);
+  fmt::print("{}: can run\n", printable(title));
   fmt::print("  nodes               {}, of which {} are held and {} in part\n", found.num_nodes, found.num_held,
              found.num_partly_held);
   fmt::print("  hexahedra           {}\n", found.num_hexahedra);
@@ -165,6 +169,7 @@ void print(const Findings& found, const std::string& title) {
              found.num_loaded, found.load.x(), found.load.y(), found.load.z(), found.loads_time);
   fmt::print("  steps               {} of {:.6g} s\n", found.steps ? std::to_string(*found.steps) : "as --steps says",
              found.dt);
+  for (const std::string& file : found.writes) fmt::print("  writes              {}\n", printable(file));
   fmt::print("  memory              {:.1f} MB\n", found.memory / 1e6);
 }
 
@@ -175,7 +180,7 @@ void check(const CheckOptions& options) {
   const Findings found = look_at(scene);
   const std::string file = options.scene.file.string();
   if (options.json) {
-    fmt::print("{}\n", json_of(found).dump(2));
+    fmt::print("{}\n", printable(json_of(found).dump(2)));
   } else {
     print(found, options.scene.file.stem().string());
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -27,11 +26,13 @@
 #include "runner/mesh_export.hpp"
 #include "runner/mesh_info.hpp"
 #include "runner/mesh_make.hpp"
+#include "runner/output_options.hpp"
 #include "runner/render.hpp"
 #include "runner/resume.hpp"
 #include "runner/run.hpp"
 #include "runner/standard_output.hpp"
 #include "runner/sweep.hpp"
+#include "runner/terminal_log.hpp"
 #include "runner/view.hpp"
 #include "scene/reader.hpp"
 
@@ -121,7 +122,11 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->type_name("FILE")
       ->needs(out)
       ->check(refuse_film_name);
-  run->add_flag("--force", options.force, "Write into a directory that holds an earlier run")->needs(out);
+  run->add_option("--write-below", options.write_below,
+                  "Directory for what the scene's components write; otherwise that of --out, or the working directory")
+      ->type_name("DIR")
+      ->excludes(out);
+  add_output_rules(*run, options.scene.output);
   run->add_flag("--quiet", options.quiet, "Print nothing but errors");
 }
 
@@ -309,6 +314,8 @@ void add_view(CLI::App& app, ViewOptions& options) {
 void add_check(CLI::App& app, CheckOptions& options) {
   CLI::App* check = app.add_subcommand("check", "Read a scene as run does and print what it means, without a step");
   add_scene(*check, options.scene);
+  check->add_option("--out", options.scene.output.directory, "Directory that the run would have")->type_name("DIR");
+  add_output_rules(*check, options.scene.output);
   check->add_flag("--json", options.json, "As JSON");
 }
 
@@ -476,8 +483,7 @@ int main(int argc, char** argv) {
   open_standard_streams();
 
   // Messages are sentences with their own place and severity; the log adds nothing to them.
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("hexaplast"));
-  spdlog::set_pattern("%v");
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("hexaplast", make_terminal_log()));
 
   CLI::App app("Hexaplast: hexahedral corotational elastoplastic finite elements in real time", "hexaplast");
   app.set_version_flag("--version", "hexaplast " HEXAPLAST_VERSION);

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/text.hpp"
 #include "hexaplast/mesh/cage.hpp"
 #include "hexaplast/mesh/file_export.hpp"
 #include "output/files.hpp"
@@ -26,7 +27,7 @@ std::string text_of(const Cage& cage) {
 }
 
 void print_summary(const MeshCageOptions& options, const Cage& cage, const CageGrid& grid) {
-  fmt::print("{}: cage of cubes of {:.6g} m\n", options.surface.stem().string(),
+  fmt::print("{}: cage of cubes of {:.6g} m\n", printable(options.surface.stem().string()),
              (grid.most[0] - grid.least[0]) / grid.cells[0]);
   fmt::print("  nodes               {}\n", cage.mesh.num_nodes());
   fmt::print("  hexahedra           {}  ({} touched by the surface, {} enclosed)\n", cage.mesh.num_elements(),
@@ -50,7 +51,7 @@ void make_cage(const MeshCageOptions& options) {
     spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
                  cage.num_hinges);
 
-  output::WholeFile file(options.out);
+  output::WholeFile file(output_place(options.out, InputFiles({options.surface})));
   file.write(text_of(cage));
   file.commit();
   print_summary(options, cage, grid);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/mesh_export.hpp"
 
+#include "hexaplast/base/whole_file.hpp"
 #include "hexaplast/body.hpp"
 #include "output/abaqus_deck.hpp"
 #include "output/vtu.hpp"
@@ -25,7 +26,10 @@ output::AbaqusDeck deck_of(scene::Scene& scene, const MeshExportOptions& options
 }  // namespace
 
 void export_mesh(const MeshExportOptions& options) {
-  scene::Scene scene = load_scene(options.scene);
+  SceneOptions scene_options = options.scene;
+  scene_options.output.writes = false;
+  scene::Scene scene = load_scene(scene_options);
+  const std::filesystem::path out = output_place(options.out, scene.root().files().inputs);
   scene::MechanicalState& state = only_state(scene);
   const scene::ForceField* field = find_body(scene);
   if (!field)
@@ -33,10 +37,10 @@ void export_mesh(const MeshExportOptions& options) {
         scene::format_error(scene.root().place(), "no body in the scene: there is nothing to export"));
 
   if (options.format == "vtu") {
-    output::write_vtu(options.out, *field->body(), state.positions(), state.velocities(),
+    output::write_vtu(out, *field->body(), state.positions(), state.velocities(),
                       field->body()->fields(state.positions()));
   } else {
-    output::write_abaqus_deck(options.out, *field->body(), deck_of(scene, options));
+    output::write_abaqus_deck(out, *field->body(), deck_of(scene, options));
   }
 }
 

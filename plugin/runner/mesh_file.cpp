@@ -34,9 +34,9 @@ ImportedMesh load_mesh(const std::filesystem::path& file) {
 
 void require_writable_format(const std::filesystem::path& file) { writer_of(file); }
 
-void save_mesh(const std::filesystem::path& file, const ExportedMesh& mesh) {
+void save_mesh(const std::filesystem::path& file, const ExportedMesh& mesh, const InputFiles& inputs) {
   const std::string text = writer_of(file)(mesh);
-  output::WholeFile out(file);
+  output::WholeFile out(output_place(file, inputs));
   out.write(text);
   out.commit();
 }

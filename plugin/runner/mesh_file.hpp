@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "hexaplast/base/whole_file.hpp"
 #include "hexaplast/mesh/file_export.hpp"
 #include "hexaplast/mesh/file_import.hpp"
 
@@ -14,7 +15,7 @@ ImportedMesh load_mesh(const std::filesystem::path& file);
 void require_writable_format(const std::filesystem::path& file);
 
 /// Writes a mesh in the format that the name stands for; an older file stays until the new one is whole. Throws
-/// OutputError.
-void save_mesh(const std::filesystem::path& file, const ExportedMesh& mesh);
+/// OutputError, also where the file is one of `inputs`.
+void save_mesh(const std::filesystem::path& file, const ExportedMesh& mesh, const InputFiles& inputs = {});
 
 }  // namespace hexaplast::runner

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/text.hpp"
 #include "hexaplast/mesh/offset.hpp"
 #include "runner/mesh_file.hpp"
 #include "runner/standard_output.hpp"
@@ -90,7 +91,7 @@ Json json_of(const Findings& found) {
 std::string limit(double value) { return std::isfinite(value) ? fmt::format("less than {:.4g} m", value) : "any way"; }
 
 void print(const Findings& found, const std::string& title) {
-  fmt::print("{}\n", title);
+  fmt::print("{}\n", printable(title));
   fmt::print("  nodes               {}\n", found.file.positions.rows());
   for (const auto& [name, count] :
        {std::pair("edges", found.file.edges.size()), std::pair("triangles", found.file.triangles.size()),
@@ -142,11 +143,13 @@ void convert(const MeshConvertOptions& options) {
   require_writable_format(options.out);
   const ImportedMesh mesh = load_mesh(options.file);
   warn_of_skipped(options.file, mesh);
-  save_mesh(options.out, {.points = {mesh.positions.data(), static_cast<std::size_t>(mesh.positions.size())},
-                          .edges = mesh.edges,
-                          .triangles = mesh.triangles,
-                          .quads = mesh.quads,
-                          .hexahedra = mesh.hexahedra});
+  save_mesh(options.out,
+            {.points = {mesh.positions.data(), static_cast<std::size_t>(mesh.positions.size())},
+             .edges = mesh.edges,
+             .triangles = mesh.triangles,
+             .quads = mesh.quads,
+             .hexahedra = mesh.hexahedra},
+            InputFiles({options.file}));
 }
 
 }  // namespace hexaplast::runner

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/text.hpp"
 #include "hexaplast/mesh/grid.hpp"
 #include "hexaplast/mesh/offset.hpp"
 #include "hexaplast/mesh/shapes.hpp"
@@ -26,19 +27,22 @@ void require_feasible(double num_cells) {
     throw InputError(fmt::format("{:.4g} hexahedra, must be at most {:.10g}", num_cells, kMostCells));
 }
 
-void save(const std::filesystem::path& out, const HexMesh& mesh) {
-  save_mesh(out, {.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
-                  .hexahedra = mesh.hexahedra()});
+void save(const std::filesystem::path& out, const HexMesh& mesh, const InputFiles& inputs) {
+  save_mesh(out,
+            {.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
+             .hexahedra = mesh.hexahedra()},
+            inputs);
 }
 
 /// Makes a mesh of `cells` and writes it.
 template <class Make>
-void write_shape(const std::filesystem::path& out, const std::array<int, 3>& cells, const Make& make) {
+void write_shape(const std::filesystem::path& out, const std::array<int, 3>& cells, const Make& make,
+                 const InputFiles& inputs = {}) {
   require_writable_format(out);
   require_feasible(static_cast<double>(cells[0]) * cells[1] * cells[2]);
   const HexMesh mesh = make();
-  save(out, mesh);
-  fmt::print("{}\n  nodes               {}\n", out.stem().string(), mesh.num_nodes());
+  save(out, mesh, inputs);
+  fmt::print("{}\n  nodes               {}\n", printable(out.stem().string()), mesh.num_nodes());
   print_hexahedra(mesh);
 }
 
@@ -78,12 +82,13 @@ void make_sheet(const MeshSheetOptions& options) {
 void make_tube(const MeshTubeOptions& options) {
   if (options.length.has_value() == options.along.has_value())
     throw UsageError("mesh tube: either --length or --along must be given");
-  write_shape(options.out, options.cells, [&] {
+  const auto make = [&] {
     const int num_points = options.cells[2] + 1;
     const Centreline curve = options.length ? arc(*options.length, options.bend * kDegree, num_points)
                                             : curve_through(load_mesh(*options.along).positions, num_points);
     return tube(options.cells, options.inner, options.outer, curve);
-  });
+  };
+  write_shape(options.out, options.cells, make, options.along ? InputFiles({*options.along}) : InputFiles());
 }
 
 void make_sphere_patch(const MeshSpherePatchOptions& options) {
@@ -97,9 +102,10 @@ void make_shell(const MeshOffsetOptions& options) {
   require_feasible(static_cast<double>(surface.num_quads()) * options.layers);
   const Shell shell = offset(surface, thickness_of(options));
 
-  save(options.out, shell.mesh);
-  fmt::print("{}: shell over {} quads of a{} surface\n  nodes               {}\n", options.out.stem().string(),
-             surface.num_quads(), surface.is_closed() ? " closed" : "n open", shell.mesh.num_nodes());
+  save(options.out, shell.mesh, InputFiles({options.surface}));
+  fmt::print("{}: shell over {} quads of a{} surface\n  nodes               {}\n",
+             printable(options.out.stem().string()), surface.num_quads(), surface.is_closed() ? " closed" : "n open",
+             shell.mesh.num_nodes());
   print_hexahedra(shell.mesh);
   fmt::print("  worst shaped over   quads {}\n", fmt::join(shell.worst_quads, ", "));
 }

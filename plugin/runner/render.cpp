@@ -359,8 +359,15 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
   return command;
 }
 
-void render(const RenderOptions& options) {
-  staging_of(options);  // what is wrong with the options is said before anything is read
+void render(const RenderOptions& given) {
+  staging_of(given);  // what is wrong with the options is said before anything is read
+  RenderOptions options = given;
+  std::error_code unknown;
+  InputFiles inputs({options.run});
+  output::add_files_of_run(
+      std::filesystem::is_directory(options.run, unknown) ? options.run : options.run.parent_path(), inputs);
+  std::filesystem::path& place = options.video ? *options.video : options.out;
+  place = output_place(place, inputs);
   const Subject subject(options.run);
   const std::unique_ptr<output::Renderer> renderer = output::load_renderer();
   if (options.video) return render_film(subject, options, *renderer);

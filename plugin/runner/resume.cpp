@@ -8,8 +8,13 @@
 #include "hexaplast/base/simd.hpp"
 #include "output/checkpoint.hpp"
 #include "output/files.hpp"
+#include "output/recorder.hpp"
 #include "runner/directory_lock.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/output_options.hpp"
 #include "runner/run.hpp"
+#include "runner/scene_identity.hpp"
+#include "runner/simulation.hpp"
 #include "scene/diagnostics.hpp"
 
 namespace hexaplast::runner {
@@ -45,6 +50,30 @@ output::Checkpoint open(const fs::path& directory, const fs::path& file) {
   }
 }
 
+/// A record may say anything: what the command line of a run would not be let pass is refused here too.
+void require_sound(const RunOptions& options, const fs::path& file) {
+  constexpr long kMostSteps = 1'000'000'000;
+  const bool is_sound = options.steps && *options.steps >= 0 && *options.steps <= kMostSteps &&
+                        (!options.frames || (*options.frames >= 0 && *options.frames <= 100'000)) &&
+                        (!options.checkpoint_every || (*options.checkpoint_every >= 1));
+  if (!is_sound)
+    throw InputError(fmt::format("{} is damaged: its steps, frames or checkpoints cannot be", file.string()));
+}
+
+/// All that can be found wrong before anything is loaded that the scene names.
+void require_ready(const output::Checkpoint& start, const RunRecord& record, const fs::path& directory) {
+  const std::string file = start.file().string();
+  for (const std::optional<fs::path>& named : {record.options.final_state, record.options.summary})
+    if (named)
+      output::WholeFile can_be_made(output_place(*named, InputFiles({start.file(), record.options.scene.file})));
+  const long step = Simulation::saved_step(start.section("scene"));
+  if (step >= *record.options.steps)
+    throw UsageError(fmt::format("{} has all {} steps of the run already: --steps gives more", file, step));
+  if (hash_scene_files(record.options.scene) != record.scene_files) throw another_scene(start);
+  Archive saved = start.section("output");
+  output::require_saved_files(directory, saved);
+}
+
 }  // namespace
 
 CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
@@ -59,6 +88,13 @@ CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   resume->add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  resume->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
+  resume
+      ->add_option("--plugin-path", options.plugin_path,
+                   "Directory to look for plugins in, not below the run's; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  add_allow_outside(*resume, options.output);
   resume->add_flag("--quiet", options.quiet, "Print nothing but errors");
   return resume;
 }
@@ -74,22 +110,26 @@ int resume(const ResumeOptions& options) {
   const fs::path file = is_run ? newest_checkpoint(directory) : options.run;
   const output::Checkpoint start = open(directory, file);
 
-  RunOptions run_options;
-  std::string working_directory, simd;
+  RunRecord record;
   Archive archive = start.section("run");
-  serialize(archive, run_options, working_directory, simd);
-  run_options.out = fs::absolute(file).parent_path();
-  run_options.threads = options.threads;
-  run_options.quiet = options.quiet;
-  run_options.command = options.command;
-  if (options.steps) run_options.steps = options.steps;
-  if (options.final_state) run_options.final_state = fs::absolute(*options.final_state);
-  if (simd != simd_target())
-    spdlog::warn("warning: the run was on {} and goes on on {}: its last bits will differ", simd, simd_target());
-
-  // names of files in the scene and in its options are as they were
-  fs::current_path(working_directory);
   try {
+    serialize(archive, record);
+    require_sound(record.options, file);
+    RunOptions& run_options = record.options;
+    run_options.out = fs::absolute(directory);
+    run_options.threads = options.threads;
+    run_options.quiet = options.quiet;
+    run_options.command = options.command;
+    run_options.final_state = options.final_state;
+    run_options.summary = options.summary;
+    run_options.scene.plugin_path = options.plugin_path;
+    run_options.scene.output.allows_outside = options.output.allows_outside;
+    run_options.scene.untrusted = directory;
+    if (options.steps) run_options.steps = options.steps;
+    require_ready(start, record, directory);
+    if (record.simd != simd_target())
+      spdlog::warn("warning: the run was on {} and goes on on {}: its last bits will differ", record.simd,
+                   simd_target());
     return run(run_options, &start);
   } catch (const InputError& error) {
     refuse(error);

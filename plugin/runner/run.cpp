@@ -12,6 +12,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
+#include "hexaplast/base/text.hpp"
 #include "output/recorder.hpp"
 #include "runner/boundary_conditions.hpp"
 #include "runner/directory_lock.hpp"
@@ -21,6 +22,7 @@
 #include "runner/kept_warnings.hpp"
 #include "runner/progress.hpp"
 #include "runner/render.hpp"
+#include "runner/scene_identity.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
 #include "runner/standard_output.hpp"
@@ -32,6 +34,37 @@ namespace {
 
 using std::filesystem::path;
 
+/// The same for all names of a place, whether or not something is there.
+path settled(const path& place) {
+  return std::filesystem::weakly_canonical((std::filesystem::absolute(place) / "").parent_path());
+}
+
+bool is_file_of_run(const path& file, const RunOptions& options) {
+  return options.out && settled(*options.out) == file.parent_path() &&
+         (output::is_of_run(file.filename().string()) || file.filename() == "frames");
+}
+
+/// Where a file goes that the command line names.
+path place_of(const path& file, const RunOptions& options, const InputFiles& inputs) {
+  const path place = output_place(file, inputs);
+  if (is_file_of_run(settled(place), options))
+    throw output::OutputError(file.string() + ": is written by the run itself");
+  return place;
+}
+
+/// The scene's options with the rules of what its components write.
+SceneOptions scene_of(const RunOptions& options, bool goes_on) {
+  SceneOptions scene = options.scene;
+  scene.output.directory = options.out.value_or(options.write_below.value_or("."));
+  scene.output.replaces = scene.output.replaces || goes_on;  // they are its own
+  scene.output.is_taken = [&options](const path& file) {
+    const auto is_named = [&](const std::optional<path>& named) { return named && settled(*named) == file; };
+    return is_file_of_run(file, options) || is_named(options.final_state) || is_named(options.summary) ||
+           is_named(options.video);
+  };
+  return scene;
+}
+
 output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
   output::RunPlan plan;
   plan.title = options.scene.file.stem().string();
@@ -40,7 +73,8 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   plan.has_energy_balance = simulation.latest().energy.has_value();
   plan.output_every = simulation.output_every();
   plan.num_frames = options.frames.value_or(plan.num_frames);
-  plan.force = options.force;
+  plan.force = options.scene.output.replaces;
+  plan.inputs = simulation.scene().root().files().inputs;
 
   std::set<int> loaded;
   for (const scene::ForceField* field : simulation.scene().root().all<scene::ForceField>())
@@ -50,25 +84,30 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   plan.staging = staging_of(simulation);
   plan.staging.quantity = quantity_named(options.field);
-  if (options.video) plan.video = *options.video;
+  if (options.video) plan.video = place_of(*options.video, options, plan.inputs);
   return plan;
 }
 
-void write_checkpoint(Simulation& simulation, output::Recorder& recorder, long num_steps, const RunOptions& options) {
-  RunOptions kept = options;
-  kept.steps = num_steps;
-  std::string working_directory = std::filesystem::current_path().string(), simd = simd_target();
+/// What the checkpoints of a run know of it.
+RunRecord record_of(const RunOptions& options, long num_steps) {
+  RunRecord record{options, simd_target(), hash_scene_files(options.scene)};
+  record.options.steps = num_steps;
+  record.options.scene.file = std::filesystem::absolute(options.scene.file).lexically_normal();
+  return record;
+}
+
+void write_checkpoint(Simulation& simulation, output::Recorder& recorder, RunRecord& record) {
   const output::CheckpointSection sections[] = {
-      {"run", [&](Archive& archive) { serialize(archive, kept, working_directory, simd); }},
+      {"run", [&](Archive& archive) { serialize(archive, record); }},
       {"scene", [&](Archive& archive) { simulation.serialize(archive); }},
       {"output", [&](Archive& archive) { recorder.save(archive); }},
   };
-  output::write_checkpoint(*options.out, simulation.latest().step, simulation.scene_identity(), sections);
+  output::write_checkpoint(*record.options.out, simulation.latest().step, simulation.scene_identity(), sections);
 }
 
 // Steps until the end, a signal, or a failure. After a failure the files hold everything up to the last good step.
 void advance(Simulation& simulation, long num_steps, output::Recorder* recorder, const RunOptions& options,
-             bool begins) {
+             RunRecord& kept, bool begins) {
   const auto record = [&] {
     if (recorder)
       recorder->record(simulation.latest(), simulation.state().positions(), simulation.state().velocities(),
@@ -78,7 +117,7 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
   if (!begins) saved = simulation.latest().step;
   const auto save = [&] {
     saved = simulation.latest().step;
-    write_checkpoint(simulation, *recorder, num_steps, options);
+    write_checkpoint(simulation, *recorder, kept);
   };
   if (begins) record();
 
@@ -119,11 +158,9 @@ std::string energy_line(const EnergyBalance& energy) {
 }
 
 /// Brings a simulation to where a checkpoint of its scene was written.
-void restore(Simulation& simulation, const output::Checkpoint& start, long num_steps) {
+void restore(Simulation& simulation, const output::Checkpoint& start) {
   const std::string file = start.file().string();
-  if (start.scene_hash() != simulation.scene_identity())
-    throw InputError(
-        fmt::format("{} is of another scene: the files that it came from have changed, or its options", file));
+  if (start.scene_hash() != simulation.scene_identity()) throw another_scene(start);
   Archive archive = start.section("scene");
   try {
     simulation.serialize(archive);
@@ -131,9 +168,6 @@ void restore(Simulation& simulation, const output::Checkpoint& start, long num_s
   } catch (const InputError& error) {
     throw InputError(fmt::format("{} cannot be gone on with: {}", file, error.what()));
   }
-  if (simulation.latest().step >= num_steps)
-    throw UsageError(
-        fmt::format("{} has all {} steps of the run already: --steps gives more", file, simulation.latest().step));
 }
 
 std::string hash_of(Simulation& simulation) {
@@ -190,8 +224,8 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
 }
 
 void print_summary(Simulation& simulation, const path& scene_file) {
-  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", scene_file.stem().string(), simulation.latest().step,
-             simulation.dt(), simulation.time());
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable(scene_file.stem().string()),
+             simulation.latest().step, simulation.dt(), simulation.time());
   for (const output::Figure& figure : summary_of(simulation)) fmt::print("  {:<18}  {}\n", figure.label, figure.value);
 }
 
@@ -222,8 +256,9 @@ output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOp
 }
 
 // Steps, completes the files and says what came out.
-void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOptions& options, bool begins) {
-  advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, options, begins);
+void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOptions& options, RunRecord& kept,
+               bool begins) {
+  advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, options, kept, begins);
 
   if (files.recorder)
     for (const std::string& warning : files.recorder->finish()) spdlog::warn("warning: {}", warning);
@@ -251,7 +286,13 @@ void note_failure(Journal& journal, const char* reason) {
 
 }  // namespace
 
-void serialize(Archive& archive, RunOptions& options, std::string& working_directory, std::string& simd) {
+InputError another_scene(const output::Checkpoint& start) {
+  return InputError(fmt::format("{} is of another scene: the files that it came from have changed, or its options",
+                                start.file().string()));
+}
+
+void serialize(Archive& archive, RunRecord& record) {
+  RunOptions& options = record.options;
   const auto pass = [&]<class T>(std::optional<T>& value) {
     bool is_given = value.has_value();
     archive(is_given);
@@ -259,26 +300,14 @@ void serialize(Archive& archive, RunOptions& options, std::string& working_direc
     if (archive.reads()) value.emplace();
     archive(*value);
   };
-  const auto pass_path = [&](path& value) {
-    std::string text = value.string();
-    archive(text);
-    value = text;
-  };
-  pass_path(options.scene.file);
-  archive(options.scene.overrides, options.scene.plugins);
-  std::uint64_t num_directories = options.scene.plugin_path.size();
-  archive(num_directories);
-  options.scene.plugin_path.resize(
-      std::min<std::uint64_t>(num_directories, archive.reads() ? archive.rest() : num_directories));
-  for (path& directory : options.scene.plugin_path) pass_path(directory);
-  archive(options.scene.sofa_compat, options.field);
+  std::string scene = options.scene.file.string();
+  archive(scene);
+  options.scene.file = scene;
+  archive(options.scene.overrides, options.scene.plugins, options.scene.sofa_compat, options.field);
   pass(options.steps);
   pass(options.frames);
   pass(options.checkpoint_every);
-  path final_state = options.final_state.value_or(path());
-  pass_path(final_state);
-  if (!final_state.empty()) options.final_state = final_state;
-  archive(working_directory, simd);
+  archive(record.simd, record.scene_files);
 }
 
 int run(const RunOptions& options, const output::Checkpoint* start) {
@@ -286,19 +315,21 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   watch_signals();
 
   const KeptWarnings warnings;
-  Simulation simulation(options.scene);
+  Simulation simulation(scene_of(options, start != nullptr));
   const Body* body = simulation.body();
   if (!body && (options.out || options.final_state || options.summary))
     throw scene::SceneError(scene::format_error(
         simulation.scene().root().place(), "no body in the scene: --out, --final and --summary have nothing to write"));
   const long num_steps = required_steps(simulation, options.steps);
+  RunRecord kept;
+  if (options.out) kept = record_of(options, num_steps);
   // of the scene as it begins
   output::Manifest manifest = manifest_of(simulation, num_steps, options);
   output::RunPlan plan;
   if (options.out) simulation.keep_energy_balance();
   if (options.out) plan = plan_of(simulation, num_steps, options);
   manifest.pictures = record_of(plan.staging);
-  if (start) restore(simulation, *start, num_steps);
+  if (start) restore(simulation, *start);
 
   std::optional<DirectoryLock> lock;
   if (options.out) output::make_directory(*options.out);
@@ -307,8 +338,9 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   // Opened before the first step, so that a long run does not end in a file that cannot be written; the recorder last,
   // because it takes an earlier run's files away.
   Files files;
-  if (options.final_state) files.final_state.emplace(*options.final_state);
-  if (options.summary) files.summary.emplace(*options.summary);
+  const InputFiles& inputs = simulation.scene().root().files().inputs;
+  if (options.final_state) files.final_state.emplace(place_of(*options.final_state, options, inputs));
+  if (options.summary) files.summary.emplace(place_of(*options.summary, options, inputs));
   if (options.out && start) {
     Archive saved = start->section("output");
     files.recorder.emplace(*options.out, *body, std::move(plan), saved);
@@ -330,7 +362,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
     result.summary = summary_of(simulation);
   };
   try {
-    carry_out(simulation, num_steps, files, options, !start);
+    carry_out(simulation, num_steps, files, options, kept, !start);
   } catch (const std::exception& error) {
     if (files.journal) {
       note_result();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "hexaplast/base/error.hpp"
 #include "output/checkpoint.hpp"
 #include "runner/scene_file.hpp"
 
@@ -12,7 +13,7 @@ namespace hexaplast::runner {
 
 /// `hexaplast run`, as the command line gives it.
 struct RunOptions {
-  SceneOptions scene;
+  SceneOptions scene;                                ///< `scene.output.replaces` also writes over an earlier run
   std::vector<std::string> command;                  ///< words of the whole command line, for who wants to repeat it
   std::optional<long> steps;                         ///< otherwise from the scene's RunSettings
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
@@ -23,8 +24,8 @@ struct RunOptions {
   std::string field;                           ///< what pictures show, by the word of a quantity; empty: plastic strain
   std::optional<std::filesystem::path> video;  ///< film of the run; needs `out`
   std::optional<long> checkpoint_every;        ///< steps; needs `out`
-  bool force = false;                          ///< write over an earlier run; needs `out`
-  bool quiet = false;                          ///< errors only
+  std::optional<std::filesystem::path> write_below;  ///< what the scene writes, where there is no `out`
+  bool quiet = false;                                ///< errors only
 };
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and
@@ -33,8 +34,15 @@ struct RunOptions {
 /// what the rooms below throw. An earlier run in `options.out` is touched last, when all other files could be opened.
 int run(const RunOptions& options, const output::Checkpoint* start = nullptr);
 
-/// What a checkpoint knows of its run, beside the state: options (but for those of one call: threads, quiet), the
-/// directory from which it was begun, and the instruction set.
-void serialize(Archive& archive, RunOptions& options, std::string& working_directory, std::string& simd);
+/// What a checkpoint knows of its run, beside the state.
+struct RunRecord {
+  RunOptions options;             ///< but for those of one call, which tell what is loaded, and written where
+  std::string simd;               ///< instruction set
+  std::uint64_t scene_files = 0;  ///< hash_scene_files
+};
+void serialize(Archive& archive, RunRecord& record);
+
+/// What is said of a checkpoint whose scene is not the one that is there.
+InputError another_scene(const output::Checkpoint& start);
 
 }  // namespace hexaplast::runner

@@ -19,10 +19,10 @@ path installed_plugins() {
 }  // namespace
 
 scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
-                                    const std::vector<path>& plugin_path) {
+                                    const std::vector<path>& plugin_path, const path& untrusted) {
   std::vector<path> directories = plugin_path;
   directories.push_back(installed_plugins());
-  scene::PluginLoader loader(factory, directories);
+  scene::PluginLoader loader(factory, directories, untrusted);
 
   // The stock components live in a plugin too: every scene needs it, whether it says so or not.
   std::vector<std::string> names = {"Hexaplast"};
@@ -40,10 +40,11 @@ scene::PluginLoader load_components(scene::Factory& factory, const std::vector<s
 scene::Scene read_scene(const SceneOptions& options) {
   // Both are needed for reading alone: the code of a loaded plugin stays.
   scene::Factory factory;
-  scene::PluginLoader plugins = load_components(factory, options.plugins, options.plugin_path);
+  scene::PluginLoader plugins = load_components(factory, options.plugins, options.plugin_path, options.untrusted);
 
   const scene::Grammar grammar = options.sofa_compat ? scene::Grammar::kSofaCompatible : scene::Grammar::kStrict;
   scene::Scene scene = scene::read_scene(options.file, factory, plugins, grammar);
+  scene.root().files().rules = options.output;
   // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
   if (!scene.diagnostics().has_errors())
     for (const std::string& assignment : options.overrides) scene::override_attribute(scene, assignment);

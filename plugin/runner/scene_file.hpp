@@ -17,14 +17,18 @@ struct SceneOptions {
   std::vector<std::string> plugins;                ///< names of plugins to load before the scene is read
   std::vector<std::filesystem::path> plugin_path;  ///< where plugins are looked for before the installation
   bool sofa_compat = false;                        ///< pass over what is unknown, as SOFA does
+  std::filesystem::path untrusted;                 ///< folder below which no plugin is taken; empty: none
+  scene::OutputRules output = {.how_outside = "--allow-outside permits that",
+                               .how_to_replace = "--force replaces it"};  ///< of the scene's components
 };
 
 /// Loads our own components and the named plugins into a factory. Throws PluginError.
-scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
-                                    const std::vector<std::filesystem::path>& plugin_path);
+scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins = {},
+                                    const std::vector<std::filesystem::path>& plugin_path = {},
+                                    const std::filesystem::path& untrusted = {});
 
-/// Reads a scene and replaces the attributes, without init. A scene with mistakes is left as read: init throws them.
-/// Throws what reading a scene throws (scene/reader.hpp).
+/// Reads a scene, replaces the attributes and sets the rules of what it may write, without init. A scene with mistakes
+/// is left as read: init throws them. Throws what reading a scene throws (scene/reader.hpp).
 scene::Scene read_scene(const SceneOptions& options);
 
 /// Reads and initialises a scene, and logs its warnings. Throws what reading a scene throws (scene/reader.hpp).

@@ -83,6 +83,12 @@ void Simulation::serialize(Archive& archive) {
   if (archive.reads()) latest_ = record_of(step, solve, step_ms);
 }
 
+long Simulation::saved_step(Archive archive) {
+  long step = 0;
+  archive(step);
+  return step;
+}
+
 output::StepRecord Simulation::record_of(long step, const SolveReport& solve, double step_ms) {
   output::StepRecord record;
   record.step = step;

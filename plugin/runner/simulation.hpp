@@ -42,6 +42,9 @@ class Simulation {
   /// bit. Throws InputError when it was another scene's (Scene::serialize).
   void serialize(Archive& archive);
 
+  /// The step after which a checkpoint was written, without reading the rest.
+  static long saved_step(Archive archive);
+
   /// Of the scene as it is carried out (identity_of).
   std::uint64_t scene_identity() const { return scene_identity_; }
 

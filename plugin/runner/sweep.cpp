@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "hexaplast/base/text.hpp"
 #include "output/files.hpp"
 #include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
@@ -77,6 +78,7 @@ struct Place {
   fs::path table() const { return directory / "sweep.csv"; }
   fs::path picture() const { return directory / "sweep.svg"; }
   fs::path messages(long run) const { return directory / fmt::format("messages_{}.txt", run + 1); }
+  fs::path files(long run) const { return directory / fmt::format("run_{}", run + 1); }
   fs::path summary(long run) const { return directory / fmt::format("summary_{}.json", run + 1); }
 };
 
@@ -99,6 +101,9 @@ void refuse_another_sweep(const Place& place, const Json& plan) {
 
 // Takes up a sweep that is there, or begins one. The directory is there, and ours alone.
 void open(const Place& place, const Json& plan, bool force, SweepTable& table) {
+  for (long run = 0; run < table.num_runs(); ++run)
+    if (fs::is_symlink(place.files(run)))
+      throw output::OutputError(place.files(run).string() + ": is a symbolic link, which is not followed here");
   if (fs::exists(place.plan()) && !force) {
     refuse_another_sweep(place, plan);
     if (fs::exists(place.table())) table.read(place.table());
@@ -106,6 +111,10 @@ void open(const Place& place, const Json& plan, bool force, SweepTable& table) {
   }
   if (fs::exists(place.table()) && !force)
     throw output::OutputError(fmt::format("{}: is there without a plan; --force replaces it", place.table().string()));
+  for (long run = 0; run < table.num_runs(); ++run)
+    if (fs::exists(place.files(run)) && !force)
+      throw output::OutputError(
+          fmt::format("{}: is there without a plan; --force replaces its files", place.files(run).string()));
   // in this order, so that a table never stands beside the plan of another one
   for (const fs::path& old : {place.plan(), place.table(), place.picture()}) fs::remove(old);
   for (long run = 0; run < table.num_runs(); ++run) fs::remove(place.messages(run));
@@ -116,8 +125,11 @@ void open(const Place& place, const Json& plan, bool force, SweepTable& table) {
 
 std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTable& table, long run,
                                       const Place& place) {
-  std::vector<std::string> words = {
-      "run", "--quiet", "--threads", std::to_string(options.threads), "--summary", place.summary(run).string()};
+  std::vector<std::string> words = {"run",           "--quiet",
+                                    "--threads",     std::to_string(options.threads),
+                                    "--summary",     place.summary(run).string(),
+                                    "--write-below", place.files(run).string(),
+                                    "--force"};
   const auto add = [&](const char* option, const std::string& value) {
     words.emplace_back(option);
     words.push_back(value);
@@ -214,7 +226,7 @@ class Runs {
     } else {
       fs::remove(place_.messages(run));
       if (!is_terminal_)
-        fmt::print("{}: plastic elongation {:+.3f} %, twist {:+.3f} deg, {:.3f} ms per step\n", which,
+        fmt::print("{}: plastic elongation {:+.3f} %, twist {:+.3f} deg, {:.3f} ms per step\n", printable(which),
                    100 * row.number("plastic_elongation"), row.number("plastic_twist_deg"), row.number("step_ms"));
       std::fflush(stdout);
     }
@@ -290,8 +302,8 @@ int sweep(const SweepOptions& given) {
   for (const std::string& warning : draw_sweep(place.picture(), title, table, labels))
     spdlog::warn("warning: {}", warning);
   const long num_failed = table.num_failed();
-  fmt::print("{}: {} of {} runs done, {} failed: {}\n", title, table.num_finished(), table.num_runs(), num_failed,
-             place.table().string());
+  fmt::print("{}: {} of {} runs done, {} failed: {}\n", printable(title), table.num_finished(), table.num_runs(),
+             num_failed, printable(place.table().string()));
   flush_standard_output();
   if (const int signal = requested_signal(); signal != 0) {
     spdlog::warn("warning: ended by signal {}; the same command goes on from here", signal);

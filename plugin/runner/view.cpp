@@ -10,10 +10,12 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/text.hpp"
 #include "output/recorder.hpp"
 #include "runner/boundary_conditions.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
+#include "runner/output_options.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
 #include "view/window.hpp"
@@ -44,7 +46,7 @@ view::ShowWindow load_window() {
 
 std::unique_ptr<scene::Component> make_hand() {
   scene::Factory factory;
-  load_components(factory, {}, {});
+  load_components(factory);
   return factory.make("GraspForceField");
 }
 
@@ -52,7 +54,7 @@ void print_outcome(Simulation& simulation, const std::string& title) {
   const Body& body = *simulation.body();
   const PointArray& x = simulation.state().positions();
   const output::Measures measures = output::Ruler(body).measure(x);
-  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", title, simulation.latest().step, simulation.dt(),
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable(title), simulation.latest().step, simulation.dt(),
              simulation.time());
   fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", 100 * measures.plastic_elongation,
              100 * measures.world_elongation);
@@ -75,11 +77,13 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   view.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
       ->type_name("FILE.png")
       ->needs(steps);
-  view.add_option("--pictures", options.pictures, "Directory for the pictures that are taken by hand")
+  view.add_option("--pictures", options.pictures,
+                  "Directory for the pictures that are taken by hand, and for what the scene writes")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   view.add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  add_output_rules(view, options.scene.output);
   view.add_option("--threads", options.threads, "Number of threads; results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
@@ -98,9 +102,14 @@ int view(const ViewOptions& options) {
   if (options.threads) set_num_threads(*options.threads);
   watch_signals();
 
-  Simulation simulation(options.scene);
+  SceneOptions scene = options.scene;
+  scene.output.directory = options.pictures;
+  Simulation simulation(scene);
+  const InputFiles& inputs = simulation.scene().root().files().inputs;
+  std::optional<path> picture;
+  if (options.picture) picture = output_place(*options.picture, inputs);
   std::optional<output::WholeFile> final_state;
-  if (options.final_state) final_state.emplace(*options.final_state);
+  if (options.final_state) final_state.emplace(output_place(*options.final_state, inputs));
   const std::string title = options.scene.file.stem().string();
   view::WindowCall call{.subject = {.title = title,
                                     .scene = simulation.scene(),
@@ -115,7 +124,7 @@ int view(const ViewOptions& options) {
                                     .pace = options.is_free ? view::Pace::kFree : view::Pace::kRealTime,
                                     .picture_folder = options.pictures,
                                     .steps = options.steps,
-                                    .picture = options.picture},
+                                    .picture = picture},
                         .is_asked_to_end = [] { return requested_signal() != 0; },
                         .failure = {}};
   show(call);

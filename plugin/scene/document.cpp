@@ -5,13 +5,12 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <fstream>
 #include <iterator>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/readable_file.hpp"
+#include "hexaplast/base/xml.hpp"
 
 namespace hexaplast::scene {
 namespace {
@@ -24,153 +23,21 @@ namespace fs = std::filesystem;
   throw SceneError(format_error(place, what));
 }
 
-// Bytes of the UTF-8 sequence that begins at `at`; 0 when it is not well-formed (overlong, surrogate, beyond U+10FFFF,
-// cut off).
-std::size_t utf8_length(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0u; };
-  const auto continues = [&](std::size_t i) { return (byte(i) & 0xC0) == 0x80; };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  if (first >= 0xC2 && first <= 0xDF) return continues(1) ? 2 : 0;
-  if (first >= 0xE0 && first <= 0xEF) {
-    const unsigned least = first == 0xE0 ? 0xA0 : 0x80, most = first == 0xED ? 0x9F : 0xBF;
-    return byte(1) >= least && byte(1) <= most && continues(2) ? 3 : 0;
-  }
-  if (first >= 0xF0 && first <= 0xF4) {
-    const unsigned least = first == 0xF0 ? 0x90 : 0x80, most = first == 0xF4 ? 0x8F : 0xBF;
-    return byte(1) >= least && byte(1) <= most && continues(2) && continues(3) ? 4 : 0;
-  }
-  return 0;
-}
-
-// A reference must be one of XML's five entities or the number of a character: the parser would leave others in the
-// text as they are, and end the text at character 0.
-bool is_known_reference(std::string_view from_ampersand) {
-  const std::size_t end = from_ampersand.substr(0, 16).find(';');
-  if (end == from_ampersand.npos) return false;
-  const std::string_view name = from_ampersand.substr(1, end - 1);
-  static constexpr std::array<std::string_view, 5> kEntities = {"amp", "lt", "gt", "quot", "apos"};
-  if (std::ranges::count(kEntities, name) > 0) return true;
-  if (!name.starts_with('#')) return false;
-
-  const bool is_hexadecimal = name.starts_with("#x");
-  const char* const first = name.data() + (is_hexadecimal ? 2 : 1);
-  std::uint32_t character = 0;
-  const auto [last, error] = std::from_chars(first, name.data() + name.size(), character, is_hexadecimal ? 16 : 10);
-  const bool is_surrogate = character >= 0xD800 && character <= 0xDFFF;
-  return error == std::errc() && last == name.data() + name.size() && character > 0 && character <= 0x10FFFF &&
-         !is_surrogate;
-}
-
-/// Refuses what the XML parser would let pass, and what it would take too long over: it compares each attribute with
-/// all before it.
-class Screen {
- public:
-  Screen(std::string_view text, const Place& file) : text_(text), file_(file) {}
-
-  /// Number of elements.
-  int pass() {
-    while (at_ < text_.size()) {
-      const std::string_view rest = text_.substr(at_);
-      if (quote_ == 0 && (rest.starts_with("<!--") || rest.starts_with("<![CDATA["))) {
-        skip_to(rest[2] == '-' ? "-->" : "]]>");
-      } else {
-        check_markup(rest);
-        advance();
-      }
-    }
-    return num_elements_;
-  }
-
- private:
-  [[noreturn]] void refuse(const std::string& what) const { refuse_file(file_, line_, what); }
-
-  // Over one character.
-  void advance() {
-    const std::size_t length = utf8_length(text_, at_);
-    if (text_[at_] == '\0') refuse("the file contains a NUL byte: must be text");
-    if (length == 0) refuse("the file is not valid UTF-8");
-    if (text_[at_] == '\n') ++line_;
-    at_ += length;
-  }
-
-  void skip_to(std::string_view closing) {
-    const std::size_t end = std::min(text_.find(closing, at_ + 4), text_.size());
-    while (at_ < end) advance();
-  }
-
-  void check_markup(std::string_view rest) {
-    const char c = rest[0];
-    if (c == '&' && !is_known_reference(rest))
-      refuse("unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
-    if (quote_ != 0) {
-      if (c == quote_) quote_ = 0;
-    } else if (is_in_tag_) {
-      check_tag(c);
-    } else if (c == '<') {
-      open_tag(rest);
-    }
-  }
-
-  void open_tag(std::string_view rest) {
-    if (rest.starts_with("<!DOCTYPE") || rest.starts_with("<!ENTITY"))
-      refuse("document types and entities are not allowed in a scene");
-    is_in_tag_ = true;
-    num_attributes_ = 0;
-    if (rest.starts_with("</")) {
-      --depth_;
-    } else if (!rest.starts_with("<?") && !rest.starts_with("<!")) {
-      if (++depth_ > kMostLevels) refuse(fmt::format("more than {} levels of elements", kMostLevels));
-      if (++num_elements_ > kMostElements) refuse(fmt::format("more than {} elements", kMostElements));
-    }
-  }
-
-  void check_tag(char c) {
-    if (c == '"' || c == '\'') {
-      quote_ = c;
-      if (++num_attributes_ > kMostAttributes)
-        refuse(fmt::format("an element has more than {} attributes", kMostAttributes));
-    } else if (c == '>') {
-      is_in_tag_ = false;
-      if (text_[at_ - 1] == '/') --depth_;
-    }
-  }
-
-  std::string_view text_;
-  const Place& file_;
-  std::size_t at_ = 0;
-  int line_ = 1;
-  bool is_in_tag_ = false;
-  char quote_ = 0;  // of the value that is being passed; 0: none
-  int depth_ = 0, num_elements_ = 0, num_attributes_ = 0;
-};
-
-std::string explain(const tinyxml2::XMLDocument& document) {
-  switch (document.ErrorID()) {
-    case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
-      return "the file holds no element, must hold one <Node>";
-    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
-      return "an element is closed by another one's end, or not at all";
-    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
-      return "an attribute is given twice, or is not of the form name=\"value\"";
-    default:
-      return fmt::format("not well-formed XML ({})", document.ErrorName());
-  }
-}
-
 /// Parses files and carries out their includes.
 class Importer {
  public:
-  explicit Importer(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+  Importer(Diagnostics& diagnostics, InputFiles* inputs) : diagnostics_(diagnostics), inputs_(inputs) {}
 
   /// `origin`: the file as messages name it, and where it is included.
   Element import(std::string_view text, const fs::path& file, const Place& origin) {
-    num_elements_ += Screen(text, origin).pass();
-    if (num_elements_ > kMostElements)
-      refuse_file(origin, 1, fmt::format("more than {} elements with those of included files", kMostElements));
     tinyxml2::XMLDocument document;
-    if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
-      refuse_file(origin, document.ErrorLineNum(), explain(document));
+    try {
+      num_elements_ += parse_xml(text, kXmlOfScenes, document);
+    } catch (const XmlError& error) {
+      refuse_file(origin, error.line(), error.what());
+    }
+    if (num_elements_ > kXmlOfScenes.elements)
+      refuse_file(origin, 1, fmt::format("more than {} elements with those of included files", kXmlOfScenes.elements));
     const tinyxml2::XMLElement* root = document.RootElement();
     if (!root) refuse_file(origin, 1, "the file holds no element, must hold one <Node>");
     for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling()) {
@@ -243,6 +110,7 @@ class Importer {
     } catch (const InputError& error) {
       return refuse(href->place, fmt::format("'{}': {}", href->value, error.what()));
     }
+    if (inputs_) inputs_->add(file);
     num_bytes_ += text.size();
     if (num_bytes_ > kLargestSceneFile)
       refuse_file(href->place, href->place.line,
@@ -338,6 +206,7 @@ class Importer {
   }
 
   Diagnostics& diagnostics_;
+  InputFiles* inputs_;                // null: nobody asks
   std::vector<OpenFile> open_files_;  // from the scene to the file being read
   int num_includes_ = 0;
   int num_elements_ = 0;
@@ -367,8 +236,8 @@ std::string read_scene_file(const fs::path& file) {
   return text;
 }
 
-Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics) {
-  return Importer(diagnostics).import(text, file, {file.string(), 0, nullptr});
+Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics, InputFiles* inputs) {
+  return Importer(diagnostics, inputs).import(text, file, {file.string(), 0, nullptr});
 }
 
 }  // namespace hexaplast::scene

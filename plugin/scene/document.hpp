@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "hexaplast/base/whole_file.hpp"
+#include "hexaplast/base/xml.hpp"
 #include "scene/diagnostics.hpp"
 
 namespace hexaplast::scene {
@@ -33,9 +35,7 @@ struct Element {
 bool is_switched_off(std::string_view attribute);
 
 inline constexpr std::uintmax_t kLargestSceneFile = 64 * 1024 * 1024;  // [byte]; larger meshes belong into mesh files
-inline constexpr int kMostElements = 10'000;                           // of one file
-inline constexpr int kMostAttributes = 1000;                           // of one element
-inline constexpr int kMostLevels = 100;                                // of elements in one file
+inline constexpr XmlLimits kXmlOfScenes{.elements = 10'000, .attributes_of_one = 1000, .attributes = 100'000};
 inline constexpr int kMostIncludeLevels = 16;
 inline constexpr int kMostIncludes = 1000;  // in all: files that include one another twice would double at each level
 
@@ -52,7 +52,8 @@ std::string read_scene_file(const std::filesystem::path& file);
 /// before it there lends it its attributes and children, the rest is added.
 ///
 /// Includes that cannot be carried out are left out and added to `diagnostics`; a file that is not well-formed is a
-/// SceneError.
-Element read_document(std::string_view text, const std::filesystem::path& file, Diagnostics& diagnostics);
+/// SceneError. The files that are included are added to `inputs`.
+Element read_document(std::string_view text, const std::filesystem::path& file, Diagnostics& diagnostics,
+                      InputFiles* inputs = nullptr);
 
 }  // namespace hexaplast::scene

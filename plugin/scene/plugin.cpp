@@ -112,6 +112,17 @@ void register_components(const std::filesystem::path& file, Factory& factory) {
   add_all(factory);
 }
 
+/// Whatever links lead there: the folders themselves are compared, not their names.
+bool lies_below(const std::filesystem::path& file, const std::filesystem::path& directory) {
+  std::error_code unknown;
+  std::filesystem::path folder = std::filesystem::canonical(file).parent_path();
+  while (!std::filesystem::equivalent(folder, directory, unknown)) {
+    if (folder == folder.parent_path()) return false;
+    folder = folder.parent_path();
+  }
+  return true;
+}
+
 bool is_plain_name(std::string_view name) {
   return !name.empty() && name[0] != '.' && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
@@ -121,8 +132,9 @@ bool is_plain_name(std::string_view name) {
 
 }  // namespace
 
-PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> directories)
-    : factory_(factory), directories_(std::move(directories)) {}
+PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> directories,
+                           std::filesystem::path untrusted)
+    : factory_(factory), directories_(std::move(directories)), untrusted_(std::move(untrusted)) {}
 
 void PluginLoader::load(const std::string& name) {
   if (name.starts_with("Sofa.") || std::ranges::count(loaded_, name) > 0) return;
@@ -140,6 +152,8 @@ void PluginLoader::load(const std::string& name) {
       std::error_code unknown;
       if (!std::filesystem::is_regular_file(file, unknown)) continue;
       try {
+        if (!untrusted_.empty() && lies_below(file, untrusted_))
+          throw PluginError(fmt::format("it lies below {}, from which nothing is loaded", untrusted_.string()));
         check_tag(file);
         register_components(file, factory_);
       } catch (const PluginError& error) {

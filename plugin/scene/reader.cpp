@@ -303,7 +303,9 @@ class Reader {
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
                       Grammar grammar) {
   Scene scene;
-  const Element root = read_document(text, name, scene.diagnostics());
+  OutputFiles& files = scene.root().files();
+  files.inputs.add(name);
+  const Element root = read_document(text, name, scene.diagnostics(), &files.inputs);
   Reader(scene, factory, plugins, grammar).read(root);
   return scene;
 }

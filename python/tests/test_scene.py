@@ -172,3 +172,25 @@ def test_a_scene_of_masses_alone_has_no_body(tmp_path):
     assert scene.body is None and scene.elastic_energy == 0
     assert scene.positions[0] == pytest.approx([0, 0, 0.9])
     assert scene.kinetic_energy == pytest.approx(2 * 1.0**2 / 2)
+
+
+def test_what_a_scene_writes_lies_below_out(tmp_path, monkeypatch):
+    text = ("<Node dt='0.01' gravity='0 0 -10'><EulerImplicitSolver/><SparseLDLSolver/>"
+            "<MechanicalObject name='nodes' position='0 0 0'/><UniformMass vertexMass='1'/>"
+            "<WriteState name='state' filename='{}'/></Node>")
+    scene, elsewhere = tmp_path / "scene.scn", tmp_path / "elsewhere.scn"
+    scene.write_text(text.format("state.txt"))
+    elsewhere.write_text(text.format(tmp_path / "elsewhere.txt"))
+    hexaplast.run(scene, 2, out=tmp_path / "run")
+    assert (tmp_path / "run/state.txt").read_text().startswith("T= 0\n  X= 0 0 0\nT= 0.01\n")
+    monkeypatch.chdir(tmp_path)
+    hexaplast.Scene(scene).run(1)
+    assert (tmp_path / "state.txt").exists(), "otherwise in the working directory"
+    with pytest.raises(ValueError, match="is there already\n  hint: force=True replaces it"):
+        hexaplast.Scene(scene)
+    hexaplast.Scene(scene, force=True).run(1)
+    with pytest.raises(ValueError, match="hint: allow_outside=True permits that"):
+        hexaplast.Scene(elsewhere, out=tmp_path / "run")
+    assert not (tmp_path / "elsewhere.txt").exists()
+    hexaplast.Scene(elsewhere, out=tmp_path / "run", allow_outside=True).run(1)
+    assert (tmp_path / "elsewhere.txt").exists()

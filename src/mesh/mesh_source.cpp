@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/readable_file.hpp"
 
 namespace hexaplast {
 namespace {
@@ -35,17 +33,6 @@ bool read_whole(std::string_view word, Number& number) {
 }
 
 }  // namespace
-
-std::string whole_file(const std::filesystem::path& file) {
-  const auto refuse = [&](std::string_view what) { throw InputError(fmt::format("{}: {}", file.string(), what)); };
-  if (const std::string reason = why_unreadable(file); !reason.empty()) refuse(reason);
-  std::error_code failure;
-  std::string content(std::filesystem::file_size(file, failure), '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
-  if (failure || !stream) refuse("cannot be read");
-  return content;
-}
 
 bool read_number(std::string_view word, double& number) { return read_whole(word, number) && std::isfinite(number); }
 bool read_number(std::string_view word, std::int64_t& number) { return read_whole(word, number); }
@@ -118,6 +105,23 @@ void MeshSource::skip_past_line(std::string_view wanted) {
   while (!at_end())
     if (line() == wanted) return;
   refuse(fmt::format("the file ends where {} is expected", wanted));
+}
+
+std::size_t corners_of_vtk_cell(int kind) {
+  switch (kind) {
+    case 3:
+      return 2;
+    case 5:
+      return 3;
+    case 8:
+    case 9:
+      return 4;
+    case 11:
+    case 12:
+      return 8;
+    default:
+      return 0;
+  }
 }
 
 bool add_vtk_cell(int kind, const std::int64_t* nodes, std::size_t num_nodes, ImportedMesh& mesh) {

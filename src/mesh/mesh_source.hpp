@@ -7,12 +7,10 @@
 #include <string_view>
 #include <utility>
 
+#include "hexaplast/base/readable_file.hpp"
 #include "hexaplast/mesh/file_import.hpp"
 
 namespace hexaplast {
-
-/// The whole content of a regular file. Throws InputError naming the file.
-std::string whole_file(const std::filesystem::path& file);
 
 /// Reads a mesh file from its beginning to its end, and knows where it is.
 class MeshSource {
@@ -68,6 +66,9 @@ class MeshSource {
 /// A number from the whole of a word; false where the word is none, or does not fit.
 bool read_number(std::string_view word, double& number);
 bool read_number(std::string_view word, std::int64_t& number);
+
+/// How many nodes a cell of VTK's numbering has; 0: it is none of those below.
+std::size_t corners_of_vtk_cell(int kind);
 
 /// Adds a cell of VTK's numbering (3 line, 5 triangle, 8 pixel, 9 quad, 11 voxel, 12 hexahedron), or counts it as
 /// skipped. Returns false when it has not as many nodes as its kind.

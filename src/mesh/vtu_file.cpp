@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/xml.hpp"
 #include "mesh/mesh_source.hpp"
 
 // VTK's XML files of unstructured grids. A data array is text; or bytes in base64, in place or appended; or raw bytes,
@@ -22,6 +23,11 @@ using tinyxml2::XMLElement;
 
 constexpr std::int64_t kMostComponents = 4096;  // of a data array
 constexpr std::size_t kMostGrowth = 1032;       // no byte of zlib's stands for more than this many
+
+// What the numbers of a file may take altogether: a regular grid, which zlib packs best, takes eight bytes per byte of
+// its file.
+constexpr std::size_t kMostBytesPerByte = 16;
+constexpr std::size_t kBytesOfAnyFile = 24'000'000;  // [byte]
 
 std::string attribute(const XMLElement& element, const char* name) {
   const char* value = element.Attribute(name);
@@ -51,11 +57,12 @@ class VtuFile {
  private:
   void read_grid() {
     // raw appended bytes are no XML: what is parsed ends before them
-    std::string xml(content_);
+    std::string_view xml = content_;
+    std::string before_appended;
     const std::size_t appended = content_.find("<AppendedData");
     if (appended != content_.npos) {
-      xml.resize(appended);
-      xml += "</VTKFile>";
+      before_appended = std::string(content_.substr(0, appended)) + "</VTKFile>";
+      xml = before_appended;
       const std::size_t marker = content_.find('_', appended);
       const std::size_t end = content_.rfind("</AppendedData>");
       if (marker == content_.npos || end == content_.npos || end < marker)
@@ -65,8 +72,11 @@ class VtuFile {
     }
 
     tinyxml2::XMLDocument document;
-    if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
-      refuse_line(document.ErrorLineNum(), fmt::format("not well-formed XML ({})", document.ErrorName()));
+    try {
+      parse_xml(xml, kXmlOfPrograms, document);
+    } catch (const XmlError& error) {
+      refuse_line(error.line(), error.what());
+    }
     const XMLElement* root = document.RootElement();
     if (!root || std::string_view(root->Name()) != "VTKFile") refuse_line(1, "the root element must be VTKFile");
     if (attribute(*root, "type") != "UnstructuredGrid")
@@ -78,6 +88,8 @@ class VtuFile {
     if (!grid->FirstChildElement("Piece")) refuse(*grid, "holds no Piece");
     for (const XMLElement* piece = grid->FirstChildElement("Piece"); piece; piece = piece->NextSiblingElement("Piece"))
       add_piece(*piece);
+    state_.mesh.positions =
+        Eigen::Map<const PointArray>(coordinates_.data(), static_cast<Eigen::Index>(coordinates_.size() / 3), 3);
   }
 
   void read_conventions(const XMLElement& root) {
@@ -96,19 +108,21 @@ class VtuFile {
 
   void add_piece(const XMLElement& piece) {
     const std::size_t num_points = counted(piece, "NumberOfPoints"), num_cells = counted(piece, "NumberOfCells");
-    const Eigen::Index before = state_.mesh.positions.rows();
-    if (static_cast<std::size_t>(before) + num_points > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    const std::size_t before = coordinates_.size() / 3;
+    if (before + num_points > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       refuse(piece, "more points than can be numbered");
 
     const XMLElement* points = child(piece, "Points").FirstChildElement("DataArray");
     if (!points) refuse(piece, "holds no array of points");
-    const std::vector<double> x = numbers<double>(*points, 3 * num_points);
-    state_.mesh.positions.conservativeResize(before + static_cast<Eigen::Index>(num_points), 3);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      if (!std::isfinite(x[i])) refuse(*points, fmt::format("{} is not a coordinate: must be a finite number", x[i]));
-      state_.mesh.positions.data()[3 * before + static_cast<Eigen::Index>(i)] = x[i];
-    }
-    if (num_cells > 0) add_cells(child(piece, "Cells"), num_points, num_cells, before);
+    std::vector<double> x = numbers<double>(*points, 3 * num_points);
+    for (const double number : x)
+      if (!std::isfinite(number))
+        refuse(*points, fmt::format("{} is not a coordinate: must be a finite number", number));
+    if (before == 0)
+      coordinates_ = std::move(x);
+    else
+      coordinates_.insert(coordinates_.end(), x.begin(), x.end());
+    if (num_cells > 0) add_cells(child(piece, "Cells"), num_points, num_cells, static_cast<std::int64_t>(before));
     if (!reads_data_) return;
     if (piece.PreviousSiblingElement("Piece"))
       refuse(piece, "data of several pieces are not read: must be the only one");
@@ -139,12 +153,18 @@ class VtuFile {
     }
   }
 
-  void add_cells(const XMLElement& cells, std::size_t num_points, std::size_t num_cells, Eigen::Index first_point) {
+  void add_cells(const XMLElement& cells, std::size_t num_points, std::size_t num_cells, std::int64_t first_point) {
     const XMLElement &ends_at = array(cells, "offsets"), &types_at = array(cells, "types");
     const std::vector<std::int64_t> ends = numbers<std::int64_t>(ends_at, num_cells);
     const std::vector<std::int64_t> types = numbers<std::int64_t>(types_at, num_cells);
-    for (std::size_t e = 0; e < num_cells; ++e)
-      if (ends[e] < (e == 0 ? 0 : ends[e - 1])) refuse(ends_at, fmt::format("cell {} ends before it begins", e));
+    // what a cell has is known before its points are read: they are not unpacked for cells that cannot be
+    for (std::size_t e = 0; e < num_cells; ++e) {
+      const std::int64_t begin = e == 0 ? 0 : ends[e - 1];
+      if (ends[e] < begin) refuse(ends_at, fmt::format("cell {} ends before it begins", e));
+      if (const std::size_t corners = corners_of_vtk_cell(kind_of(types[e]));
+          corners != 0 && static_cast<std::size_t>(ends[e] - begin) != corners)
+        refuse(types_at, fmt::format("cell {} is of type {} and has {} points", e, types[e], ends[e] - begin));
+    }
 
     const XMLElement& nodes_at = array(cells, "connectivity");
     std::vector<std::int64_t> nodes = numbers<std::int64_t>(nodes_at, static_cast<std::size_t>(ends.back()));
@@ -155,11 +175,11 @@ class VtuFile {
     }
     for (std::size_t e = 0; e < num_cells; ++e) {
       const std::int64_t begin = e == 0 ? 0 : ends[e - 1];
-      if (!add_vtk_cell(static_cast<int>(std::clamp<std::int64_t>(types[e], 0, 255)), nodes.data() + begin,
-                        static_cast<std::size_t>(ends[e] - begin), state_.mesh))
-        refuse(types_at, fmt::format("cell {} is of type {} and has {} points", e, types[e], ends[e] - begin));
+      add_vtk_cell(kind_of(types[e]), nodes.data() + begin, static_cast<std::size_t>(ends[e] - begin), state_.mesh);
     }
   }
+
+  static int kind_of(std::int64_t type) { return static_cast<int>(std::clamp<std::int64_t>(type, 0, 255)); }
 
   // Data arrays
   // -----------------------------------------------------------------------------------------------------------------
@@ -167,6 +187,7 @@ class VtuFile {
   /// All numbers of an array, of which there must be `count`.
   template <class Number>
   std::vector<Number> numbers(const XMLElement& at, std::size_t count) {
+    require_room(at, count);
     const std::string format = attribute(at, "format");
     if (format == "ascii") return numbers_of_text<Number>(at, count);
 
@@ -187,6 +208,14 @@ class VtuFile {
       refuse(at, fmt::format("format '{}', must be ascii, binary or appended", format));
     }
     return numbers_of_bytes<Number>(at, bytes, type);
+  }
+
+  // Few compressed bytes must not become many numbers.
+  void require_room(const XMLElement& at, std::size_t count) {
+    const std::size_t most = kBytesOfAnyFile + kMostBytesPerByte * content_.size();
+    if (count > most / sizeof(double) || (num_numbers_ += count) > most / sizeof(double))
+      refuse(at, fmt::format("{} numbers: those of a file of {} bytes are {} at most", count, content_.size(),
+                             most / sizeof(double)));
   }
 
   template <class Number>
@@ -239,6 +268,7 @@ class VtuFile {
     if (!is_compressed_) {
       const std::string head = part(at, data, is_raw, 0, header_bytes_);
       if (header(head, 0) != size) refuse(at, fmt::format("{} bytes, must be {}", header(head, 0), size));
+      take(at, header_bytes_ + size);
       // without compression number and bytes are encoded in one
       return part(at, data, is_raw, 0, header_bytes_ + size).substr(header_bytes_);
     }
@@ -262,6 +292,7 @@ class VtuFile {
       if (header(head, 3 + i) > data.size()) refuse(at, "a compressed block is larger than the data");
       total += header(head, 3 + i);
     }
+    take(at, head_size + total);
     const std::string packed = part(at, data, is_raw, head_size, total);
     if (size / kMostGrowth > packed.size())
       refuse(at, fmt::format("{} bytes cannot come from {}", size, packed.size()));
@@ -280,6 +311,12 @@ class VtuFile {
       to += wanted;
     }
     return bytes;
+  }
+
+  // Every byte of the file belongs to one array: many that name the same ones would multiply them.
+  void take(const XMLElement& at, std::size_t bytes) {
+    if (bytes > content_.size() - num_taken_) refuse(at, "takes bytes that belong to other arrays");
+    num_taken_ += bytes;
   }
 
   /// `size` bytes of data: raw from byte `begin` on; in base64 those of the part that begins where the base64 of the
@@ -375,6 +412,9 @@ class VtuFile {
   std::string_view content_;
   std::string name_;
   ImportedState state_;
+  std::vector<double> coordinates_;  // [m] of all points so far
+  std::size_t num_numbers_ = 0;      // of all arrays so far
+  std::size_t num_taken_ = 0;        // [byte] by them
   bool reads_data_ = false;
   std::string_view appended_;
   bool appended_is_raw_ = true;

@@ -28,16 +28,18 @@ inline scene::Scene read(std::string_view text) {
   return scene::read_scene_text(text, "test.scn", factory(), loader);
 }
 
-inline scene::Scene read_and_init(std::string_view text) {
+/// `output`: what its components may write.
+inline scene::Scene read_and_init(std::string_view text, const scene::OutputRules& output = {}) {
   scene::Scene scene = read(text);
+  scene.root().files().rules = output;
   scene.init();
   return scene;
 }
 
 /// All errors of a scene, one after the other; empty when it can run.
-inline std::string errors_of(std::string_view text) {
+inline std::string errors_of(std::string_view text, const scene::OutputRules& output = {}) {
   try {
-    read_and_init(text);
+    read_and_init(text, output);
     return {};
   } catch (const scene::SceneError& error) {
     return error.what();

@@ -10,4 +10,7 @@ namespace hexaplast {
 /// may wait for ever), or "cannot be read: " and the system's reason. Empty: it can be read.
 std::string why_unreadable(const std::filesystem::path& file);
 
+/// The whole content of a regular file. Throws InputError: "FILE: " and what keeps it from being read.
+std::string whole_file(const std::filesystem::path& file);
+
 }  // namespace hexaplast

@@ -11,8 +11,8 @@ inline constexpr Attribute kVTKExporterAttributes[] = {
     {.name = "filename",
      .type = Type::kText,
      .help =
-         "Where to write; the component's name where not given. A relative path counts from the working directory. A "
-         "number from 0 on and .vtu are added."},
+         "Where to write, below the directory of the run; the component's name where not given. A number from 0 on and "
+         ".vtu are added."},
     {.name = "exportEveryNumberOfSteps",
      .type = Type::kInteger,
      .initial = "0",
@@ -62,9 +62,7 @@ inline constexpr Description kVTKExporter{
     .attributes = kVTKExporterAttributes};
 
 inline constexpr Attribute kWriteStateAttributes[] = {
-    {.name = "filename",
-     .type = Type::kText,
-     .help = "Where to write; a relative path counts from the working directory. A file that is there is replaced."},
+    {.name = "filename", .type = Type::kText, .help = "Where to write, below the directory of the run."},
     {.name = "writeX", .type = Type::kBool, .initial = "true", .help = "Writes positions."},
     {.name = "writeX0", .type = Type::kBool, .initial = "false", .help = "Writes rest positions."},
     {.name = "writeV", .type = Type::kBool, .initial = "false", .help = "Writes velocities."},

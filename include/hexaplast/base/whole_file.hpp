@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace hexaplast {
+
+/// Reading or writing failed; the message names the file and the system's reason.
+class OutputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Files that are read, and so are never written over: known by what they are (device and inode), whatever names and
+/// links lead to them.
+class InputFiles {
+ public:
+  InputFiles() = default;
+  explicit InputFiles(const std::vector<std::filesystem::path>& files) {
+    for (const std::filesystem::path& file : files) add(file);
+  }
+  void add(const std::filesystem::path& file);  ///< nothing where there is none
+  bool has(const std::filesystem::path& file) const;
+
+ private:
+  std::set<std::pair<std::uint64_t, std::uint64_t>> files_;
+};
+
+/// The file that a name from a command line stands for: where a symbolic link is there, the one that it leads to.
+/// Throws OutputError where it is one of `inputs`.
+std::filesystem::path output_place(const std::filesystem::path& file, const InputFiles& inputs = {});
+
+/// Ending of the names of unfinished files.
+inline constexpr std::string_view kPart = ".part";
+
+/// A file that is either there whole or not there at all: written as `<name>.part` beside its place, then flushed to
+/// disk and renamed. A file or symbolic link that stood at its place before stays until then, and links are never
+/// followed; what is neither is refused. The part is always a new file. One that a killed run has left is removed, but
+/// not one that somebody is writing. Every failure is an OutputError.
+class WholeFile {
+ public:
+  explicit WholeFile(std::filesystem::path path);
+  ~WholeFile();  ///< without commit(): removes the part
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  void write(const void* data, std::size_t bytes);
+  void write(std::string_view text) { write(text.data(), text.size()); }
+  void commit();
+
+ private:
+  std::filesystem::path path_, part_;
+  std::FILE* file_ = nullptr;
+};
+
+/// Opens a file that grows, with the flags of open(2) and the mode of fdopen(3). A symbolic link in its place is
+/// refused: it would lead the lines elsewhere. Throws OutputError.
+std::FILE* open_in_place(const std::filesystem::path& path, int flags, const char* mode);
+
+}  // namespace hexaplast

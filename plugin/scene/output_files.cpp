@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene/output_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hexaplast/base/text.hpp"
+
+namespace hexaplast::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSeriesEnding = ".vtu";
+
+[[noreturn]] void refuse(const std::string& what, const std::string& hint = {}) { throw OutputRefusal(what, hint); }
+
+bool is_below(const fs::path& folder, const fs::path& directory) {
+  return std::mismatch(directory.begin(), directory.end(), folder.begin(), folder.end()).first == directory.end();
+}
+
+bool is_there(const fs::path& file) {
+  std::error_code unknown;
+  return fs::exists(fs::symlink_status(file, unknown));
+}
+
+/// The files of a folder; none where there is no folder.
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    files.push_back(entry->path());
+  std::ranges::sort(files);
+  return files;
+}
+
+}  // namespace
+
+bool OutputFiles::Claim::has(const fs::path& file) const {
+  if (!is_series) return file == place;
+  return file.parent_path() == place.parent_path() &&
+         is_numbered(file.filename().string(), place.filename().string(), kSeriesEnding);
+}
+
+bool OutputFiles::Claim::meets(const Claim& other) const {
+  if (!other.is_series) return has(other.place);
+  if (!is_series) return other.has(place);
+  // one of the series has all its numbers behind a number of the other's
+  const std::string mine = place.string(), theirs = other.place.string();
+  const std::string &longer = mine.size() < theirs.size() ? theirs : mine,
+                    &shorter = mine.size() < theirs.size() ? mine : theirs;
+  return longer.starts_with(shorter) && longer.find_first_not_of("0123456789", shorter.size()) == longer.npos;
+}
+
+// Where a name leads, whether or not something is there.
+fs::path OutputFiles::resolved(const fs::path& name) const {
+  const fs::path directory = fs::weakly_canonical((fs::absolute(rules.directory) / "").parent_path());
+  const bool leads_out = name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end();
+  if (leads_out && !rules.allows_outside)
+    refuse(fmt::format("'{}' is absolute or has '..': must be a name below '{}'", name.string(), directory.string()),
+           rules.how_outside);
+
+  fs::path file = directory / name;
+  if (!file.has_filename() || name.filename() == ".") refuse(fmt::format("'{}' names no file", name.string()));
+  std::error_code unknown;
+  if (fs::is_symlink(file, unknown)) {
+    if (!rules.allows_outside)
+      refuse(fmt::format("'{}' is a symbolic link, which is not followed", file.string()), rules.how_outside);
+    file = fs::weakly_canonical(file);
+  }
+  const fs::path folder = fs::weakly_canonical(file.parent_path());
+  const bool is_inside = is_below(folder, directory);
+  if (!is_inside && !rules.allows_outside)
+    refuse(fmt::format("'{}' leads to '{}': must lie below '{}'", name.string(), folder.string(), directory.string()),
+           rules.how_outside);
+  // folders below the run's directory are made, others must be there
+  if (is_there(folder) ? !fs::is_directory(folder, unknown) : !is_inside)
+    refuse(fmt::format("'{}' is no directory", folder.string()));
+  return folder / file.filename();
+}
+
+void OutputFiles::require_free(const fs::path& file) const {
+  if (rules.is_taken && rules.is_taken(file)) refuse(fmt::format("'{}' is written by the run itself", file.string()));
+  if (!is_there(file)) return;
+  std::error_code unknown;
+  const fs::file_status status = fs::symlink_status(file, unknown);
+  if (fs::is_symlink(status)) refuse(fmt::format("'{}' is a symbolic link, which is not followed", file.string()));
+  if (!fs::is_regular_file(status)) refuse(fmt::format("'{}' is not a file", file.string()));
+  if (inputs.has(file))
+    refuse(fmt::format("'{}' is read by this scene, and what is read is never written over", file.string()));
+  if (!rules.replaces && !begun_.contains(file))
+    refuse(fmt::format("'{}' is there already", file.string()), rules.how_to_replace);
+}
+
+fs::path OutputFiles::claim(const fs::path& name, bool is_series) {
+  if (!rules.writes) return name;
+  const Claim wanted{resolved(name), is_series};
+  for (const Claim& other : claims_)
+    if (wanted.meets(other)) refuse(fmt::format("'{}' is written by another component too", wanted.place.string()));
+
+  require_free(is_series ? fs::path(fmt::format("{}0{}", wanted.place.string(), kSeriesEnding)) : wanted.place);
+  if (is_series)
+    for (const fs::path& file : files_in(wanted.place.parent_path()))
+      if (wanted.has(file)) require_free(file);
+  claims_.push_back(wanted);
+  return wanted.place;
+}
+
+void OutputFiles::prepare(const fs::path& file) {
+  if (begun_.contains(file)) return;
+  try {
+    require_free(file);
+    fs::create_directories(file.parent_path());
+  } catch (const OutputRefusal& refusal) {
+    throw OutputError(refusal.what());
+  } catch (const fs::filesystem_error& error) {
+    throw OutputError(error.what());
+  }
+  begun_.insert(file);
+}
+
+std::vector<std::string> OutputFiles::claimed() const {
+  std::vector<std::string> names;
+  for (const Claim& claim : claims_)
+    names.push_back(claim.is_series ? fmt::format("{}<N>{}", claim.place.string(), kSeriesEnding)
+                                    : claim.place.string());
+  return names;
+}
+
+}  // namespace hexaplast::scene

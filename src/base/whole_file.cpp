@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/base/whole_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <system_error>
+
+namespace hexaplast {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void fail(const fs::path& path, std::string_view what, int error) {
+  throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::strerror(error)));
+}
+
+std::optional<std::pair<std::uint64_t, std::uint64_t>> identity_of(const fs::path& file) {
+  struct stat found {};
+  if (::stat(file.c_str(), &found) != 0) return std::nullopt;
+  return std::pair<std::uint64_t, std::uint64_t>(found.st_dev, found.st_ino);
+}
+
+/// A rename is on disk only when its directory is. Some file systems cannot do that: the file itself is safe even then.
+void sync_directory(const fs::path& directory) {
+  const int handle = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (handle < 0) return;
+  ::fsync(handle);
+  ::close(handle);
+}
+
+constexpr const char* kIsLink = ": is a symbolic link, which is not followed here";
+
+/// Takes away what a killed run has left under the name of an unfinished file. Whoever is still writing holds a lock.
+void remove_leftover(const fs::path& part) {
+  struct stat found {};
+  if (::lstat(part.c_str(), &found) != 0) return;
+  if (S_ISLNK(found.st_mode)) throw OutputError(part.string() + kIsLink);
+  if (!S_ISREG(found.st_mode)) throw OutputError(part.string() + ": is not a regular file and will not be replaced");
+  const int handle = ::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  const bool is_in_use = handle >= 0 && ::flock(handle, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (!is_in_use && ::unlink(part.c_str()) != 0) fail(part, "cannot be removed", errno);
+  if (handle >= 0) ::close(handle);
+  if (is_in_use) throw OutputError(part.string() + ": is being written by another program, or by another option");
+}
+
+/// A new file, never one that is there: nobody else chooses where the writing goes.
+int create_part(const fs::path& part) {
+  const auto create = [&] { return ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666); };
+  int handle = create();
+  if (handle < 0 && errno == EEXIST) {
+    remove_leftover(part);
+    handle = create();
+  }
+  if (handle < 0) fail(part, "cannot be created", errno);
+  ::flock(handle, LOCK_EX | LOCK_NB);  // where the file system knows locks
+  return handle;
+}
+
+}  // namespace
+
+void InputFiles::add(const fs::path& file) {
+  if (const auto identity = identity_of(file)) files_.insert(*identity);
+}
+
+bool InputFiles::has(const fs::path& file) const {
+  const auto identity = identity_of(file);
+  return identity && files_.contains(*identity);
+}
+
+fs::path output_place(const fs::path& file, const InputFiles& inputs) {
+  if (inputs.has(file)) throw OutputError(file.string() + ": is an input, and will not be written over");
+  std::error_code error;
+  return fs::is_symlink(file, error) ? fs::weakly_canonical(file) : file;
+}
+
+std::FILE* open_in_place(const fs::path& path, int flags, const char* mode) {
+  const int handle = ::open(path.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (handle < 0 && errno == ELOOP && fs::is_symlink(path)) throw OutputError(path.string() + kIsLink);
+  std::FILE* file = handle < 0 ? nullptr : ::fdopen(handle, mode);
+  if (!file) fail(path, "cannot be opened for writing", errno);
+  return file;
+}
+
+WholeFile::WholeFile(fs::path path) : path_(std::move(path)), part_(path_.string() + std::string(kPart)) {
+  // a link at the place is replaced; a device, a pipe or a directory must not be
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(path_, error);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_symlink(status))
+    throw OutputError(path_.string() + ": is not a regular file and will not be replaced");
+  file_ = ::fdopen(create_part(part_), "wb");
+  if (!file_) fail(part_, "cannot be created", errno);
+}
+
+WholeFile::~WholeFile() {
+  if (!file_) return;
+  std::fclose(file_);
+  ::unlink(part_.c_str());
+}
+
+void WholeFile::write(const void* data, std::size_t bytes) {
+  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes) fail(part_, "cannot be written", errno);
+}
+
+void WholeFile::commit() {
+  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail(part_, "cannot be written", errno);
+  struct stat ours {
+  }, there{};
+  const bool is_ours = ::fstat(::fileno(file_), &ours) == 0 && ::lstat(part_.c_str(), &there) == 0 &&
+                       ours.st_dev == there.st_dev && ours.st_ino == there.st_ino;
+  if (!is_ours) throw OutputError(part_.string() + ": has been taken away while it was written");
+  if (::rename(part_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be put in place", errno);
+  std::fclose(file_);
+  file_ = nullptr;
+  sync_directory(path_.parent_path());
+}
+
+}  // namespace hexaplast
