@@ -136,6 +136,28 @@ TEST_F(Sweep, ARunThatFailsIsARowAndTheOthersGoOn) {
   EXPECT_NE(again.out.find("3 of 3 runs are done already"), std::string::npos);
 }
 
+// A push of 400 N drives the second of these bars through its support.
+TEST_F(Sweep, RunsWithoutAMeaningAreWarnedOfAndFailWhereItIsStrict) {
+  write("bar.scn", hexaplast::support::flowing_bar());
+  const std::string command =
+      "sweep bar.scn --out found --vary 'pull.forces=0 0 0 1 0 0 1 0 0 0 0 0,"
+      "0 0 0 -2000 0 0 -2000 0 0 -2000 0 0' --set body.yieldStress=1e9";
+  const std::string doubt = "run 2 of 2: pull.forces=0 0 0 -2000 0 0 -2000 0 0 -2000 0 0: ";
+  const Outcome outcome = hexaplast(command);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("warning: " + doubt), 0u) << outcome.err;
+  EXPECT_NE(outcome.err.find("hexahedra are inside out at the end"), std::string::npos) << outcome.err;
+
+  const Outcome other = hexaplast(command + " --strict");
+  EXPECT_EQ(other.code, 5);
+  EXPECT_NE(other.err.find("--strict is given to one of them only"), std::string::npos) << other.err;
+  const Outcome strict = hexaplast(command + " --strict --force");
+  EXPECT_EQ(strict.code, 4);
+  EXPECT_NE(strict.err.find("warning: " + doubt + "ended with 4: "), std::string::npos) << strict.err;
+  EXPECT_EQ(table().text(0, "exit_code"), "0");
+  EXPECT_EQ(table().text(1, "exit_code"), "4");
+}
+
 TEST_F(Sweep, ASignalEndsItWithAllItsRuns) {
   write("bar.scn", hexaplast::support::flowing_bar());
   // the last two take too long for any test

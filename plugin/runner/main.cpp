@@ -128,6 +128,7 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->excludes(out);
   add_output_rules(*run, options.scene.output);
   run->add_flag("--quiet", options.quiet, "Print nothing but errors");
+  run->add_flag("--strict", options.strict, kStrictHelp);
 }
 
 void add_element(CLI::App& app, ElementOptions& options) {

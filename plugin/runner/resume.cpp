@@ -96,6 +96,7 @@ CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
       ->allow_extra_args(false);
   add_allow_outside(*resume, options.output);
   resume->add_flag("--quiet", options.quiet, "Print nothing but errors");
+  resume->add_flag("--strict", options.strict, kStrictHelp);
   return resume;
 }
 
@@ -119,6 +120,7 @@ int resume(const ResumeOptions& options) {
     run_options.out = fs::absolute(directory);
     run_options.threads = options.threads;
     run_options.quiet = options.quiet;
+    run_options.strict = options.strict;
     run_options.command = options.command;
     run_options.final_state = options.final_state;
     run_options.summary = options.summary;

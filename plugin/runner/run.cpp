@@ -22,6 +22,7 @@
 #include "runner/kept_warnings.hpp"
 #include "runner/progress.hpp"
 #include "runner/render.hpp"
+#include "runner/result_checks.hpp"
 #include "runner/scene_identity.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
@@ -126,6 +127,7 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
     try {
       simulation.step();
       record();
+      require_supplied(simulation);
     } catch (const NumericalError&) {
       if (recorder) recorder->finish();
       throw;
@@ -147,14 +149,21 @@ std::string removed_line(const std::vector<int>& removed, const Totals& totals) 
                      named < removed.size() ? ", ..." : "");
 }
 
+/// Which of a body's hexahedra were turned inside out.
+std::string inverted_line(int at_end, const Totals& totals) {
+  return fmt::format("{} at the end, at most {} in step {}", at_end, totals.most_inverted, totals.most_inverted_in);
+}
+
 /// Where the work went.
-std::string energy_line(const EnergyBalance& energy) {
+std::string energy_line(const EnergyBalance& energy, double put_in) {
   constexpr double kNoise = 1e-9;  // of the work: rounding in the shape that a scene begins with is no energy
   const double work = energy.load_work + energy.support_work;
   return fmt::format(
-      "work {:.4g} J{} = in the body {:.4g} + flow {:.4g} + damping {:.4g} + integrator {:.4g} + unexplained {:.2g}",
+      "work {:.4g} J{} = in the body {:.4g} + flow {:.4g} + damping {:.4g} + integrator {:.4g} + unexplained {:.2g} "
+      "({:.2g} %)",
       work, energy.initial > kNoise * std::abs(work) ? fmt::format(" and {:.4g} J at first", energy.initial) : "",
-      energy.kinetic + energy.elastic, energy.flow_loss, energy.damping_loss, energy.numerical_loss, energy.error());
+      energy.kinetic + energy.elastic, energy.flow_loss, energy.damping_loss, energy.numerical_loss, energy.error(),
+      put_in > 0 ? 100 * energy.error() / put_in : 0);
 }
 
 /// Brings a simulation to where a checkpoint of its scene was written.
@@ -193,6 +202,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
       add("removed", removed_line(body->history().removed, totals));
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
+    if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
     add_finite(
         "plastic elongation", {summary.plastic_elongation, summary.world_elongation},
         fmt::format("{:+.3f} %  (world {:+.3f} %)", 100 * summary.plastic_elongation, 100 * summary.world_elongation));
@@ -214,7 +224,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
   }
   if (const std::optional<EnergyBalance>& energy = simulation.latest().energy)
-    add_finite("energy", {energy->error()}, energy_line(*energy));
+    add_finite("energy", {energy->error()}, energy_line(*energy, totals.energy_put_in));
   if (num_steps > 0)
     add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
                             static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
@@ -273,6 +283,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
   flush_standard_output();
   log_warnings(simulation.scene());
   warn_of_stalls(simulation);
+  for (const std::string& doubt : check_results(simulation)) spdlog::warn("warning: {}", doubt);
 }
 
 // Of several failures the first one counts: where a disk is full, this cannot be written either.
@@ -326,7 +337,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   // of the scene as it begins
   output::Manifest manifest = manifest_of(simulation, num_steps, options);
   output::RunPlan plan;
-  if (options.out) simulation.keep_energy_balance();
+  simulation.keep_energy_balance();
   if (options.out) plan = plan_of(simulation, num_steps, options);
   manifest.pictures = record_of(plan.staging);
   if (start) restore(simulation, *start);
@@ -382,7 +393,10 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
     files.journal->close(signal == 0 ? output::RunState::kFinished : output::RunState::kInterrupted,
                          signal == 0 ? "All steps done" : fmt::format("Ended by signal {}", signal));
   }
-  return signal == 0 ? kOk : kSignalled + signal;
+  if (signal != 0) return kSignalled + signal;
+  const std::vector<std::string> doubts = check_results(simulation);
+  if (options.strict && !doubts.empty()) throw NumericalError(fmt::format("{}", fmt::join(doubts, "; ")));
+  return kOk;
 }
 
 }  // namespace hexaplast::runner

@@ -26,12 +26,17 @@ struct RunOptions {
   std::optional<long> checkpoint_every;        ///< steps; needs `out`
   std::optional<std::filesystem::path> write_below;  ///< what the scene writes, where there is no `out`
   bool quiet = false;                                ///< errors only
+  bool strict = false;                               ///< results that are not to be trusted are a failure
 };
+
+inline constexpr const char* kStrictHelp =
+    "End with 4 where hexahedra are inside out or the energy balance misses more than a fifth of the work";
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and
 /// the files are whole, with a checkpoint where the run has a directory. `start`: a checkpoint of the same scene from
 /// which to go on, instead of from the beginning, with the files in `options.out`, which the caller has locked. Throws
-/// what the rooms below throw. An earlier run in `options.out` is touched last, when all other files could be opened.
+/// what the rooms below throw, and NumericalError after all files are written where `options.strict` and check_results
+/// has something to say. An earlier run in `options.out` is touched last, when all other files could be opened.
 int run(const RunOptions& options, const output::Checkpoint* start = nullptr);
 
 /// What a checkpoint knows of its run, beside the state.

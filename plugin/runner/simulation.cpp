@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "hexaplast/base/error.hpp"
@@ -58,12 +59,18 @@ const output::StepRecord& Simulation::step() {
     if (totals_.first_removal == 0) totals_.first_removal = step;
     totals_.latest_removal = step;
   }
+  if (latest_.flow.inverted > totals_.most_inverted) {
+    totals_.most_inverted = latest_.flow.inverted;
+    totals_.most_inverted_in = step;
+  }
+  note_energy();
   return latest_;
 }
 
 void Simulation::keep_energy_balance() {
   solver_->keep_energy_balance();
   latest_ = record_of(0, {}, 0);
+  note_energy();
 }
 
 void Simulation::reset() {
@@ -71,6 +78,7 @@ void Simulation::reset() {
   latest_ = record_of(0, {}, 0);
   load_time_ = scene_.time();
   totals_ = {};
+  note_energy();
 }
 
 void Simulation::serialize(Archive& archive) {
@@ -78,7 +86,8 @@ void Simulation::serialize(Archive& archive) {
   SolveReport solve{.iterations = latest_.solver_iterations, .residual = latest_.residual};
   double step_ms = latest_.step_ms;
   archive(step, solve.iterations, solve.residual, step_ms, totals_.step_ms, totals_.iterations, totals_.stalled_solves,
-          totals_.stalled_averaging, totals_.first_removal, totals_.latest_removal);
+          totals_.stalled_averaging, totals_.first_removal, totals_.latest_removal, totals_.most_inverted,
+          totals_.most_inverted_in, totals_.energy_put_in);
   scene_.serialize(archive);
   if (archive.reads()) latest_ = record_of(step, solve, step_ms);
 }
@@ -87,6 +96,11 @@ long Simulation::saved_step(Archive archive) {
   long step = 0;
   archive(step);
   return step;
+}
+
+void Simulation::note_energy() {
+  if (const std::optional<EnergyBalance>& energy = latest_.energy)
+    totals_.energy_put_in = std::max(totals_.energy_put_in, energy->initial + energy->load_work + energy->support_work);
 }
 
 output::StepRecord Simulation::record_of(long step, const SolveReport& solve, double step_ms) {

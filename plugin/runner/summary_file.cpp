@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hexaplast/mesh/quality.hpp"
+#include "runner/result_checks.hpp"
 
 namespace hexaplast::runner {
 
@@ -30,6 +31,8 @@ Json summary_json(Simulation& simulation) {
           {"removed", body.history().removed.size()},
           {"connected_parts", summary.num_pieces},
           {"least_scaled_jacobian", quality(body.mesh()).least_scaled_jacobian},
+          {"inverted", latest.flow.inverted},
+          {"most_inverted", totals.most_inverted},
           {"plastic_elongation", summary.plastic_elongation},
           {"plastic_twist_deg", summary.plastic_twist_deg},
           {"world_elongation", summary.world_elongation},
@@ -42,7 +45,9 @@ Json summary_json(Simulation& simulation) {
           {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
           {"kinetic_energy", latest.kinetic_energy},
           {"elastic_energy", body.energy(x)},
-          {"dissipated_energy", body.history().dissipated_energy}};
+          {"dissipated_energy", body.history().dissipated_energy},
+          {"energy_error", latest.energy ? Json(latest.energy->error()) : Json(nullptr)},
+          {"doubts", check_results(simulation)}};
 }
 
 }  // namespace hexaplast::runner

@@ -59,7 +59,10 @@ Json plan_of(const SweepOptions& options, const std::vector<Factor>& factors, st
   if (!options.steps && !(settings && settings->is_given("steps")))
     throw UsageError("the number of steps is not given: neither --steps nor RunSettings.steps in the scene");
 
-  Json plan = {{"scene", options.scene.file.string()}, {"scene_hash", hash_scene(scene)}, {"steps", nullptr}};
+  Json plan = {{"scene", options.scene.file.string()},
+               {"scene_hash", hash_scene(scene)},
+               {"steps", nullptr},
+               {"strict", options.strict}};
   if (options.steps) plan["steps"] = *options.steps;
   for (const Factor& factor : factors) {
     for (const std::string& value : factor.values)
@@ -93,6 +96,7 @@ void refuse_another_sweep(const Place& place, const Json& plan) {
   }
   for (const auto& [key, difference] : {std::pair{"vary", "the varied attributes or their values differ"},
                                         {"steps", "the number of steps differs"},
+                                        {"strict", "--strict is given to one of them only"},
                                         {"scene_hash", "the scene, or what --set makes of it, differs"}})
     if (!found.is_object() || !found.contains(key) || found[key] != plan[key])
       throw output::OutputError(
@@ -139,20 +143,21 @@ std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTa
   for (const std::string& assignment : table.assignments(run)) add("--set", assignment);
   for (const std::string& plugin : options.scene.plugins) add("--plugin", plugin);
   for (const fs::path& directory : options.scene.plugin_path) add("--plugin-path", directory.string());
+  if (options.strict) words.emplace_back("--strict");
   if (options.scene.sofa_compat) words.emplace_back("--sofa-compat");
   add("--", options.scene.file.string());
   return words;
 }
 
-/// What a run that has ended leaves in the table; the files that it wrote for that go.
-SweepRow collect(int exit_code, const fs::path& summary_file) {
+/// What a run that has ended says for the table, null where it failed; the file that it wrote for that goes.
+Json collect(int exit_code, const fs::path& summary_file) {
   Json summary;
   if (exit_code == kOk) {
     std::ifstream in(summary_file);
     summary = Json::parse(in);
   }
   fs::remove(summary_file);
-  return SweepRow::of(exit_code, summary);
+  return summary;
 }
 
 std::string first_line(const fs::path& file) {
@@ -215,7 +220,8 @@ class Runs {
   }
 
   void take(long run, int exit_code) {
-    table_.set(run, collect(exit_code, place_.summary(run)));
+    const Json summary = collect(exit_code, place_.summary(run));
+    table_.set(run, SweepRow::of(exit_code, summary));
     table_.write(place_.table());
     const std::string which =
         fmt::format("run {} of {}: {}", run + 1, table_.num_runs(), fmt::join(table_.assignments(run), " "));
@@ -225,6 +231,10 @@ class Runs {
       spdlog::warn("warning: {}: ended with {}: {}", which, exit_code, first_line(place_.messages(run)));
     } else {
       fs::remove(place_.messages(run));
+      for (const Json& doubt : summary.at("doubts")) {
+        progress_.clear();
+        spdlog::warn("warning: {}: {}", which, doubt.get<std::string>());
+      }
       if (!is_terminal_)
         fmt::print("{}: plastic elongation {:+.3f} %, twist {:+.3f} deg, {:.3f} ms per step\n", printable(which),
                    100 * row.number("plastic_elongation"), row.number("plastic_twist_deg"), row.number("step_ms"));
@@ -276,6 +286,9 @@ CLI::App* add_sweep(CLI::App& app, SweepOptions& options) {
   command->add_option("--threads", options.threads, "Threads of each run. Default 1")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
+  command->add_flag("--strict", options.strict,
+                    "Runs have failed where hexahedra are inside out or the energy balance misses more than a fifth of "
+                    "the work");
   command->add_flag("--force", options.force, "Begin anew in a directory that holds a sweep");
   return command;
 }
