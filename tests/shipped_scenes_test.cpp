@@ -83,9 +83,10 @@ void run_twice(const std::string& name, SceneOutcome& outcome) {
   const fs::path folder = fs::temp_directory_path() / ("hexaplast_" + name + std::to_string(getpid()));
   const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
   fs::create_directories(folder);
-  ASSERT_EQ(run_command({"run", scene, "--quiet", "--threads", "1", "--frames", "0", "--out", out, "--final", first}),
+  ASSERT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "1", "--frames", "0", "--out", out,
+                         "--final", first}),
             0);
-  ASSERT_EQ(run_command({"run", scene, "--quiet", "--threads", "2", "--final", second}), 0);
+  ASSERT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "2", "--final", second}), 0);
 
   outcome = {read_json(first), read_csv(out / "history.csv")};
   EXPECT_EQ(outcome.final["state_hash"], read_json(second)["state_hash"]);
@@ -141,9 +142,10 @@ struct TornScene {
     fs::create_directories(folder);
     const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + name + ".scn";
     const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
-    EXPECT_EQ(run_command({"run", scene, "--quiet", "--threads", "1", "--frames", "0", "--out", out, "--final", first}),
+    EXPECT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "1", "--frames", "0", "--out", out,
+                           "--final", first}),
               0);
-    EXPECT_EQ(run_command({"run", scene, "--quiet", "--threads", "2", "--final", second}), 0);
+    EXPECT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "2", "--final", second}), 0);
     const Json final = read_json(first);
     EXPECT_EQ(final["state_hash"], read_json(second)["state_hash"]);
 

@@ -39,7 +39,7 @@ constexpr PinnedScene kScenes[] = {
     {"bar_twist_high", 25},   {"bar_twist_medium", 25},
     {"bar_twist_low", 40},    {"cantilever_static", 2, Comes::kElastic},
     {"fatty_tissue", 25},     {"liver_cage", 30},
-    {"peritoneum_tear", 16},  {"vessel_mobilise", 40, Comes::kToTear},
+    {"peritoneum_tear", 32},  {"vessel_mobilise", 80, Comes::kToTear},
 };
 
 const std::string kTable = HEXAPLAST_TEST_DATA "/state_hashes.json";
