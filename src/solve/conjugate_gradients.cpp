@@ -39,7 +39,7 @@ namespace {
 
 /// b.b; throws NumericalError where it is beyond all numbers, as products of directions would be.
 double finite_square(ConstPoints b) {
-  const double square = dot(b, b);
+  const double square = hexaplast::dot(b, b);
   if (!std::isfinite(square))
     throw NumericalError("conjugate gradients: the right-hand side or its square is not finite");
   return square;
