@@ -28,14 +28,15 @@ std::string bar(const std::string& solver, const std::string& times, const std::
          "/><SparseLDLSolver/>\n<RegularGridTopology n='5 2 2' max='.4 .1 .1'/><MechanicalObject/><DiagonalMass "
          "massDensity='1000'/>\n<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' "
          "poissonRatio='.3'/>\n<FixedProjectiveConstraint indices='0 5 10 15'/><LinearForceField points='4 9 14 19' "
-         "times='" + times + "' forces='" + forces + "'/></Node>";
+         "times='" +
+         times + "' forces='" + forces + "'/></Node>";
 }
 
 const std::string kDamped = "rayleighMass='2' rayleighStiffness='0.1'", kLong = "0 100";
-const std::string kPulled = bar(kDamped, kLong, "1 0 0  1 0 0");                 // to a fifth more
-const std::string kCrushed = bar(kDamped, kLong, "-20 0 0  -20 0 0");            // through its support
+const std::string kPulled = bar(kDamped, kLong, "1 0 0  1 0 0");                           // to a fifth more
+const std::string kCrushed = bar(kDamped, kLong, "-20 0 0  -20 0 0");                      // through its support
 const std::string kPassing = bar(kDamped, "0 .3 .6 100", "0 0 0  -20 0 0  0 0 0  0 0 0");  // and back
-const std::string kTornAway = bar("", kLong, "100 0 0  100 0 0");                // by its own length in a few steps
+const std::string kTornAway = bar("", kLong, "100 0 0  100 0 0");  // by its own length in a few steps
 const std::string kGrowing = bar("trapezoidalScheme='true'", kLong, "1 0 0  1 0 0", "0.05");
 
 TEST_F(Results, AreNotDoubtedWithoutReason) {
@@ -79,8 +80,8 @@ TEST_F(Results, OfABodyThatWasInsideOutAreDoubted) {
   ASSERT_EQ(history.number(100, "inverted"), 0);
   ASSERT_GT(most, 1);
   ASSERT_LT(step, 90u);
-  const std::string doubt =
-      "warning: " + std::to_string(int(most)) + " of 4 hexahedra were inside out in step " + std::to_string(step) + "\n";
+  const std::string doubt = "warning: " + std::to_string(int(most)) + " of 4 hexahedra were inside out in step " +
+                            std::to_string(step) + "\n";
   EXPECT_EQ(outcome.err, doubt);
 
   // a run that goes on remembers
@@ -126,9 +127,10 @@ TEST_F(Results, OfABlowUpAreAFailure) {
 /// A bar of 0.1 x 0.1 x 0.4 m, without damping and gravity unless the others say otherwise.
 std::string undamped_bar(const std::string& scheme, const std::string& others, const std::string& gravity = "0 0 0",
                          const std::string& state = "", const std::string& place = "0 0 0") {
-  return "<Node dt='0.01' gravity='" + gravity + "'><DefaultAnimationLoop/><RunSettings steps='150'/><EulerImplicitSolver " +
-         scheme + "/><SparseLDLSolver/><RegularGridTopology n='3 3 9' max='.1 .1 .4'/><MechanicalObject translation='" +
-         place + "' " + state +
+  return "<Node dt='0.01' gravity='" + gravity +
+         "'><DefaultAnimationLoop/><RunSettings steps='150'/><EulerImplicitSolver " + scheme +
+         "/><SparseLDLSolver/><RegularGridTopology n='3 3 9' max='.1 .1 .4'/><MechanicalObject translation='" + place +
+         "' " + state +
          "/><DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField youngModulus='5000' "
          "poissonRatio='.3'/>" +
          others + "</Node>";
@@ -158,20 +160,24 @@ TEST_F(Results, OfSlowAndStillAndFreeBodiesAreNoBlowUp) {
       {"let go of a stretch", undamped_bar("", "", "0 0 0", "restScale='.8'")},
       {"let go of a stretch, with decaying velocities", undamped_bar("vdamping='40'", "", "0 0 0", "restScale='.8'")},
       {"led out and back",
-       undamped_bar("rayleighStiffness='.02'",
-                    held + "<LinearMovementProjectiveConstraint indices='72-80' keyTimes='0 .3 .6 99' movements='0 0 0  0 0 "
-                           ".1  0 0 0  0 0 0'/>")},
+       undamped_bar(
+           "rayleighStiffness='.02'",
+           held + "<LinearMovementProjectiveConstraint indices='72-80' keyTimes='0 .3 .6 99' movements='0 0 0  0 0 "
+                  ".1  0 0 0  0 0 0'/>")},
       {"drawn out and led back",
-       undamped_bar("rayleighMass='5'", held + "<GraspForceField keyTimes='0 .3 .6 9' positions='.05 .05 .4  .05 .05 .5  .05 "
-                                               ".05 .4  .05 .05 .4' radius='.08' stiffness='2000'/>")},
-      {"hit after a second", undamped_bar("", held + "<LinearForceField points='80' times='0 1 1.01 1.02 9' forces='0 0 0  0 "
-                                                     "0 0  3 0 0  0 0 0  0 0 0'/>")},
+       undamped_bar("rayleighMass='5'",
+                    held + "<GraspForceField keyTimes='0 .3 .6 9' positions='.05 .05 .4  .05 .05 .5  .05 "
+                           ".05 .4  .05 .05 .4' radius='.08' stiffness='2000'/>")},
+      {"hit after a second",
+       undamped_bar("", held + "<LinearForceField points='80' times='0 1 1.01 1.02 9' forces='0 0 0  0 "
+                               "0 0  3 0 0  0 0 0  0 0 0'/>")},
       {"onto an obstacle", undamped_bar("", "<PlaneForceField normal='0 0 1' d='-.2' stiffness='300'/>", weight)},
       {"by the trapezoidal scheme", undamped_bar("trapezoidalScheme='true'", held, weight)},
       {"without inertia", undamped_bar("firstOrder='true'", held, weight)},
-      {"without a body", "<Node gravity='0 0 -9.81'><DefaultAnimationLoop/><RunSettings steps='50'/><EulerImplicitSolver/>"
-                         "<SparseLDLSolver/><MechanicalObject position='0 0 0  1 0 0'/><UniformMass vertexMass='1'/>"
-                         "<FixedProjectiveConstraint indices='0'/></Node>"}};
+      {"without a body",
+       "<Node gravity='0 0 -9.81'><DefaultAnimationLoop/><RunSettings steps='50'/><EulerImplicitSolver/>"
+       "<SparseLDLSolver/><MechanicalObject position='0 0 0  1 0 0'/><UniformMass vertexMass='1'/>"
+       "<FixedProjectiveConstraint indices='0'/></Node>"}};
   for (const auto& [name, scene] : scenes) {
     write("bar.scn", scene);
     const Outcome outcome = hexaplast("run bar.scn --strict");

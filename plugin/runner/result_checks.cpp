@@ -19,8 +19,7 @@ void check_inversions(const Simulation& simulation, std::vector<std::string>& do
   const int num_hexahedra = simulation.body()->mesh().num_elements();
   const Totals& totals = simulation.totals();
   const int at_end = simulation.latest().flow.inverted;
-  if (at_end > 0)
-    doubts.push_back(fmt::format("{} of {} hexahedra are inside out at the end", at_end, num_hexahedra));
+  if (at_end > 0) doubts.push_back(fmt::format("{} of {} hexahedra are inside out at the end", at_end, num_hexahedra));
   if (totals.most_inverted > std::max(1.0, kManyInverted * num_hexahedra))
     doubts.push_back(fmt::format("{} of {} hexahedra were inside out in step {}", totals.most_inverted, num_hexahedra,
                                  totals.most_inverted_in));

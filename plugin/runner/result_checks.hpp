@@ -8,9 +8,9 @@
 
 namespace hexaplast::runner {
 
-// Errors of energies are measured by what was put in, at its peak: work that is taken back, by a tool that leads tissue to
-// where it was, is known no better than it was done. Where nothing was put in, a strain of 1e-6 counts. Without a balance of
-// energy nothing is known of energies.
+// Errors of energies are measured by what was put in, at its peak: work that is taken back, by a tool that leads tissue
+// to where it was, is known no better than it was done. Where nothing was put in, a strain of 1e-6 counts. Without a
+// balance of energy nothing is known of energies.
 
 /// Throws NumericalError, which names the latest step, where kinetic and elastic energy are not finite or more than a
 /// hundred times what was put in: they come out of nothing.

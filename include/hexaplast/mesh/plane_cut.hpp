@@ -29,8 +29,8 @@ class PlaneCut {
  public:
   /// x: num_nodes x 3 [m], finite; hexahedra with corners in x; alive: if not empty, one per hexahedron, 0 for those
   /// that do not count; parts: at least 1; tolerance [m]: nodes that are nearer to the plane count as lying in it.
-  /// Without it a layer of faces that is off the plane by rounding alone is cut along arbitrary curves. Throws InputError
-  /// for corners that x has not, or an `alive` of another size.
+  /// Without it a layer of faces that is off the plane by rounding alone is cut along arbitrary curves. Throws
+  /// InputError for corners that x has not, or an `alive` of another size.
   PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const Plane& plane,
            std::span<const unsigned char> alive = {}, int parts = 1, double tolerance = 0);
 
