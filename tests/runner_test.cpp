@@ -85,7 +85,7 @@ TEST_F(Command, UsageErrorsEndWith2) {
         "<UniformMass totalMass='1'/></Node>");
   for (const char* arguments :
        {"", "walk", "run", "run bar.scn --nonsense", "run bar.scn --steps -1", "run bar.scn --steps x",
-        "run bar.scn --threads 0", "run bar.scn --frames 2", "run bar.scn --force", "run bar.scn --set nonsense",
+        "run bar.scn --threads 0", "run bar.scn --frames 2", "run bar.scn --out", "run bar.scn --set nonsense",
         "run bar.scn --set bar/material.yieldStres=1", "run bar.scn --set bar/material.yieldStress=-1",
         "run bar.scn --set bar/material.yieldStress=x", "run bar.scn --set bar/pull.indices=@nowhere.indices",
         "run bar.scn --set baar/material.yieldStress=1", "run endless.scn"}) {
@@ -197,7 +197,7 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
       {"just some text, longer than any header could be: " + std::string(200, '.'), "it is not a shared library"},
       {renamed("hexaplast_plugin_abi_tag"), "it carries no hexaplast_plugin_abi_tag of this program"},
       {renamed("hexaplast_register_components"), "it has no function hexaplast_register_components"},
-      {other_number, "it was built for another component interface: 99, must be 6"},
+      {other_number, "it was built for another component interface: 99, must be 7"},
   };
   write("other.scn", "<Node>\n<RequiredPlugin pluginName='Sofa.Component.Mass Other'/></Node>");
   for (const auto& [file, reason] : cases) {
