@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The components of the SOFA plugin beside the body, and what SOFA learns of them when it loads it.
+#include <sofa/core/behavior/BaseLocalForceFieldMatrix.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -109,6 +110,40 @@ TEST_F(Adapter, TheInstrumentShowsWhatItHolds) {
   PointArray pulled = mesh.positions();
   pulled.row(0) += Eigen::RowVector3d(0.002, 0, 0);  // against a spring of 1000 N/m
   EXPECT_NEAR(energy(field, pulled), 1000 * 0.002 * 0.002 / 2, 1e-12);
+}
+
+// A dashpot of 7 N s/m on the one node that is held: df/dv = -7 there, in every form in which SOFA may ask for it.
+TEST_F(Adapter, TheDashpotsOfTheInstrumentAreImplicit) {
+  const double reach = (mesh.positions().row(0) - mesh.positions().row(1)).norm() / 2;
+  std::ostringstream place;
+  place.precision(17);
+  place << mesh.positions().row(0);
+  auto& field = make_field("GraspForceField", {{"keyTimes", "0"},
+                                               {"positions", place.str()},
+                                               {"radius", std::to_string(reach)},
+                                               {"stiffness", "1000"},
+                                               {"damping", "7"}});
+  step(mesh.positions());
+  force(field, mesh.positions());
+  const PointArray dx = random.field(mesh.num_nodes(), 1);
+  params.setKFactor(-0.001);
+  params.setBFactor(-0.02);
+  PointArray expected = zero;
+  expected.row(0) = (0.001 * 1000 + 0.02 * 7) * dx.row(0);
+  EXPECT_TRUE(support::agrees(product(field, dx), expected, 1e-14));
+
+  DenseMatrix B(3 * mesh.num_nodes());
+  unsigned int offset = 0;
+  field.addBToMatrix(&B, 2, offset);
+  sofa::core::behavior::DampingMatrix built;
+  field.buildDampingMatrix(&built);
+  for (int row = 0; row < B.values.rows(); ++row)
+    for (int column = 0; column < B.values.cols(); ++column) {
+      const double damping = row == column && row < 3 ? -7 : 0;
+      EXPECT_EQ(B.values(row, column), 2 * damping);
+      const auto entry = built.entries.find({row, column});
+      EXPECT_EQ(entry == built.entries.end() ? 0 : entry->second, damping);
+    }
 }
 
 TEST_F(Adapter, TopologiesHandTheirGridToTheHost) {

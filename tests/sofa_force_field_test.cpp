@@ -146,6 +146,15 @@ TEST_F(Adapter, RefusesBadValuesAndStopsTheAnimation) {
       EXPECT_NE(said().find(part), std::string::npos) << part << " is missing in: " << said();
     EXPECT_EQ(force(field, deformed), zero) << "an invalid component has no part in the scene";
     tell<AnimateEndEvent>();
+
+    // a window lets the user go on; what steps an animation that was stopped must not come to an end as if all were
+    // well
+    EXPECT_THROW(tell<AnimateBeginEvent>(), std::runtime_error);
+    root.setAnimate(true);
+    tell<AnimateBeginEvent>();
+    root.setAnimate(false);
+    field.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+    field.f_listening.setValue(false);  // the next case has a field of its own
   }
 }
 
@@ -188,6 +197,8 @@ TEST_F(Adapter, StopsWhereTheStepIsLostAndKeepsTheHistory) {
   EXPECT_FALSE(root.getAnimate());
   EXPECT_NE(said(), "");
   EXPECT_EQ(history_of(*field.guest()->body()), before);
+  EXPECT_THROW(step(stretched), std::runtime_error);  // runSofa -g batch steps on whatever setAnimate says
+  root.setAnimate(true);
   step(stretched);
   EXPECT_EQ(history_of(*field.guest()->body()), before) << "an invalid component flows no more";
 }

@@ -5,6 +5,7 @@
 #include <sofa/core/behavior/BaseMass.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 
 #include "support/sofa_adapter.hpp"
 
@@ -71,11 +72,11 @@ class Held final : public sofa::core::behavior::BaseProjectiveConstraintSet {
     auto v = view(*state->write(dx.getId(state))->beginEdit());
     v.topRows(4).setZero();
     if (!has_slope) return;
-    const Eigen::RowVector3d normal(0, 0.6, 0.8);
-    v.row(4) -= v.row(4).dot(normal) * normal;
+    v.row(4) -= v.row(4).dot(slope) * slope;
   }
 
   bool has_slope = false;
+  Eigen::RowVector3d slope{0, 0.6, 0.8};  // its normal
 };
 
 class MultigridSolver : public Adapter {
@@ -159,6 +160,16 @@ TEST_F(MultigridSolver, KeepsToConstraintsThatCoupleCoordinates) {
   EXPECT_GT(weights.num_products, 5);
 }
 
+// A vector of ones lies in this plane.
+TEST_F(MultigridSolver, KeepsToPlanesThroughTheDiagonal) {
+  tissue.get<Held>()->has_slope = true;
+  tissue.get<Held>()->slope = Eigen::RowVector3d(1, -1, 0) / std::sqrt(2.0);
+  nodes.write(1)->beginEdit()->at(4) = {0.8, 0.8, -0.6};
+  const PointArray x = solve();
+  EXPECT_NEAR(x(4, 0) - x(4, 1), 0, 1e-13);
+  EXPECT_GT(x.row(4).norm(), 1e-3);
+}
+
 TEST_F(MultigridSolver, SaysWhenItStopsEarly) {
   auto& spring = tissue.add(New<Spring>::make(), "spring");
   spring.init();
@@ -179,7 +190,7 @@ TEST_F(MultigridSolver, FollowsTheOneStateThatFollowsNoOther) {
 }
 
 TEST_F(MultigridSolver, RefusesBadValues) {
-  solve({{"tolerance", "0"}});
+  EXPECT_THROW(solve({{"tolerance", "0"}}), std::runtime_error) << "without it there is no motion to go on with";
   EXPECT_TRUE(solver->isComponentStateInvalid());
   EXPECT_NE(said().find("MultigridCGLinearSolver.tolerance"), std::string::npos) << said();
 }

@@ -2,7 +2,9 @@
 // Hexahedra that go: SOFA takes them from the body, or the body from SOFA's topology.
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 
+#include <algorithm>
 #include <set>
+#include <utility>
 
 #include "support/sofa_adapter.hpp"
 
@@ -48,6 +50,21 @@ TEST_F(Adapter, TearsTheTopologyOfTheHost) {
   for (int e = 0; e < mesh.num_elements(); ++e)
     if (field.guest()->body()->history().alive[e]) expected.insert(mesh.hexahedra()[e]);
   EXPECT_EQ(left, expected);
+
+  // outputs count hexahedra as the topology does
+  const ElementFields fields = field.guest()->body()->fields(x);
+  for (const auto& [name, values] : {std::pair{"plasticStrain", &fields.plastic_strain},
+                                     {"presentYieldStress", &fields.yield_stress},
+                                     {"volumeRatio", &fields.volume_ratio}}) {
+    const auto output = value<vector<SReal>>(field, name);
+    ASSERT_EQ(output.size(), cells.getNbHexahedra()) << name;
+    for (std::size_t i = 0; i < output.size(); ++i) {
+      Hexahedron corners;
+      for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(cells.getHexahedra()[i][a]);
+      const auto& all = mesh.hexahedra();
+      EXPECT_EQ(output[i], (*values)[std::find(all.begin(), all.end(), corners) - all.begin()]) << name << " " << i;
+    }
+  }
 }
 
 TEST_F(Adapter, LeavesATopologyWholeThatWouldLoseNodes) {

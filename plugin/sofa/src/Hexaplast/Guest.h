@@ -79,6 +79,18 @@ private:
     scene::Component* m_component = nullptr;
 };
 
+/// Whether a component may take part in a step. Throws where it is invalid and the animation, which attempt() stopped,
+/// is driven on all the same, as `runSofa -g batch` and programs do: a run without its forces would be worthless.
+inline bool may_step(const SofaComponent& component)
+{
+    if (!is_invalid(component)) return true;
+    const auto* context = component.getContext();
+    if (context && !context->getRootContext()->getAnimate())
+        throw std::runtime_error(component.getPathName() +
+                                 " is invalid (see its error above): the animation was stopped");
+    return false;
+}
+
 /// What a component of SOFA does with errors of its guest: it says what is wrong, becomes invalid and stops the
 /// animation. True when `call` came through.
 template <class Call>

@@ -30,7 +30,7 @@ void GuestForceField::init()
     }
     if (attempt(*this, [&] { m_guest.emplace(*this, m_description, m_attributes, mstate.get(), topology()); }))
     {
-        m_stiffness = BlockMatrix(static_cast<int>(mstate->getSize()));
+        m_stiffness = m_damping = BlockMatrix(static_cast<int>(mstate->getSize()));
         d_componentState.setValue(ComponentState::Valid);
     }
 }
@@ -50,13 +50,13 @@ void GuestForceField::reset()
 
 void GuestForceField::handleEvent(sofa::core::objectmodel::Event* event)
 {
-    if (!works()) return;
     if (sofa::simulation::AnimateBeginEvent::checkEventType(event))
     {
+        if (!may_step(*this) || !m_guest) return;
         const double dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
         attempt(*this, [&] { m_guest->begin_step(getContext()->getTime(), dt); });
     }
-    else if (sofa::simulation::AnimateEndEvent::checkEventType(event))
+    else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
     {
         const double dt = static_cast<sofa::simulation::AnimateEndEvent*>(event)->getDt();
         if (attempt(*this, [&] { m_guest->end_step(dt); })) stepEnded();
@@ -80,7 +80,13 @@ void GuestForceField::addDForce(const MechanicalParams* mparams, DataVecDeriv& d
     if (!works()) return;
     auto forces = sofa::helper::getWriteAccessor(df);
     if (forces.size() < dx.getValue().size()) forces.resize(dx.getValue().size());
-    attempt(*this, [&] { guest()->add_stiffness_product(factor, view(dx.getValue()), view(forces.wref())); });
+    const double damping = mparams->bFactor();
+    attempt(*this,
+            [&]
+            {
+                guest()->add_stiffness_product(factor, view(dx.getValue()), view(forces.wref()));
+                if (damping != 0) guest()->add_damping_product(damping, view(dx.getValue()), view(forces.wref()));
+            });
 }
 
 bool GuestForceField::findStiffness()
@@ -89,29 +95,60 @@ bool GuestForceField::findStiffness()
     return attempt(*this, [&] { guest()->add_stiffness_blocks(1, m_stiffness); });
 }
 
-void GuestForceField::addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset)
+bool GuestForceField::findDamping()
 {
-    if (!works() || !findStiffness()) return;
-    for (int row = 0; row < m_stiffness.num_nodes(); ++row)
-        for (const auto& [column, block] : m_stiffness.row(row))
-            for (int a = 0; a < 3; ++a)
-                for (int b = 0; b < 3; ++b)
-                    matrix->add(static_cast<int>(offset) + 3 * row + a, static_cast<int>(offset) + 3 * column + b,
-                                factor * block(a, b));
+    m_damping.clear();
+    return attempt(*this, [&] { guest()->add_damping_blocks(1, m_damping); });
 }
 
-void GuestForceField::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
+namespace
 {
-    if (!works() || !findStiffness()) return;
-    auto dfdx = matrix->getForceDerivativeIn(this->mstate).withRespectToPositionsIn(this->mstate);
-    for (int row = 0; row < m_stiffness.num_nodes(); ++row)
-        for (const auto& [column, block] : m_stiffness.row(row))
+
+void add(const BlockMatrix& blocks, SReal factor, unsigned int offset, sofa::linearalgebra::BaseMatrix& matrix)
+{
+    for (int row = 0; row < blocks.num_nodes(); ++row)
+        for (const auto& [column, block] : blocks.row(row))
+            for (int a = 0; a < 3; ++a)
+                for (int b = 0; b < 3; ++b)
+                    matrix.add(static_cast<int>(offset) + 3 * row + a, static_cast<int>(offset) + 3 * column + b,
+                               factor * block(a, b));
+}
+
+template <class Derivative>
+void add(const BlockMatrix& blocks, Derivative derivative)
+{
+    for (int row = 0; row < blocks.num_nodes(); ++row)
+        for (const auto& [column, block] : blocks.row(row))
         {
             sofa::type::Mat<3, 3, SReal> entry(sofa::type::NOINIT);
             for (int a = 0; a < 3; ++a)
                 for (int b = 0; b < 3; ++b) entry(a, b) = block(a, b);
-            dfdx(3 * row, 3 * column) += entry;
+            derivative(3 * row, 3 * column) += entry;
         }
+}
+
+}  // namespace
+
+void GuestForceField::addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset)
+{
+    if (works() && findStiffness()) add(m_stiffness, factor, offset, *matrix);
+}
+
+void GuestForceField::addBToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset)
+{
+    if (works() && findDamping()) add(m_damping, factor, offset, *matrix);
+}
+
+void GuestForceField::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
+{
+    if (works() && findStiffness())
+        add(m_stiffness, matrix->getForceDerivativeIn(this->mstate).withRespectToPositionsIn(this->mstate));
+}
+
+void GuestForceField::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix)
+{
+    if (works() && findDamping())
+        add(m_damping, matrix->getForceDerivativeIn(this->mstate).withRespectToVelocityIn(this->mstate));
 }
 
 SReal GuestForceField::getPotentialEnergy(const MechanicalParams*, const DataVecCoord& x) const

@@ -28,6 +28,7 @@ public:
     void reset() override;
     void handleEvent(sofa::core::objectmodel::Event* event) override;
 
+    using Inherit::addBToMatrix;
     using Inherit::addDForce;
     using Inherit::addForce;
     using Inherit::addKToMatrix;
@@ -38,8 +39,9 @@ public:
                   const DataVecDeriv& v) override;
     void addDForce(const MechanicalParams* mparams, DataVecDeriv& df, const DataVecDeriv& dx) override;
     void addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset) override;
+    void addBToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset) override;
     void buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix) override;
-    void buildDampingMatrix(sofa::core::behavior::DampingMatrix*) override {}
+    void buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix) override;
     SReal getPotentialEnergy(const MechanicalParams* mparams, const DataVecCoord& x) const override;
 
     void computeBBox(const sofa::core::ExecParams* params, bool onlyVisible = false) override;
@@ -57,13 +59,15 @@ protected:
     AttributeData& attributes() { return m_attributes; }
 
 private:
-    /// The stiffness at the latest forces into m_stiffness; false where it has failed, which is said.
+    /// The stiffness at the latest forces into m_stiffness, df/dv into m_damping; false where that has failed, which is
+    /// said.
     bool findStiffness();
+    bool findDamping();
 
     const attributes::Description& m_description;
     AttributeData m_attributes;
     mutable std::optional<Guest> m_guest;
-    BlockMatrix m_stiffness;
+    BlockMatrix m_stiffness, m_damping;
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -31,7 +31,24 @@ HexahedronElastoplasticFEMForceField::HexahedronElastoplasticFEMForceField()
 void HexahedronElastoplasticFEMForceField::Outputs::update()
 {
     cleanDirty();
-    if (m_owner.works()) m_owner.attributes().fetch_from(*m_owner.guest());
+    if (!m_owner.works()) return;
+    m_owner.attributes().fetch_from(*m_owner.guest());
+    m_owner.orderAsTheTopology();
+}
+
+void HexahedronElastoplasticFEMForceField::orderAsTheTopology()
+{
+    if (m_original.size() == static_cast<std::size_t>(guest()->body()->mesh().num_elements())) return;
+    for (sofa::core::BaseData* output : attributes().outputs())
+    {
+        auto* perHexahedron = dynamic_cast<sofa::core::objectmodel::Data<sofa::type::vector<SReal>>*>(output);
+        if (!perHexahedron) continue;
+        auto& values = *perHexahedron->beginWriteOnly();
+        sofa::type::vector<SReal> left;
+        for (const int e : m_original) left.push_back(values[e]);
+        values = left;
+        perHexahedron->endEdit();
+    }
 }
 
 void HexahedronElastoplasticFEMForceField::init()
@@ -122,6 +139,7 @@ void HexahedronElastoplasticFEMForceField::handleTopologyChange(sofa::core::topo
                     }
                 }
                 guest()->remove_elements(gone);
+                m_outputs.setDirtyValue();
             });
 }
 

@@ -38,6 +38,10 @@ private:
     /// Hexahedra that went in the latest step leave the topology, where that can be.
     void tearTopology();
 
+    /// Outputs per hexahedron come in the order of the body, which keeps those that are gone: puts them in the order of
+    /// the topology.
+    void orderAsTheTopology();
+
     std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
 
     /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.

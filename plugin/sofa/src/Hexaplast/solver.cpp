@@ -8,6 +8,7 @@
 #include <sofa/simulation/MechanicalOperations.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "attributes/hexaplast.hpp"
 #include "hexaplast/base/linear_system.hpp"
@@ -68,6 +69,7 @@ public:
             if (!ours || !ours->guest() || ours->getMState() != &m_state) return false;
             const double factor = m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue();
             if (!ours->guest()->to_kernels(factor, system)) return false;
+            ours->guest()->add_damping_diagonal(m_A.mparams.bFactor(), system.diagonal);
         }
         return system.double_operator || system.single_operator;
     }
@@ -106,14 +108,19 @@ private:
                            });
     }
 
-    /// 1 where a degree of freedom is free, 0 where it is fixed; false where constraints couple coordinates.
+    /// 1 where a degree of freedom is free, 0 where it is fixed; false where constraints couple coordinates or nodes.
+    /// Asked with a number of its own for every entry: equal ones lie in some oblique planes.
     bool find_free(PointArray& free) const
     {
-        const PointArray ones = PointArray::Ones(num_nodes(), 3);
-        write(ones, m_out);
+        constexpr double golden_ratio = 1.6180339887498949;  // its multiples have no regularity modulo 1
+        PointArray numbers(num_nodes(), 3);
+        for (Eigen::Index i = 0; i < numbers.size(); ++i)
+            numbers.data()[i] = 0.5 + std::fmod(static_cast<double>(i + 1) * golden_ratio, 1.0);
+        write(numbers, m_out);
         m_A.parent->projectResponse(m_out);
-        free = read(m_out);
-        return (free.array() == 0 || free.array() == 1).all();
+        const PointArray projected = read(m_out);
+        free = (projected.array() == numbers.array()).cast<double>();
+        return (projected.array() == free.array() * numbers.array()).all();
     }
 
     /// Diagonal of m M, from the product with a vector of ones.
@@ -156,7 +163,7 @@ public:
 
     void solve(GraphScatteredMatrix& A, GraphScatteredVector& x, GraphScatteredVector& b) override
     {
-        if (!m_guest) return;
+        if (!may_step(*this) || !m_guest) return;
         typename Inherit::TempVectorContainer vectors(this, sofa::core::execparams::defaultInstance(), A, x, b);
         const std::unique_ptr<GraphScatteredVector> in(vectors.createTempVector()), out(vectors.createTempVector());
         attempt(*this,

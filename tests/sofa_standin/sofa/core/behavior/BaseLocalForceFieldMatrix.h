@@ -29,6 +29,7 @@ class StiffnessMatrix {
    public:
     explicit Derivative(Entries& entries) : entries_(entries) {}
     Derivative& withRespectToPositionsIn(BaseMechanicalState*) { return *this; }
+    Derivative& withRespectToVelocityIn(BaseMechanicalState*) { return *this; }
     Block operator()(int row, int column) { return {entries_, row, column}; }
 
    private:
@@ -39,5 +40,7 @@ class StiffnessMatrix {
 
   Entries entries;
 };
+
+class DampingMatrix final : public StiffnessMatrix {};
 
 }  // namespace sofa::core::behavior

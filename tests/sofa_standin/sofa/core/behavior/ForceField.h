@@ -44,6 +44,7 @@ class ForceField : public BaseForceField {
   virtual void addForce(const MechanicalParams*, DataVecDeriv& f, const DataVecCoord& x, const DataVecDeriv& v) = 0;
   virtual void addDForce(const MechanicalParams*, DataVecDeriv& df, const DataVecDeriv& dx) = 0;
   virtual void addKToMatrix(linearalgebra::BaseMatrix*, SReal factor, unsigned int& offset) = 0;
+  virtual void addBToMatrix(linearalgebra::BaseMatrix*, SReal /*factor*/, unsigned int& /*offset*/) {}
   virtual SReal getPotentialEnergy(const MechanicalParams*, const DataVecCoord& x) const = 0;
 
  protected:
