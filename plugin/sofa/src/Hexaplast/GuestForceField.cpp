@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/GuestForceField.h>
+#include <sofa/core/MechanicalParams.h>
 #include <sofa/core/behavior/BaseLocalForceFieldMatrix.h>
 #include <sofa/linearalgebra/BaseMatrix.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
