@@ -89,6 +89,29 @@ TEST(ParallelFor, ThreadsThatWaitSleep) {
   EXPECT_LT(processor_time() - before, 0.01);  // three that spin: up to 0.3 s
 }
 
+// As other programs do that take the processor away: the help of a thread that is stopped for 20 ms in each loop is not
+// worth having. Were it asked for in each, it would be inside for nine tenths of the time.
+TEST(ParallelFor, LeavesOutThreadsThatAreStoppedInsideForAWhile) {
+  using Clock = std::chrono::steady_clock;
+  const Threads scope(2);
+  visits(1003);
+  const std::thread::id caller = std::this_thread::get_id();
+  int stopped = 0;
+  const Clock::time_point begin = Clock::now();
+  while (Clock::now() < begin + std::chrono::milliseconds(600)) {
+    std::atomic<bool> has_helped = false;
+    parallel_for(64, [&](int) {
+      if (std::this_thread::get_id() != caller && !has_helped.exchange(true))
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      const Clock::time_point start = Clock::now();
+      while (Clock::now() < start + std::chrono::microseconds(20)) continue;
+    });
+    stopped += has_helped;
+  }
+  EXPECT_GE(stopped, 2);  // it is asked again
+  EXPECT_LT(stopped * std::chrono::milliseconds(20), (Clock::now() - begin) / 2);  // a fifth, where nothing else runs
+}
+
 TEST(Dot, HasTheSameBitsForAnyThreadCount) {
   support::Random random(61);
   const PointArray a = random.field(5003, 1), b = random.field(5003, 1);

@@ -13,6 +13,11 @@ namespace {
 
 constexpr int kPartsOfAShare = 16;  // small enough that nobody waits long for a thread that was stopped inside one
 
+// A loop with help that took this much longer than alone had a thread stopped by other programs, not a late one.
+constexpr std::chrono::microseconds kLoss(50);
+constexpr std::chrono::milliseconds kMostLoss(25);  // of one loop that counts: the program itself may have been stopped
+constexpr int kAlonePerLoss = 4;
+
 std::uint64_t pack(std::uint32_t first, std::uint32_t end) { return std::uint64_t{first} << 32 | end; }
 
 /// Indices [first, end), taken out of a share.
@@ -98,6 +103,9 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::run(int count, Range range, const void* body) {
+  const Clock::time_point begin = Clock::now();
+  if (begin < alone_until_) return range(body, 0, count);
+
   count_ = count;
   range_ = range;
   body_ = body;
@@ -109,10 +117,20 @@ void ThreadPool::run(int count, Range range, const void* body) {
   call_.fetch_add(1);  // sequentially consistent, as what notify_all and wait ask of each other
   call_.notify_all();  // nothing but a look where nobody sleeps
 
-  work(0);
+  const int done = work(0);
 
-  std::uint32_t inside = gate_.fetch_and(~kOpen, std::memory_order_acq_rel) & ~kOpen;
-  if (inside == 0) return;
+  if ((gate_.fetch_and(~kOpen, std::memory_order_acq_rel) & ~kOpen) == 0) return;
+  const Clock::time_point own_end = Clock::now();
+  wait_for_those_inside();
+  if (done == 0) return;
+  const Clock::time_point end = Clock::now();
+  const auto alone = (own_end - begin) * count / done;  // what the loop would have taken
+  if (const auto loss = end - begin - alone; loss > kLoss)
+    alone_until_ = end + kAlonePerLoss * std::min<Clock::duration>(loss, kMostLoss);
+}
+
+void ThreadPool::wait_for_those_inside() {
+  std::uint32_t inside = 0;
   const auto nobody_inside = [&] { return (inside = gate_.load(std::memory_order_acquire)) == 0; };
   if (patience_.spin_until(nobody_inside)) return;
   while (!nobody_inside()) gate_.wait(inside);
@@ -142,7 +160,7 @@ void ThreadPool::leave() {
   if (gate_.fetch_sub(1, std::memory_order_release) == 1) gate_.notify_all();  // the gate is closed: the caller waits
 }
 
-void ThreadPool::work(int number) {
+int ThreadPool::work(int number) {
   using Cut = std::pair<Part, Part>;  // taken, rest
   const int size = std::max(count_ / (threads_ * kPartsOfAShare), 1);
   const auto from_the_front = [&](const Part& left) {
@@ -155,13 +173,16 @@ void ThreadPool::work(int number) {
   };
 
   Share& own = shares_[number];
+  int done = 0;
   for (;;) {
-    for (Part part = take(own.left, from_the_front); !part.is_empty(); part = take(own.left, from_the_front))
+    for (Part part = take(own.left, from_the_front); !part.is_empty(); part = take(own.left, from_the_front)) {
       range_(body_, part.first, part.end);
+      done += part.end - part.first;
+    }
     Part stolen;
     for (int k = 1; k < threads_ && stolen.is_empty(); ++k)
       stolen = take(shares_[(number + k) % threads_].left, half_from_the_back);
-    if (stolen.is_empty()) return;
+    if (stolen.is_empty()) return done;
     own.left.store(pack(stolen), std::memory_order_relaxed);
   }
 }

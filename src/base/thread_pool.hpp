@@ -28,7 +28,8 @@ class Patience {
 /// Every thread has a share of consecutive indices, the same in every loop of the same length, so that what it has in
 /// its cache serves it again. It takes its share in parts from the front; when that is empty it takes half of what is
 /// left of another's, from the back. The caller waits only for threads that are inside the loop: one that other
-/// programs keep from running has taken nothing, and its share is done by the rest.
+/// programs keep from running has taken nothing, and its share is done by the rest. Where it has waited for one that was
+/// stopped inside, it runs the following loops alone, four times as long as it has lost: waiting costs at most a fifth.
 class ThreadPool {
  public:
   using Range = void (*)(const void* body, int first, int last) noexcept;
@@ -46,10 +47,14 @@ class ThreadPool {
     std::atomic<std::uint64_t> left{0};
   };
 
+  using Clock = std::chrono::steady_clock;
+
   void live(int number);
-  void work(int number);
+  /// The number of indices done.
+  int work(int number);
   bool enter();
   void leave();
+  void wait_for_those_inside();
 
   int threads_;
   std::unique_ptr<Share[]> shares_;  // the caller's is the first
@@ -63,7 +68,8 @@ class ThreadPool {
   alignas(64) std::atomic<std::uint32_t> call_{0};  // rises by one with every loop
   alignas(64) std::atomic<std::uint32_t> gate_{0};  // kOpen while workers may enter, plus the number of those inside
   std::atomic<bool> ends_{false};
-  Patience patience_;  // the caller's
+  Patience patience_;                // the caller's
+  Clock::time_point alone_until_{};  // likewise
 };
 
 }  // namespace hexaplast
