@@ -108,7 +108,7 @@ TEST(ParallelFor, LeavesOutThreadsThatAreStoppedInsideForAWhile) {
     });
     stopped += has_helped;
   }
-  EXPECT_GE(stopped, 2);  // it is asked again
+  EXPECT_GE(stopped, 2);                                                           // it is asked again
   EXPECT_LT(stopped * std::chrono::milliseconds(20), (Clock::now() - begin) / 2);  // a fifth, where nothing else runs
 }
 

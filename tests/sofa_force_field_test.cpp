@@ -147,12 +147,14 @@ TEST_F(Adapter, RefusesBadValuesAndStopsTheAnimation) {
     EXPECT_EQ(force(field, deformed), zero) << "an invalid component has no part in the scene";
     tell<AnimateEndEvent>();
 
-    // a window lets the user go on; what steps an animation that was stopped must not come to an end as if all were
-    // well
-    EXPECT_THROW(tell<AnimateBeginEvent>(), std::runtime_error);
+    // who starts the animation again is told so again; what steps one that is stopped must not come to an end as if all
+    // were well
     root.setAnimate(true);
+    sofa_standin::messages().clear();
     tell<AnimateBeginEvent>();
-    root.setAnimate(false);
+    EXPECT_FALSE(root.getAnimate());
+    EXPECT_NE(said().find("is invalid"), std::string::npos) << said();
+    EXPECT_THROW(tell<AnimateBeginEvent>(), std::runtime_error);
     field.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
     field.f_listening.setValue(false);  // the next case has a field of its own
   }
@@ -200,6 +202,7 @@ TEST_F(Adapter, StopsWhereTheStepIsLostAndKeepsTheHistory) {
   EXPECT_THROW(step(stretched), std::runtime_error);  // runSofa -g batch steps on whatever setAnimate says
   root.setAnimate(true);
   step(stretched);
+  EXPECT_FALSE(root.getAnimate());
   EXPECT_EQ(history_of(*field.guest()->body()), before) << "an invalid component flows no more";
 }
 

@@ -28,8 +28,9 @@ class Patience {
 /// Every thread has a share of consecutive indices, the same in every loop of the same length, so that what it has in
 /// its cache serves it again. It takes its share in parts from the front; when that is empty it takes half of what is
 /// left of another's, from the back. The caller waits only for threads that are inside the loop: one that other
-/// programs keep from running has taken nothing, and its share is done by the rest. Where it has waited for one that was
-/// stopped inside, it runs the following loops alone, four times as long as it has lost: waiting costs at most a fifth.
+/// programs keep from running has taken nothing, and its share is done by the rest. Where it has waited for one that
+/// was stopped inside, it runs the following loops alone, four times as long as it has lost: waiting costs at most a
+/// fifth.
 class ThreadPool {
  public:
   using Range = void (*)(const void* body, int first, int last) noexcept;

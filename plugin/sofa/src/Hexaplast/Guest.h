@@ -79,15 +79,18 @@ private:
     scene::Component* m_component = nullptr;
 };
 
-/// Whether a component may take part in a step. Throws where it is invalid and the animation, which attempt() stopped,
-/// is driven on all the same, as `runSofa -g batch` and programs do: a run without its forces would be worthless.
+/// Whether a component may take part in a step. Where it is invalid, the animation is stopped once more, for whoever
+/// has started it again: `runSofa -a` after the scene's errors, or a user. One that is driven on although it is
+/// stopped, as `runSofa -g batch` and programs do, ends by an exception: a run without its forces would be worthless.
 inline bool may_step(const SofaComponent& component)
 {
     if (!is_invalid(component)) return true;
-    const auto* context = component.getContext();
-    if (context && !context->getRootContext()->getAnimate())
-        throw std::runtime_error(component.getPathName() +
-                                 " is invalid (see its error above): the animation was stopped");
+    auto* root = component.getContext() ? component.getContext()->getRootContext() : nullptr;
+    if (!root) return false;
+    const char* what = " is invalid (see its error above): the animation is stopped";
+    if (!root->getAnimate()) throw std::runtime_error(component.getPathName() + what);
+    msg_error(&component) << component.getPathName() << what;
+    root->setAnimate(false);
     return false;
 }
 
