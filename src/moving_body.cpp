@@ -172,6 +172,7 @@ RunReport MovingBody::run(int steps) {
 
 void MovingBody::fix(std::span<const int> nodes) {
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
+  require_rows("MovingBody", "v", v, body.mesh().num_nodes());
   for (const int n : nodes) {
     is_fixed_[n] = 1;
     v.row(n).setZero();
@@ -184,7 +185,7 @@ void MovingBody::lead(std::span<const int> nodes, ConstPoints places) {
   if (places.rows() != static_cast<Eigen::Index>(nodes.size()))
     throw InputError(fmt::format("{} places are given for {} nodes", places.rows(), nodes.size()));
   if (!places.allFinite()) throw InputError("a place is not finite");
-  require_rows("MovingBody::lead", "x", x, body.mesh().num_nodes());
+  require_rows("MovingBody", "x", x, body.mesh().num_nodes());
   fix(nodes);
   led_.insert(led_.end(), nodes.begin(), nodes.end());
   for (std::size_t i = 0; i < nodes.size(); ++i)

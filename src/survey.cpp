@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hexaplast/kinematics/gradients.hpp"
+
 namespace hexaplast {
 namespace {
 
@@ -46,14 +48,21 @@ Survey survey(const Body& body, double mass, double dt) {
   }
 
   if (mass > 0) {
-    double stiffest = 0, stiffest_in_volume = 0;  // [Pa] lambda + 2 mu, 3 lambda + 2 mu
+    double stiffest = 0, stiffest_lumped = 0, stiffest_consistent = 0;  // [Pa] greatest of the elements
+    const double share = corner_share(model.settings.gradient);
     for (const Lame& k : model.lame) {
       stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
-      stiffest_in_volume = std::max(stiffest_in_volume, 3 * k.lambda + 2 * k.mu);
+      // of a cube on its own, which swells or warps; neighbours slow it down
+      const double swelling = 3 * k.lambda + 2 * k.mu, warping = share * share * (k.lambda + 4 * k.mu);
+      stiffest_lumped = std::max({stiffest_lumped, swelling, warping});
+      stiffest_consistent = std::max({stiffest_consistent, 3 * swelling, 27 * warping});
     }
     found.wave_speed = std::sqrt(stiffest / found.density);
-    // of a cube on its own that swells and shrinks; neighbours slow it down
-    found.highest_frequency = 2 * std::sqrt(stiffest_in_volume / found.density) / found.quality.shortest_edge;
+    const auto frequency = [&](double modulus) {
+      return 2 * std::sqrt(modulus / found.density) / found.quality.shortest_edge;
+    };
+    found.highest_frequency = frequency(stiffest_lumped);
+    found.highest_frequency_consistent = frequency(stiffest_consistent);
     found.edges_per_step = found.wave_speed * dt / found.quality.shortest_edge;
     found.steps_across = found.extent.maxCoeff() / (found.wave_speed * dt);
   }
@@ -86,7 +95,9 @@ std::vector<std::string> fracture_advice(const std::vector<Material>& materials)
   const auto hardens = [](const Material& m) { return m.hardening > 0; };
   const auto breaks_by_stress = [](const Material& m) { return std::isfinite(m.fracture_stress); };
   const auto breaks_by_stretch = [](const Material& m) { return std::isfinite(m.fracture_stretch); };
-  const auto begins_beyond = [&](const Material& m) { return yields(m) && m.yield_stress > m.fracture_stress; };
+  const auto begins_beyond = [&](const Material& m) {
+    return yields(m) && flows(m) && hardens(m) && m.yield_stress > m.fracture_stress;
+  };
 
   const char* missing = count(yields) == 0 ? "yieldStress" : count(flows) == 0 ? "plasticFlowRate" : nullptr;
   std::vector<std::string> sentences;

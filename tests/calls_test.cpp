@@ -245,6 +245,11 @@ TEST_F(SizesOfCalls, OfSystemsAndIntegrators) {
          moving.v = wrong;
          moving.step();
        }},
+      {"MovingBody", "v", kRows,
+       [&](PointArray& wrong) {
+         moving.v = wrong;
+         moving.fix(std::vector{0});
+       }},
   });
   expect_refusal_of_missing_nodes({{"LoadedBody::fix",
                                     [&] {

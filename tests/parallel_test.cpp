@@ -74,6 +74,13 @@ TEST(ParallelFor, WorksInAProcessThatWasForked) {
   EXPECT_EQ(visits(1003), std::vector<int>(1003, 1));
 }
 
+TEST(ParallelFor, TakesAsManyThreadsAsThereMayBe) {
+  const Threads scope(-3);
+  EXPECT_EQ(num_threads(), 1);
+  const Threads many(1'000'000'000);
+  EXPECT_EQ(num_threads(), kMaxThreads);
+}
+
 /// [s] of processor time of all threads.
 double processor_time() {
   timespec time;

@@ -27,10 +27,11 @@ struct Survey {
   double restitution_per_step = 0;    ///< c dt
   double wave_speed = 0;  ///< [m/s] of pressure waves, sqrt((lambda + 2 mu) / density), in the stiffest element; 0
                           ///< without mass
-  double highest_frequency =
-      0;                      ///< [rad/s] about that of the fastest vibration of the mesh, rather more; 0 without mass
-  double edges_per_step = 0;  ///< shortest edges that such a wave passes in a time step
-  double steps_across = 0;    ///< time steps that it takes along the longest extent; 0 without mass
+  double highest_frequency = 0;  ///< [rad/s] about that of the fastest vibration of the mesh with lumped masses, rather
+                                 ///< more; 0 without mass. theory.md eq. 56
+  double highest_frequency_consistent = 0;  ///< [rad/s] likewise with a ConsistentMass
+  double edges_per_step = 0;                ///< shortest edges that such a wave passes in a time step
+  double steps_across = 0;                  ///< time steps that it takes along the longest extent; 0 without mass
 };
 
 /// mass [kg] of the whole body, dt [s].

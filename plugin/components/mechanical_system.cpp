@@ -202,10 +202,14 @@ double NodeSystem::highest_frequency() const {
   for (const Layer& layer : layers_) {
     // weight [N] under a gravity of 1 m/s^2 is the mass [kg]
     PointArray weight = PointArray::Zero(layer.state->num_nodes(), 3);
-    for (const scene::Mass* mass : layer.masses) mass->add_gravity(Vec3::UnitX(), weight);
+    double Survey::*highest = &Survey::highest_frequency;
+    for (const scene::Mass* mass : layer.masses) {
+      mass->add_gravity(Vec3::UnitX(), weight);
+      if (!mass->add_diagonal(0, weight)) highest = &Survey::highest_frequency_consistent;
+    }
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body())
-        frequency = std::max(frequency, survey(*body, weight.col(0).sum(), node_.clock().dt).highest_frequency);
+        frequency = std::max(frequency, survey(*body, weight.col(0).sum(), node_.clock().dt).*highest);
   }
   return frequency;
 }

@@ -13,6 +13,7 @@
 #include <new>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
 #include "output/recorder.hpp"
 #include "runner/bench.hpp"
 #include "runner/check.hpp"
@@ -106,7 +107,7 @@ void add_run(CLI::App& app, RunOptions& options) {
   run->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
   run->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+      ->check(CLI::Range(1, kMaxThreads));
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")
       ->check(CLI::Range(0, 100'000))
@@ -343,7 +344,7 @@ void add_bench(CLI::App& app, BenchOptions& options) {
   bench->add_option("--threads", options.threads, "Numbers of threads, which must agree bit for bit. Default 1,2")
       ->type_name("N,N,...")
       ->delimiter(',')
-      ->check(CLI::Range(1, 1024));
+      ->check(CLI::Range(1, kMaxThreads));
   CLI::Option* quick = bench->add_flag("--quick", options.quick, "One iteration count, one solver, few repetitions");
   CLI::Option* young =
       bench->add_option("--young", options.young_modulus, "Young's modulus of the bars [Pa]. Default 5000")

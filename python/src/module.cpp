@@ -57,8 +57,9 @@ py::tuple read(const std::filesystem::path& file) {
 }
 
 void set_threads(int count) {
-  if (count < 1 || count > 1024)
-    throw py::value_error("number of threads " + std::to_string(count) + " must lie in [1, 1024]");
+  if (count < 1 || count > kMaxThreads)
+    throw py::value_error("number of threads " + std::to_string(count) + " must lie in [1, " +
+                          std::to_string(kMaxThreads) + "]");
   set_num_threads(count);
 }
 

@@ -67,15 +67,18 @@ constexpr int kChunk = 1024;
 
 }  // namespace
 
-void set_num_threads(int count) { threads_in_use.store(std::max(count, 1), std::memory_order_relaxed); }
+void set_num_threads(int count) { threads_in_use.store(std::clamp(count, 1, kMaxThreads), std::memory_order_relaxed); }
 int num_threads() { return threads_in_use.load(std::memory_order_relaxed); }
 
 void run_in_parallel(int count, void (*range)(const void* body, int first, int last) noexcept, const void* body) {
+  struct InLoop {
+    InLoop() { is_in_loop = true; }
+    ~InLoop() { is_in_loop = false; }
+  };
   bool done = false;
   if (!is_in_loop) {
-    is_in_loop = true;
+    const InLoop scope;
     done = threads.run(count, range, body);
-    is_in_loop = false;
   }
   if (!done) range(body, 0, count);
 }

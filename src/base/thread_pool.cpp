@@ -5,7 +5,7 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <system_error>
+#include <exception>
 
 namespace hexaplast {
 
@@ -90,7 +90,7 @@ ThreadPool::ThreadPool(int threads) : threads_(threads), shares_(std::make_uniqu
   workers_.reserve(static_cast<std::size_t>(threads - 1));
   try {
     for (int number = 1; number < threads; ++number) workers_.emplace_back([this, number] { live(number); });
-  } catch (const std::system_error&) {
+  } catch (const std::exception&) {  // std::system_error or std::bad_alloc
     // the shares of those that are not there are taken by the others
   }
 }

@@ -40,18 +40,6 @@ std::uint16_t present(const Partition& partition, const History& history, int bl
   return static_cast<std::uint16_t>(bits);
 }
 
-double corner_share(GradientScheme scheme) {
-  switch (scheme) {
-    case GradientScheme::kVertex:
-      return 1;
-    case GradientScheme::kCentre:
-      return 0;
-    case GradientScheme::kBlended:
-      break;
-  }
-  return 0.5;
-}
-
 /// Positions of an element's corners.
 ElementPoints corner_points(const Partition& partition, const AlignedVector<double>& slots, const Hexahedron& corners) {
   ElementPoints at;

@@ -39,7 +39,7 @@ ElementPoints mean_gradient(const ElementPoints& x) {
 
 RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme) {
   RestOperator rest;
-
+  rest.corner_share = corner_share(scheme);
   rest.volume = volume(material);
   for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
 
@@ -50,11 +50,9 @@ RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme)
         add_corner_gradient(rest.inverse_jacobian[j], j, -0.5 / kCorners, rest.shared_gradient);
       break;
     case GradientScheme::kVertex:
-      rest.corner_share = 1;
       rest.shared_gradient.setZero();
       break;
     case GradientScheme::kCentre:
-      rest.corner_share = 0;
       rest.shared_gradient = shape_derivatives(Vec3::Zero()) * centre_jacobian(material).inverse();
       break;
   }

@@ -5,7 +5,10 @@
 
 namespace hexaplast {
 
-/// Number of threads of every parallel loop of the library (at least 1). Results do not depend on it, bit for bit.
+inline constexpr int kMaxThreads = 1024;
+
+/// Number of threads of every parallel loop of the library, from 1 to kMaxThreads: what lies beyond is taken as the
+/// nearest of them. Results do not depend on it, bit for bit.
 void set_num_threads(int count);
 int num_threads();
 

@@ -13,6 +13,19 @@ namespace hexaplast {
 /// Gm_a = (1/V) int grad N_a dV, exactly; one row per corner [1/m].                           theory.md eq. 9
 ElementPoints mean_gradient(const ElementPoints& x);
 
+/// [-] of the gradient at the corner in that of a sample; the rest is the same in all samples.
+constexpr double corner_share(GradientScheme scheme) {
+  switch (scheme) {
+    case GradientScheme::kVertex:
+      return 1;
+    case GradientScheme::kCentre:
+      return 0;
+    case GradientScheme::kBlended:
+      break;
+  }
+  return 0.5;
+}
+
 /// Deformation gradients at the eight blended samples of one element, as a linear map of its world corner positions.
 ///
 ///   F_i  = Jhat_i J_i^-1                              at corner i, Jhat of the world positions     (theory.md eq. 1)
@@ -28,7 +41,7 @@ ElementPoints mean_gradient(const ElementPoints& x);
 struct RestOperator {
   std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
   ElementPoints shared_gradient;                ///< [1/m] h_a
-  double corner_share = 0.5;                    ///< [-] of F_i; 1/2 blended, 1 corners alone, 0 centre alone
+  double corner_share = 0.5;                    ///< [-] of F_i: hexaplast::corner_share
   double volume = 0;                            ///< [m^3] each sample carries an eighth of it
 };
 
