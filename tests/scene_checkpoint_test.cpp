@@ -227,6 +227,56 @@ TEST(SceneCheckpoint, OfAnotherSceneIsRefused) {
   }
 }
 
+/// A bar that hangs, and whose load leaves all numbers in the step that begins at 0.06 s.
+std::string overloaded_bar(const char* force) {
+  return tearing_bar(kHeld + "<LinearForceField points='0-5' times='0 0.05 0.06' forces='0 0 0  0 0 0  0 0 " + force +
+                     "'/>");
+}
+
+// Components remember more than can be put back: instruments that have closed, solvers, exporters.
+TEST(FailedStep, LeavesTheMotionAsItWasAndOnlyABeginningLeadsOn) {
+  for (const char* force : {"1e120", "1e300"}) {  // the flow fails, the solver fails
+    scene::Scene scene = read_and_init(overloaded_bar(force));
+    run(scene, 3);
+    const std::vector<std::byte> checkpoint = saved(scene);
+    const std::string before = hash_of(scene);
+    const auto expect_refused = [&](const auto& call) {
+      try {
+        call();
+        FAIL() << "is not refused";
+      } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("a step has failed"), std::string::npos) << error.what();
+      }
+    };
+    EXPECT_THROW(scene.step(), NumericalError) << force;
+    EXPECT_EQ(hash_of(scene), before) << force;
+    for (int again = 0; again < 2; ++again) expect_refused([&] { scene.step(); });
+    expect_refused([&] { saved(scene); });
+    EXPECT_EQ(hash_of(scene), before) << force;
+
+    take_up(scene, checkpoint);
+    EXPECT_THROW(scene.step(), NumericalError) << "the same step fails again";
+    scene.reset();
+    run(scene, 3);
+    EXPECT_EQ(hash_of(scene), before);
+    EXPECT_EQ(saved(scene), checkpoint);
+  }
+}
+
+TEST(FailedStep, SoDoesAStateThatCouldNotBeLoaded) {
+  const std::string text = tearing_bar(kHeld);
+  scene::Scene scene = read_and_init(text);
+  run(scene, 2);
+  const std::vector<std::byte> whole = saved(scene);
+  run(scene, 1);
+  const std::string after = hash_of(scene);
+  EXPECT_THROW(take_up(scene, {whole.begin(), whole.end() - 8}), InputError);
+  EXPECT_THROW(scene.step(), InputError);
+  take_up(scene, whole);
+  scene.step();
+  EXPECT_EQ(hash_of(scene), after);
+}
+
 class WrittenFiles : public testing::Test {
  protected:
   WrittenFiles() : directory_(fs::temp_directory_path() / ("hexaplast_checkpoint_" + std::to_string(::getpid()))) {

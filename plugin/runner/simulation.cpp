@@ -28,24 +28,13 @@ Simulation::Simulation(const SceneOptions& options)
 
 const output::StepRecord& Simulation::step() {
   const long step = latest_.step + 1;
-  accepted_positions_ = state_->positions();
-  accepted_velocities_ = state_->velocities();
-  // a body keeps its history when its step fails, but the world has moved by then
-  const auto take_back = [&] {
-    state_->positions() = accepted_positions_;
-    state_->velocities() = accepted_velocities_;
-  };
   const auto begin = std::chrono::steady_clock::now();
   const double load_time = scene_.time();
   SolveReport solve;
   try {
     solve = scene_.step();
   } catch (const NumericalError& error) {
-    take_back();
-    throw NumericalError(fmt::format("step {} (from t = {:.6g} s): {}", step, scene_.time(), error.what()));
-  } catch (...) {
-    take_back();
-    throw;
+    throw NumericalError(fmt::format("step {} (from t = {:.6g} s): {}", step, load_time, error.what()));
   }
   const double step_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 

@@ -30,8 +30,8 @@ class Simulation {
   /// is not exactly one state and solver, or a second body.
   explicit Simulation(const SceneOptions& options);
 
-  /// One time step. Throws NumericalError, which names the step, and SceneError; positions, velocities and the body are
-  /// then those of the latest accepted step, so that they can be reported, but only reset leads on.
+  /// One time step. Throws what Scene::step throws, a NumericalError with the step's number. Positions and velocities
+  /// are then those of the latest accepted step, so that they can be reported, but only reset leads on.
   const output::StepRecord& step();
 
   /// Records of steps hold the balance of energy from now on, where the solver of motion keeps one; at the beginning.
@@ -79,8 +79,7 @@ class Simulation {
   std::optional<long> num_steps_;
   int output_every_ = 25;
   output::StepRecord latest_;
-  PointArray accepted_positions_, accepted_velocities_;  // of the latest step
-  double load_time_ = 0;                                 // [s]
+  double load_time_ = 0;  // [s]
   Totals totals_;
 };
 

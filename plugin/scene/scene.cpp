@@ -74,16 +74,52 @@ Component& Scene::add(Node& node, std::unique_ptr<Component> component, std::str
 void Scene::reset() {
   root_->clock().time = 0;
   root_->for_each<Component>([](Component& component) { component.reset(); });
+  trouble_ = nullptr;
 }
 
 SolveReport Scene::step() {
   AnimationLoop* loop = root_->local<AnimationLoop>();
   if (!loop) throw SceneError("the root has no AnimationLoop");
+  require_whole();
+  keep_motion();
+  trouble_ = "a step has failed";
   try {
-    return loop->step();
+    const SolveReport report = loop->step();
+    trouble_ = nullptr;
+    return report;
   } catch (const Rejection& rejection) {
+    take_back_motion();
     throw SceneError(rejection.what());
+  } catch (...) {
+    take_back_motion();
+    throw;
   }
+}
+
+void Scene::require_whole() const {
+  if (trouble_)
+    throw InputError(fmt::format("{}: the scene goes on from reset, or from a state that is read", trouble_));
+}
+
+void Scene::keep_motion() {
+  time_before_ = root_->clock().time;
+  std::size_t k = 0;
+  root_->for_each<MechanicalState>([&](MechanicalState& state) {
+    if (k == motion_before_.size()) motion_before_.emplace_back();
+    motion_before_[k].positions = state.positions();
+    motion_before_[k].velocities = state.velocities();
+    ++k;
+  });
+}
+
+void Scene::take_back_motion() {
+  root_->clock().time = time_before_;
+  auto before = motion_before_.begin();
+  root_->for_each<MechanicalState>([&](MechanicalState& state) {
+    state.positions() = before->positions;
+    state.velocities() = before->velocities;
+    ++before;
+  });
 }
 
 namespace {
@@ -96,8 +132,9 @@ std::string address(const Component& component) {
 }  // namespace
 
 void Scene::serialize(Archive& archive) {
-  archive(root_->clock().time);
   if (archive.reads()) return restore(archive);
+  require_whole();
+  archive(root_->clock().time);
   root_->for_each<Component>([&](Component& component) {
     std::string own_address = address(component);
     bool awaits_refresh = component.seen_inputs_ != component.inputs_version();
@@ -114,6 +151,8 @@ void Scene::restore(Archive& archive) {
     std::span<const std::byte> bytes;
   };
   std::vector<Saved> all;
+  trouble_ = "a state could not be read";
+  archive(root_->clock().time);
   root_->for_each<Component>([&](Component& component) {
     std::string saved_address;
     bool awaits_refresh = false;
@@ -145,6 +184,7 @@ void Scene::restore(Archive& archive) {
     saved.component.mark_inputs_seen();
     if (saved.awaits_refresh) saved.component.seen_inputs_ = -1;
   }
+  trouble_ = nullptr;
 }
 
 void begin_step(Node& node) {

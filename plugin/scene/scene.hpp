@@ -35,11 +35,14 @@ class Scene {
   /// Back to the state after init, at time 0.
   void reset();
 
-  /// One time step. Throws SceneError, InputError or NumericalError.
+  /// One time step. Throws SceneError, InputError, NumericalError, and what exporters throw: positions, velocities and
+  /// time are then those before the step, but what components remember may not be. Every further step is refused, with
+  /// InputError, until reset or until a state is read; so it is after a state that could not be read.
   SolveReport step();
 
   /// Time and all components (Component::serialize): into a checkpoint between two steps, or from one right after init.
-  /// Throws InputError when the components of the scene are not those that were written, or keep another state.
+  /// Throws InputError when the components of the scene are not those that were written, or keep another state, and
+  /// where a step has failed, of which no state is written.
   void serialize(Archive& archive);
 
   double time() { return root_->clock().time; }
@@ -50,6 +53,9 @@ class Scene {
   void init(Component& component);
   void bwd_init(Node& node);
   void restore(Archive& archive);
+  void require_whole() const;
+  void keep_motion();
+  void take_back_motion();
   void bwd_init(Component& component);
   template <class Call>
   void attempt(Component& component, const Call& call);
@@ -57,6 +63,13 @@ class Scene {
   // On the heap, so that objects may keep references while the scene is moved.
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<Node> root_;
+
+  struct Motion {
+    PointArray positions, velocities;
+  };
+  std::vector<Motion> motion_before_;  // of each state, before the latest step
+  double time_before_ = 0;             // [s]
+  const char* trouble_ = nullptr;      // why components may not fit together; null: they do
 };
 
 /// The events that an AnimationLoop sends to everything in a node and below.

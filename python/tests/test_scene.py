@@ -147,6 +147,23 @@ def test_a_run_without_a_number_of_steps_takes_the_scene_s(tmp_path):
         scene.run()
 
 
+def test_after_a_failed_step_only_reset_leads_on():
+    overload = {"bar/pullUp.times": "0.015 0.025 1.9 2", "bar/pullUp.forces": "0 0 0  0 0 1e150  0 0 1e150  0 0 0"}
+    scene = hexaplast.Scene(BAR, overload)
+    scene.run(2)
+    before = scene.state_hash(), scene.time, scene.positions.copy()
+    with pytest.raises(ArithmeticError, match="step 3: "):
+        scene.run(30)
+    for call in scene.step, scene.run:
+        assert scene.state_hash() == before[0] and scene.time == before[1] and scene.num_steps == 2
+        assert (scene.positions == before[2]).all()
+        with pytest.raises(ValueError, match=r"a step has failed.*reset"):
+            call()
+    scene.reset()
+    scene.run(2)
+    assert scene.state_hash() == before[0]
+
+
 @pytest.mark.parametrize("steps", [0, -3])
 def test_less_than_one_step_is_refused(steps):
     with pytest.raises(ValueError, match=f"steps = {steps} must be at least 1"):
