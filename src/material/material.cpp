@@ -8,6 +8,9 @@
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/memory.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 
@@ -74,11 +77,17 @@ bool can_rotate(const Material& material, const Settings& settings) {
 }
 
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
-  const bool flows = std::any_of(materials.begin(), materials.end(), [&](const Material& material) {
-    return can_stretch(material) || can_rotate(material, settings);
-  });
-  if (settings.precision == Precision::kMixed) return flows ? 4200 : 2600;
-  return flows ? 5900 : 3300;
+  const bool flows = std::ranges::any_of(
+      materials, [&](const Material& material) { return can_stretch(material) || can_rotate(material, settings); });
+  const bool tracks_stretch =
+      std::ranges::any_of(materials, [](const Material& material) { return std::isfinite(material.fracture_stretch); });
+  const bool turns_at_corners =
+      settings.rotation == RotationPlasticity::kVertex || settings.rotation == RotationPlasticity::kCentre;
+  // what not every history has stands in the trial history of a step once more
+  const double tensors = (tracks_stretch ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
+  const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3);
+  if (settings.precision == Precision::kMixed) return more + (flows ? 4700 : kLeastBytesPerHexahedron);
+  return more + (flows ? 6200 : 3700);
 }
 
 void validate(const Settings& settings) {

@@ -47,7 +47,7 @@ inline Cost cost_of(std::vector<std::string> words, const std::filesystem::path&
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   };
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds(usage.ru_utime) + seconds(usage.ru_stime),
-          static_cast<double>(usage.ru_maxrss) / 1024.0};
+          1024e-6 * static_cast<double>(usage.ru_maxrss)};  // that is in KiB
 }
 
 }  // namespace hexaplast::support
