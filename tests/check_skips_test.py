@@ -17,10 +17,12 @@ add_test(Whole.SwitchedOff echo never)
 set_tests_properties(Whole.SwitchedOff PROPERTIES DISABLED TRUE)
 add_test(Part.OfPytest echo "..s\\nSKIPPED [1] test_body.py:3: no numpy\\n2 passed, 1 skipped")
 add_test(Part.OfAScript echo "full disk: skipped: only root can mount")
+add_test("Part/OfMany.Values/one  # GetParam() = one" echo "skipped: not one")
 add_test(Part.IsAWord echo "no test was skipped")
 """
 SKIPPED = {"Whole.OfGoogleTest": "no screen here", "Whole.ByItsCode": "", "Whole.SwitchedOff": "",
-           "Part.OfPytest": "test_body.py:3: no numpy", "Part.OfAScript": "only root can mount"}
+           "Part.OfPytest": "test_body.py:3: no numpy", "Part.OfAScript": "only root can mount",
+           "Part/OfMany.Values/one": "not one"}
 
 
 def check_skips(results, allowed, lines):
