@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -275,6 +276,103 @@ TEST(FailedStep, SoDoesAStateThatCouldNotBeLoaded) {
   take_up(scene, whole);
   scene.step();
   EXPECT_EQ(hash_of(scene), after);
+}
+
+/// Where the bytes of one component stand in a checkpoint.
+struct SavedPart {
+  std::string address;
+  std::size_t size_at, begin, end;
+};
+
+std::vector<SavedPart> parts_of(const std::vector<std::byte>& bytes) {
+  Archive archive{std::span<const std::byte>(bytes)};
+  double time = 0;
+  archive(time);
+  std::vector<SavedPart> parts;
+  while (archive.rest() > 0) {
+    SavedPart part;
+    bool awaits_refresh = false;
+    std::uint64_t size = 0;
+    archive(part.address, awaits_refresh);
+    part.size_at = archive.size();
+    archive(size);
+    part.begin = archive.size();
+    archive.take(size);
+    part.end = archive.size();
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+std::uint64_t number_at(const std::vector<std::byte>& bytes, std::size_t place) {
+  std::uint64_t number = 0;
+  std::memcpy(&number, &bytes[place], sizeof number);
+  return number;
+}
+
+/// The checkpoint with a list of one entry of `width` bytes less, or one more; `length_at`: where its length stands.
+std::vector<std::byte> with_another_length(std::vector<std::byte> bytes, const SavedPart& part, std::size_t length_at,
+                                           std::size_t width, bool is_shorter) {
+  const std::uint64_t length = number_at(bytes, length_at);
+  const auto end = bytes.begin() + static_cast<std::ptrdiff_t>(length_at + sizeof length + length * width);
+  if (is_shorter)
+    bytes.erase(end - static_cast<std::ptrdiff_t>(width), end);
+  else
+    bytes.insert(end, width, std::byte{0});
+  const auto write = [&](std::size_t place, std::uint64_t number) {
+    std::memcpy(&bytes[place], &number, sizeof number);
+  };
+  write(length_at, is_shorter ? length - 1 : length + 1);
+  write(part.size_at, is_shorter ? part.end - part.begin - width : part.end - part.begin + width);
+  return bytes;
+}
+
+/// Takes every number that could be the length of a list for one, of entries of any size that occurs: those that are
+/// none leave bytes over, or want more. The component at `address` has some.
+void expect_lists_of_another_length_refused(const std::string& text, int num_steps, const std::string& address) {
+  scene::Scene scene = read_and_init(text);
+  run(scene, num_steps);
+  const std::vector<std::byte> bytes = saved(scene);
+  scene::Scene second = read_and_init(text);
+  int num_lists = 0;
+  for (const SavedPart& part : parts_of(bytes)) {
+    if (part.address.starts_with("/CGLinearSolver")) continue;  // it does not use a start of another length
+    for (std::size_t place = part.begin; place + sizeof(std::uint64_t) <= part.end; ++place)
+      for (const std::size_t width : {1, 4, 8, 24, 64, 72, 192, 576}) {
+        const std::uint64_t length = number_at(bytes, place), room = part.end - place - sizeof length;
+        if (length == 0 || length > room / width) continue;
+        for (const bool is_shorter : {true, false})
+          EXPECT_THROW(take_up(second, with_another_length(bytes, part, place, width, is_shorter)), InputError)
+              << part.address << ": byte " << place - part.begin << ", " << length << " entries of " << width;
+        num_lists += part.address == address;
+      }
+  }
+  EXPECT_GT(num_lists, 0) << address;
+}
+
+TEST(SceneCheckpoint, ListsOfAnotherLengthAreRefused) {
+  expect_lists_of_another_length_refused(
+      tearing_bar(
+          "<LinearMovementProjectiveConstraint name='lift' indices='24-29' keyTimes='0 9' movements='0 0 0  0 0 1'/>"),
+      2, "/lift (LinearMovementProjectiveConstraint)");
+  expect_lists_of_another_length_refused(
+      tearing_bar("<PartialLinearMovementProjectiveConstraint name='lift' indices='24-29' keyTimes='0 9' "
+                  "movements='0 0 0  0 0 1' movedDirections='1 1 1'/>"),
+      2, "/lift (PartialLinearMovementProjectiveConstraint)");
+  expect_lists_of_another_length_refused(
+      tearing_bar("<AffineMovementProjectiveConstraint name='turn' indices='24-29' endConstraintTime='0.2' "
+                  "rotation='0 -1 0 1 0 0 0 0 1' translation='.1 0 .1'/>"),
+      2, "/turn (AffineMovementProjectiveConstraint)");
+  expect_lists_of_another_length_refused(
+      tearing_bar(kHeld + "<GraspForceField name='grasp' radius='0.12' keyTimes='0' positions='.1 .05 0' "
+                          "stiffness='300'/>"),
+      2, "/grasp (GraspForceField)");
+  expect_lists_of_another_length_refused(
+      tearing_bar(kHeld + "<Node name='points'><MechanicalObject name='points' position='.05 .05 .05  .15 .04 .1'/>"
+                          "<UniformMass totalMass='0.5'/><BarycentricMapping/></Node>"),
+      2, "/points/points (MechanicalObject)");
+  expect_lists_of_another_length_refused(tearing_bar(kHeld, "<MultigridCGLinearSolver/>"), 25,
+                                         "/body (HexahedronElastoplasticFEMForceField)");
 }
 
 class WrittenFiles : public testing::Test {

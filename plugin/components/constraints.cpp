@@ -7,6 +7,7 @@
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "components/key_times.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
 
@@ -53,6 +54,12 @@ class NodeConstraint : public scene::ProjectiveConstraint {
     for (int axis = 0; axis < 3; ++axis) held_[axis] = given[axis] == 1;
   }
 
+  /// Throws InputError where a checkpoint has the positions of other nodes.
+  void require_own_nodes(const PointArray& saved) {
+    if (saved.rows() != num_nodes())
+      throw InputError(fmt::format("a movement is saved of {} nodes, there are {}", saved.rows(), num_nodes()));
+  }
+
   std::vector<int> nodes_;
   std::array<bool, 3> held_{true, true, true};
 };
@@ -90,7 +97,10 @@ class KeyedMotion final : public NodeConstraint {
     first_ = needed_ready<scene::MechanicalState>().positions();
   }
 
-  void serialize(Archive& archive) override { archive(first_); }
+  void serialize(Archive& archive) override {
+    archive(first_);
+    require_own_nodes(first_);
+  }
 
   void project_motion(double time, Points x, Points v) const override {
     const KeyPhase phase = phase_at(times_, time);
@@ -133,7 +143,11 @@ class AffineMotion final : public NodeConstraint {
     last_ = (first_ * A.transpose()).rowwise() + vector3("translation").transpose();
   }
 
-  void serialize(Archive& archive) override { archive(first_, last_); }
+  void serialize(Archive& archive) override {
+    archive(first_, last_);
+    require_own_nodes(first_);
+    require_own_nodes(last_);
+  }
 
   void project_motion(double time, Points x, Points v) const override {
     clear(v);
