@@ -168,8 +168,9 @@ inline constexpr Attribute kMultigridCGLinearSolverAttributes[] = {
      .type = Type::kWord,
      .initial = "auto",
      .words = "auto multigrid diagonal",
-     .help = "multigrid: a cycle over coarser meshes, a few iterations whatever the size; needs hexahedra that form a "
-             "lattice, as grids, tubes, shells and cages do. diagonal: cheaper where a pressure wave passes fewer than "
+     .help = "multigrid: a cycle over coarser meshes, as many iterations whatever the size, few where cells are not "
+             "flat; needs hexahedra that form a lattice, as grids, tubes, shells and cages do, else the diagonal takes "
+             "its place. diagonal: cheaper where a pressure wave passes fewer than "
              "about four hexahedra in a time step. auto: the cheaper one."},
     {.name = "tolerance",
      .type = Type::kReal,

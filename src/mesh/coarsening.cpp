@@ -17,6 +17,7 @@ constexpr double kLeastGain = 2.5;   // fine elements per cell: less, and the la
 
 /// Place of every element's corners on the lattice of its chart.
 struct Charts {
+  std::vector<std::array<int, 6>> across;              // per element and face: the element there, or -1
   std::vector<int> chart;                              // per element
   std::vector<std::array<Lattice, kCorners>> corners;  // per element
 };
@@ -50,7 +51,7 @@ Lattice least(const std::array<Lattice, kCorners>& corners) {
   return low;
 }
 
-/// Per element and face: the element across, or -1.
+/// Charts::across.
 std::vector<std::array<int, 6>> neighbours(const std::vector<Hexahedron>& hexahedra) {
   struct Face {
     std::array<int, 4> nodes;
@@ -81,8 +82,8 @@ std::vector<std::array<int, 6>> neighbours(const std::vector<Hexahedron>& hexahe
 /// Follows neighbours across faces from a seed; an element that would land on a place that is taken starts a chart of
 /// its own.
 Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
-  const std::vector<std::array<int, 6>> across = neighbours(hexahedra);
   Charts charts;
+  charts.across = neighbours(hexahedra);
   charts.chart.assign(hexahedra.size(), -1);
   charts.corners.resize(hexahedra.size());
   NumberAtPlace taken;
@@ -99,7 +100,7 @@ Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
     for (std::size_t head = 0; head < queue.size(); ++head) {
       const int e = queue[head];
       for (int side = 0; side < 6; ++side) {
-        const int other = across[e][side];
+        const int other = charts.across[e][side];
         if (other < 0 || charts.chart[other] >= 0) continue;
 
         // corners on the shared face keep their places, the others lie one step beyond
@@ -188,6 +189,20 @@ Cells find_cells(const Charts& charts) {
 int root(std::vector<int>& parent, int node) {
   while (parent[node] != node) node = parent[node] = parent[parent[node]];
   return node;
+}
+
+/// Whether cells of elements that share a face share a corner. They do not across a seam of two charts at which the
+/// lattice of one ends within a cell.
+bool are_connected(const Charts& charts, const Cells& cells, const std::vector<Hexahedron>& cell_corners) {
+  for (std::size_t e = 0; e < charts.across.size(); ++e)
+    for (const int other : charts.across[e]) {
+      if (other < 0) continue;
+      const Hexahedron& beyond = cell_corners[cells.of_element[other]];
+      if (std::ranges::find_first_of(cell_corners[cells.of_element[e]], beyond) ==
+          cell_corners[cells.of_element[e]].end())
+        return false;
+    }
+  return true;
 }
 
 /// Each fine node by the cell in which it needs the fewest corners.
@@ -326,6 +341,7 @@ std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& 
     std::sort(cell.begin(), cell.end());
     if (std::adjacent_find(cell.begin(), cell.end()) != cell.end()) return std::nullopt;
   }
+  if (!are_connected(charts, cells, out.cells)) return std::nullopt;
   out.fine_node.resize(static_cast<std::size_t>(out.num_nodes), -1);
   for (int n = 0; n < num_nodes; ++n)
     if (coarse_of_fine[n] >= 0) out.fine_node[number[root(parent, coarse_of_fine[n])]] = n;

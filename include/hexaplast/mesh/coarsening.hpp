@@ -34,7 +34,7 @@ struct Coarsening {
 };
 
 /// Nothing where coarsening gains little: fewer elements than a direct treatment deserves, elements that form no
-/// lattice, or a cell that meets itself around a loop.
+/// lattice, a cell that meets itself around a loop, or cells that do not meet where the mesh is connected.
 std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& hexahedra);
 
 }  // namespace hexaplast
