@@ -16,11 +16,11 @@ set_tests_properties(Whole.ByItsCode PROPERTIES SKIP_RETURN_CODE 77)
 add_test(Whole.SwitchedOff echo never)
 set_tests_properties(Whole.SwitchedOff PROPERTIES DISABLED TRUE)
 add_test(Part.OfPytest echo "..s\\nSKIPPED [1] test_body.py:3: no numpy\\n2 passed, 1 skipped")
-add_test(Part.OfAScript echo "full disk: skipped: only root can mount")
+add_test(Part.OfAScript echo "full disk: skipped: only root can mount\\nparts: skipped: no part")
 add_test("Part/OfMany.Values/one  # GetParam() = one" echo "skipped: not one")
 add_test(Part.IsAWord echo "no test was skipped")
 """
-SKIPPED = {"Whole.OfGoogleTest": "no screen here", "Whole.ByItsCode": "", "Whole.SwitchedOff": "",
+SKIPPED = {"Whole.OfGoogleTest": "no screen here", "Whole.ByItsCode": "", "Whole.SwitchedOff": "Disabled",
            "Part.OfPytest": "test_body.py:3: no numpy", "Part.OfAScript": "only root can mount",
            "Part/OfMany.Values/one": "not one"}
 
@@ -37,15 +37,22 @@ def main():
         results, allowed = directory / "results.xml", directory / "allowed.txt"
         subprocess.run([sys.argv[1], "--output-junit", results], cwd=directory, check=True, stdout=subprocess.DEVNULL)
 
-        named = [f"{test} is not to be had here" for test in SKIPPED]
+        named = [f"{test} {words or 'no reason is given'}" for test, words in SKIPPED.items()]
+        of_two = check_skips(results, allowed, named)
+        assert of_two.returncode == 1 and "no part" in of_two.stderr, "one line does for both skips of a test"
+        named.append("Part.OfAScript no part")
         all_named = check_skips(results, allowed, named)
         assert all_named.returncode == 0, all_named.stderr
-        assert all_named.stderr == "" and len(all_named.stdout.splitlines()) == len(SKIPPED), all_named
+        assert all_named.stderr == "" and len(all_named.stdout.splitlines()) == len(named), all_named
         for test, words in SKIPPED.items():
             without = check_skips(results, allowed, [line for line in named if not line.startswith(test)])
             assert without.returncode == 1, f"{test} may be skipped by nobody's leave"
             assert len(without.stderr.splitlines()) >= 1 and without.stderr.startswith(f"{test} was skipped"), without
             assert words in without.stderr, without.stderr
+            other = check_skips(results, allowed, [line + " either" if line.startswith(test) else line for line in named])
+            assert other.returncode == 1 and str(allowed) in other.stderr, f"{test} is skipped for another reason"
+        blank = check_skips(results, allowed, [*named, "   ", "\t"])
+        assert blank.returncode == 0, blank.stderr
         reasonless = check_skips(results, allowed, [*named[1:], named[0].split()[0]])
         assert reasonless.returncode == 1 and "no reason is given" in reasonless.stderr, reasonless
 
