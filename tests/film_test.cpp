@@ -199,6 +199,20 @@ TEST_F(FfmpegFilm, HandsOverRawPictures) {
     EXPECT_NE(words.find(words_in_order), std::string::npos) << words;
 }
 
+// Somebody else's link under the name of the unfinished film leads nowhere: the program is handed the file, not a name.
+TEST_F(FfmpegFilm, IsWrittenIntoItsOwnFileAlone) {
+  install("for last; do :; done\n/bin/cat > \"$last\"\n");
+  const fs::path file = scratch_ / "film.mp4", part = scratch_ / "film.mp4.part", victim = scratch_ / "victim";
+  support::put(victim, "mine");
+  const auto film = output::open_film(file, 25);
+  fs::remove(part);
+  fs::create_symlink(victim, part);
+  film->add(picture(0));
+  EXPECT_TRUE(refuses<OutputError>([&] { film->finish(); }, {"film.mp4.part", "has been taken away"}));
+  EXPECT_EQ(content(victim), "mine");
+  EXPECT_FALSE(fs::exists(file));
+}
+
 TEST_F(FfmpegFilm, SaysWhatFfmpegSays) {
   install("/bin/cat > /dev/null\necho first >&2\necho 'Unknown encoder' >&2\nexit 7\n");
   const fs::path file = scratch_ / "film.mp4";

@@ -68,7 +68,7 @@ TEST_F(HostileMesh, AttributesElementsAndLevelsInNumber) {
   expect_refused_mesh(kBegin + ">" + many(element, 20'000), "more than 500000 attributes");
   expect_refused_mesh(kBegin + ">" + many("<a/>", 3'000'000), "more than 100000 elements");
   expect_refused_mesh(kBegin + ">" + many("<!---->", 2'000'000), "more than 100000 comments");
-  expect_refused_mesh(many("<a>", 4'000'000), "more than 100 levels of elements");
+  expect_refused_mesh(many("<a>", 4'000'000), "more than 98 levels of elements");
   expect_refused_series(kSeries + many("<DataSet timestep='0' file='a'/>", 400'000), "more than 100000 elements");
   expect_refused_series(
       kSeries + many("<DataSet timestep='0' group='' part='0' file='a'/>", 99'990) + "</Collection></VTKFil>",
@@ -138,17 +138,28 @@ TEST_F(HostileMesh, FewBytesThatStandForMany) {
            ends + "</DataArray><DataArray type='UInt8' Name='types' format='ascii'>" + types + "</DataArray></Cells>";
   };
   expect_refused_mesh(compressed(12, 8, points + cells("12"), array), "cell 0 is of type 12 and has 150994944 points");
-  expect_refused_mesh(compressed(12, 8, points + cells("7"), array),
-                      "DataArray: 150994944 numbers: those of a file of");
+  expect_refused_mesh(compressed(12, 8, points + cells("7"), array), "DataArray: 150994996 numbers so far: ");
   expect_refused_mesh(
       compressed(numbers / 3, 8, "<Points><DataArray type='Float64' format='appended' offset='0'/></Points>", array),
-      "numbers: those of a file of");
+      "numbers so far: ");
   const std::string appended = "format='appended' offset='0'/>";
-  expect_refused_mesh(compressed(12, numbers * 4,
+  expect_refused_mesh(compressed(12, numbers * 8,
                                  points + "<Cells><DataArray type='UInt8' Name='offsets' " + appended +
                                      "<DataArray type='UInt8' Name='types' " + appended + "</Cells>",
                                  array),
-                      "numbers: those of a file of");
+                      "numbers so far: ");
+}
+
+// What is no number gives none leave.
+TEST_F(HostileMesh, NumbersAreCountedAgainstTheirOwnData) {
+  const std::uint64_t points = 3 * Inflated::kBlock / 8 / 3;
+  // one copy alone: what the test itself holds would be charged to the command
+  const std::string text =
+      compressed(points, 0,
+                 "<!--" + std::string(12'000'000, 'x') +
+                     "--><Points><DataArray type='Float64' format='appended' offset='0'/></Points>",
+                 Inflated().array(3));
+  expect_refused_mesh(text, "25165824 numbers so far: ");
 }
 
 // Arrays that name the same bytes multiply them.

@@ -6,6 +6,8 @@
 #include <csignal>
 #include <cstring>
 
+#include "output/json_file.hpp"
+#include "output/manifest.hpp"
 #include "support/vtu_reader.hpp"
 
 namespace hexaplast {
@@ -103,8 +105,39 @@ TEST(InputFiles, AreKnownWhateverTheirNames) {
   EXPECT_FALSE(inputs.has(scratch / "absent"));
 }
 
-TEST(LineFile, FollowsNoLink) {
+TEST(JsonFile, OfMoreThanOneMayKeepIsRefused) {
   const Scratch scratch;
+  const fs::path file = scratch / "some.json";
+  const auto times = [](std::size_t count, const std::string& part) {
+    std::string text;
+    for (std::size_t k = 0; k < count; ++k) text += part;
+    return text;
+  };
+  const auto refusal = [&](const std::string& text) -> std::string {
+    support::put(file, text);
+    try {
+      output::read_json(file);
+      return {};
+    } catch (const nlohmann::json::exception& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal(times(100, "[") + times(100, "]")), "");
+  EXPECT_EQ(refusal("[" + times(999'998, "0,") + "0]"), "");
+  for (const std::string& text : {times(101, "[") + times(101, "]"), "[" + times(1'000'000, "0,") + "0]",
+                                  times(5'000'000, "["), "[" + times(1'000'000, "[],") + "0]"})
+    EXPECT_NE(refusal(text).find("more than a million values"), std::string::npos);
+  EXPECT_NE(refusal("[1").find("parse error"), std::string::npos);
+  EXPECT_THROW(output::read_json(scratch / "absent"), OutputError);
+  support::put(scratch / "manifest.json", times(5'000'000, "["));
+  EXPECT_THROW(output::read_manifest(fs::path(scratch / "")), OutputError);
+}
+
+TEST(LineFile, IsItsOwnAndFollowsNoLink) {
+  const Scratch scratch;
+  support::put(scratch / "mine", "mine");
+  EXPECT_THROW(output::LineFile(scratch / "mine"), OutputError);
+  EXPECT_EQ(content(scratch / "mine"), "mine");
   support::put(scratch / "victim", "mine");
   fs::create_symlink(scratch / "victim", scratch / "history.csv");
   EXPECT_THROW(output::LineFile(scratch / "history.csv"), OutputError);

@@ -107,8 +107,11 @@ TEST_F(Results, ThatAreDoubtedEndAStrictRunWith4) {
   const Outcome outcome = hexaplast("run bar.scn --strict --quiet --out run --frames 0 --final last.json");
   EXPECT_EQ(outcome.code, 4);
   EXPECT_EQ(outcome.err.find("bar.scn: error: 4 of 4 hexahedra are inside out at the end"), 0u) << outcome.err;
-  EXPECT_EQ(manifest("run").at("state"), "finished");
-  EXPECT_TRUE(std::filesystem::exists(directory_ / "run/report.html"));
+  EXPECT_EQ(manifest("run").at("state"), "failed");
+  EXPECT_EQ(manifest("run").at("steps").at("done"), 100);
+  const std::string reason = manifest("run").at("exit_reason");
+  EXPECT_EQ(reason.find("4 of 4 hexahedra are inside out at the end"), 0u) << reason;
+  EXPECT_NE(content(directory_ / "run/report.html").find(reason.substr(0, 42)), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(directory_ / "last.json"));
 }
 

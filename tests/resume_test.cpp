@@ -360,6 +360,71 @@ TEST_F(Resume, FollowsNoLinkOutOfTheRunsDirectory) {
   EXPECT_EQ(content(directory_ / "elsewhere/history.csv"), history);
 }
 
+// Below the run's directory, and so below that of a stranger; a link of the user's own leads where it leads.
+TEST_F(Resume, NamedFilesFollowNoLinkOfTheRunsDirectory) {
+  const std::string run = "run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20";
+  ASSERT_EQ(hexaplast(run).code, 0);
+  for (const char* folder : {"elsewhere", "run/sub"}) fs::create_directory(directory_ / folder);
+  write("elsewhere/last.json", "mine");
+  fs::create_symlink("../elsewhere/last.json", directory_ / "run/last.json");
+  fs::create_symlink("../../elsewhere/new.json", directory_ / "run/sub/last.json");
+  fs::create_directory_symlink("../elsewhere", directory_ / "run/away");
+  fs::create_directory_symlink("run", directory_ / "same");
+  for (const std::string option : {"--final ", "--summary "})
+    for (const std::string name : {"run/last.json", "run/sub/last.json", "run/away/last.json", "run/away/new.json",
+                                   "same/last.json", "same/sub/../away/last.json", "run/away/../run/last.json"})
+      for (const std::string& command : {std::string("resume run --steps 40 "), run + " --force "}) {
+        const Outcome refused = hexaplast(command + option + name);
+        EXPECT_EQ(refused.code, 5) << command << option << name << "\n" << refused.err;
+        EXPECT_NE(refused.err.find("is a symbolic link, which is not followed"), std::string::npos) << refused.err;
+      }
+  EXPECT_EQ(content(directory_ / "elsewhere/last.json"), "mine");
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_ / "elsewhere"), {}), 1);
+
+  // other commands that write where a run is
+  for (const std::string command : {"render run --out run/last.png", "compare run run --out run/last.html"}) {
+    fs::create_symlink("../elsewhere/last.json", directory_ / command.substr(command.find("run/")));
+    const Outcome refused = hexaplast(command);
+    EXPECT_EQ(refused.code, 5) << refused.err;
+    EXPECT_NE(refused.err.find("is a symbolic link, which is not followed"), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(content(directory_ / "elsewhere/last.json"), "mine");
+
+  fs::create_symlink("elsewhere/last.json", directory_ / "mine.json");
+  const Outcome resumed = hexaplast("resume same --steps 40 --final mine.json --summary same/sub/summary.json");
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_NE(content(directory_ / "elsewhere/last.json"), "mine");
+  EXPECT_TRUE(fs::exists(directory_ / "run/sub/summary.json"));
+}
+
+// A file of the run with another name elsewhere would change there too.
+TEST_F(Resume, WritesIntoNoFileThatHasOtherNames) {
+  std::string text = kTearingBar;
+  text.insert(text.find("<FixedProjective"), "<WriteState filename='states.txt'/>");
+  write("bar.scn", text);
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20").code, 0);
+  for (const std::string name : {"history.csv", "removed.csv", "states.txt"}) {
+    const fs::path file = directory_ / "run" / name;
+    write("victim", content(file) + "mine\n");
+    fs::rename(file, directory_ / "kept");
+    fs::create_hard_link(directory_ / "victim", file);
+    const Outcome refused = hexaplast("resume run --steps 40");
+    EXPECT_EQ(refused.code, 5) << name << "\n" << refused.err;
+    EXPECT_NE(refused.err.find("has other names, which would change with it"), std::string::npos) << refused.err;
+    EXPECT_EQ(content(directory_ / "victim"), content(directory_ / "kept") + "mine\n") << name;
+    fs::remove(directory_ / "victim");
+    fs::rename(directory_ / "kept", file);
+  }
+  // content of the same size
+  std::string states = content(directory_ / "run/states.txt");
+  write("run/states.txt", "t" + states.substr(1));
+  const Outcome other = hexaplast("resume run --steps 40");
+  EXPECT_EQ(other.code, 3);
+  EXPECT_NE(other.err.find("states.txt does not begin with"), std::string::npos) << other.err;
+  write("run/states.txt", states);
+  EXPECT_EQ(hexaplast("resume run --steps 40").code, 0);
+}
+
 // What the scene of a stranger writes lies in the run's directory too, and needs its own leave to lie elsewhere.
 TEST_F(Resume, TheScenesFilesStayInTheRunsDirectory) {
   std::string text = kTearingBar;

@@ -28,10 +28,12 @@ TEST_F(Command, ShowsASummaryAndWritesNothingElse) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* line : {"bar: 4 steps of 0.01 s, to t = 0.04 s", "hexahedra           2", "plastic elongation",
-                           "plastic twist", "volume error", "largest strain",
-                           "plastic strain      0.0000 at most, in hexahedron 0 at (", "hex/ms", "state hash"}) {
+                           "plastic twist", "volume error", "largest strain", "hex/ms", "state hash"}) {
     EXPECT_NE(outcome.out.find(line), std::string::npos) << line << " is missing in\n" << outcome.out;
   }
+  // where nothing has flowed there is none, and what rounding leaves is zero
+  EXPECT_EQ(outcome.out.find("plastic strain"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("-0.000"), std::string::npos) << outcome.out;
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 3);  // the scene, out and err
 }
 
@@ -173,8 +175,8 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
   write("absent.scn", "<Node>\n<RequiredPlugin name='Absent'/></Node>");
   const Outcome absent = hexaplast("run absent.scn --plugin-path elsewhere");
   EXPECT_EQ(absent.code, 6);
-  EXPECT_EQ(absent.err.rfind("absent.scn:2: error: RequiredPlugin: plugin 'Absent': there is no libAbsent.so\n"
-                             "  search path:\n    elsewhere\n",
+  EXPECT_EQ(absent.err.rfind("absent.scn:2: error: RequiredPlugin: plugin 'Absent': there is no libAbsent.so; "
+                             "search path: elsewhere:",
                              0),
             0u)
       << absent.err;
@@ -206,7 +208,7 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
          {"run other.scn --plugin-path .", "check other.scn --plugin-path .", "list --plugin Other --plugin-path ."}) {
       const Outcome outcome = hexaplast(arguments);
       EXPECT_EQ(outcome.code, 6) << arguments << ": " << reason;
-      EXPECT_NE(outcome.err.find(reason + "\n  search path:\n    .\n"), std::string::npos) << outcome.err;
+      EXPECT_NE(outcome.err.find(reason + "; search path: .:"), std::string::npos) << outcome.err;
     }
   }
 }

@@ -99,6 +99,7 @@ class ExampleScenes : public testing::Test {
 
   Answer answer_to(const Description& component, const Attribute& attribute, const std::string& value) {
     scene::Scene scene = support::read(scene_with(component));
+    scene.root().files().rules.replaces = true;  // what the scene before has written
     scene::Object* object = &scene.root();
     if (component.class_name != attributes::kNode.class_name) {
       for (scene::Component* each : scene.root().all<scene::Component>())

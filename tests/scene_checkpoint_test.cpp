@@ -420,7 +420,7 @@ TEST_F(WrittenFiles, OfExportersGoOnWhereTheyWere) {
 
   fs::remove(directory_ / "state.txt");
   scene::Scene third = read_and_init(text, output);
-  EXPECT_THROW(take_up(third, checkpoint), InputError);
+  EXPECT_THROW(take_up(third, checkpoint), scene::FileError);
 }
 
 }  // namespace

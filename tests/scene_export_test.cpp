@@ -86,6 +86,20 @@ TEST_F(Export, OneFileMayBeWrittenAgainAndAgain) {
   EXPECT_EQ(read_vtk(path("state.vtu")).edges.size(), 20u);
 }
 
+TEST_F(Export, OneThatIsNeverToWriteSaysSoAndOwnsNoFiles) {
+  const auto remarks = [&](const std::string& attributes) {
+    scene::Scene scene = read_and_init(box("<VTKExporter filename='state' " + attributes + "/>"), below());
+    EXPECT_TRUE(scene.root().files().claimed().empty()) << attributes;
+    scene.step();
+    EXPECT_EQ(num_files(), 0u);
+    std::string all;
+    for (const scene::Message& message : scene.diagnostics().take_warnings()) all += message.text;
+    return all;
+  };
+  EXPECT_EQ(remarks("enable='0' exportEveryNumberOfSteps='1'"), "");
+  EXPECT_EQ(remarks(""), "VTKExporter: writes nothing: neither exportEveryNumberOfSteps nor exportAtBegin is given");
+}
+
 TEST_F(Export, OfANodeBelowShowsWhatFollows) {
   scene::Scene scene = read_and_init(
       box("<Node name='skin'><MeshTopology triangles='0 1 2'/><MechanicalObject name='points' position='.2 .2 .2  .9 "
@@ -118,7 +132,8 @@ TEST_F(Export, StatesAreWrittenAtTheBeginningOfSteps) {
 
 TEST_F(Export, RefusesPlacesAndFieldsThatAreNot) {
   const std::string exporter = "test.scn:1: error: VTKExporter.";
-  EXPECT_EQ(errors_of(box("<VTKExporter filename='" + path("none/state").string() + "'/>"), {.allows_outside = true}),
+  EXPECT_EQ(errors_of(box("<VTKExporter exportEveryNumberOfSteps='9' filename='" + path("none/state").string() + "'/>"),
+                      {.allows_outside = true}),
             exporter + "filename: '" + path("none").string() + "' is no directory");
   EXPECT_EQ(errors_of(box("<VTKExporter pointsDataFields='nodes.speed'/>")),
             exporter + "pointsDataFields: 'nodes.speed': MechanicalObject has no attribute 'speed'");
@@ -143,7 +158,7 @@ TEST_F(Export, GoesBelowItsDirectoryAlone) {
        {path("other/x.txt").string(), path("run/x.txt").string(), std::string("../other/x.txt"),
         std::string("a/../../other/x.txt"), std::string("a/../x.txt"), std::string("away/x.txt"),
         std::string("link.txt"), std::string(".."), std::string("a/")}) {
-    for (const char* exporter : {"WriteState", "VTKExporter overwrite='1'"}) {
+    for (const char* exporter : {"WriteState", "VTKExporter exportEveryNumberOfSteps='1' overwrite='1'"}) {
       const std::string class_name = std::string(exporter).substr(0, std::string(exporter).find(' '));
       if (class_name == "VTKExporter" && (name == "link.txt" || name == ".." || name == "a/")) continue;  // adds .vtu
       const std::string error = errors_of(falling(std::string("<") + exporter + " filename='" + name + "'/>"), inside);
@@ -169,6 +184,83 @@ TEST_F(Export, GoesBelowItsDirectoryAlone) {
     EXPECT_EQ(content(name), "T= 0\n  X= 1 0 0\n") << name;
 }
 
+// The scene has been initialised for a while when the first file is written.
+TEST_F(Export, FollowsNoFolderThatHasBecomeALink) {
+  fs::create_directories(path("other"));
+  for (const char* exporter : {"WriteState filename='run/deep/x.txt'",
+                               "VTKExporter filename='run/deep/x' exportEveryNumberOfSteps='1' edges='0'",
+                               "VTKExporter filename='run/deep/x' exportEveryNumberOfSteps='1' overwrite='1'"}) {
+    fs::create_directories(path("run/deep"));
+    scene::Scene scene = read_and_init(box(std::string("<") + exporter + "/>"), below());
+    fs::rename(path("run/deep"), path("run/moved"));
+    fs::create_directory_symlink(path("other"), path("run/deep"));
+    EXPECT_THROW(scene.step(), scene::FileError) << exporter;
+    EXPECT_TRUE(fs::is_empty(path("other"))) << exporter;
+    fs::remove_all(path("run"));
+  }
+}
+
+TEST_F(Export, NamesOfUnfinishedFilesAreNotItsOwn) {
+  const std::string series = "<VTKExporter filename='beam' exportEveryNumberOfSteps='1' edges='0'/>";
+  for (const char* name : {"beam1.vtu.part", "x.part", "x.part/y.txt"})
+    EXPECT_NE(errors_of(falling(std::string("<WriteState filename='") + name + "'/>"), below()).find(".part"),
+              std::string::npos)
+        << name;
+  for (const std::string& exporter :
+       {series, std::string("<VTKExporter exportEveryNumberOfSteps='9' filename='beam' overwrite='1'/>")}) {
+    const std::string name = exporter == series ? "beam1.vtu.part" : "beam.vtu.part";
+    std::ofstream(path(name)) << "mine";
+    EXPECT_NE(errors_of(falling(exporter), below()).find(name + "' is there already"), std::string::npos);
+    scene::OutputRules rules = below();
+    rules.replaces = true;
+    EXPECT_EQ(errors_of(falling(exporter), rules), "");
+    EXPECT_EQ(content(name), "mine") << "nothing is written before a step";
+    fs::remove(path(name));
+  }
+}
+
+TEST_F(Export, AFileIsNoFolderOfAnother) {
+  scene::OutputRules rules = below();
+  rules.is_taken = [&](const fs::path& file) { return file == path("history.csv") || file == path("frames"); };
+  for (const char* name : {"history.csv/x", "frames/frame_000000.png", "frames/deep/x"})
+    EXPECT_NE(errors_of(falling(std::string("<WriteState filename='") + name + "'/>"), rules)
+                  .find("is written by the run itself"),
+              std::string::npos)
+        << name;
+  for (const char* two : {"<WriteState filename='x'/><WriteState filename='x/y'/>",
+                          "<WriteState filename='x/y/z'/><WriteState filename='x'/>",
+                          "<VTKExporter exportEveryNumberOfSteps='9' filename='b'/><WriteState filename='b12.vtu/x'/>",
+                          "<WriteState filename='b12.vtu/x'/><VTKExporter exportEveryNumberOfSteps='9' filename='b'/>",
+                          "<VTKExporter exportEveryNumberOfSteps='9' filename='b'/><VTKExporter "
+                          "exportEveryNumberOfSteps='9' filename='b0.vtu/c'/>",
+                          "<VTKExporter exportEveryNumberOfSteps='9' filename='b' overwrite='1'/><VTKExporter "
+                          "exportEveryNumberOfSteps='9' filename='b.vtu/c'/>"})
+    EXPECT_NE(errors_of(falling(two), below()).find("is written by another component too"), std::string::npos) << two;
+  EXPECT_EQ(errors_of(falling("<WriteState filename='x/y'/><WriteState filename='x/z'/><VTKExporter "
+                              "exportEveryNumberOfSteps='9' filename='x/b'/>"
+                              "<VTKExporter exportEveryNumberOfSteps='9' filename='x'/>"),
+                      below()),
+            "");
+}
+
+// Files with higher numbers than this run's would otherwise pass for its last ones.
+TEST_F(Export, ASeriesIsOfOneRun) {
+  const std::string text = box("<VTKExporter filename='beam' exportEveryNumberOfSteps='1'/>");
+  scene::OutputRules rules = below();
+  {
+    scene::Scene scene = read_and_init(text, rules);
+    for (int k = 0; k < 6; ++k) scene.step();
+  }
+  std::ofstream(path("beam7.vtu.part")) << "unfinished";
+  std::ofstream(path("beam.txt")) << "mine";
+  rules.replaces = true;
+  scene::Scene scene = read_and_init(text, rules);
+  EXPECT_EQ(num_files(), 8u) << "nothing is removed before a step";
+  for (int k = 0; k < 2; ++k) scene.step();
+  for (const char* name : {"beam0.vtu", "beam1.vtu", "beam.txt"}) EXPECT_TRUE(fs::exists(path(name))) << name;
+  EXPECT_EQ(num_files(), 3u);
+}
+
 TEST_F(Export, ReplacesFilesOnlyWhereTheHostSaysSoAndInputsNever) {
   std::ofstream(path("state.txt")) << "mine";
   std::ofstream(path("beam7.vtu")) << "mine";
@@ -180,10 +272,13 @@ TEST_F(Export, ReplacesFilesOnlyWhereTheHostSaysSoAndInputsNever) {
   EXPECT_EQ(
       errors_of(falling("<WriteState filename='state.txt'/>"), rules),
       "test.scn:1: error: WriteState.filename: '" + path("state.txt").string() + "' is there already\n  hint: say so");
-  EXPECT_NE(errors_of(falling("<VTKExporter filename='beam'/>"), rules).find("beam7.vtu' is there already"),
+  EXPECT_NE(errors_of(falling("<VTKExporter exportEveryNumberOfSteps='9' filename='beam'/>"), rules)
+                .find("beam7.vtu' is there already"),
             std::string::npos);
   rules.replaces = true;
-  read_and_init(falling("<WriteState filename='state.txt'/><VTKExporter filename='beam'/>"), rules).step();
+  read_and_init(
+      falling("<WriteState filename='state.txt'/><VTKExporter exportEveryNumberOfSteps='9' filename='beam'/>"), rules)
+      .step();
   EXPECT_EQ(content("state.txt"), "T= 0\n  X= 1 0 0\n");
   EXPECT_EQ(content("kept.txt"), "mine") << "another name of the file that was there";
 
@@ -197,11 +292,14 @@ TEST_F(Export, ReplacesFilesOnlyWhereTheHostSaysSoAndInputsNever) {
   EXPECT_NE(errors_of(falling("<WriteState filename='history.csv'/>"), rules).find("is written by the run itself"),
             std::string::npos);
   for (const char* two : {"<WriteState filename='a.txt'/><WriteState filename='./a.txt'/>",
-                          "<VTKExporter filename='b'/><VTKExporter filename='b1'/>",
-                          "<VTKExporter filename='b'/><WriteState filename='b12.vtu'/>",
-                          "<VTKExporter/><Node><VTKExporter name='VTKExporter1'/></Node>"})
+                          "<VTKExporter exportEveryNumberOfSteps='9' filename='b'/><VTKExporter "
+                          "exportEveryNumberOfSteps='9' filename='b1'/>",
+                          "<VTKExporter exportEveryNumberOfSteps='9' filename='b'/><WriteState filename='b12.vtu'/>",
+                          "<VTKExporter exportEveryNumberOfSteps='9'/><Node><VTKExporter exportEveryNumberOfSteps='9' "
+                          "name='VTKExporter1'/></Node>"})
     EXPECT_NE(errors_of(falling(two), rules).find("is written by another component too"), std::string::npos) << two;
-  EXPECT_EQ(errors_of(falling("<VTKExporter filename='b'/><VTKExporter filename='ba'/><WriteState filename='b.vtu'/>"),
+  EXPECT_EQ(errors_of(falling("<VTKExporter exportEveryNumberOfSteps='9' filename='b'/><VTKExporter "
+                              "exportEveryNumberOfSteps='9' filename='ba'/><WriteState filename='b.vtu'/>"),
                       rules),
             "");
 }
@@ -221,7 +319,7 @@ TEST_F(Export, BeginsAnewAfterReset) {
   scene.step();
   EXPECT_EQ(content("state.txt"), first);
   EXPECT_EQ(content("s0.vtu"), picture) << "numbers begin anew too";
-  EXPECT_EQ(num_files(), 3u);
+  EXPECT_EQ(num_files(), 2u) << "a series is of one run";
 }
 
 TEST_F(Export, OfAHostThatOnlyTriesThingsWritesNothing) {

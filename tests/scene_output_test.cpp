@@ -57,7 +57,7 @@ TEST_F(SceneOutput, LiesInTheRunsDirectoryOrTheWorkingDirectory) {
   // the user's own file is not touched, nor is an earlier result
   write("state.txt", "mine");
   for (const char* command : {"run", "check"}) {
-    expect_error(std::string(command) + " bar.scn", 3,
+    expect_error(std::string(command) + " bar.scn", 5,
                  "bar.scn:1: error: WriteState.filename: '" + (directory_ / "state.txt").string() +
                      "' is there already\n  hint: --force replaces it");
     expect_error(std::string(command) + " bar.scn --set root/state.filename=" + (directory_ / "x.txt").string(), 3,
@@ -73,7 +73,9 @@ TEST_F(SceneOutput, LiesInTheRunsDirectoryOrTheWorkingDirectory) {
 }
 
 TEST_F(SceneOutput, IsToldByCheck) {
-  write("bar.scn", writing_bar("<WriteState filename='deep/state.txt'/><VTKExporter filename='skin'/>"));
+  write("bar.scn",
+        writing_bar(
+            "<WriteState filename='deep/state.txt'/><VTKExporter filename='skin' exportEveryNumberOfSteps='1'/>"));
   const Outcome told = hexaplast("check bar.scn --out run");
   EXPECT_EQ(told.code, 0) << told.err;
   for (const char* name : {"run/deep/state.txt\n", "run/skin<N>.vtu\n"})
@@ -81,6 +83,28 @@ TEST_F(SceneOutput, IsToldByCheck) {
   EXPECT_FALSE(fs::exists(directory_ / "run"));
   EXPECT_NE(hexaplast("check bar.scn --json").out.find("\"writes\": [\n    \"" + directory_.string()),
             std::string::npos);
+}
+
+TEST_F(SceneOutput, IsRefusedByCheckAsByRun) {
+  for (const std::string where : {"--out new", "--write-below sub"}) {
+    const bool is_run = where == "--out new";
+    for (const char* name : {"history.csv", "frames/frame_000000.png", "mesh_000006.vtu/x", "manifest.json.part"})
+      for (const char* command : {"check", "run"})
+        error_of(std::string(command) + " bar.scn " + where + " --set root/state.filename=" + name,
+                 is_run || std::string(name).ends_with(".part") ? 3 : 0);
+  }
+  EXPECT_NE(hexaplast("check bar.scn --write-below sub/deep")
+                .out.find("  writes              " + (directory_ / "sub/deep/state.txt").string()),
+            std::string::npos);
+  expect_error("check bar.scn --out run --write-below sub", 2, "--write-below");
+  expect_error("run bar.scn --final fin.json --set root/state.filename=fin.json/x", 3, "is written by the run itself");
+  expect_error("run bar.scn --final fin.json --set root/state.filename=fin.json.part", 3, "ends in .part");
+
+  // a file that is there is no fault of the scene's, but what else is wrong with it comes first
+  write("state.txt", "mine");
+  expect_error("run bar.scn", 5, "state.txt' is there already");
+  write("bar.scn", writing_bar("<WriteState filename='state.txt'/><WriteState filename='/x'/>"));
+  expect_error("run bar.scn", 3, "state.txt' is there already");
 }
 
 TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
@@ -145,7 +169,7 @@ TEST_F(SceneOutput, OfASweepIsOneFolderPerRun) {
   EXPECT_FALSE(fs::exists(directory_ / "state.txt"));
 
   write("bar.scn", writing_bar("<WriteState filename='" + (directory_ / "state.txt").string() + "'/>"));
-  EXPECT_EQ(hexaplast(sweep + " --force").code, 4) << "all runs would write the same file";
+  EXPECT_EQ(hexaplast(sweep + " --force").code, 3) << "all runs would write the same file";
   EXPECT_FALSE(fs::exists(directory_ / "state.txt"));
   expect_error(sweep + " --force --allow-outside", 2, "unknown option");
   fs::create_directories(directory_ / "begun/run_2");
@@ -157,7 +181,9 @@ TEST_F(SceneOutput, IsNoneOfCommandsThatOnlyTryAScene) {
   ASSERT_EQ(hexaplast("mesh export bar.scn --format vtu -o bar.vtu").code, 0);
   write("curve.csv", "time,elongation\n0.01,0\n0.02,0.001\n");
   const Outcome fit = hexaplast("fit bar.scn --target curve.csv --free root/body.youngModulus=1e4:3e4 --evaluations 3");
-  EXPECT_EQ(fit.err.find("WriteState"), std::string::npos) << fit.err;
+  EXPECT_EQ(fit.code, 0) << fit.err;
+  EXPECT_NE(fit.out.find("--set root/body.youngModulus="), std::string::npos) << fit.out;
+  EXPECT_EQ(error_of("bench --scene bar.scn --threads 1", 0), "");
 }
 
 // Names of files and components, and values, come from strangers: a terminal must not obey them.
@@ -191,6 +217,16 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
   write("named.scn", writing_bar("<Wrong name='bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é'/><BoxROI name='a' "
                                  "box='@bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é.box'/>"));
   expect_shown("check named.scn", 3);
+  // nor do they make lines of their own, or turn them
+  const std::string forged = "safe.txt&#10;  memory              1.0 MB&#10;slab.scn: warning: forged &#x202E;";
+  write("named.scn", writing_bar("<WriteState name='state' filename='" + forged + "'/>"));
+  const std::string one_line = "safe.txt\\u000a  memory              1.0 MB\\u000aslab.scn: warning: forged \\u202e";
+  EXPECT_NE(hexaplast("check named.scn").out.find(one_line), std::string::npos);
+  for (const char* arguments : {"check named.scn --json --out x", "check named.scn"})
+    EXPECT_EQ(hexaplast(arguments).out.find("\n  memory              1.0 MB"), std::string::npos) << arguments;
+  write("named.scn", writing_bar("<Wrong name='" + forged + "'/><BoxROI box='@" + forged + ".box'/>"));
+  expect_error("check named.scn", 3, one_line);
+  EXPECT_EQ(hexaplast("run 'a\nb.scn: error: forged'").err, "a\\u000ab.scn: error: forged: error: no such file\n");
   write("named.scn", writing_bar("<BoxROI box='0 0 0 bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é'/>"));
   expect_shown("check named.scn", 3);
 }

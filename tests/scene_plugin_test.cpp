@@ -43,7 +43,7 @@ class PluginFiles : public testing::Test {
   }
 
   std::string prefix() const { return "plugin 'Other': " + (directory_ / "libOther.so").string() + ": "; }
-  std::string search_path() const { return "\n  search path:\n    " + directory_.string(); }
+  std::string search_path() const { return "; search path: " + directory_.string(); }
 
   /// The real plugin with one of its symbols called otherwise.
   std::string without_symbol(const std::string& symbol) const {
@@ -64,6 +64,22 @@ TEST_F(PluginFiles, ComponentsComeFromAPluginFoundByName) {
   loader.load("Hexaplast");  // a second time does nothing
   loader.load("Sofa.Component.Mass");
   EXPECT_TRUE(factory.make("MechanicalObject"));
+}
+
+// In a directory that a stranger may have filled: whoever runs the program of an installation there trusts it.
+TEST_F(PluginFiles, OfTheInstallationAreTrustedWhereverItLies) {
+  const fs::path installed = HEXAPLAST_TEST_PLUGINS;
+  for (const fs::path& untrusted : {installed, installed.parent_path()}) {
+    scene::Factory factory;
+    scene::PluginLoader(factory, {directory_}, installed, untrusted).load("Hexaplast");
+    EXPECT_TRUE(factory.make("MechanicalObject"));
+    try {
+      scene::PluginLoader(factory, {installed}, {}, untrusted).load("Hexaplast");
+      ADD_FAILURE() << untrusted;
+    } catch (const scene::PluginError& error) {
+      EXPECT_NE(std::string(error.what()).find("from which nothing is loaded"), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST_F(PluginFiles, APathIsNoName) {

@@ -250,7 +250,7 @@ TEST(SceneReading, CommentsEntitiesAndWindowsLineEndsAreFine) {
 TEST(SceneReading, DepthIsLimited) {
   std::string deep;
   for (int i = 0; i < 1'000'000; ++i) deep += "<Node>";
-  EXPECT_EQ(errors_of(deep), "test.scn:1: error: more than 100 levels of elements");
+  EXPECT_EQ(errors_of(deep), "test.scn:1: error: more than 98 levels of elements");
 }
 
 TEST(SceneReading, EveryTruncationIsRefusedOrLoads) {

@@ -114,6 +114,53 @@ TEST_F(Sweep, AnotherSweepIsNotWrittenOver) {
   EXPECT_EQ(outcome.err, "hexaplast: error: found/sweep.csv:4: is no run of this sweep; --force begins anew\n");
 }
 
+// What stands in its directory without a plan is somebody's; links lead elsewhere whoever made them.
+TEST_F(Sweep, TouchesNothingThatIsNotItsOwn) {
+  write("bar.scn", hexaplast::support::pulled_bar());
+  write("victim", "mine");
+  const std::string command = "sweep bar.scn --out found --steps 2 --vary body.youngModulus=1000,2000";
+  for (const char* name : {"sweep.json", "sweep.csv", "sweep.svg", "run_2", "messages_1.txt"}) {
+    fs::create_directories(directory_ / "found");
+    const fs::path file = directory_ / "found" / name;
+    write(std::string("found/") + name, "mine");
+    const Outcome refused = hexaplast(command);
+    EXPECT_EQ(refused.code, 5) << name << "\n" << refused.err;
+    EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
+    EXPECT_EQ(content(file), "mine") << name;
+
+    fs::remove(file);
+    fs::create_symlink("../victim", file);
+    for (const char* force : {"", " --force"}) {
+      const Outcome linked = hexaplast(command + force);
+      EXPECT_EQ(linked.code, 5) << name << force << "\n" << linked.err;
+      EXPECT_NE(linked.err.find(std::string(name) + ": is a symbolic link"), std::string::npos) << linked.err;
+    }
+    EXPECT_TRUE(fs::is_symlink(file)) << name;
+    fs::remove_all(directory_ / "found");
+  }
+
+  // names that are none of its own, and a run's own summary
+  fs::create_directories(directory_ / "found/run_1");
+  write("found/summary_1.json", "mine");
+  EXPECT_EQ(hexaplast(command).code, 5) << "run_1 may be somebody's";
+  fs::create_symlink("../../victim", directory_ / "found/run_1/summary.json");
+  const Outcome forced = hexaplast(command + " --force");
+  EXPECT_EQ(forced.code, 4);
+  EXPECT_NE(forced.err.find("run_1/summary.json: is a symbolic link"), std::string::npos) << forced.err;
+  fs::remove(directory_ / "found/run_1/summary.json");
+  EXPECT_EQ(hexaplast(command + " --force").code, 0);
+  EXPECT_FALSE(fs::exists(directory_ / "found/run_1")) << "nothing is left in it";
+  EXPECT_EQ(content(directory_ / "found/summary_1.json"), "mine");
+  EXPECT_EQ(content(directory_ / "victim"), "mine");
+
+  // nor is the scene replaced, whatever it is called
+  fs::rename(directory_ / "bar.scn", directory_ / "found/sweep.svg");
+  const Outcome scene = hexaplast("sweep found/sweep.svg --out found --vary body.youngModulus=1000,2000 --force");
+  EXPECT_EQ(scene.code, 5);
+  EXPECT_NE(scene.err.find("found/sweep.svg: is an input"), std::string::npos) << scene.err;
+  EXPECT_EQ(content(directory_ / "found/sweep.svg"), hexaplast::support::pulled_bar());
+}
+
 TEST_F(Sweep, ARunThatFailsIsARowAndTheOthersGoOn) {
   write("bar.scn", hexaplast::support::flowing_bar());
   // 0.1 s times 100 1/s is more than the whole excess per step
@@ -129,6 +176,11 @@ TEST_F(Sweep, ARunThatFailsIsARowAndTheOthersGoOn) {
   EXPECT_EQ(table().text(1, "state_hash"), "");
   EXPECT_GT(table().number(2, "plastic_elongation"), table().number(0, "plastic_elongation"));
   EXPECT_NE(content(directory_ / "found/messages_2.txt").find("plasticFlowRate"), std::string::npos);
+
+  // of a sweep whose runs all ended alike it is their code
+  const Outcome refused = hexaplast("sweep bar.scn --out refused --vary body.plasticFlowRate=100,200");
+  EXPECT_EQ(refused.code, 3) << refused.err;
+  EXPECT_NE(refused.err.find("bar: error: 2 of 2 runs failed"), std::string::npos);
 
   // it would fail again
   const Outcome again = hexaplast(command);

@@ -41,7 +41,7 @@ TEST(Xml, ErrorsNameTheTagAndWhatIsWrong) {
            {"<a dt='1 n='2' m='3'/>", "1: a.dt: no blank follows its value; or the quote at its end is missing"},
            {"<a dt='1 n='b' m='3'/>", "1: a.dt: no blank follows its value; or the quote at its end is missing"},
            {"<a dt='1 n=' b' m='3'/>", "1: a.b: no =\"value\" follows; or the quote before it is missing"},
-           {"<a dt=1/>", "1: a.dt: its value stands not in quotes"},
+           {"<a dt=1/>", "1: a.dt: its value is not in quotes"},
            {"<a dt/>", "1: a.dt: no =\"value\" follows; or the quote before it is missing"},
            {"<a 'dt'='1'/>", "1: a quote that belongs to no attribute stands in the tag <a> of line 1"},
            {"<a 1='2'/>", "1: '1' stands where an attribute must begin in the tag <a> of line 1"},
@@ -62,6 +62,13 @@ TEST(Xml, ErrorsNameTheTagAndWhatIsWrong) {
   EXPECT_EQ(verdict_on_xml("<" + std::string(1000, 'n') + ">"), "1: <" + std::string(40, 'n') + "...> is never closed");
 }
 
+TEST(Xml, OtherEncodingsAreSaidToBeNoUtf8) {
+  for (const std::string_view text : {std::string_view("\xFF\xFE<\0a\0/\0>\0", 10), std::string_view("\xE9<a/>")})
+    EXPECT_EQ(verdict_on_xml(text), "1: the file is not valid UTF-8");
+  EXPECT_EQ(verdict_on_xml(std::string_view("\0<\0a\0/\0>", 8)), "1: the file contains a NUL byte: must be text");
+  EXPECT_EQ(verdict_on_xml(std::string_view("<\0a\0/\0>\0", 8)), "1: the file contains a NUL byte: must be text");
+}
+
 TEST(Xml, TakesWhatIsWellFormed) {
   for (const char* text : {"<a/>", "\xEF\xBB\xBF<?xml version='1.0'?>\n<?more?>\n<!-- > < & -->\n<a\tb = 'c > \"d'\n/>",
                            "<a b='&#233;&#x1F600;&amp;'>text ]]> é<![CDATA[ <&> ]]></a >", "<ä:b.c-1 _x=''/>"})
@@ -73,6 +80,13 @@ TEST(Xml, TakesWhatIsWellFormed) {
 TEST(Xml, OfMoreThanTheLimitsIsRefused) {
   EXPECT_EQ(verdict_on_xml("<a><a><a/></a></a>", kFew), "3");
   EXPECT_EQ(verdict_on_xml("<a><a><a>\n<a/>", kFew), "2: more than 3 levels of elements");
+  const auto nested = [](int levels) {
+    std::string text;
+    for (int k = 0; k < levels; ++k) text = "<a>" + text + "</a>";
+    return text;
+  };
+  EXPECT_EQ(verdict_on_xml(nested(98)), "98") << "the parser has a limit of its own";
+  EXPECT_EQ(verdict_on_xml(nested(99)), "1: more than 98 levels of elements");
   EXPECT_EQ(verdict_on_xml("<a><a/><a/><a/><a/>\n<a/>", kFew), "2: more than 5 elements");
   EXPECT_EQ(verdict_on_xml("<a x='' y='' z=''\nu=''/>", kFew), "2: an element has more than 3 attributes");
   EXPECT_EQ(verdict_on_xml("<a x='' y='' z=''><a x='' y='' z=''/>\n<a x=''/></a>", kFew), "2: more than 6 attributes");
@@ -115,6 +129,8 @@ TEST(Printable, ShowsWhatWouldSteerATerminal) {
   EXPECT_EQ(printable("\x1b[31mred\x1b]0;title\x07"), "\\u001b[31mred\\u001b]0;title\\u0007");
   EXPECT_EQ(printable(std::string_view("\0\b\r\x7f", 4)), "\\u0000\\u0008\\u000d\\u007f");
   EXPECT_EQ(printable("\xC2\x80\xC2\x9B\x32J\xC2\x9F\xC2\xA0"), "\\u0080\\u009b2J\\u009f\xC2\xA0");
+  EXPECT_EQ(printable("a\xE2\x80\xAE\xE2\x81\xA6\xE2\x80\xA8z\xE2\x80\xA7"), "a\\u202e\\u2066\\u2028z\xE2\x80\xA7");
+  EXPECT_EQ(printable_line("a\n\tb \xC3\xA9\xE2\x80\xAE"), "a\\u000a\\u0009b \xC3\xA9\\u202e");
   EXPECT_EQ(printable("\x9B\x32J \xED\xA0\x80 \xC3"), "\\x9b2J \\xed\\xa0\\x80 \\xc3");
 }
 

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <fmt/ostream.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/line_file.hpp"
 #include "hexaplast/base/whole_file.hpp"
 #include "hexaplast/mesh/file_export.hpp"
 #include "scene/interfaces.hpp"
@@ -36,7 +33,7 @@ class Exporter : public scene::Component {
     try {
       return node().files().claim(name, is_series);
     } catch (const scene::OutputRefusal& refusal) {
-      reject("filename", refusal.what(), refusal.hint());
+      reject("filename", refusal.what(), refusal.hint(), refusal.fault());
     }
   }
 
@@ -62,22 +59,36 @@ class VTKExporter final : public Exporter {
     if (name.extension() == ".vtu") name.replace_extension();
     is_series_ = !boolean("overwrite");
     if (!is_series_) name += ".vtu";
-    place_ = claim(name, is_series_);
+    const bool is_enabled = boolean("enable");
+    is_on_ = is_enabled && (boolean("exportAtBegin") || integer("exportEveryNumberOfSteps") > 0);
+    if (is_enabled && !is_on_)
+      remark(scene::Severity::kWarning, "",
+             "writes nothing: neither exportEveryNumberOfSteps nor exportAtBegin is given");
+    if (is_on_) place_ = claim(name, is_series_);
     collect(field_sources_.points, "pointsDataFields");
     collect(field_sources_.cells, "cellsDataFields");
-    num_steps_ = num_files_ = 0;
+    reset();
   }
   void begin_step() override {
-    if (boolean("enable") && boolean("exportAtBegin") && num_steps_ == 0 && num_files_ == 0) write();
+    if (!is_on_ || !writes()) return;
+    if (!has_begun_ && is_series_) attempt([&] { node().files().begin_series(place_, num_files_); });
+    has_begun_ = true;
+    if (boolean("exportAtBegin") && num_steps_ == 0 && num_files_ == 0) write();
   }
   void end_step(double) override {
     const int every = integer("exportEveryNumberOfSteps");
-    if (!boolean("enable") || every == 0) return;
+    if (!is_on_ || every == 0) return;
     ++num_steps_;
     if (num_steps_ % every == 0) write();
   }
-  void reset() override { num_steps_ = num_files_ = 0; }
-  void serialize(Archive& archive) override { archive(num_steps_, num_files_); }
+  void reset() override {
+    num_steps_ = num_files_ = 0;
+    has_begun_ = false;
+  }
+  void serialize(Archive& archive) override {
+    archive(num_steps_, num_files_);
+    if (archive.reads()) has_begun_ = false;
+  }
 
  private:
   struct Source {
@@ -203,6 +214,8 @@ class VTKExporter final : public Exporter {
   } field_sources_;
   fs::path place_;  // of the file, or of the series
   bool is_series_ = true;
+  bool is_on_ = false;      // it writes anything at all
+  bool has_begun_ = false;  // what an earlier run has left of the series is gone
   int num_steps_ = 0, num_files_ = 0;
 };
 
@@ -225,24 +238,37 @@ class WriteState final : public Exporter {
     }
   }
 
-  void bwd_init() override { file_ = claim(text("filename"), false); }
+  void bwd_init() override { place_ = claim(text("filename"), false); }
 
   void begin_step() override {
     if (!writes()) return;
-    if (size_ > 0 && !stream_.is_open()) attempt([&] { go_on(); });
+    if (is_to_cut_) attempt([&] { file_->cut(); });
+    is_to_cut_ = false;
     if (is_due(node().clock().time, node().clock().dt)) attempt([&] { write(node().clock().time); });
   }
   void reset() override {
     next_ = 0;
     latest_ = 0;
-    size_ = 0;
-    stream_.close();  // the next state begins the file anew
+    is_to_cut_ = false;
+    file_.reset();  // the next state begins the file anew
   }
   void serialize(Archive& archive) override {
-    archive(next_, latest_, size_);
-    if (!archive.reads() || !writes()) return;
-    stream_.close();
-    if (size_ > 0) require_saved();
+    bool is_begun = file_.has_value();
+    archive(next_, latest_, is_begun);
+    if (!archive.reads()) {
+      if (file_) file_->save(archive);
+      return;
+    }
+    file_.reset();
+    is_to_cut_ = is_begun && writes();
+    if (is_to_cut_) {
+      attempt([&] {
+        node().files().prepare(place_);
+        file_.emplace(place_, archive);
+      });
+    } else if (is_begun) {
+      archive.take(archive.rest());  // what another host has written does not matter here
+    }
   }
 
  private:
@@ -257,59 +283,33 @@ class WriteState final : public Exporter {
     return true;
   }
 
-  void require_saved() {
-    std::error_code failure;
-    const std::uintmax_t present = fs::file_size(file_, failure);
-    if (failure || present < size_)
-      throw InputError(fmt::format("'{}' has not the {} bytes that the checkpoint knows of", file_.string(), size_));
-    attempt([&] { node().files().prepare(file_); });
-  }
-
-  /// Cuts off what was written after the checkpoint.
-  void go_on() {
-    open(O_WRONLY);
-    std::error_code failure;
-    fs::resize_file(file_, size_, failure);
-    if (failure) fail();
-  }
-
   void begin() {
-    node().files().prepare(file_);
+    node().files().prepare(place_);
     std::error_code failure;
-    fs::remove(file_, failure);  // not emptied: other names of that file keep it
-    open(O_WRONLY | O_CREAT | O_EXCL);
+    fs::remove(place_, failure);  // not emptied: other names of that file keep it
+    file_.emplace(place_);
   }
-
-  /// Where lines follow those that are there.
-  void open(int flags) {
-    std::fclose(open_in_place(file_, flags, "wb"));
-    stream_.open(file_, std::ios::binary | std::ios::app);
-    if (!stream_) fail();
-  }
-
-  [[noreturn]] void fail() const { throw OutputError(fmt::format("'{}' cannot be written", file_.string())); }
 
   void write(double time) {
-    if (!stream_.is_open()) begin();
-    fmt::print(stream_, "T= {}\n", time);
-    if (boolean("writeX")) write("X", state_->positions());
-    if (boolean("writeX0")) write("X0", state_->rest_positions());
-    if (boolean("writeV")) write("V", state_->velocities());
-    if (!stream_.flush()) fail();
-    size_ = static_cast<std::uint64_t>(stream_.tellp());
-  }
-  void write(const char* name, const PointArray& field) {
-    fmt::print(stream_, "  {}= {}\n", name, fmt::join(field.data(), field.data() + field.size(), " "));
+    if (!file_) begin();
+    std::string lines = fmt::format("T= {}", time);
+    const auto add = [&](const char* name, const PointArray& field) {
+      lines += fmt::format("\n  {}= {}", name, fmt::join(field.data(), field.data() + field.size(), " "));
+    };
+    if (boolean("writeX")) add("X", state_->positions());
+    if (boolean("writeX0")) add("X0", state_->rest_positions());
+    if (boolean("writeV")) add("V", state_->velocities());
+    file_->append(lines);
   }
 
-  fs::path file_;
+  fs::path place_;
+  std::optional<LineFile> file_;  // absent: not begun
+  bool is_to_cut_ = false;        // a checkpoint knows of fewer lines
   scene::MechanicalState* state_ = nullptr;
   std::vector<double> times_;     // [s]
   std::optional<double> period_;  // [s]
   std::size_t next_ = 0;          // of times_
   double latest_ = 0;             // [s] time that was met last
-  std::uint64_t size_ = 0;        // [byte] of the file
-  std::ofstream stream_;
 };
 
 }  // namespace

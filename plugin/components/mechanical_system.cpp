@@ -8,6 +8,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/survey.hpp"
+#include "scene/parts.hpp"
 
 namespace hexaplast::components {
 
@@ -200,16 +201,14 @@ double NodeSystem::elastic_energy() const {
 double NodeSystem::highest_frequency() const {
   double frequency = 0;
   for (const Layer& layer : layers_) {
-    // weight [N] under a gravity of 1 m/s^2 is the mass [kg]
-    PointArray weight = PointArray::Zero(layer.state->num_nodes(), 3);
+    const double mass = scene::total_mass(layer.masses, *layer.state);
+    PointArray diagonal = PointArray::Zero(layer.state->num_nodes(), 3);
     double Survey::*highest = &Survey::highest_frequency;
-    for (const scene::Mass* mass : layer.masses) {
-      mass->add_gravity(Vec3::UnitX(), weight);
-      if (!mass->add_diagonal(0, weight)) highest = &Survey::highest_frequency_consistent;
-    }
+    for (const scene::Mass* part : layer.masses)
+      if (!part->add_diagonal(0, diagonal)) highest = &Survey::highest_frequency_consistent;
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body())
-        frequency = std::max(frequency, survey(*body, weight.col(0).sum(), node_.clock().dt).*highest);
+        frequency = std::max(frequency, survey(*body, mass, node_.clock().dt).*highest);
   }
   return frequency;
 }

@@ -81,8 +81,7 @@ void write_checkpoint(const fs::path& directory, long step, std::uint64_t scene_
 
   const std::vector<fs::path> all = checkpoints_in(directory);
   for (std::size_t i = kNumKept; i < all.size(); ++i)
-    if (::unlink(all[i].c_str()) != 0)
-      throw OutputError(fmt::format("{}: cannot be removed: {}", all[i].string(), std::strerror(errno)));
+    if (::unlink(all[i].c_str()) != 0) throw OutputError(all[i], "cannot be removed", errno);
 }
 
 Checkpoint::Checkpoint(fs::path file) : file_(std::move(file)), bytes_(contents_of(file_)) {

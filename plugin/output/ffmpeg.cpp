@@ -21,6 +21,8 @@ namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr int kFilm = 3;  // number of the unfinished film in the program: not its name, which others may exchange
+
 /// The place of a program on the PATH; empty where there is none.
 fs::path find_program(const std::string& name) {
   const char* variable = std::getenv("PATH");
@@ -99,15 +101,14 @@ void Ffmpeg::start(int width, int height) {
                                  fmt::format("{}", frames_per_second_), "-i", "pipe:0",
                                  // what is made of it: common players want even sizes and halved colours
                                  "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p", "-movflags",
-                                 "+faststart", "-f", "mp4", file_.string() + std::string(kPart)};
+                                 "+faststart", "-f", "mp4", fmt::format("/proc/self/fd/{}", kFilm)};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
 
   std::array<int, 2> ends{};
   messages_ = std::tmpfile();
-  if (!messages_ || ::pipe2(ends.data(), O_CLOEXEC) != 0)
-    throw OutputError(fmt::format("{}: no pipe to ffmpeg: {}", file_.string(), std::strerror(errno)));
+  if (!messages_ || ::pipe2(ends.data(), O_CLOEXEC) != 0) throw OutputError(file_, "no pipe to ffmpeg", errno);
   pipe_ = ends[1];
 
   posix_spawn_file_actions_t streams;
@@ -115,6 +116,7 @@ void Ffmpeg::start(int width, int height) {
   ::posix_spawn_file_actions_adddup2(&streams, ends[0], STDIN_FILENO);
   ::posix_spawn_file_actions_addopen(&streams, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   ::posix_spawn_file_actions_adddup2(&streams, ::fileno(messages_), STDERR_FILENO);
+  ::posix_spawn_file_actions_adddup2(&streams, place_->descriptor(), kFilm);  // last: others may have that number here
   const int error = ::posix_spawn(&process_, program_.c_str(), &streams, nullptr, arguments.data(), environ);
   ::posix_spawn_file_actions_destroy(&streams);
   ::close(ends[0]);
@@ -134,7 +136,7 @@ void Ffmpeg::add(const Image& image) {
     if (written < 0) {
       const int error = errno;
       wait();  // it knows better why it reads no more
-      throw OutputError(fmt::format("{}: ffmpeg takes no more pictures: {}", file_.string(), std::strerror(error)));
+      throw OutputError(file_, "ffmpeg takes no more pictures", error);
     }
     data += written;
     left -= static_cast<std::size_t>(written);

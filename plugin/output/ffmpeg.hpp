@@ -27,7 +27,7 @@ class Ffmpeg final : public Film {
   void wait();  // for its end; throws what it says unless it ended well
 
   std::filesystem::path file_, program_;
-  std::optional<WholeFile> place_;  // the program writes its part
+  std::optional<WholeFile> place_;  // what the program writes
   double frames_per_second_;
   pid_t process_ = -1;
   int pipe_ = -1;                  // its standard input

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "output/files.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstring>
 #include <system_error>
 
 #include "hexaplast/base/error.hpp"
@@ -18,14 +15,6 @@
 namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {
-
-[[noreturn]] void fail(const fs::path& path, std::string_view what, int error) {
-  throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::strerror(error)));
-}
-
-std::string_view without_part(std::string_view name) {
-  return name.ends_with(kPart) ? name.substr(0, name.size() - kPart.size()) : name;
-}
 
 bool is_series(std::string_view name) {
   return name == "mesh.pvd" || name == "surface.pvd" || name == "instruments.pvd";
@@ -39,7 +28,7 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory, const Inpu
     std::error_code error;
     for (fs::directory_iterator entry(in, error), end; !error && entry != end; entry.increment(error))
       if (is_ours(entry->path().filename().string())) found.push_back(entry->path());
-    if (error && error != std::errc::no_such_file_or_directory) fail(in, "cannot be read", error.value());
+    if (error && error != std::errc::no_such_file_or_directory) throw OutputError(in, "cannot be read", error.value());
   };
   collect(directory, is_of_run);
   if (fs::is_symlink(directory / "frames"))
@@ -77,66 +66,17 @@ void require_readable(const fs::path& file) {
     throw OutputError(fmt::format("{}: {}", file.string(), reason));
 }
 
-LineFile::LineFile(fs::path path) : path_(std::move(path)) {
-  file_ = open_in_place(path_, O_WRONLY | O_CREAT | O_TRUNC, "wb");
-}
-
-LineFile::LineFile(fs::path path, Archive& saved) : path_(std::move(path)) {
-  std::uint64_t size = 0, checksum = 0;
-  saved(size, checksum);
-  require_readable(path_);
-  file_ = open_in_place(path_, O_RDWR, "r+b");
-
-  std::array<char, 65536> buffer;
-  while (size_ < size) {
-    const std::size_t found = std::fread(buffer.data(), 1, std::min<std::uint64_t>(buffer.size(), size - size_), file_);
-    if (found == 0) break;
-    hash_.add(buffer.data(), found);
-    size_ += found;
-  }
-  if (size_ < size || hash_.value() != checksum) {
-    std::fclose(file_);
-    throw InputError(fmt::format("{} does not begin with the {} bytes that the run had written at the checkpoint",
-                                 path_.string(), size));
-  }
-}
-
-LineFile::~LineFile() { std::fclose(file_); }
-
-void LineFile::cut() {
-  if (::ftruncate(::fileno(file_), static_cast<off_t>(size_)) != 0 || std::fseek(file_, 0, SEEK_END) != 0)
-    fail(path_, "cannot be written", errno);
-}
-
-void LineFile::append(std::string_view lines) {
-  add(lines);
-  add("\n");
-  if (std::fflush(file_) != 0) fail(path_, "cannot be written", errno);
-}
-
-void LineFile::add(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(path_, "cannot be written", errno);
-  size_ += text.size();
-  hash_.add(text.data(), text.size());
-}
-
-void LineFile::save(Archive& archive) {
-  if (::fsync(::fileno(file_)) != 0) fail(path_, "cannot be written", errno);
-  std::uint64_t checksum = hash_.value();
-  archive(size_, checksum);
-}
-
 void make_directory(const fs::path& directory) {
   std::error_code error;
   const fs::file_status status = fs::status(directory, error);
   if (!fs::exists(status)) {
-    if (status.type() != fs::file_type::not_found) fail(directory, "cannot be reached", error.value());
+    if (status.type() != fs::file_type::not_found) throw OutputError(directory, "cannot be reached", error.value());
     fs::create_directories(directory, error);
-    if (error) fail(directory, "cannot be created", error.value());
+    if (error) throw OutputError(directory, "cannot be created", error.value());
     return;
   }
   if (!fs::is_directory(status)) throw OutputError(directory.string() + ": is a file; an output directory is needed");
-  if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) fail(directory, "cannot be written", errno);
+  if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) throw OutputError(directory, "cannot be written", errno);
 }
 
 void prepare_directory(const fs::path& directory, bool force, const InputFiles& inputs) {
@@ -144,19 +84,20 @@ void prepare_directory(const fs::path& directory, bool force, const InputFiles& 
   const fs::path frames = directory / "frames";
   if (fs::exists(frames) && !fs::is_directory(frames))
     throw OutputError(frames.string() + ": is a file where the directory of the pictures belongs");
-  if (fs::exists(frames) && ::access(frames.c_str(), R_OK | W_OK | X_OK) != 0) fail(frames, "cannot be written", errno);
+  if (fs::exists(frames) && ::access(frames.c_str(), R_OK | W_OK | X_OK) != 0)
+    throw OutputError(frames, "cannot be written", errno);
 
   const std::vector<fs::path> earlier = files_of_earlier_run(directory, inputs);
   if (!earlier.empty() && !force)
     throw OutputError(fmt::format("{}: holds an earlier run ({}); --force replaces it", directory.string(),
                                   earlier.front().lexically_relative(directory).string()));
   for (const fs::path& file : earlier)
-    if (::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);
+    if (::unlink(file.c_str()) != 0) throw OutputError(file, "cannot be removed", errno);
 }
 
 void prepare_to_go_on(const fs::path& directory, long step, const InputFiles& inputs,
                       const std::function<bool(const std::string& name)>& is_kept) {
-  if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) fail(directory, "cannot be written", errno);
+  if (::access(directory.c_str(), R_OK | W_OK | X_OK) != 0) throw OutputError(directory, "cannot be written", errno);
   const auto stays = [&](const fs::path& file) {
     const std::string name = file.filename().string();
     if (name.ends_with(kPart)) return false;
@@ -164,7 +105,7 @@ void prepare_to_go_on(const fs::path& directory, long step, const InputFiles& in
     return is_series(name) || name == "history.csv" || name == "removed.csv" || is_kept(name);
   };
   for (const fs::path& file : files_of_earlier_run(directory, inputs))
-    if (!stays(file) && ::unlink(file.c_str()) != 0) fail(file, "cannot be removed", errno);
+    if (!stays(file) && ::unlink(file.c_str()) != 0) throw OutputError(file, "cannot be removed", errno);
 }
 
 }  // namespace hexaplast::output

@@ -1,55 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
 
-#include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/hash.hpp"
+#include "hexaplast/base/line_file.hpp"
 #include "hexaplast/base/text.hpp"
 #include "hexaplast/base/whole_file.hpp"
 
 namespace hexaplast::output {
 
 // The runner exits with 5 on an OutputError.
+using hexaplast::LineFile;
 using hexaplast::OutputError;
 using hexaplast::WholeFile;
 
 /// Throws OutputError with the reason where a file cannot be read.
 void require_readable(const std::filesystem::path& file);
-
-/// A text file that grows by whole lines; they have left the program when append() returns, so that a killed run keeps
-/// them all.
-class LineFile {
- public:
-  /// Creates the file or empties it. Symbolic links are refused, here and below.
-  explicit LineFile(std::filesystem::path path);
-
-  /// Finds the length of a file that a checkpoint knows of; cut() before lines are appended there. Throws InputError
-  /// when the file does not begin with the lines that were written then.
-  LineFile(std::filesystem::path path, Archive& saved);
-  ~LineFile();
-  LineFile(const LineFile&) = delete;
-  LineFile& operator=(const LineFile&) = delete;
-
-  void cut();                           ///< takes away what was written after the checkpoint
-  void append(std::string_view lines);  ///< one line, or several with a line feed between them
-
-  /// Flushes the lines to disk and writes down how many bytes they are, and their checksum.
-  void save(Archive& archive);
-
- private:
-  void add(std::string_view text);
-
-  std::filesystem::path path_;
-  std::FILE* file_ = nullptr;
-  std::uint64_t size_ = 0;  // [byte]
-  StateHash hash_;          // of all lines
-};
 
 /// Creates `directory`, or checks that it can be written. Throws OutputError when the place is a file or cannot be
 /// written.

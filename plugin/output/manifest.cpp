@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "output/files.hpp"
+#include "output/json_file.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -178,10 +179,8 @@ std::optional<Manifest> read_manifest(const std::filesystem::path& directory) {
   const std::filesystem::path file = directory / kManifestName;
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return std::nullopt;
-  require_readable(file);
-  std::ifstream in(file, std::ios::binary);
   try {
-    return manifest_of(Json::parse(in));
+    return manifest_of(read_json(file));
   } catch (const nlohmann::json::exception& problem) {
     throw OutputError(fmt::format("{}: is no manifest of a run: {}", file.string(), problem.what()));
   } catch (const OutputError& problem) {

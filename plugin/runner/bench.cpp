@@ -158,8 +158,7 @@ void bench(const BenchOptions& options) {
   if (options.baseline)
     for (std::string& sentence : bench::compare(outcome.records, baseline, options.ratio))
       outcome.failures.push_back(std::move(sentence));
-  if (!outcome.failures.empty())
-    throw NumericalError(fmt::format("{}", fmt::join(outcome.failures, "\nhexaplast: error: ")));
+  if (!outcome.failures.empty()) throw NumericalError(fmt::format("{}", fmt::join(outcome.failures, "; ")));
 }
 
 }  // namespace hexaplast::runner

@@ -14,6 +14,7 @@
 #include "hexaplast/base/text.hpp"
 #include "hexaplast/survey.hpp"
 #include "runner/loads.hpp"
+#include "runner/output_options.hpp"
 #include "runner/standard_output.hpp"
 
 namespace hexaplast::runner {
@@ -41,14 +42,6 @@ struct Findings {
   std::vector<std::string> writes;  // names of files
 };
 
-// Weight [N] under a gravity of 1 m/s^2 is the mass [kg].
-double total_mass(scene::Scene& scene, scene::MechanicalState& state) {
-  PointArray weight = PointArray::Zero(state.num_nodes(), 3);
-  for (const scene::Mass* mass : scene.root().all<scene::Mass>())
-    if (scene::acts_on(*mass, state)) mass->add_gravity(Vec3::UnitX(), weight);
-  return weight.col(0).sum();
-}
-
 Findings look_at(scene::Scene& scene) {
   scene::MechanicalState& state = only_state(scene);
   only_solver(scene);
@@ -71,7 +64,9 @@ Findings look_at(scene::Scene& scene) {
   found.load_size = loads.rowwise().norm().sum();
 
   if (const scene::ForceField* field = find_body(scene)) {
-    found.body = survey(*field->body(), total_mass(scene, state), found.dt);
+    std::vector<scene::Mass*> masses = scene.root().all<scene::Mass>();
+    std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, state); });
+    found.body = survey(*field->body(), scene::total_mass(masses, state), found.dt);
     found.num_hexahedra = field->body()->mesh().num_elements();
     found.advice = advice(*found.body);
   }
@@ -160,7 +155,7 @@ void print(const Survey& body) {
 }
 
 void print(const Findings& found, const std::string& title) {
-  fmt::print("{}: can run\n", printable(title));
+  fmt::print("{}: can run\n", printable_line(title));
   fmt::print("  nodes               {}, of which {} are held and {} in part\n", found.num_nodes, found.num_held,
              found.num_partly_held);
   fmt::print("  hexahedra           {}\n", found.num_hexahedra);
@@ -169,14 +164,17 @@ void print(const Findings& found, const std::string& title) {
              found.num_loaded, found.load.x(), found.load.y(), found.load.z(), found.loads_time);
   fmt::print("  steps               {} of {:.6g} s\n", found.steps ? std::to_string(*found.steps) : "as --steps says",
              found.dt);
-  for (const std::string& file : found.writes) fmt::print("  writes              {}\n", printable(file));
+  for (const std::string& file : found.writes) fmt::print("  writes              {}\n", printable_line(file));
   fmt::print("  memory              {:.1f} MB\n", found.memory / 1e6);
 }
 
 }  // namespace
 
 void check(const CheckOptions& options) {
-  scene::Scene scene = load_scene(options.scene);
+  SceneOptions scene_options = options.scene;
+  scene_options.output =
+      rules_beside({options.out}, options.out.value_or(options.write_below.value_or(".")), options.scene.output);
+  scene::Scene scene = load_scene(scene_options);
   const Findings found = look_at(scene);
   const std::string file = options.scene.file.string();
   if (options.json) {

@@ -15,7 +15,7 @@ namespace {
 using Row = std::vector<std::string>;
 
 void print(const output::ComparisonTable& table) {
-  fmt::print("{}\n", printable(table.title));
+  fmt::print("{}\n", printable_line(table.title));
   std::vector<Row> rows = table.rows;
   if (!rows.empty()) rows.insert(rows.begin(), table.columns);
   std::vector<std::size_t> widths(table.columns.size());
@@ -24,9 +24,9 @@ void print(const output::ComparisonTable& table) {
   for (const Row& row : rows) {
     std::string line = " ";
     for (std::size_t c = 0; c < row.size(); ++c) line += fmt::format(" {:<{}} ", row[c], widths[c]);
-    fmt::print("{}\n", printable(line.substr(0, line.find_last_not_of(' ') + 1)));
+    fmt::print("{}\n", printable_line(line.substr(0, line.find_last_not_of(' ') + 1)));
   }
-  if (!table.note.empty()) fmt::print("  {}\n", printable(table.note));
+  if (!table.note.empty()) fmt::print("  {}\n", printable_line(table.note));
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ void compare(const CompareOptions& options) {
     InputFiles inputs;
     output::add_files_of_run(options.a, inputs);
     output::add_files_of_run(options.b, inputs);
-    output::WholeFile page(output_place(*options.out, inputs));
+    output::WholeFile page(output_place(*options.out, inputs, {options.a, options.b}));
     page.write(output::comparison_page(options.a, options.b, tables));
     page.commit();
   }

@@ -16,8 +16,7 @@ namespace hexaplast::runner {
 
 DirectoryLock::DirectoryLock(const std::filesystem::path& directory)
     : descriptor_(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  if (descriptor_ < 0)
-    throw output::OutputError(fmt::format("{}: cannot be opened: {}", directory.string(), std::strerror(errno)));
+  if (descriptor_ < 0) throw output::OutputError(directory, "cannot be opened", errno);
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   const int reason = errno;
   if (reason == EWOULDBLOCK) {

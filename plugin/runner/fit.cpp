@@ -171,12 +171,12 @@ std::vector<std::string> set_words(const Result& result) {
 }
 
 void print(const Result& result, const TargetCurve& target, const FitOptions& options) {
-  fmt::print("{}: fitted to {}, {} rows\n", printable(options.scene.file.stem().string()),
-             printable(target.file.string()), target.num_rows());
+  fmt::print("{}: fitted to {}, {} rows\n", printable_line(options.scene.file.stem().string()),
+             printable_line(target.file.string()), target.num_rows());
   std::size_t width = 0;
   for (const Found& found : result.found) width = std::max(width, found.free.name.size());
   for (const Found& found : result.found)
-    fmt::print("  {:<{}}  {} {}  (within {:g} % of the curve: {} to {})\n", printable(found.free.name), width,
+    fmt::print("  {:<{}}  {} {}  (within {:g} % of the curve: {} to {})\n", printable_line(found.free.name), width,
                written(found.value), found.free.unit, 100 * kCloseness, written(found.from()), written(found.to()));
   for (std::size_t c = 0; c < target.columns.size(); ++c) {
     const QuantityEntry& entry = entry_of(target.columns[c].quantity);
@@ -185,7 +185,7 @@ void print(const Result& result, const TargetCurve& target, const FitOptions& op
   }
   fmt::print("  {:<{}}  {:.4f} % of the greatest value\n", "residual", width, 100 * result.relative_rms());
   fmt::print("  {:<{}}  {}\n", "evaluations", width, result.calibration.num_evaluations);
-  fmt::print("{}\n", printable(fmt::format("{}", fmt::join(set_words(result), " "))));
+  fmt::print("{}\n", printable_line(fmt::format("{}", fmt::join(set_words(result), " "))));
 }
 
 void write_json(const std::filesystem::path& file, const Result& result, const TargetCurve& target,

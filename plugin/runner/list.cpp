@@ -2,8 +2,12 @@
 #include "runner/list.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "attributes/renamed.hpp"
@@ -106,14 +110,26 @@ void print(const Descriptions& components) {
     if (component->takes_anything) fmt::print("  {:<42} {}\n", component->class_name, component->help);
 }
 
+/// What was probably meant: a misspelt name, or those that a part of a name belongs to.
+std::string hint_of(const std::string& name, const std::vector<std::string_view>& names) {
+  const std::string hint = scene::did_you_mean(name, names);
+  if (!hint.empty()) return hint;
+  std::vector<std::string_view> longer;
+  std::ranges::copy_if(names, std::back_inserter(longer), [&](std::string_view other) {
+    return std::ranges::search(other, name, {}, ::tolower, ::tolower).begin() != other.end();
+  });
+  constexpr std::size_t kMostNamed = 8;
+  return longer.empty() || longer.size() > kMostNamed ? std::string()
+                                                      : fmt::format("there are {}", fmt::join(longer, ", "));
+}
+
 const Description& named(const Descriptions& components, const std::string& name) {
   std::vector<std::string_view> names;
   for (const Description* component : components) {
     if (component->class_name == name) return *component;
     names.push_back(component->class_name);
   }
-  const std::string hint = scene::did_you_mean(name, names);
-  throw UsageError(fmt::format("no component '{}'{}", name, hint.empty() ? "" : "\n  hint: " + hint));
+  throw UsageError(fmt::format("no component '{}'", name), hint_of(name, names));
 }
 
 }  // namespace

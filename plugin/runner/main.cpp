@@ -123,10 +123,7 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->type_name("FILE")
       ->needs(out)
       ->check(refuse_film_name);
-  run->add_option("--write-below", options.write_below,
-                  "Directory for what the scene's components write; otherwise that of --out, or the working directory")
-      ->type_name("DIR")
-      ->excludes(out);
+  add_write_below(*run, options.write_below);
   add_output_rules(*run, options.scene.output);
   run->add_flag("--quiet", options.quiet, "Print nothing but errors");
   run->add_flag("--strict", options.strict, kStrictHelp);
@@ -316,7 +313,8 @@ void add_view(CLI::App& app, ViewOptions& options) {
 void add_check(CLI::App& app, CheckOptions& options) {
   CLI::App* check = app.add_subcommand("check", "Read a scene as run does and print what it means, without a step");
   add_scene(*check, options.scene);
-  check->add_option("--out", options.scene.output.directory, "Directory that the run would have")->type_name("DIR");
+  check->add_option("--out", options.out, "Directory that the run would have")->type_name("DIR");
+  add_write_below(*check, options.write_below);
   add_output_rules(*check, options.scene.output);
   check->add_flag("--json", options.json, "As JSON");
 }
@@ -436,27 +434,27 @@ int report_errors(const std::string& subject, const Action& action) {
     flush_standard_output();
     return code;
   } catch (const UsageError& error) {
-    return report(kUsage, fmt::format("hexaplast: error: {}", error.what()));
+    return report(kUsage, scene::format_error({"hexaplast", 0}, error.what(), error.hint()));
   } catch (const scene::OverrideError& error) {
     return report(kUsage, error.what());
   } catch (const scene::SceneError& error) {
     return report(kScene, error.what());
   } catch (const InputError& error) {
-    return report(kScene, fmt::format("{}: error: {}", subject, error.what()));
+    return report(kScene, scene::format_error({subject, 0}, error.what()));
   } catch (const std::bad_alloc&) {
-    return report(kScene, fmt::format("{}: error: it does not fit into memory", subject));
+    return report(kScene, scene::format_error({subject, 0}, "it does not fit into memory"));
   } catch (const NumericalError& error) {
-    return report(kNumerical, fmt::format("{}: error: {}", subject, error.what()));
+    return report(kNumerical, scene::format_error({subject, 0}, error.what()));
   } catch (const scene::FileError& error) {
     return report(kInputOutput, error.what());
   } catch (const output::OutputError& error) {
-    return report(kInputOutput, fmt::format("hexaplast: error: {}", error.what()));
+    return report(kInputOutput, scene::format_error({"hexaplast", 0}, error.what()));
   } catch (const std::filesystem::filesystem_error& error) {
-    return report(kInputOutput, fmt::format("hexaplast: error: {}", error.what()));
+    return report(kInputOutput, scene::format_error({"hexaplast", 0}, error.what()));
   } catch (const scene::PluginError& error) {
     return report(kPlugin, error.what());
   } catch (const std::exception& error) {  // what the system refuses: threads, locales, files
-    return report(kInputOutput, fmt::format("hexaplast: error: {}", error.what()));
+    return report(kInputOutput, scene::format_error({"hexaplast", 0}, error.what()));
   }
 }
 

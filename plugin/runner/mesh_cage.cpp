@@ -27,7 +27,7 @@ std::string text_of(const Cage& cage) {
 }
 
 void print_summary(const MeshCageOptions& options, const Cage& cage, const CageGrid& grid) {
-  fmt::print("{}: cage of cubes of {:.6g} m\n", printable(options.surface.stem().string()),
+  fmt::print("{}: cage of cubes of {:.6g} m\n", printable_line(options.surface.stem().string()),
              (grid.most[0] - grid.least[0]) / grid.cells[0]);
   fmt::print("  nodes               {}\n", cage.mesh.num_nodes());
   fmt::print("  hexahedra           {}  ({} touched by the surface, {} enclosed)\n", cage.mesh.num_elements(),

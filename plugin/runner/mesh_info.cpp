@@ -91,7 +91,7 @@ Json json_of(const Findings& found) {
 std::string limit(double value) { return std::isfinite(value) ? fmt::format("less than {:.4g} m", value) : "any way"; }
 
 void print(const Findings& found, const std::string& title) {
-  fmt::print("{}\n", printable(title));
+  fmt::print("{}\n", printable_line(title));
   fmt::print("  nodes               {}\n", found.file.positions.rows());
   for (const auto& [name, count] :
        {std::pair("edges", found.file.edges.size()), std::pair("triangles", found.file.triangles.size()),

@@ -42,7 +42,7 @@ void write_shape(const std::filesystem::path& out, const std::array<int, 3>& cel
   require_feasible(static_cast<double>(cells[0]) * cells[1] * cells[2]);
   const HexMesh mesh = make();
   save(out, mesh, inputs);
-  fmt::print("{}\n  nodes               {}\n", printable(out.stem().string()), mesh.num_nodes());
+  fmt::print("{}\n  nodes               {}\n", printable_line(out.stem().string()), mesh.num_nodes());
   print_hexahedra(mesh);
 }
 
@@ -104,8 +104,8 @@ void make_shell(const MeshOffsetOptions& options) {
 
   save(options.out, shell.mesh, InputFiles({options.surface}));
   fmt::print("{}: shell over {} quads of a{} surface\n  nodes               {}\n",
-             printable(options.out.stem().string()), surface.num_quads(), surface.is_closed() ? " closed" : "n open",
-             shell.mesh.num_nodes());
+             printable_line(options.out.stem().string()), surface.num_quads(),
+             surface.is_closed() ? " closed" : "n open", shell.mesh.num_nodes());
   print_hexahedra(shell.mesh);
   fmt::print("  worst shaped over   quads {}\n", fmt::join(shell.worst_quads, ", "));
 }

@@ -10,7 +10,7 @@
 
 namespace hexaplast::runner {
 
-/// This program once more, in a process of its own that reads and prints nothing; its messages go to a file.
+/// This program once more, in a process of its own that reads and prints nothing; its messages go to a new file.
 class Process {
  public:
   /// arguments: without the program's name. Throws OutputError where `messages` cannot be written or the system starts

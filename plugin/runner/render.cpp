@@ -364,10 +364,11 @@ void render(const RenderOptions& given) {
   RenderOptions options = given;
   std::error_code unknown;
   InputFiles inputs({options.run});
-  output::add_files_of_run(
-      std::filesystem::is_directory(options.run, unknown) ? options.run : options.run.parent_path(), inputs);
+  const std::filesystem::path directory =
+      std::filesystem::is_directory(options.run, unknown) ? options.run : options.run.parent_path();
+  output::add_files_of_run(directory, inputs);
   std::filesystem::path& place = options.video ? *options.video : options.out;
-  place = output_place(place, inputs);
+  place = output_place(place, inputs, {directory});
   const Subject subject(options.run);
   const std::unique_ptr<output::Renderer> renderer = output::load_renderer();
   if (options.video) return render_film(subject, options, *renderer);

@@ -6,6 +6,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/simd.hpp"
+#include "hexaplast/base/text.hpp"
 #include "output/checkpoint.hpp"
 #include "output/files.hpp"
 #include "output/recorder.hpp"
@@ -65,7 +66,8 @@ void require_ready(const output::Checkpoint& start, const RunRecord& record, con
   const std::string file = start.file().string();
   for (const std::optional<fs::path>& named : {record.options.final_state, record.options.summary})
     if (named)
-      output::WholeFile can_be_made(output_place(*named, InputFiles({start.file(), record.options.scene.file})));
+      output::WholeFile can_be_made(
+          output_place(*named, InputFiles({start.file(), record.options.scene.file}), {directory}));
   const long step = Simulation::saved_step(start.section("scene"));
   if (step >= *record.options.steps)
     throw UsageError(fmt::format("{} has all {} steps of the run already: --steps gives more", file, step));
@@ -130,8 +132,8 @@ int resume(const ResumeOptions& options) {
     if (options.steps) run_options.steps = options.steps;
     require_ready(start, record, directory);
     if (record.simd != simd_target())
-      spdlog::warn("warning: the run was on {} and goes on on {}: its last bits will differ", record.simd,
-                   simd_target());
+      spdlog::warn("warning: the run was on {} and goes on on {}: its last bits will differ",
+                   printable_line(record.simd), simd_target());
     return run(run_options, &start);
   } catch (const InputError& error) {
     refuse(error);

@@ -20,9 +20,11 @@
 #include "runner/interrupt.hpp"
 #include "runner/journal.hpp"
 #include "runner/kept_warnings.hpp"
+#include "runner/output_options.hpp"
 #include "runner/progress.hpp"
 #include "runner/render.hpp"
 #include "runner/result_checks.hpp"
+#include "runner/rounded.hpp"
 #include "runner/scene_identity.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
@@ -35,20 +37,13 @@ namespace {
 
 using std::filesystem::path;
 
-/// The same for all names of a place, whether or not something is there.
-path settled(const path& place) {
-  return std::filesystem::weakly_canonical((std::filesystem::absolute(place) / "").parent_path());
-}
-
-bool is_file_of_run(const path& file, const RunOptions& options) {
-  return options.out && settled(*options.out) == file.parent_path() &&
-         (output::is_of_run(file.filename().string()) || file.filename() == "frames");
-}
-
 /// Where a file goes that the command line names.
 path place_of(const path& file, const RunOptions& options, const InputFiles& inputs) {
-  const path place = output_place(file, inputs);
-  if (is_file_of_run(settled(place), options))
+  std::vector<path> below;
+  for (const std::optional<path>& directory : {options.out, options.write_below})
+    if (directory) below.push_back(*directory);
+  const path place = output_place(file, inputs, below);
+  if (OwnFiles{options.out}.has_in_run(place))
     throw output::OutputError(file.string() + ": is written by the run itself");
   return place;
 }
@@ -56,13 +51,9 @@ path place_of(const path& file, const RunOptions& options, const InputFiles& inp
 /// The scene's options with the rules of what its components write.
 SceneOptions scene_of(const RunOptions& options, bool goes_on) {
   SceneOptions scene = options.scene;
-  scene.output.directory = options.out.value_or(options.write_below.value_or("."));
-  scene.output.replaces = scene.output.replaces || goes_on;  // they are its own
-  scene.output.is_taken = [&options](const path& file) {
-    const auto is_named = [&](const std::optional<path>& named) { return named && settled(*named) == file; };
-    return is_file_of_run(file, options) || is_named(options.final_state) || is_named(options.summary) ||
-           is_named(options.video);
-  };
+  scene.output = rules_beside({options.out, {options.final_state, options.summary, options.video}},
+                              options.out.value_or(options.write_below.value_or(".")), scene.output);
+  scene.output.replaces |= goes_on;  // they are its own
   return scene;
 }
 
@@ -203,18 +194,22 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
     if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
-    add_finite(
-        "plastic elongation", {summary.plastic_elongation, summary.world_elongation},
-        fmt::format("{:+.3f} %  (world {:+.3f} %)", 100 * summary.plastic_elongation, 100 * summary.world_elongation));
+    add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
+               fmt::format("{:+.3f} %  (world {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
+                           rounded(100 * summary.world_elongation, 1e-3)));
     add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
-               fmt::format("{:+.3f} deg  (world {:+.3f} deg)", summary.plastic_twist_deg, summary.world_twist_deg));
-    add_finite("volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
-               fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
-                           100 * (summary.material_volume_ratio - 1), 100 * summary.worst_element_volume_error,
-                           100 * (summary.world_volume_ratio - 1)));
+               fmt::format("{:+.3f} deg  (world {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
+                           rounded(summary.world_twist_deg, 1e-3)));
+    add_finite(
+        "volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
+        fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
+                    rounded(100 * (summary.material_volume_ratio - 1), 1e-4), 100 * summary.worst_element_volume_error,
+                    rounded(100 * (summary.world_volume_ratio - 1), 1e-4)));
+    const PointArray& x = simulation.state().positions();
+    const double size = (x.colwise().maxCoeff() - x.colwise().minCoeff()).matrix().norm();
     const auto add_largest = [&](const char* label, const char* words, const output::Largest& largest) {
-      const Vec3& place = largest.place;
-      if (largest.hexahedron >= 0)
+      const Vec3 place = largest.place.unaryExpr([&](double number) { return rounded(number, 1e-6 * size); });
+      if (largest.hexahedron >= 0 && largest.value > 0)
         add_finite(label, {largest.value, place.sum()},
                    fmt::format("{:.4f} {} hexahedron {} at ({:.4g}, {:.4g}, {:.4g}) m", largest.value, words,
                                largest.hexahedron, place.x(), place.y(), place.z()));
@@ -234,7 +229,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
 }
 
 void print_summary(Simulation& simulation, const path& scene_file) {
-  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable(scene_file.stem().string()),
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(scene_file.stem().string()),
              simulation.latest().step, simulation.dt(), simulation.time());
   for (const output::Figure& figure : summary_of(simulation)) fmt::print("  {:<18}  {}\n", figure.label, figure.value);
 }
@@ -283,7 +278,10 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
   flush_standard_output();
   log_warnings(simulation.scene());
   warn_of_stalls(simulation);
-  for (const std::string& doubt : check_results(simulation)) spdlog::warn("warning: {}", doubt);
+  const std::vector<std::string> doubts = check_results(simulation);
+  for (const std::string& doubt : doubts) spdlog::warn("warning: {}", doubt);
+  if (options.strict && !doubts.empty() && requested_signal() == 0)
+    throw NumericalError(fmt::format("{}", fmt::join(doubts, "; ")));
 }
 
 // Of several failures the first one counts: where a disk is full, this cannot be written either.
@@ -393,10 +391,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
     files.journal->close(signal == 0 ? output::RunState::kFinished : output::RunState::kInterrupted,
                          signal == 0 ? "All steps done" : fmt::format("Ended by signal {}", signal));
   }
-  if (signal != 0) return kSignalled + signal;
-  const std::vector<std::string> doubts = check_results(simulation);
-  if (options.strict && !doubts.empty()) throw NumericalError(fmt::format("{}", fmt::join(doubts, "; ")));
-  return kOk;
+  return signal == 0 ? kOk : kSignalled + signal;
 }
 
 }  // namespace hexaplast::runner

@@ -20,9 +20,7 @@ path installed_plugins() {
 
 scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
                                     const std::vector<path>& plugin_path, const path& untrusted) {
-  std::vector<path> directories = plugin_path;
-  directories.push_back(installed_plugins());
-  scene::PluginLoader loader(factory, directories, untrusted);
+  scene::PluginLoader loader(factory, plugin_path, installed_plugins(), untrusted);
 
   // The stock components live in a plugin too: every scene needs it, whether it says so or not.
   std::vector<std::string> names = {"Hexaplast"};

@@ -17,7 +17,7 @@ struct SceneOptions {
   std::vector<std::string> plugins;                ///< names of plugins to load before the scene is read
   std::vector<std::filesystem::path> plugin_path;  ///< where plugins are looked for before the installation
   bool sofa_compat = false;                        ///< pass over what is unknown, as SOFA does
-  std::filesystem::path untrusted;                 ///< folder below which no plugin is taken; empty: none
+  std::filesystem::path untrusted;                 ///< folder below which plugin_path leads to nothing; empty: none
   scene::OutputRules output = {.how_outside = "--allow-outside permits that",
                                .how_to_replace = "--force replaces it"};  ///< of the scene's components
 };

@@ -16,11 +16,14 @@
 
 #include "hexaplast/base/text.hpp"
 #include "output/files.hpp"
+#include "output/json_file.hpp"
 #include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/process.hpp"
 #include "runner/progress.hpp"
+#include "runner/rounded.hpp"
+#include "runner/run.hpp"
 #include "runner/scene_record.hpp"
 #include "runner/standard_output.hpp"
 #include "runner/sweep_picture.hpp"
@@ -52,8 +55,8 @@ std::vector<Factor> read_factors(const std::vector<std::string>& texts) {
 }
 
 // What makes two sweeps the same. Checks every value against its attribute, so that no run is spent on a mistyped one.
-Json plan_of(const SweepOptions& options, const std::vector<Factor>& factors, std::vector<std::string>& labels) {
-  scene::Scene scene = read_scene(options.scene);
+Json plan_of(const SweepOptions& options, scene::Scene& scene, const std::vector<Factor>& factors,
+             std::vector<std::string>& labels) {
   scene.diagnostics().throw_errors();
   scene::Component* settings = find_settings(scene);
   if (!options.steps && !(settings && settings->is_given("steps")))
@@ -82,15 +85,20 @@ struct Place {
   fs::path picture() const { return directory / "sweep.svg"; }
   fs::path messages(long run) const { return directory / fmt::format("messages_{}.txt", run + 1); }
   fs::path files(long run) const { return directory / fmt::format("run_{}", run + 1); }
-  fs::path summary(long run) const { return directory / fmt::format("summary_{}.json", run + 1); }
+  fs::path summary(long run) const { return files(run) / "summary.json"; }
+
+  /// All that stands in it, plan and table first.
+  std::vector<fs::path> contents(long num_runs) const {
+    std::vector<fs::path> all = {plan(), table(), picture()};
+    for (long run = 0; run < num_runs; ++run) all.insert(all.end(), {messages(run), files(run)});
+    return all;
+  }
 };
 
 void refuse_another_sweep(const Place& place, const Json& plan) {
   Json found;
-  output::require_readable(place.plan());
   try {
-    std::ifstream in(place.plan());
-    found = Json::parse(in);
+    found = output::read_json(place.plan());
   } catch (const Json::exception&) {
     throw output::OutputError(fmt::format("{}: is no plan of a sweep; --force begins anew", place.plan().string()));
   }
@@ -104,24 +112,23 @@ void refuse_another_sweep(const Place& place, const Json& plan) {
 }
 
 // Takes up a sweep that is there, or begins one. The directory is there, and ours alone.
-void open(const Place& place, const Json& plan, bool force, SweepTable& table) {
-  for (long run = 0; run < table.num_runs(); ++run)
-    if (fs::is_symlink(place.files(run)))
-      throw output::OutputError(place.files(run).string() + ": is a symbolic link, which is not followed here");
+void open(const Place& place, const Json& plan, bool force, const InputFiles& inputs, SweepTable& table) {
+  const std::vector<fs::path> contents = place.contents(table.num_runs());
+  for (const fs::path& file : contents) {
+    if (fs::is_symlink(file)) throw output::OutputError(file.string() + kIsLink);
+    if (inputs.has(file)) throw output::OutputError(file.string() + ": is an input of this sweep");
+  }
   if (fs::exists(place.plan()) && !force) {
     refuse_another_sweep(place, plan);
     if (fs::exists(place.table())) table.read(place.table());
     return;
   }
-  if (fs::exists(place.table()) && !force)
-    throw output::OutputError(fmt::format("{}: is there without a plan; --force replaces it", place.table().string()));
-  for (long run = 0; run < table.num_runs(); ++run)
-    if (fs::exists(place.files(run)) && !force)
-      throw output::OutputError(
-          fmt::format("{}: is there without a plan; --force replaces its files", place.files(run).string()));
-  // in this order, so that a table never stands beside the plan of another one
-  for (const fs::path& old : {place.plan(), place.table(), place.picture()}) fs::remove(old);
-  for (long run = 0; run < table.num_runs(); ++run) fs::remove(place.messages(run));
+  for (const fs::path& file : contents)
+    if (fs::exists(file) && !force)
+      throw output::OutputError(fmt::format("{}: is there without a plan; --force replaces it", file.string()));
+  // in this order, so that a table never stands beside the plan of another one; runs replace their own files
+  for (const fs::path& file : contents)
+    if (!fs::is_directory(file)) fs::remove(file);
   output::WholeFile file(place.plan());
   file.write(plan.dump(1) + "\n");
   file.commit();
@@ -149,14 +156,20 @@ std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTa
   return words;
 }
 
-/// What a run that has ended says for the table, null where it failed; the file that it wrote for that goes.
+/// The file that a run has written for the table goes, and its folder where the scene writes nothing.
+void clear_up(const fs::path& summary_file) {
+  std::error_code has_more;
+  fs::remove(summary_file);
+  fs::remove(summary_file.parent_path(), has_more);
+}
+
+/// What a run that has ended says for the table, null where it failed.
 Json collect(int exit_code, const fs::path& summary_file) {
   Json summary;
   if (exit_code == kOk) {
-    std::ifstream in(summary_file);
-    summary = Json::parse(in);
+    summary = output::read_json(summary_file);
   }
-  fs::remove(summary_file);
+  clear_up(summary_file);
   return summary;
 }
 
@@ -187,6 +200,7 @@ class Runs {
     for (skip_finished(); requested_signal() == 0 && (next < table_.num_runs() || !under_way_.empty());
          skip_finished()) {
       while (under_way_.size() < most_ && next < table_.num_runs()) {
+        output::make_directory(place_.files(next));
         under_way_.push_back({next, Process(arguments_of(options_, table_, next, place_), place_.messages(next))});
         ++next;
         skip_finished();
@@ -236,8 +250,9 @@ class Runs {
         spdlog::warn("warning: {}: {}", which, doubt.get<std::string>());
       }
       if (!is_terminal_)
-        fmt::print("{}: plastic elongation {:+.3f} %, twist {:+.3f} deg, {:.3f} ms per step\n", printable(which),
-                   100 * row.number("plastic_elongation"), row.number("plastic_twist_deg"), row.number("step_ms"));
+        fmt::print("{}: plastic elongation {:+.3f} %, twist {:+.3f} deg, {:.3f} ms per step\n", printable_line(which),
+                   rounded(100 * row.number("plastic_elongation"), 1e-3),
+                   rounded(row.number("plastic_twist_deg"), 1e-3), row.number("step_ms"));
       std::fflush(stdout);
     }
   }
@@ -248,7 +263,7 @@ class Runs {
     while (!under_way_.empty()) {
       const long number = under_way_.back().number;
       under_way_.pop_back();  // waits for it
-      fs::remove(place_.summary(number));
+      clear_up(place_.summary(number));
       fs::remove(place_.messages(number));
     }
   }
@@ -286,9 +301,7 @@ CLI::App* add_sweep(CLI::App& app, SweepOptions& options) {
   command->add_option("--threads", options.threads, "Threads of each run. Default 1")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  command->add_flag("--strict", options.strict,
-                    "Runs have failed where hexahedra are inside out or the energy balance misses more than a fifth of "
-                    "the work");
+  command->add_flag("--strict", options.strict, kStrictHelp);
   command->add_flag("--force", options.force, "Begin anew in a directory that holds a sweep");
   return command;
 }
@@ -301,11 +314,12 @@ int sweep(const SweepOptions& given) {
 
   SweepTable table(read_factors(options.vary));
   std::vector<std::string> labels;
-  const Json plan = plan_of(options, table.factors(), labels);
+  scene::Scene scene = read_scene(options.scene);
+  const Json plan = plan_of(options, scene, table.factors(), labels);
   const Place place{options.out};
   output::make_directory(place.directory);
   const DirectoryLock lock(place.directory);
-  open(place, plan, options.force, table);
+  open(place, plan, options.force, scene.root().files().inputs, table);
   if (const long done = table.num_finished(); done > 0)
     fmt::print("{} of {} runs are done already\n", done, table.num_runs());
   table.write(place.table());
@@ -315,15 +329,15 @@ int sweep(const SweepOptions& given) {
   for (const std::string& warning : draw_sweep(place.picture(), title, table, labels))
     spdlog::warn("warning: {}", warning);
   const long num_failed = table.num_failed();
-  fmt::print("{}: {} of {} runs done, {} failed: {}\n", printable(title), table.num_finished(), table.num_runs(),
-             num_failed, printable(place.table().string()));
+  fmt::print("{}: {} of {} runs done, {} failed: {}\n", printable_line(title), table.num_finished(), table.num_runs(),
+             num_failed, printable_line(place.table().string()));
   flush_standard_output();
   if (const int signal = requested_signal(); signal != 0) {
     spdlog::warn("warning: ended by signal {}; the same command goes on from here", signal);
     return kSignalled + signal;
   }
   if (num_failed > 0) spdlog::error("{}: error: {} of {} runs failed", title, num_failed, table.num_runs());
-  return num_failed > 0 ? kNumerical : kOk;
+  return table.exit_code();
 }
 
 }  // namespace hexaplast::runner

@@ -87,6 +87,14 @@ long SweepTable::num_failed() const {
   return std::ranges::count_if(rows_, [](const auto& row) { return row && row->exit_code != kOk; });
 }
 
+int SweepTable::exit_code() const {
+  if (num_failed() == 0) return kOk;
+  const auto& first = rows_.front();
+  const bool are_alike =
+      std::ranges::all_of(rows_, [&](const auto& row) { return row && first && row->exit_code == first->exit_code; });
+  return are_alike ? first->exit_code : kNumerical;
+}
+
 std::string SweepTable::head() const {
   std::string line = "run";
   for (const Factor& factor : factors_) line += fmt::format(",{}", field(factor.attribute));

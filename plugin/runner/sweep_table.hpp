@@ -63,6 +63,9 @@ class SweepTable {
   long num_finished() const;
   long num_failed() const;
 
+  /// Of the whole sweep: 0 where all ended well, the code of all runs where that is the same, otherwise 4.
+  int exit_code() const;
+
   /// Replaces the file by one with all rows so far, in the order of the runs. Throws OutputError.
   void write(const std::filesystem::path& file) const;
   /// Takes the rows of such a file. Throws OutputError, which names the line, where it is not of these factors.

@@ -16,6 +16,7 @@
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/output_options.hpp"
+#include "runner/rounded.hpp"
 #include "runner/simulation.hpp"
 #include "runner/staging.hpp"
 #include "view/window.hpp"
@@ -54,12 +55,12 @@ void print_outcome(Simulation& simulation, const std::string& title) {
   const Body& body = *simulation.body();
   const PointArray& x = simulation.state().positions();
   const output::Measures measures = output::Ruler(body).measure(x);
-  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable(title), simulation.latest().step, simulation.dt(),
-             simulation.time());
-  fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", 100 * measures.plastic_elongation,
-             100 * measures.world_elongation);
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(title), simulation.latest().step,
+             simulation.dt(), simulation.time());
+  fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", rounded(100 * measures.plastic_elongation, 1e-3),
+             rounded(100 * measures.world_elongation, 1e-3));
   fmt::print("  plastic strain      {:.4f} at most\n", std::ranges::max(body.fields(x).plastic_strain));
-  fmt::print("  volume error        {:+.4f} %\n", 100 * (measures.material_volume_ratio - 1));
+  fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
   fmt::print("  dissipated energy   {:.4g} J\n", body.history().dissipated_energy);
   fmt::print("  state hash          {}\n",
              output::state_hash(simulation.latest().step, x, simulation.state().velocities(), &body));
@@ -103,7 +104,7 @@ int view(const ViewOptions& options) {
   watch_signals();
 
   SceneOptions scene = options.scene;
-  scene.output.directory = options.pictures;
+  scene.output = rules_beside({.named = {options.final_state, options.picture}}, options.pictures, scene.output);
   Simulation simulation(scene);
   const InputFiles& inputs = simulation.scene().root().files().inputs;
   std::optional<path> picture;

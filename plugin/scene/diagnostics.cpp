@@ -7,6 +7,8 @@
 #include <cctype>
 #include <utility>
 
+#include "hexaplast/base/text.hpp"
+
 namespace hexaplast::scene {
 namespace {
 
@@ -37,13 +39,14 @@ int edits(std::string_view a, std::string_view b) {
 
 std::string format(const Message& message) {
   static constexpr std::string_view kWords[] = {"note", "warning", "error"};
-  std::string line = message.place.file;
+  // names and values are a stranger's: the lines are ours
+  std::string line = printable_line(message.place.file);
   if (message.place.line > 0) line += fmt::format(":{}", message.place.line);
 
-  line += fmt::format(": {}: {}", kWords[static_cast<int>(message.severity)], message.text);
+  line += fmt::format(": {}: {}", kWords[static_cast<int>(message.severity)], printable_line(message.text));
   for (const Place* at = message.place.included_at.get(); at; at = at->included_at.get())
-    line += fmt::format("\n  included at {}:{}", at->file, at->line);
-  if (!message.hint.empty()) line += "\n  hint: " + message.hint;
+    line += fmt::format("\n  included at {}:{}", printable_line(at->file), at->line);
+  if (!message.hint.empty()) line += "\n  hint: " + printable_line(message.hint);
   return line;
 }
 
@@ -55,11 +58,13 @@ std::string format_error(const Place& place, const std::string& text, const std:
   return format(message);
 }
 
-void Diagnostics::add(Severity severity, Place place, std::string text, std::string hint) {
-  Message message{severity, std::move(place), std::move(text), std::move(hint)};
-  if (severity != Severity::kError) {
+void Diagnostics::add(Message message) {
+  if (message.severity != Severity::kError) {
     warnings_.push_back(std::move(message));
-  } else if (++num_errors_ <= kMostErrors) {
+    return;
+  }
+  is_scene_at_fault_ |= message.fault == Fault::kScene;
+  if (++num_errors_ <= kMostErrors) {
     errors_.push_back(std::move(message));
   } else if (num_errors_ >= kMostCounted) {
     throw_errors();
@@ -77,6 +82,7 @@ void Diagnostics::throw_errors() const {
   if (num_errors_ > kMostErrors)
     all += fmt::format("\n{}{} further errors are not shown", num_errors_ >= kMostCounted ? "at least " : "",
                        num_errors_ - kMostErrors);
+  if (!is_scene_at_fault_) throw FileError(all);
   throw SceneError(all);
 }
 

@@ -17,12 +17,14 @@ struct Place {
 };
 
 enum class Severity { kNote, kWarning, kError };
+enum class Fault { kScene, kFiles };  ///< what is to be changed where there is an error: the scene, or files elsewhere
 
 struct Message {
   Severity severity = Severity::kError;
   Place place;
   std::string text;       ///< "Component.attribute: what is wrong, the value, what is allowed"
   std::string hint = {};  ///< may be empty
+  Fault fault = Fault::kScene;
 };
 
 /// "file:line: error: text"; the places where the file is included and the hint on lines of their own.
@@ -35,21 +37,30 @@ class SceneError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A file that a scene needs is missing, cannot be read or written, or stands where the scene is to write.
+class FileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Collects what is wrong with a scene, so that all of it is reported at once.
 class Diagnostics {
  public:
   static constexpr int kMostErrors = 20;    ///< errors kept; the others are counted
   static constexpr int kMostCounted = 100;  ///< then enough is known of the scene
 
-  /// Throws SceneError like throw_errors when this is error number kMostCounted.
-  void add(Severity severity, Place place, std::string text, std::string hint = {});
+  /// Throws like throw_errors when this is error number kMostCounted.
+  void add(Message message);
+  void add(Severity severity, Place place, std::string text, std::string hint = {}) {
+    add({severity, std::move(place), std::move(text), std::move(hint)});
+  }
   void error(Place place, std::string text, std::string hint = {}) {
     add(Severity::kError, std::move(place), std::move(text), std::move(hint));
   }
 
   bool has_errors() const { return num_errors_ > 0; }
 
-  /// Throws SceneError with all errors, if there are any.
+  /// Throws SceneError with all errors, if there are any; FileError where files alone are at fault.
   void throw_errors() const;
 
   /// Notes and warnings since the last call, in the order in which they came.
@@ -58,6 +69,7 @@ class Diagnostics {
  private:
   std::vector<Message> errors_, warnings_;
   long num_errors_ = 0;
+  bool is_scene_at_fault_ = false;
 };
 
 /// The one of `names` that `name` probably means: equal but for case, or at most two edits (insert, delete, replace,

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "hexaplast/base/text.hpp"
 
@@ -14,7 +15,21 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSeriesEnding = ".vtu";
 
-[[noreturn]] void refuse(const std::string& what, const std::string& hint = {}) { throw OutputRefusal(what, hint); }
+[[noreturn]] void refuse(const std::string& what, const std::string& hint = {}, Fault fault = Fault::kScene) {
+  throw OutputRefusal(what, hint, fault);
+}
+
+/// Turns what is found out when files are written into OutputErrors.
+template <class Action>
+void attempt(const Action& action) {
+  try {
+    action();
+  } catch (const OutputRefusal& refusal) {
+    throw OutputError(refusal.what());
+  } catch (const fs::filesystem_error& error) {
+    throw OutputError(error.what());
+  }
+}
 
 bool is_below(const fs::path& folder, const fs::path& directory) {
   return std::mismatch(directory.begin(), directory.end(), folder.begin(), folder.end()).first == directory.end();
@@ -38,12 +53,20 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 }  // namespace
 
 bool OutputFiles::Claim::has(const fs::path& file) const {
-  if (!is_series) return file == place;
-  return file.parent_path() == place.parent_path() &&
-         is_numbered(file.filename().string(), place.filename().string(), kSeriesEnding);
+  const std::string name = file.filename().string();
+  if (file.parent_path() != place.parent_path()) return false;
+  return is_series ? is_numbered(without_part(name), place.filename().string(), kSeriesEnding)
+                   : without_part(name) == place.filename().string();
+}
+
+bool OutputFiles::Claim::is_folder_of(const Claim& other) const {
+  for (fs::path folder = other.place.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
+    if (has(folder)) return true;
+  return false;
 }
 
 bool OutputFiles::Claim::meets(const Claim& other) const {
+  if (is_folder_of(other) || other.is_folder_of(*this)) return true;
   if (!other.is_series) return has(other.place);
   if (!is_series) return other.has(place);
   // one of the series has all its numbers behind a number of the other's
@@ -60,6 +83,9 @@ fs::path OutputFiles::resolved(const fs::path& name) const {
   if (leads_out && !rules.allows_outside)
     refuse(fmt::format("'{}' is absolute or has '..': must be a name below '{}'", name.string(), directory.string()),
            rules.how_outside);
+
+  if (std::ranges::any_of(name, [](const fs::path& word) { return word.string().ends_with(kPart); }))
+    refuse(fmt::format("'{}' ends in {}, as the names of unfinished files do", name.string(), kPart));
 
   fs::path file = directory / name;
   if (!file.has_filename() || name.filename() == ".") refuse(fmt::format("'{}' names no file", name.string()));
@@ -81,7 +107,8 @@ fs::path OutputFiles::resolved(const fs::path& name) const {
 }
 
 void OutputFiles::require_free(const fs::path& file) const {
-  if (rules.is_taken && rules.is_taken(file)) refuse(fmt::format("'{}' is written by the run itself", file.string()));
+  for (fs::path taken = file; rules.is_taken && taken.has_relative_path(); taken = taken.parent_path())
+    if (rules.is_taken(taken)) refuse(fmt::format("'{}' is written by the run itself", taken.string()));
   if (!is_there(file)) return;
   std::error_code unknown;
   const fs::file_status status = fs::symlink_status(file, unknown);
@@ -90,7 +117,14 @@ void OutputFiles::require_free(const fs::path& file) const {
   if (inputs.has(file))
     refuse(fmt::format("'{}' is read by this scene, and what is read is never written over", file.string()));
   if (!rules.replaces && !begun_.contains(file))
-    refuse(fmt::format("'{}' is there already", file.string()), rules.how_to_replace);
+    refuse(fmt::format("'{}' is there already", file.string()), rules.how_to_replace, Fault::kFiles);
+}
+
+// Its folder is known without links since it was claimed.
+void OutputFiles::require_same_folder(const fs::path& file) const {
+  const fs::path folder = fs::weakly_canonical(file.parent_path());
+  if (folder != file.parent_path())
+    refuse(fmt::format("'{}' leads to '{}' by now", file.parent_path().string(), folder.string()));
 }
 
 fs::path OutputFiles::claim(const fs::path& name, bool is_series) {
@@ -100,24 +134,33 @@ fs::path OutputFiles::claim(const fs::path& name, bool is_series) {
     if (wanted.meets(other)) refuse(fmt::format("'{}' is written by another component too", wanted.place.string()));
 
   require_free(is_series ? fs::path(fmt::format("{}0{}", wanted.place.string(), kSeriesEnding)) : wanted.place);
-  if (is_series)
-    for (const fs::path& file : files_in(wanted.place.parent_path()))
-      if (wanted.has(file)) require_free(file);
+  for (const fs::path& file : files_in(wanted.place.parent_path()))
+    if (wanted.has(file)) require_free(file);
   claims_.push_back(wanted);
   return wanted.place;
 }
 
 void OutputFiles::prepare(const fs::path& file) {
-  if (begun_.contains(file)) return;
-  try {
+  attempt([&] {
+    require_same_folder(file);
+    if (begun_.contains(file)) return;
     require_free(file);
     fs::create_directories(file.parent_path());
-  } catch (const OutputRefusal& refusal) {
-    throw OutputError(refusal.what());
-  } catch (const fs::filesystem_error& error) {
-    throw OutputError(error.what());
-  }
-  begun_.insert(file);
+    begun_.insert(file);
+  });
+}
+
+void OutputFiles::begin_series(const fs::path& series, int first) {
+  const Claim claim{series, true};
+  const std::size_t digits = series.string().size();
+  attempt([&] {
+    require_same_folder(series);
+    for (const fs::path& file : files_in(series.parent_path())) {
+      if (!claim.has(file) || std::strtol(file.c_str() + digits, nullptr, 10) < first) continue;
+      require_free(file);
+      fs::remove(file);
+    }
+  });
 }
 
 std::vector<std::string> OutputFiles::claimed() const {

@@ -9,6 +9,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/whole_file.hpp"
+#include "scene/diagnostics.hpp"
 
 namespace hexaplast::scene {
 
@@ -25,11 +26,14 @@ struct OutputRules {
 /// A name that a component must not write to.
 class OutputRefusal : public InputError {
  public:
-  OutputRefusal(const std::string& what, std::string hint) : InputError(what), hint_(std::move(hint)) {}
+  OutputRefusal(const std::string& what, std::string hint, Fault fault = Fault::kScene)
+      : InputError(what), hint_(std::move(hint)), fault_(fault) {}
   const std::string& hint() const { return hint_; }
+  Fault fault() const { return fault_; }  ///< of the name, or of a file that is there already
 
  private:
   std::string hint_;
+  Fault fault_;
 };
 
 /// What a scene reads and what its components write: no file is both, and none is written by two. Exporters claim their
@@ -43,9 +47,13 @@ class OutputFiles {
   /// without number and ending (place0.vtu, place1.vtu, ...). Throws OutputRefusal.
   std::filesystem::path claim(const std::filesystem::path& name, bool is_series = false);
 
-  /// To be called before a claimed file is written for the first time: makes its folder. Throws OutputError where
-  /// something is there by now that must not be replaced.
+  /// To be called before a claimed file is written: makes its folder. Throws OutputError where something is there by
+  /// now that must not be replaced, or the folder has become a link.
   void prepare(const std::filesystem::path& file);
+
+  /// To be called before the first file of a claimed series is written: removes those from number `first` on, finished
+  /// or not, which an earlier run has left. Throws OutputError where one must not be replaced.
+  void begin_series(const std::filesystem::path& series, int first);
 
   /// All claims, for people: "out/states.txt", "out/beam<N>.vtu".
   std::vector<std::string> claimed() const;
@@ -54,12 +62,14 @@ class OutputFiles {
   struct Claim {
     std::filesystem::path place;
     bool is_series;
-    bool has(const std::filesystem::path& file) const;
+    bool has(const std::filesystem::path& file) const;  // finished or not
+    bool is_folder_of(const Claim& other) const;
     bool meets(const Claim& other) const;
   };
 
   std::filesystem::path resolved(const std::filesystem::path& name) const;
   void require_free(const std::filesystem::path& file) const;
+  void require_same_folder(const std::filesystem::path& file) const;
 
   std::vector<Claim> claims_;
   std::set<std::filesystem::path> begun_;  // by this scene

@@ -46,4 +46,11 @@ Component* find_settings(Scene& scene) {
   return nullptr;
 }
 
+// Weight [N] under a gravity of 1 m/s^2 is the mass.
+double total_mass(const std::vector<Mass*>& masses, MechanicalState& state) {
+  PointArray weight = PointArray::Zero(state.num_nodes(), 3);
+  for (const Mass* mass : masses) mass->add_gravity(Vec3::UnitX(), weight);
+  return weight.col(0).sum();
+}
+
 }  // namespace hexaplast::scene

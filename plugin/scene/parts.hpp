@@ -13,6 +13,9 @@ OdeSolver& only_solver(Scene& scene);
 /// The force field that has a body; null: there is none. Throws SceneError where there are two.
 ForceField* find_body(Scene& scene);
 
+/// [kg] of the nodes of a state.
+double total_mass(const std::vector<Mass*>& masses, MechanicalState& state);
+
 /// The scene's RunSettings; null: there are none.
 Component* find_settings(Scene& scene);
 

@@ -133,14 +133,20 @@ bool is_plain_name(std::string_view name) {
 }  // namespace
 
 PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> directories,
-                           std::filesystem::path untrusted)
-    : factory_(factory), directories_(std::move(directories)), untrusted_(std::move(untrusted)) {}
+                           std::filesystem::path installation, std::filesystem::path untrusted)
+    : factory_(factory),
+      directories_(std::move(directories)),
+      installation_(std::move(installation)),
+      untrusted_(std::move(untrusted)) {
+  if (!installation_.empty()) directories_.push_back(installation_);
+}
 
 void PluginLoader::load(const std::string& name) {
   if (name.starts_with("Sofa.") || std::ranges::count(loaded_, name) > 0) return;
   const auto refusal = [&](const std::string& reason) {
-    std::string message = fmt::format("plugin '{}': {}\n  search path:", name, reason);
-    for (const std::filesystem::path& directory : directories_) message += fmt::format("\n    {}", directory.string());
+    std::string message = fmt::format("plugin '{}': {}; search path: ", name, reason);
+    for (const std::filesystem::path& directory : directories_)
+      message += fmt::format("{}{}", &directory == &directories_.front() ? "" : ":", directory.string());
     return message;
   };
   if (!is_plain_name(name))
@@ -152,7 +158,7 @@ void PluginLoader::load(const std::string& name) {
       std::error_code unknown;
       if (!std::filesystem::is_regular_file(file, unknown)) continue;
       try {
-        if (!untrusted_.empty() && lies_below(file, untrusted_))
+        if (!untrusted_.empty() && directory != installation_ && lies_below(file, untrusted_))
           throw PluginError(fmt::format("it lies below {}, from which nothing is loaded", untrusted_.string()));
         check_tag(file);
         register_components(file, factory_);

@@ -69,9 +69,11 @@ constexpr AbiTag abi_tag() {
 /// Finds plugins by name and adds their components to a factory. Loaded plugins stay until the program ends.
 class PluginLoader {
  public:
-  /// Directories are searched in order for lib<Name>.so, then <Name>.so. What lies below `untrusted`, by whatever path
-  /// or link it is found, is refused: the directory of a run that a stranger may have made. Empty: there is none.
-  PluginLoader(Factory& factory, std::vector<std::filesystem::path> directories, std::filesystem::path untrusted = {});
+  /// Directories are searched in order for lib<Name>.so, then <Name>.so, and `installation` last. What of the former
+  /// lies below `untrusted`, by whatever path or link it is found, is refused: the directory of a run that a stranger
+  /// may have made. The installation is trusted by whoever runs its program. Empty: there is none.
+  PluginLoader(Factory& factory, std::vector<std::filesystem::path> directories,
+               std::filesystem::path installation = {}, std::filesystem::path untrusted = {});
 
   /// Does nothing when the plugin is loaded already, or when the name begins with "Sofa.": those modules are SOFA's
   /// own, and what we have of them is built in. Throws PluginMissing, or PluginError: the name is a path, the file is
@@ -81,7 +83,7 @@ class PluginLoader {
  private:
   Factory& factory_;
   std::vector<std::filesystem::path> directories_;
-  std::filesystem::path untrusted_;
+  std::filesystem::path installation_, untrusted_;
   std::vector<std::string> loaded_;
 };
 

@@ -13,12 +13,6 @@
 
 namespace hexaplast::scene {
 
-/// The scene file is missing or cannot be read.
-class FileError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 /// Throws FileError with the reason where a file cannot be read.
 void require_readable(const std::filesystem::path& file);
 

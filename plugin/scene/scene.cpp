@@ -15,7 +15,7 @@ template <class Call>
 void Scene::attempt(Component& component, const Call& call) {
   const auto fail = [&](const Message& message) {
     component.stage_ = Component::Stage::kFailed;
-    diagnostics_->add(message.severity, message.place, message.text, message.hint);
+    diagnostics_->add(message);
   };
   try {
     call();

@@ -25,25 +25,44 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   return 0;
 }
 
-std::string printable(std::string_view text) {
+namespace {
+
+/// The number of the character of well-formed UTF-8.
+unsigned code_point(std::string_view character) {
+  const unsigned first = static_cast<unsigned char>(character[0]);
+  unsigned code = character.size() == 1 ? first : first & (0x7Fu >> character.size());
+  for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3Fu);
+  return code;
+}
+
+/// Control characters, ends of lines, and marks that turn the direction of writing.
+bool is_unseen(unsigned code) {
+  return code < 0x20 || (code >= 0x7F && code <= 0x9F) || (code >= 0x2028 && code <= 0x202E) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
+std::string shown_but(std::string_view text, std::string_view layout) {
   std::string shown;
   shown.reserve(text.size());
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = utf8_length(text, at);
-    const auto first = static_cast<unsigned char>(text[at]);
-    // U+0080 to U+009F are C2 80 to C2 9F
-    const bool is_c1 = length == 2 && first == 0xC2 && static_cast<unsigned char>(text[at + 1]) < 0xA0;
-    if (length == 0) {
-      fmt::format_to(std::back_inserter(shown), "\\x{:02x}", first);
-    } else if (is_c1 || first == 0x7F || (first < ' ' && first != '\n' && first != '\t')) {
-      fmt::format_to(std::back_inserter(shown), "\\u{:04x}", static_cast<unsigned char>(text[at + length - 1]));
-    } else {
-      shown.append(text, at, length);
-    }
-    at += length == 0 ? 1 : length;
+    const std::string_view character = text.substr(at, std::max<std::size_t>(length, 1));
+    if (length == 0)
+      fmt::format_to(std::back_inserter(shown), "\\x{:02x}", static_cast<unsigned char>(character[0]));
+    else if (layout.find(character) == layout.npos && is_unseen(code_point(character)))
+      fmt::format_to(std::back_inserter(shown), "\\u{:04x}", code_point(character));
+    else
+      shown += character;
+    at += character.size();
   }
   return shown;
 }
+
+}  // namespace
+
+std::string printable(std::string_view text) { return shown_but(text, "\n\t"); }
+
+std::string printable_line(std::string_view text) { return shown_but(text, ""); }
 
 bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix) {
   if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())

@@ -16,10 +16,6 @@ namespace hexaplast {
 namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void fail(const fs::path& path, std::string_view what, int error) {
-  throw OutputError(fmt::format("{}: {}: {}", path.string(), what, std::strerror(error)));
-}
-
 std::optional<std::pair<std::uint64_t, std::uint64_t>> identity_of(const fs::path& file) {
   struct stat found {};
   if (::stat(file.c_str(), &found) != 0) return std::nullopt;
@@ -34,8 +30,6 @@ void sync_directory(const fs::path& directory) {
   ::close(handle);
 }
 
-constexpr const char* kIsLink = ": is a symbolic link, which is not followed here";
-
 /// Takes away what a killed run has left under the name of an unfinished file. Whoever is still writing holds a lock.
 void remove_leftover(const fs::path& part) {
   struct stat found {};
@@ -44,7 +38,7 @@ void remove_leftover(const fs::path& part) {
   if (!S_ISREG(found.st_mode)) throw OutputError(part.string() + ": is not a regular file and will not be replaced");
   const int handle = ::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
   const bool is_in_use = handle >= 0 && ::flock(handle, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  if (!is_in_use && ::unlink(part.c_str()) != 0) fail(part, "cannot be removed", errno);
+  if (!is_in_use && ::unlink(part.c_str()) != 0) throw OutputError(part, "cannot be removed", errno);
   if (handle >= 0) ::close(handle);
   if (is_in_use) throw OutputError(part.string() + ": is being written by another program, or by another option");
 }
@@ -57,12 +51,26 @@ int create_part(const fs::path& part) {
     remove_leftover(part);
     handle = create();
   }
-  if (handle < 0) fail(part, "cannot be created", errno);
+  if (handle < 0) throw OutputError(part, "cannot be created", errno);
   ::flock(handle, LOCK_EX | LOCK_NB);  // where the file system knows locks
   return handle;
 }
 
+/// A link on the way from a directory to a file below it; empty where there is none, or the file does not lie below.
+fs::path link_below(const fs::path& directory, const fs::path& file) {
+  std::error_code unknown;
+  fs::path link;
+  for (fs::path place = fs::absolute(file); !fs::equivalent(place, directory, unknown); place = place.parent_path()) {
+    if (place == place.parent_path()) return {};
+    if (fs::is_symlink(place, unknown)) link = place;
+  }
+  return link;
+}
+
 }  // namespace
+
+OutputError::OutputError(const fs::path& file, std::string_view what, int error)
+    : OutputError(fmt::format("{}: {}: {}", file.string(), what, std::strerror(error))) {}
 
 void InputFiles::add(const fs::path& file) {
   if (const auto identity = identity_of(file)) files_.insert(*identity);
@@ -73,18 +81,12 @@ bool InputFiles::has(const fs::path& file) const {
   return identity && files_.contains(*identity);
 }
 
-fs::path output_place(const fs::path& file, const InputFiles& inputs) {
+fs::path output_place(const fs::path& file, const InputFiles& inputs, const std::vector<fs::path>& runs) {
   if (inputs.has(file)) throw OutputError(file.string() + ": is an input, and will not be written over");
+  for (const fs::path& run : runs)
+    if (const fs::path link = link_below(run, file); !link.empty()) throw OutputError(link.string() + kIsLink);
   std::error_code error;
   return fs::is_symlink(file, error) ? fs::weakly_canonical(file) : file;
-}
-
-std::FILE* open_in_place(const fs::path& path, int flags, const char* mode) {
-  const int handle = ::open(path.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (handle < 0 && errno == ELOOP && fs::is_symlink(path)) throw OutputError(path.string() + kIsLink);
-  std::FILE* file = handle < 0 ? nullptr : ::fdopen(handle, mode);
-  if (!file) fail(path, "cannot be opened for writing", errno);
-  return file;
 }
 
 WholeFile::WholeFile(fs::path path) : path_(std::move(path)), part_(path_.string() + std::string(kPart)) {
@@ -94,7 +96,7 @@ WholeFile::WholeFile(fs::path path) : path_(std::move(path)), part_(path_.string
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_symlink(status))
     throw OutputError(path_.string() + ": is not a regular file and will not be replaced");
   file_ = ::fdopen(create_part(part_), "wb");
-  if (!file_) fail(part_, "cannot be created", errno);
+  if (!file_) throw OutputError(part_, "cannot be created", errno);
 }
 
 WholeFile::~WholeFile() {
@@ -104,17 +106,19 @@ WholeFile::~WholeFile() {
 }
 
 void WholeFile::write(const void* data, std::size_t bytes) {
-  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes) fail(part_, "cannot be written", errno);
+  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes) throw OutputError(part_, "cannot be written", errno);
 }
 
+int WholeFile::descriptor() const { return ::fileno(file_); }
+
 void WholeFile::commit() {
-  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail(part_, "cannot be written", errno);
+  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) throw OutputError(part_, "cannot be written", errno);
   struct stat ours {
   }, there{};
   const bool is_ours = ::fstat(::fileno(file_), &ours) == 0 && ::lstat(part_.c_str(), &there) == 0 &&
                        ours.st_dev == there.st_dev && ours.st_ino == there.st_ino;
   if (!is_ours) throw OutputError(part_.string() + ": has been taken away while it was written");
-  if (::rename(part_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be put in place", errno);
+  if (::rename(part_.c_str(), path_.c_str()) != 0) throw OutputError(path_, "cannot be put in place", errno);
   std::fclose(file_);
   file_ = nullptr;
   sync_directory(path_.parent_path());

@@ -58,6 +58,7 @@ class Screen {
   Screen(std::string_view text, const XmlLimits& limits) : text_(text), limits_(limits) {}
 
   int pass() {
+    require_text();
     if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
     while (!at_end()) {
       if (present() == '<') {
@@ -84,19 +85,20 @@ class Screen {
   char present() const { return text_[at_]; }
   bool is_at(std::string_view markup) const { return text_.substr(at_, markup.size()) == markup; }
 
-  // Over one character, whatever it means.
-  void step() {
-    const auto c = static_cast<unsigned char>(present());
-    if (c >= ' ' && c < 0x80) {
-      ++at_;
-      return;
+  // First: what is no text has no tags to speak of.
+  void require_text() {
+    int line = 1;
+    for (std::size_t at = 0; at < text_.size();) {
+      const std::size_t length = utf8_length(text_, at);
+      if (length == 0) refuse(line, "the file is not valid UTF-8");
+      if (text_[at] == '\0') refuse(line, "the file contains a NUL byte: must be text");
+      line += text_[at] == '\n';
+      at += length;
     }
-    const std::size_t length = utf8_length(text_, at_);
-    if (c == '\0') refuse("the file contains a NUL byte: must be text");
-    if (length == 0) refuse("the file is not valid UTF-8");
-    if (c == '\n') ++line_;
-    at_ += length;
   }
+
+  // Over one byte, whatever it means.
+  void step() { line_ += text_[at_++] == '\n'; }
 
   // Over one character of text or of a value.
   void pass_character() {
@@ -199,7 +201,7 @@ class Screen {
     if (at_end() || present() != '=') refuse_it(line_, "no =\"value\" follows; or the quote before it is missing");
     ++at_;
     skip_blanks();
-    if (at_end() || (present() != '"' && present() != '\'')) refuse_it(line_, "its value stands not in quotes");
+    if (at_end() || (present() != '"' && present() != '\'')) refuse_it(line_, "its value is not in quotes");
     const int line = line_;
     const char quote = present();
     for (++at_; !at_end() && present() != quote; pass_character())

@@ -24,8 +24,8 @@ using tinyxml2::XMLElement;
 constexpr std::int64_t kMostComponents = 4096;  // of a data array
 constexpr std::size_t kMostGrowth = 1032;       // no byte of zlib's stands for more than this many
 
-// What the numbers of a file may take altogether: a regular grid, which zlib packs best, takes eight bytes per byte of
-// its file.
+// What the numbers of a file may take altogether, beside the bytes that they are decoded from: a regular grid, which
+// zlib packs best, takes eight bytes per byte of its data.
 constexpr std::size_t kMostBytesPerByte = 16;
 constexpr std::size_t kBytesOfAnyFile = 24'000'000;  // [byte]
 
@@ -187,7 +187,7 @@ class VtuFile {
   /// All numbers of an array, of which there must be `count`.
   template <class Number>
   std::vector<Number> numbers(const XMLElement& at, std::size_t count) {
-    require_room(at, count);
+    num_numbers_ += std::min(count, std::numeric_limits<std::size_t>::max() - num_numbers_);
     const std::string format = attribute(at, "format");
     if (format == "ascii") return numbers_of_text<Number>(at, count);
 
@@ -210,17 +210,10 @@ class VtuFile {
     return numbers_of_bytes<Number>(at, bytes, type);
   }
 
-  // Few compressed bytes must not become many numbers.
-  void require_room(const XMLElement& at, std::size_t count) {
-    const std::size_t most = kBytesOfAnyFile + kMostBytesPerByte * content_.size();
-    if (count > most / sizeof(double) || (num_numbers_ += count) > most / sizeof(double))
-      refuse(at, fmt::format("{} numbers: those of a file of {} bytes are {} at most", count, content_.size(),
-                             most / sizeof(double)));
-  }
-
   template <class Number>
   std::vector<Number> numbers_of_text(const XMLElement& at, std::size_t count) {
     MeshSource text(at.GetText() ? at.GetText() : "", name_);
+    take(at, text.remaining());
     if (count > (text.remaining() + 1) / 2) refuse(at, fmt::format("holds less than {} numbers", count));
     std::vector<Number> all(count);
     for (Number& number : all) {
@@ -313,10 +306,15 @@ class VtuFile {
     return bytes;
   }
 
-  // Every byte of the file belongs to one array: many that name the same ones would multiply them.
+  // Every byte of the file belongs to one array: many that name the same ones would multiply them. And few compressed
+  // bytes must not become many numbers.
   void take(const XMLElement& at, std::size_t bytes) {
     if (bytes > content_.size() - num_taken_) refuse(at, "takes bytes that belong to other arrays");
     num_taken_ += bytes;
+    const std::size_t most = (kBytesOfAnyFile + kMostBytesPerByte * num_taken_) / sizeof(double);
+    if (num_numbers_ > most)
+      refuse(at,
+             fmt::format("{} numbers so far: {} bytes of data stand for {} at most", num_numbers_, num_taken_, most));
   }
 
   /// `size` bytes of data: raw from byte `begin` on; in base64 those of the part that begins where the base64 of the

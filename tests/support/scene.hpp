@@ -43,6 +43,8 @@ inline std::string errors_of(std::string_view text, const scene::OutputRules& ou
     return {};
   } catch (const scene::SceneError& error) {
     return error.what();
+  } catch (const scene::FileError& error) {
+    return error.what();
   }
 }
 

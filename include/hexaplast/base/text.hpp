@@ -12,9 +12,12 @@ namespace hexaplast {
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
 /// Text as a terminal may be shown it: what is no character to be seen (escape and all other control characters but
-/// line ends and tabs, delete) becomes a backslash, u and its number; bytes that are no UTF-8 a backslash, x and
-/// theirs. All else stays as it is.
+/// line ends and tabs, delete, marks that turn the direction of writing) becomes a backslash, u and its number; bytes
+/// that are no UTF-8 a backslash, x and theirs. All else stays as it is.
 std::string printable(std::string_view text);
+
+/// The same of what stands in one line, such as the name of a file: line ends and tabs too.
+std::string printable_line(std::string_view text);
 
 /// Whether a file name is prefix, digits, suffix.
 bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix);

@@ -17,7 +17,11 @@ namespace hexaplast {
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+  OutputError(const std::filesystem::path& file, std::string_view what, int error);  ///< error: errno
 };
+
+/// What is said behind the name of a symbolic link in a place where somebody else may have made it.
+inline constexpr const char* kIsLink = ": is a symbolic link, which is not followed here";
 
 /// Files that are read, and so are never written over: known by what they are (device and inode), whatever names and
 /// links lead to them.
@@ -35,11 +39,18 @@ class InputFiles {
 };
 
 /// The file that a name from a command line stands for: where a symbolic link is there, the one that it leads to.
-/// Throws OutputError where it is one of `inputs`.
-std::filesystem::path output_place(const std::filesystem::path& file, const InputFiles& inputs = {});
+/// Throws OutputError where it is one of `inputs`, and for a link below one of `runs`, directories that a stranger may
+/// have filled.
+std::filesystem::path output_place(const std::filesystem::path& file, const InputFiles& inputs = {},
+                                   const std::vector<std::filesystem::path>& runs = {});
 
 /// Ending of the names of unfinished files.
 inline constexpr std::string_view kPart = ".part";
+
+/// The name that an unfinished file is to have; every other one as it is.
+inline std::string_view without_part(std::string_view name) {
+  return name.ends_with(kPart) ? name.substr(0, name.size() - kPart.size()) : name;
+}
 
 /// A file that is either there whole or not there at all: written as `<name>.part` beside its place, then flushed to
 /// disk and renamed. A file or symbolic link that stood at its place before stays until then, and links are never
@@ -56,13 +67,11 @@ class WholeFile {
   void write(std::string_view text) { write(text.data(), text.size()); }
   void commit();
 
+  int descriptor() const;  ///< of the unfinished file, for another program to write it
+
  private:
   std::filesystem::path path_, part_;
   std::FILE* file_ = nullptr;
 };
-
-/// Opens a file that grows, with the flags of open(2) and the mode of fdopen(3). A symbolic link in its place is
-/// refused: it would lead the lines elsewhere. Throws OutputError.
-std::FILE* open_in_place(const std::filesystem::path& path, int flags, const char* mode);
 
 }  // namespace hexaplast

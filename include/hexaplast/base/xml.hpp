@@ -18,7 +18,7 @@ struct XmlLimits {
   int elements;           ///< and as many comments
   int attributes_of_one;  ///< element
   int attributes;         ///< of all elements
-  int levels = 100;       ///< of elements in one another; the parser goes down by recursion
+  int levels = 98;        ///< of elements in one another; the parser goes down by recursion, and no further itself
 };
 
 /// Of files that programs write, which have a long list of files (.pvd) or the numbers of a mesh (.vtu).
