@@ -49,9 +49,9 @@ void carry_out(const std::string& name, int count) {
 
   std::function<void()> stage;
   if (name == "operator_double")
-    stage = [&] { multiply(*system.double_operator, p, Ap); };
+    stage = [&] { multiply(*system.bodies[0].double_operator, p, Ap); };
   else if (name == "operator_mixed")
-    stage = [&] { multiply(*system.single_operator, single_p, single_Ap); };
+    stage = [&] { multiply(*system.bodies[0].single_operator, single_p, single_Ap); };
   else if (name == "linearize")
     stage = [&] { body.linearize(x *= 1.0001); };
   else if (flows)

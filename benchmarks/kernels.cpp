@@ -91,10 +91,10 @@ void stiffness_product(benchmark::State& state) {
     for (auto _ : state)
       for (int chunk = 0; chunk < partition.num_chunks; ++chunk) op.add_product(chunk, T(1), a.data(), La.data());
   };
-  if (system.double_operator)
-    measure(*system.double_operator);
+  if (system.bodies[0].double_operator)
+    measure(*system.bodies[0].double_operator);
   else
-    measure(*system.single_operator);
+    measure(*system.bodies[0].single_operator);
   count_elements(state, bar);
 }
 

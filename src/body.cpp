@@ -127,22 +127,18 @@ void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
 
 void Body::to_kernels(double factor, KernelSystem& system) const {
   require_linearized("to_kernels");
-  system.factor = -factor;  // L = - df/dx
-  system.double_operator = std::get_if<ElementOperator<double, double>>(&at_.op);
-  system.single_operator = nullptr;
-  system.exact_operator = nullptr;
-  system.diagonal_version = 0;
-  system.spectral_radius = 0;
-  if (const auto* half = std::get_if<ElementOperator<float, Half>>(&at_.op)) system.single_operator = half;
-  if (const auto* single = std::get_if<ElementOperator<float, float>>(&at_.op)) system.single_operator = single;
-  if (system.single_operator) {
+  KernelBody& body = system.bodies.emplace_back();
+  body.factor = -factor;  // L = - df/dx
+  body.double_operator = std::get_if<ElementOperator<double, double>>(&at_.op);
+  if (const auto* half = std::get_if<ElementOperator<float, Half>>(&at_.op)) body.single_operator = half;
+  if (const auto* single = std::get_if<ElementOperator<float, float>>(&at_.op)) body.single_operator = single;
+  if (body.single_operator) {
     exact_.refer_to(model_, at_);
-    system.exact_operator = &exact_;
+    body.exact_operator = &exact_;
   }
-  system.coarse.clear();
   if (!system.wants_coarse) return;
   if (!hierarchy_) hierarchy_.emplace(model_);
-  hierarchy_->update(model_, at_, system);
+  body.coarse = hierarchy_->update(model_, at_);
 }
 
 double Body::energy(ConstPoints x) const {

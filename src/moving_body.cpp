@@ -147,6 +147,7 @@ void RunReport::add(const SolveReport& solved, const FlowReport& flowed) {
   raise(solve.iterations, solved.iterations);
   raise(solve.residual, solved.residual);
   solve.converged = solve.converged && solved.converged;
+  if (solved.iterations > 0) solve.preconditioner = solved.preconditioner;
 
   raise(flow.yielded, flowed.yielded);
   raise(flow.inverted, flowed.inverted);

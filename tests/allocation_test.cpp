@@ -168,6 +168,58 @@ INSTANTIATE_TEST_SUITE_P(Scenes, AllocationsOf,
                                          ShippedScene{"peritoneum_tear", 40}, ShippedScene{"vessel_mobilise", 20, 6}),
                          [](const auto& test) { return std::string(test.param.name); });
 
+/// What acts beside a body.
+struct OtherTerms {
+  const char* name;
+  const char* lines;
+  const char* mass = "<DiagonalMass massDensity='1000'/>";
+};
+
+void PrintTo(const OtherTerms& other, std::ostream* out) { *out << other.name; }
+
+class AllocationsBeside : public testing::TestWithParam<OtherTerms> {};
+
+// Planes that are touched, a grip at its greatest force, a consistent mass, points that follow nodes, a second body.
+TEST_P(AllocationsBeside, ABodyAStepHasNone) {
+  for (const std::string precision : {"double", "mixed"})
+    for (const std::string preconditioner : {"multigrid", "diagonal"}) {
+      const std::string body =
+          "<HexahedronElastoplasticFEMForceField youngModulus='1e5' poissonRatio='0.45' precision='" + precision +
+          "'/>";
+      scene::Scene scene = support::read_and_init(
+          "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='0.1' "
+          "rayleighStiffness='0.01'/><MultigridCGLinearSolver tolerance='1e-6' preconditioner='" +
+          preconditioner +
+          "'/><RegularGridTopology name='grid' n='11 11 4' min='0 0 0' max='0.1 0.1 0.03'/>"
+          "<MechanicalObject name='nodes'/>" +
+          std::string(GetParam().mass) +
+          "<BoxROI name='end' box='-1 -1 -1  1e-6 1 1'/><FixedProjectiveConstraint indices='@end.indices'/>" + body +
+          GetParam().lines + "</Node>");
+      support::run(scene, 12);
+      for (int step = 0; step < 3; ++step) {
+        const long before = num_allocations;
+        const SolveReport report = scene.step();
+        EXPECT_EQ(num_allocations - before, 0) << precision << ", " << preconditioner;
+        EXPECT_EQ(name_of(report.preconditioner), preconditioner);
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Beside, AllocationsBeside,
+    testing::Values(OtherTerms{"Plane", "<PlaneForceField normal='.36 .48 .8' d='.04' stiffness='50'/>"},
+                    OtherTerms{"Grip",
+                               "<GraspForceField radius='0.02' keyTimes='0 0.1' positions='.1 .05 .03  .12 .06 .06' "
+                               "stiffness='50' maxForce='.02'/>"},
+                    OtherTerms{"ConsistentMass", "", "<MeshMatrixMass massDensity='1000'/>"},
+                    OtherTerms{"Points",
+                               "<Node><MechanicalObject position='.07 .05 .031  .08 .03 .02'/><BarycentricMapping/>"
+                               "<UniformMass totalMass='.05'/><PlaneForceField normal='0 0 1' d='.1' stiffness='20'/>"
+                               "</Node>"},
+                    OtherTerms{"SecondBody",
+                               "<HexahedronElastoplasticFEMForceField youngModulus='1e4' poissonRatio='0.3'/>"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
 TEST(Allocations, AreCounted) {
   const long before = num_allocations;
   PointArray field = PointArray::Zero(100, 3);

@@ -64,7 +64,9 @@ TEST_F(Stall, IsCountedAndReported) {
   EXPECT_NE(outcome.err.find("the linear solver stopped before its tolerance in 7 of 7 steps"), std::string::npos)
       << outcome.err;
   std::ifstream in(directory_ / "summary.json");
-  EXPECT_EQ(nlohmann::json::parse(in)["stalled_solves"], 7);
+  const nlohmann::json summary = nlohmann::json::parse(in);
+  EXPECT_EQ(summary["stalled_solves"], 7);
+  EXPECT_EQ(summary["preconditioner"], "none");
 }
 
 }  // namespace

@@ -126,4 +126,79 @@ TEST(EulerImplicitSolver, AFreeMassFollowsTheDiscreteLawOfEachScheme) {
   EXPECT_DOUBLE_EQ(fall("firstOrder='true' rayleighMass='0.4'", 2), 7 - 2 * 0.5 * 10);
 }
 
+/// A slab of 10 x 10 x 3 hexahedra, held at one side and falling, and what acts beside it; `mass` and `precision` as in
+/// scenes.
+std::string slab(const std::string& beside, const std::string& mass = "<DiagonalMass massDensity='1000'/>",
+                 const std::string& precision = "double", const std::string& preconditioner = "multigrid") {
+  return "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='0.1' "
+         "rayleighStiffness='0.01'/><MultigridCGLinearSolver name='solver' tolerance='1e-6' preconditioner='" +
+         preconditioner +
+         "'/><RegularGridTopology name='grid' n='11 11 4' min='0 0 0' max='0.1 0.1 0.03'/>"
+         "<MechanicalObject name='nodes'/>" +
+         mass +
+         "<BoxROI name='end' box='-1 -1 -1  1e-6 1 1'/><FixedProjectiveConstraint indices='@end.indices'/>"
+         "<HexahedronElastoplasticFEMForceField youngModulus='1e5' poissonRatio='0.45' precision='" +
+         precision + "'/>" + beside + "</Node>";
+}
+
+const std::string kGrip = "<GraspForceField radius='0.02' keyTimes='0 0.1' positions='.1 .05 .03  .12 .06 .06' ";
+
+// The first five steps, in which a grip reaches its greatest force.
+int most_iterations(const std::string& text) {
+  scene::Scene scene = read_and_init(text);
+  int most = 0;
+  for (int k = 0; k < 5; ++k) {
+    const SolveReport report = scene.step();
+    EXPECT_TRUE(report.converged);
+    EXPECT_LE(report.residual, 1e-6);
+    EXPECT_EQ(report.preconditioner, PreconditionedBy::kMultigrid);
+    most = std::max(most, report.iterations);
+  }
+  return most;
+}
+
+TEST(MultigridCGLinearSolver, StaysWhateverActsBesideTheBody) {
+  for (const std::string precision : {"double", "mixed"}) {
+    const std::string lumped = "<DiagonalMass massDensity='1000'/>",
+                      consistent = "<MeshMatrixMass massDensity='1000'/>";
+    const int alone = most_iterations(slab("", lumped, precision));
+    for (const std::string& beside :
+         {std::string("<PlaneForceField normal='0 0 1' d='1e-4' stiffness='50'/>"),
+          std::string("<PlaneForceField normal='.36 .48 .8' d='.04' stiffness='50'/>"),
+          kGrip + "stiffness='50' maxForce='.02'/>", std::string("<UniformVelocityDampingForceField implicit='true'/>"),
+          std::string("<Node><MechanicalObject position='.07 .05 .031  .08 .03 .02'/><BarycentricMapping/><UniformMass "
+                      "totalMass='.05'/><PlaneForceField normal='0 0 1' d='.1' stiffness='20'/></Node>")})
+      EXPECT_LE(most_iterations(slab(beside, lumped, precision)), 1.5 * alone) << precision << beside;
+    EXPECT_LE(most_iterations(slab("", consistent, precision)), 1.5 * alone) << precision;
+  }
+}
+
+TEST(MultigridCGLinearSolver, IsTheSameToTheLastBitBesideWhatActsNowhere) {
+  const auto end = [](const std::string& beside) {
+    scene::Scene scene = read_and_init(slab(beside));
+    support::run(scene, 3);
+    return PointArray(at<scene::MechanicalState>(scene, "nodes").positions());
+  };
+  const PointArray alone = end("");
+  for (const std::string& beside :
+       {std::string("<PlaneForceField normal='.36 .48 .8' d='-10' stiffness='1e5'/>"),
+        kGrip + "stiffness='50' graspTime='10'/>",
+        std::string("<Node><MechanicalObject position='.07 .05 .031'/><BarycentricMapping/><PlaneForceField d='-10' "
+                    "stiffness='1e5'/></Node>")})
+    EXPECT_EQ(end(beside), alone) << beside;
+}
+
+TEST(MultigridCGLinearSolver, SaysOnceThatABodyHasNoCoarseMeshes) {
+  const auto warnings = [](const std::string& preconditioner) {
+    std::string text = slab("", "<UniformMass totalMass='1'/>", "double", preconditioner);
+    const std::string grid = "n='11 11 4'";
+    scene::Scene scene = read_and_init(text.replace(text.find(grid), grid.size(), "n='3 3 3'"));
+    scene.diagnostics().take_warnings();
+    support::run(scene, 3);
+    return scene.diagnostics().take_warnings();
+  };
+  ASSERT_EQ(warnings("multigrid").size(), 1u);
+  EXPECT_TRUE(warnings("auto").empty());
+}
+
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// MultigridCGLinearSolver on the vectors of a SOFA graph: by our kernels where they know everything in the system, by
-// the products of the graph otherwise.
+// MultigridCGLinearSolver on the vectors of a SOFA graph: by our kernels what they know of the system, by the products
+// of the graph what acts beside it.
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/behavior/BaseMass.h>
 
@@ -45,6 +45,7 @@ class Spring : public sofa::core::behavior::ForceField<DataTypes> {
 
   void addForce(const MechanicalParams*, DataVecDeriv&, const DataVecCoord&, const DataVecDeriv&) override {}
   void addDForce(const MechanicalParams* params, DataVecDeriv& df, const DataVecDeriv& dx) override {
+    ++num_products;
     view(*df.beginEdit()).row(7) -= params->kFactor() * stiffness * view(dx.getValue()).row(7);
   }
   void addKToMatrix(sofa::linearalgebra::BaseMatrix*, SReal, unsigned int&) override {}
@@ -53,6 +54,7 @@ class Spring : public sofa::core::behavior::ForceField<DataTypes> {
   SReal getPotentialEnergy(const MechanicalParams*, const DataVecCoord&) const override { return 0; }
 
   double stiffness = 300;  // [N/m]
+  int num_products = 0;
 };
 
 /// A load that SOFA's scenes prescribe, known by its name.
@@ -101,6 +103,7 @@ class MultigridSolver : public Adapter {
     auto& made = make("MultigridCGLinearSolver", attributes);
     solver = &made;
     made.init();
+    made.f_printLog.setValue(prints_log);
     GraphScatteredMatrix A;
     A.mparams.setMFactor(1);
     A.mparams.setBFactor(kDampingFactor);
@@ -128,6 +131,7 @@ class MultigridSolver : public Adapter {
   Weights& weights = tissue.add(New<Weights>::make(), "weights");
   GuestForceField& body = solver_needs_a_body();
   BaseComponent* solver = nullptr;
+  bool prints_log = false;
 };
 
 TEST_F(MultigridSolver, SolvesByTheKernelsWhatTheyKnow) {
@@ -142,7 +146,18 @@ TEST_F(MultigridSolver, AsksSofaForWhatTheKernelsDoNotKnow) {
   auto& spring = tissue.add(New<Spring>::make(), "spring");
   spring.init();
   EXPECT_TRUE(support::agrees(solve(), expected(spring.stiffness), 1e-9)) << said();
-  EXPECT_GT(weights.num_products, 5);
+  EXPECT_GT(spring.num_products, 5);
+  EXPECT_EQ(weights.num_products, 1) << "the kernels have the masses";
+}
+
+// As with a plane that nothing touches.
+TEST_F(MultigridSolver, AsksSofaForNothingThatActsNowhere) {
+  const PointArray alone = solve();
+  auto& spring = tissue.add(New<Spring>::make(), "spring");
+  spring.init();
+  spring.stiffness = 0;
+  EXPECT_EQ(solve(), alone) << "to the last bit";
+  EXPECT_EQ(spring.num_products, 1) << "to see that there is nothing";
 }
 
 TEST_F(MultigridSolver, AsksSofaForTheProductWithMassesThatAreNotLumped) {
@@ -175,6 +190,18 @@ TEST_F(MultigridSolver, SaysWhenItStopsEarly) {
   spring.init();
   solve({{"tolerance", "1e-11"}, {"iterations", "2"}});
   EXPECT_NE(said().find("stopped after 2 iterations"), std::string::npos) << said();
+}
+
+// This body is too small for coarse meshes.
+TEST_F(MultigridSolver, SaysWhichPreconditionerItUsed) {
+  solve();
+  EXPECT_EQ(said(), "");
+  prints_log = true;
+  solve();
+  EXPECT_NE(said().find("iterations, preconditioner diagonal, |r| / |b| = "), std::string::npos) << said();
+  EXPECT_EQ(said().find("lattice"), std::string::npos) << "nobody has asked for multigrid";
+  solve({{"tolerance", "1e-11"}, {"preconditioner", "multigrid"}});
+  EXPECT_NE(said().find("needs a body whose hexahedra form a lattice"), std::string::npos) << said();
 }
 
 TEST_F(MultigridSolver, FollowsTheOneStateThatFollowsNoOther) {

@@ -30,6 +30,7 @@ class DefaultAnimationLoop final : public scene::AnimationLoop {
       total.iterations += report.iterations;
       total.residual = std::max(total.residual, report.residual);
       total.converged = total.converged && report.converged;
+      if (report.iterations > 0) total.preconditioner = report.preconditioner;
     }
 
     clock.time += clock.dt;

@@ -78,7 +78,6 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override { body_->add_stiffness_blocks(factor, A); }
   bool to_kernels(double factor, KernelSystem& system) const override {
-    if (system.double_operator || system.single_operator) return false;  // a second body
     body_->to_kernels(factor, system);
     return true;
   }

@@ -83,6 +83,7 @@ class GraspForceField final : public scene::ForceField,
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
     grip_.add_stiffness_blocks(lags_, factor, A);
   }
+  bool is_in_matrix() const override { return !grip_.nodes.empty(); }
   bool to_kernels(double factor, KernelSystem& system) const override {
     return grip_.add_stiffness_diagonal(lags_, factor, system.diagonal);
   }

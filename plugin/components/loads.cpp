@@ -27,7 +27,7 @@ class PrescribedLoad : public scene::ForceField, public scene::Load {
 
   void add_force(double time, ConstPoints x, ConstPoints v, Points f) final { add_load(time, x, v, f); }
   std::span<const int> loaded_nodes() const override { return loaded_; }
-  bool to_kernels(double, KernelSystem&) const override { return true; }  // nothing to add
+  bool is_in_matrix() const override { return false; }
   void refresh() override { init(); }
 
  protected:
@@ -327,7 +327,10 @@ class PlaneForceField final : public scene::ForceField, public scene::Load {
   }
   void refresh() override { init(); }
 
-  void add_force(double, ConstPoints x, ConstPoints v, Points f) override { touching_ = obstacle_.add_force(x, v, f); }
+  void add_force(double, ConstPoints x, ConstPoints v, Points f) override {
+    obstacle_.touching_at(x, touching_);
+    obstacle_.add_force(x, v, f);
+  }
   void add_load(double, ConstPoints x, ConstPoints v, Points f) const override { obstacle_.add_force(x, v, f); }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
     obstacle_.add_stiffness_product(touching_, factor, dx, df);
@@ -335,6 +338,7 @@ class PlaneForceField final : public scene::ForceField, public scene::Load {
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
     obstacle_.add_stiffness_blocks(touching_, factor, A);
   }
+  bool is_in_matrix() const override { return !touching_.empty(); }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
  private:
@@ -358,7 +362,11 @@ class UniformVelocityDampingForceField final : public scene::ForceField {
   void add_damping_product(double factor, ConstPoints dx, Points df) const override {
     if (is_implicit_) df -= factor * coefficient_ * dx;
   }
-  bool to_kernels(double, KernelSystem&) const override { return !is_implicit_; }
+  bool is_in_matrix() const override { return is_implicit_; }
+  bool to_kernels(double, KernelSystem&) const override { return true; }  // no stiffness
+  void add_damping_diagonal(double factor, Points diagonal) const override {
+    diagonal.array() -= factor * coefficient_;
+  }
   void add_damping_blocks(double factor, BlockMatrix& A) const override {
     if (!is_implicit_) return;
     for (int node = 0; node < num_nodes_; ++node) A.add(node, node, -factor * coefficient_ * Mat3::Identity());

@@ -95,15 +95,25 @@ void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v,
 // A mass damps by its own factor, a force field by its own: both through the damping factor b of m M + b B + k K.
 // Factors of 0 are common where energies are measured, and a product of a body costs as much with them.
 void NodeSystem::add_product(Over over, const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df) {
-  if (over == Over::kAll)
-    for (const scene::Mass* mass : layer.masses)
+  const auto add_masses = [&](const auto& masses) {
+    for (const scene::Mass* mass : masses)
       mass->add_product(factors.mass - factors.damping * mass->rayleigh_mass(), dx, df);
-  for (const scene::ForceField* field : layer.force_fields) {
-    if (over == Over::kLoads && field->body()) continue;
-    const double stiffness = factors.stiffness + factors.damping * field->rayleigh_stiffness();
-    if (stiffness != 0) field->add_stiffness_product(stiffness, dx, df);
-    if (factors.damping != 0) field->add_damping_product(factors.damping, dx, df);
+  };
+  const auto add_fields = [&](const auto& fields) {
+    for (const scene::ForceField* field : fields) {
+      if (over == Over::kLoads && field->body()) continue;
+      const double stiffness = factors.stiffness + factors.damping * field->rayleigh_stiffness();
+      if (stiffness != 0) field->add_stiffness_product(stiffness, dx, df);
+      if (factors.damping != 0) field->add_damping_product(factors.damping, dx, df);
+    }
+  };
+  if (over == Over::kOthers) {
+    add_masses(layer.other_masses);
+    add_fields(layer.other_fields);
+    return;
   }
+  if (over == Over::kAll) add_masses(layer.masses);
+  add_fields(layer.force_fields);
 }
 
 void NodeSystem::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
@@ -114,18 +124,25 @@ void NodeSystem::add_load_product(const OperatorFactors& factors, ConstPoints dx
   add_product(Over::kLoads, factors, dx, df);
 }
 
+void NodeSystem::Others::add_product(ConstPoints p, Points Fp) const {
+  system_->add_product(Over::kOthers, factors, p, Fp);
+}
+
 void NodeSystem::add_product(Over over, const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  const auto takes_part = [&](const Layer& layer) {
+    return over == Over::kOthers ? layer.has_others : layer.is_loaded;
+  };
   add_product(over, layers_.front(), factors, dx, df);
   for (std::size_t i = 1; i < layers_.size(); ++i) {
     Layer& layer = layers_[i];
-    if (!layer.is_loaded) continue;
+    if (!takes_part(layer)) continue;
     layer.mapping->apply(layer.above == 0 ? dx : ConstPoints(layers_[layer.above].x), layer.x);
     layer.f.setZero();
     add_product(over, layer, factors, layer.x, layer.f);
   }
   for (std::size_t i = layers_.size() - 1; i > 0; --i) {
     Layer& layer = layers_[i];
-    if (!layer.is_loaded) continue;
+    if (!takes_part(layer)) continue;
     layer.mapping->add_transposed(layer.f, layer.above == 0 ? df : Points(layers_[layer.above].f));
   }
 }
@@ -157,18 +174,39 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
 }
 
 bool NodeSystem::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
-  system.double_operator = nullptr;
-  system.single_operator = nullptr;
-  for (std::size_t i = 1; i < layers_.size(); ++i)
-    if (layers_[i].is_loaded) return false;
-  const Layer& layer = layers_.front();
+  Layer& layer = layers_.front();
+  layer.other_masses.clear();
+  layer.other_fields.clear();
   for (const scene::Mass* mass : layer.masses)
-    if (!mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal)) return false;
+    if (!mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal))
+      layer.other_masses.push_back(mass);
   for (const scene::ForceField* field : layer.force_fields) {
-    if (!field->to_kernels(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system)) return false;
-    field->add_damping_diagonal(factors.damping, system.diagonal);
+    if (!field->is_in_matrix()) continue;
+    if (field->to_kernels(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system))
+      field->add_damping_diagonal(factors.damping, system.diagonal);
+    else
+      layer.other_fields.push_back(field);
   }
-  return system.double_operator || system.single_operator;
+  find_others();
+  others_.factors = factors;
+  if (layer.has_others) system.others = &others_;
+  return true;
+}
+
+/// After those of the independent state: what the states that follow have, and whose matrix has some.
+void NodeSystem::find_others() const {
+  for (Layer& layer : layers_) layer.has_others = false;
+  for (std::size_t i = layers_.size(); i-- > 0;) {
+    Layer& layer = layers_[i];
+    if (i > 0) {
+      layer.other_masses.assign(layer.masses.begin(), layer.masses.end());
+      layer.other_fields.clear();
+      for (const scene::ForceField* field : layer.force_fields)
+        if (field->is_in_matrix()) layer.other_fields.push_back(field);
+    }
+    layer.has_others = layer.has_others || !layer.other_masses.empty() || !layer.other_fields.empty();
+    if (layer.has_others && i > 0) layers_[layer.above].has_others = true;
+  }
 }
 
 void NodeSystem::project(Points field) const {

@@ -16,6 +16,7 @@ class NodeSystem final : public MechanicalSystem {
   /// Throws InputError unless there is exactly one independent state, which all others follow, and all constraints act
   /// on it.
   explicit NodeSystem(scene::Node& node);
+  NodeSystem(const NodeSystem&) = delete;
 
   int num_nodes() const override { return state().num_nodes(); }
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
@@ -46,23 +47,41 @@ class NodeSystem final : public MechanicalSystem {
 
     bool is_loaded = false;  // of those that follow: something acts on it, or on one that follows it
 
+    // of the matrix of to_kernels: what its kernels do not know
+    std::vector<const scene::Mass*> other_masses = {};
+    std::vector<const scene::ForceField*> other_fields = {};
+    bool has_others = false;  // of those that follow: something of the matrix is there, or at one that follows it
+
     // scratch of the states that follow
     PointArray x = {}, v = {}, f = {};
     BlockMatrix blocks = BlockMatrix();
   };
 
-  /// What of the scene a sum is over: everything, or what is neither a body nor a mass, but weight is.
-  enum class Over { kAll, kLoads };
+  /// What of the scene a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels
+  /// of the latest matrix do not know.
+  enum class Over { kAll, kLoads, kOthers };
+
+  class Others final : public NodalOperator {
+   public:
+    explicit Others(const NodeSystem& system) : system_(&system) {}
+    void add_product(ConstPoints p, Points Fp) const override;
+    OperatorFactors factors;
+
+   private:
+    const NodeSystem* system_;
+  };
 
   void add_layers(scene::Node& node);
   void add_force(Over over, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_force(Over over, const Layer& layer, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_product(Over over, const OperatorFactors& factors, ConstPoints dx, Points df) const;
   static void add_product(Over over, const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df);
+  void find_others() const;
   static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
 
   scene::Node& node_;
   mutable std::vector<Layer> layers_;  // the independent state first; mutable for its scratch
+  mutable Others others_ = Others(*this);
   std::vector<scene::ProjectiveConstraint*> constraints_;
 };
 

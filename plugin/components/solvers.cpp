@@ -25,7 +25,8 @@ class SystemSolver : public scene::OdeSolver {
 
   // The linear solver and what there is to move may stand anywhere in the node: they are complete when init is done.
   void bwd_init() override {
-    linear_solver_ = &linked<scene::LinearSolver>("linearSolver").method();
+    linear_solver_ = &linked<scene::LinearSolver>("linearSolver");
+    linear_solver_->method();  // complains here, where something is wrong with it
     for (scene::Component* component : node().all<scene::Component>())
       if (component->stage() == Stage::kFailed) throw scene::Consequence();
     system_.emplace(node());
@@ -33,18 +34,24 @@ class SystemSolver : public scene::OdeSolver {
   }
 
   void reset() override {
-    linear_solver_->reset();
+    linear_solver().reset();
     system_->project_motion(0);
   }
 
   double kinetic_energy() const override { return system_->kinetic_energy(); }
 
  protected:
-  hexaplast::LinearSolver& linear_solver() { return *linear_solver_; }
+  hexaplast::LinearSolver& linear_solver() { return linear_solver_->method(); }
+
+  /// What the linear solver did, to be passed on.
+  const SolveReport& heeded(const SolveReport& report) {
+    linear_solver_->heed(report);
+    return report;
+  }
   NodeSystem& system() { return *system_; }
 
  private:
-  hexaplast::LinearSolver* linear_solver_ = nullptr;
+  scene::LinearSolver* linear_solver_ = nullptr;
   std::optional<NodeSystem> system_;
 };
 
@@ -67,7 +74,8 @@ class EulerImplicitSolver final : public SystemSolver {
   SolveReport solve(double time, double dt) override {
     settle();
     scene::MechanicalState& state = system().state();
-    const SolveReport report = euler_->step(system(), linear_solver(), time, dt, state.positions(), state.velocities());
+    const SolveReport report =
+        heeded(euler_->step(system(), linear_solver(), time, dt, state.positions(), state.velocities()));
     if (!balance_) {
       system().project_motion(time);
       return report;
@@ -175,9 +183,10 @@ class StaticSolver final : public SystemSolver {
     state.velocities().setZero();
     const NewtonReport found = newton_->solve(system(), linear_solver(), time, state.positions());
     system().project_motion(time);
-    return {.iterations = found.linear_iterations,
-            .residual = found.iterations == 0 ? 0 : found.residual / found.initial_residual,
-            .converged = found.status != NewtonStatus::kNotConverged};
+    return heeded({.iterations = found.linear_iterations,
+                   .residual = found.iterations == 0 ? 0 : found.residual / found.initial_residual,
+                   .converged = found.status != NewtonStatus::kNotConverged,
+                   .preconditioner = found.preconditioner});
   }
 
  private:
@@ -273,11 +282,24 @@ class MultigridCGLinearSolver final : public scene::LinearSolver {
                                           : word == "diagonal" ? Preconditioner::kDiagonal
                                                                : Preconditioner::kAuto;
     solver_.emplace(real("tolerance"), integer("iterations"), preconditioner);
+    is_warned_ = false;
   }
   hexaplast::LinearSolver& method() override { return *solver_; }
 
+  void heed(const SolveReport& report) override {
+    if (is_warned_ || text("preconditioner") != "multigrid" || report.iterations == 0 ||
+        report.preconditioner == PreconditionedBy::kMultigrid)
+      return;
+    is_warned_ = true;
+    remark(scene::Severity::kWarning, "preconditioner",
+           fmt::format("is multigrid, which needs a body whose hexahedra form a lattice of more than a few: the "
+                       "preconditioner is {} instead",
+                       name_of(report.preconditioner)));
+  }
+
  private:
   std::optional<PreconditionedConjugateGradients> solver_;
+  bool is_warned_ = false;
 };
 
 }  // namespace

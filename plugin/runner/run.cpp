@@ -223,6 +223,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
   if (num_steps > 0)
     add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
                             static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
+  if (std::string line = preconditioner_line(totals); !line.empty()) add("preconditioner", std::move(line));
   add("instruction set", simd_target());
   add("state hash", hash_of(simulation));
   return figures;

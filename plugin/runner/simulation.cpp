@@ -42,6 +42,7 @@ const output::StepRecord& Simulation::step() {
   load_time_ = load_time;
   totals_.step_ms += step_ms;
   totals_.iterations += solve.iterations;
+  if (solve.iterations > 0) ++totals_.steps_by_preconditioner[static_cast<std::size_t>(solve.preconditioner)];
   totals_.stalled_solves += !solve.converged;
   totals_.stalled_averaging += !latest_.flow.averaging.converged;
   if (latest_.flow.removed > 0) {
@@ -77,6 +78,7 @@ void Simulation::serialize(Archive& archive) {
   archive(step, solve.iterations, solve.residual, step_ms, totals_.step_ms, totals_.iterations, totals_.stalled_solves,
           totals_.stalled_averaging, totals_.first_removal, totals_.latest_removal, totals_.most_inverted,
           totals_.most_inverted_in, totals_.energy_put_in);
+  for (long& steps : totals_.steps_by_preconditioner) archive(steps);
   scene_.serialize(archive);
   if (archive.reads()) latest_ = record_of(step, solve, step_ms);
 }
@@ -103,6 +105,17 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
   record.residual = solve.residual;
   record.step_ms = step_ms;
   return record;
+}
+
+std::string preconditioner_line(const Totals& totals) {
+  std::vector<std::string> names, counts;
+  for (std::size_t i = 0; i < kPreconditionerNames.size(); ++i) {
+    const long steps = totals.steps_by_preconditioner[i];
+    if (steps == 0) continue;
+    names.emplace_back(kPreconditionerNames[i]);
+    counts.push_back(fmt::format("{} in {} {}", kPreconditionerNames[i], steps, steps == 1 ? "step" : "steps"));
+  }
+  return fmt::format("{}", fmt::join(names.size() == 1 ? names : counts, ", "));
 }
 
 long required_steps(const Simulation& simulation, std::optional<long> given) {

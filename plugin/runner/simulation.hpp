@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string>
 
 #include "hexaplast/body.hpp"
 #include "output/recorder.hpp"
@@ -11,8 +13,9 @@ namespace hexaplast::runner {
 
 /// What the accepted steps of a simulation add up to.
 struct Totals {
-  double step_ms = 0;          ///< wall time of all steps, without output
-  long iterations = 0;         ///< of all linear solves
+  double step_ms = 0;   ///< wall time of all steps, without output
+  long iterations = 0;  ///< of all linear solves
+  std::array<long, kPreconditionerNames.size()> steps_by_preconditioner = {};  ///< that had something to solve
   long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
   long stalled_averaging = 0;  ///< steps whose rest-to-material averaging did
   long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
@@ -82,6 +85,10 @@ class Simulation {
   double load_time_ = 0;  // [s]
   Totals totals_;
 };
+
+/// By what the linear solver was preconditioned, and in how many steps where that changed; empty where nothing was
+/// solved.
+std::string preconditioner_line(const Totals& totals);
 
 /// How many steps a run has: as many as the command line gives, otherwise as the scene's RunSettings say. Throws
 /// UsageError where neither does.

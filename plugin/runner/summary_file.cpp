@@ -24,6 +24,7 @@ Json summary_json(Simulation& simulation) {
           {"time", simulation.time()},
           {"step_ms", totals.step_ms / static_cast<double>(std::max(latest.step, 1L))},
           {"solver_iterations", totals.iterations},
+          {"preconditioner", preconditioner_line(totals)},
           {"stalled_solves", totals.stalled_solves},
           {"stalled_averaging", totals.stalled_averaging},
           {"nodes", simulation.state().num_nodes()},

@@ -83,8 +83,11 @@ class ForceField : public Component {
   }                                                                                  ///< df += factor K dx
   virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}  ///< A += factor K
 
-  /// The same stiffness for solvers that work on the kernels' own vectors: nothing to add for a field that has none.
-  /// False where the kernels cannot express it; the solvers then use the verbs above.
+  /// Whether K or B has entries at the positions of the latest forces; where not, linear systems are as without it.
+  virtual bool is_in_matrix() const { return true; }
+
+  /// The same stiffness for solvers that work on the kernels' own vectors. False, and nothing added, where the kernels
+  /// cannot express it; the solvers then use the verbs above beside them.
   virtual bool to_kernels(double /*factor*/, KernelSystem& /*system*/) const { return false; }
 
   /// The same with B = df/dv.
@@ -171,6 +174,9 @@ class LinearSolver : public Component {
   using Component::Component;
 
   virtual hexaplast::LinearSolver& method() = 0;
+
+  /// Told of what method() did in each step.
+  virtual void heed(const SolveReport& /*report*/) {}
 
   void serialize(Archive& archive) override { method().serialize(archive); }
 };

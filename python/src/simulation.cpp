@@ -94,6 +94,10 @@ void add_simulation(py::module_& module) {
       .def_property_readonly(
           "converged", [](const RunReport& r) { return r.solve.converged; },
           "False: the linear solver stopped before its tolerance in some step")
+      .def_property_readonly(
+          "preconditioner", [](const RunReport& r) { return std::string(name_of(r.solve.preconditioner)); },
+          "that the linear solver used, in the last step that had something to solve: multigrid, diagonal,\n"
+          "factorisation of the whole matrix, or none")
       .def_readonly("flow", &RunReport::flow,
                     "FlowReport of the plastic steps: the greatest counts of a step, but all that were removed");
 

@@ -39,6 +39,7 @@ def test_a_bar_at_rest_under_a_pull_has_the_length_of_hand(solver):
     forces[z == 0.4, 2] = 10 / 4
     report = simulation.run(400, forces)
     assert report.converged and report.iterations >= 1
+    assert report.preconditioner == {"direct": "factorisation", "cg": "diagonal"}[solver]
     stretch = 1 + 10 / (5000 * 0.1 * 0.1)
     assert simulation.positions[:, 2] == pytest.approx(z * stretch, abs=1e-7)
     # the elastic energy is half the work of a force that grows slowly

@@ -45,11 +45,11 @@ ElementHierarchy::ElementHierarchy(const Model& model) {
   for (const CoarseMesh& mesh : model.coarse_meshes()) levels_.emplace_back(mesh);
 }
 
-void ElementHierarchy::update(const Model& model, const Linearization& at, KernelSystem& system) {
+std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, const Linearization& at) {
   const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
-  system.coarse.clear();
-  for (std::size_t k = 0; k < levels_.size(); ++k) system.coarse.push_back({&levels_[k].op, &meshes[k]});
-  if (revision_ == at.revision) return;
+  operators_.clear();
+  for (std::size_t k = 0; k < levels_.size(); ++k) operators_.push_back({&levels_[k].op, &meshes[k]});
+  if (revision_ == at.revision) return operators_;
   revision_ = at.revision;
 
   const AlignedVector<double>*material = &at.material, *world = &at.world;
@@ -72,6 +72,7 @@ void ElementHierarchy::update(const Model& model, const Linearization& at, Kerne
     world = &level.world;
     finer = &level.op;
   }
+  return operators_;
 }
 
 }  // namespace hexaplast

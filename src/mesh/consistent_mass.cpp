@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
@@ -49,7 +50,12 @@ ConsistentMass::ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahe
 void ConsistentMass::add_product(double factor, ConstPoints dx, Points df) const {
   require_rows("ConsistentMass::add_product", "dx", dx, M_.rows());
   require_rows("ConsistentMass::add_product", "df", df, M_.rows());
-  df += factor * (M_ * dx);
+  parallel_for(static_cast<int>(M_.outerSize()), [&](int n) {
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(M_, n); entry; ++entry)  // a column is a row
+      sum += entry.value() * dx.row(entry.row());
+    df.row(n) += factor * sum;
+  });
 }
 
 void ConsistentMass::add_blocks(double factor, BlockMatrix& A) const {

@@ -135,12 +135,13 @@ struct Averaging::Kernels {
   }
 
   /// The operators on the coarse meshes at the positions of the latest fit.
-  void coarsen(const Model& model, bool projects, KernelSystem& system) {
+  std::span<const CoarseOperator> coarsen(const Model& model, bool projects) {
     const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
     if (coarse.empty() && !meshes.empty()) {
       for (const CoarseMesh& mesh : meshes) coarse.emplace_back(mesh);
       gather_weights(model);
     }
+    operators.clear();
     const AlignedVector<double>* finer = &material;
     for (std::size_t k = 0; k < coarse.size(); ++k) {
       CoarseAveraging& level = coarse[k];
@@ -148,9 +149,10 @@ struct Averaging::Kernels {
       level.op.projects = projects;
       parallel_for(meshes[k].partition->num_chunks,
                    [&](int chunk) { fit_cells(level.position.data(), level.weight.data(), chunk, level.op); });
-      system.coarse.push_back({&level.op, &meshes[k]});
+      operators.push_back({&level.op, &meshes[k]});
       finer = &level.position;
     }
+    return operators;
   }
 
   using Operator = std::variant<AveragingOperator<double>, AveragingOperator<float>>;
@@ -160,6 +162,7 @@ struct Averaging::Kernels {
   std::vector<unsigned char> chosen;               // the elements that count
   std::vector<std::uint16_t> present;              // the same, per block a bit per element
   std::vector<CoarseAveraging> coarse;             // of Model::coarse_meshes, made when a solver first asks for them
+  std::vector<CoarseOperator> operators;           // of `coarse`
   AlignedVector<double> material, gradient;        // [m] slots
   std::vector<double> misfit, size;                // [m^2] per block
 };
@@ -225,19 +228,18 @@ class Averaging::System final : public LinearSystem {
 
   bool to_kernels(KernelSystem& system) const override {
     Kernels& kernels = *averaging_.kernels_;
-    system.factor = 1;
-    system.spectral_radius = kSpectralRadius;
     if (system.diagonal_version != kernels.version) {
       system.diagonal_version = kernels.version;
       system.diagonal.setZero(num_nodes(), 3);
       system.free.setOnes(num_nodes(), 3);
     }
-    system.coarse.clear();
-    system.double_operator = std::get_if<AveragingOperator<double>>(&kernels.op);
-    system.single_operator = std::get_if<AveragingOperator<float>>(&kernels.op);
-    system.exact_operator = nullptr;
-    if (system.wants_coarse) kernels.coarsen(model_, projects_, system);
-    if (system.double_operator && !system.coarse.empty()) system.single_operator = &kernels.narrow(projects_);
+    KernelBody& body = system.bodies.emplace_back();
+    body.factor = 1;
+    body.spectral_radius = kSpectralRadius;
+    body.double_operator = std::get_if<AveragingOperator<double>>(&kernels.op);
+    body.single_operator = std::get_if<AveragingOperator<float>>(&kernels.op);
+    if (system.wants_coarse) body.coarse = kernels.coarsen(model_, projects_);
+    if (body.double_operator && !body.coarse.empty()) body.single_operator = &kernels.narrow(projects_);
     return true;
   }
 

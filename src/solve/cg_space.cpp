@@ -26,7 +26,10 @@ double NodalCgSpace::begin(ConstPoints b, const PointArray* start) {
 double NodalCgSpace::precondition() {
   if (!preconditioned_) return dot(r_, r_);
   z_.resize(r_.rows(), 3);
-  A_->precondition(r_, z_);
+  if (preconditioner_)
+    preconditioner_->apply(r_, z_);
+  else
+    A_->precondition(r_, z_);
   return dot(r_, z_);
 }
 
@@ -42,6 +45,20 @@ double NodalCgSpace::advance(double alpha) {
   return dot(r_, r_);
 }
 
+namespace {
+
+/// The nodes of slots into a nodal field.
+template <class T>
+void from_slots(const Partition& partition, const AlignedVector<T>& slots, Points field) {
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot)
+      for (int i = 0; i < 3; ++i)
+        field(partition.node_of_slot[slot], i) = static_cast<double>(slots[4 * static_cast<std::size_t>(slot) + i]);
+  });
+}
+
+}  // namespace
+
 template <class T>
 void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap) {
   const Partition& partition = op.partition();
@@ -54,13 +71,19 @@ void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, Align
 }
 
 template <class T>
+void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slots) {
+  const Partition& partition = op.partition();
+  std::fill(slots.begin(), slots.end(), T(0));
+  parallel_for(partition.num_chunks, [&](int chunk) { op.add_diagonal(chunk, factor, slots.data()); });
+  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, slots.data()); });
+}
+
+template <class T>
 void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
                      AlignedVector<T>& inverse) {
   const Partition& partition = op.partition();
-  std::fill(inverse.begin(), inverse.end(), T(0));
-  parallel_for(partition.num_chunks, [&](int chunk) { op.add_diagonal(chunk, factor, inverse.data()); });
+  find_diagonal(op, factor, inverse);
   parallel_for(partition.num_chunks, [&](int chunk) {
-    add_returns(partition, chunk, inverse.data());
     const OwnNumbers own(partition, chunk);
     for (std::size_t i = own.first; i < own.first + own.size; ++i) {
       const T entry = inverse[i] + diagonal[i];
@@ -70,14 +93,36 @@ void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector
 }
 
 template <class T>
+void BlockJacobi<T>::refer_to(const ChunkedOperator<T>& op, T factor, const NodalPart& rest) {
+  partition_ = &op.partition();
+  diagonal_.resize(4 * static_cast<std::size_t>(partition_->num_slots), T(0));
+  inverse_.resize(diagonal_.size());
+  to_slots(*partition_, rest.diagonal, diagonal_);
+  invert_diagonal(op, factor, diagonal_, inverse_);
+  blocks_.refer_to(*partition_, rest.blocks, inverse_);
+}
+
+template <class T>
+void BlockJacobi<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
+  parallel_for(partition_->num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnNumbers(*partition_, chunk);
+    for (std::size_t i = first; i < first + size; ++i) z[i] = inverse_[i] * r[i];
+    blocks_.add_inverse_product(chunk, T(1), r, z);
+    blocks_.add_rigid_product(chunk, r, z);
+  });
+}
+
+template <class T>
 void SlotCgSpace<T>::refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner) {
+  const KernelBody& body = system.bodies.front();
   if constexpr (std::is_same_v<T, double>)
-    op_ = system.double_operator;
+    op_ = body.double_operator;
   else
-    op_ = system.single_operator;
+    op_ = body.single_operator;
+  others_ = system.others;
   partition_ = &op_->partition();
   const Partition& partition = *partition_;
-  factor_ = static_cast<T>(system.factor);
+  factor_ = static_cast<T>(body.factor);
   preconditioner_ = preconditioner;
   const bool knows_diagonal =
       system.diagonal_version != 0 && system.diagonal_version == diagonal_version_ && scaled == scaled_;
@@ -132,6 +177,7 @@ double SlotCgSpace<T>::begin(ConstPoints b, const PointArray* start) {
     for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, p_);
     for (std::size_t i = 0; i < p_.size(); ++i) Ap_[i] = diagonal_[i] * p_[i];
     multiply(*op_, factor_, p_, Ap_);
+    if (others_) add_others();
     parallel_for(partition.num_chunks, [&](int chunk) {
       add_returns(partition, chunk, Ap_.data());
       fixed_.clear(chunk, Ap_);
@@ -150,6 +196,7 @@ double SlotCgSpace<T>::product(double beta) {
                    diagonal_.data() + first, p_.data() + first, Ap_.data() + first);
   });
   multiply(*op_, factor_, p_, Ap_);
+  if (others_) add_others();
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnNumbers(partition, chunk);
     add_returns(partition, chunk, Ap_.data());
@@ -171,37 +218,59 @@ double SlotCgSpace<T>::advance(double alpha) {
   return sum().r_r;
 }
 
+/// Ap += F p.
 template <class T>
-void SlotCgSpace<T>::end(Points x) const {
-  const Partition& partition = *partition_;
-  parallel_for(partition.num_chunks, [&](int chunk) {
-    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot)
-      for (int i = 0; i < 3; ++i)
-        x(partition.node_of_slot[slot], i) = static_cast<double>(x_[4 * static_cast<std::size_t>(slot) + i]);
+void SlotCgSpace<T>::add_others() {
+  field_.resize(partition_->num_nodes, 3);
+  from_slots(*partition_, p_, field_);
+  product_.setZero(partition_->num_nodes, 3);
+  others_->add_product(field_, product_);
+  parallel_for(partition_->num_nodes, [&](int n) {
+    T* to = Ap_.data() + 4 * static_cast<std::size_t>(partition_->slot_of_node[n]);
+    for (int i = 0; i < 3; ++i) to[i] += static_cast<T>(product_(n, i));
   });
 }
 
-double ExactResidual::compute(const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
-  const Partition& partition = system.exact_operator->partition();
-  x_.resize(4 * static_cast<std::size_t>(partition.num_slots), 0.0);
-  Ax_.assign(x_.size(), 0.0);
-  to_slots(partition, x, x_);
-  multiply(*system.exact_operator, system.factor, x_, Ax_);
-  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, Ax_.data()); });
+template <class T>
+void SlotCgSpace<T>::end(Points x) const {
+  from_slots(*partition_, x_, x);
+}
+
+double ExactResidual::compute(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x,
+                              PointArray& r) {
+  product_.setZero(b.rows(), 3);
+  if (system.others) system.others->add_product(x, product_);
+  for (const KernelBody& body : system.bodies) {
+    const ChunkedOperator<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;
+    const Partition& partition = op.partition();
+    Ax_.assign(4 * static_cast<std::size_t>(partition.num_slots), 0.0);
+    if (x_.size() != Ax_.size()) x_.assign(Ax_.size(), 0.0);
+    to_slots(partition, x, x_);
+    multiply(op, body.factor, x_, Ax_);
+    parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, Ax_.data()); });
+    parallel_for(partition.num_nodes, [&](int n) {
+      const double* from = Ax_.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
+      for (int i = 0; i < 3; ++i) product_(n, i) += from[i];
+    });
+  }
   r.resize(b.rows(), 3);
-  parallel_for(partition.num_nodes, [&](int n) {
-    const std::size_t slot = 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
+  parallel_for(static_cast<int>(b.rows()), [&](int n) {
     for (int i = 0; i < 3; ++i)
-      r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - Ax_[slot + i]);
+      r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - product_(n, i));
   });
+  if (system.couples_coordinates) A.project(r);
   return std::sqrt(dot(r, r));
 }
 
 template void multiply(const ChunkedOperator<double>&, double, AlignedVector<double>&, AlignedVector<double>&);
 template void multiply(const ChunkedOperator<float>&, float, AlignedVector<float>&, AlignedVector<float>&);
+template void find_diagonal(const ChunkedOperator<double>&, double, AlignedVector<double>&);
+template void find_diagonal(const ChunkedOperator<float>&, float, AlignedVector<float>&);
 template void invert_diagonal(const ChunkedOperator<double>&, double, const AlignedVector<double>&,
                               AlignedVector<double>&);
 template void invert_diagonal(const ChunkedOperator<float>&, float, const AlignedVector<float>&, AlignedVector<float>&);
+template class BlockJacobi<double>;
+template class BlockJacobi<float>;
 template class SlotCgSpace<double>;
 template class SlotCgSpace<float>;
 

@@ -3,6 +3,7 @@
 
 #include "hexaplast/base/linear_system.hpp"
 #include "hexaplast/mesh/partition.hpp"
+#include "solve/node_blocks.hpp"
 
 namespace hexaplast {
 
@@ -26,12 +27,20 @@ class CgSpace {
   virtual void end(Points x) const = 0;
 };
 
-/// Any linear system, in double precision; with its own preconditioner where asked for.
+/// z = an approximation of A^-1 r on nodal fields, symmetric and positive definite.
+class NodalPreconditioner {
+ public:
+  virtual ~NodalPreconditioner() = default;
+  virtual void apply(const PointArray& r, PointArray& z) = 0;
+};
+
+/// Any linear system, in double precision; without preconditioner, with its own, or with another one.
 class NodalCgSpace final : public CgSpace {
  public:
-  void refer_to(const LinearSystem& A, bool preconditioned) {
+  void refer_to(const LinearSystem& A, bool preconditioned, NodalPreconditioner* preconditioner = nullptr) {
     A_ = &A;
     preconditioned_ = preconditioned;
+    preconditioner_ = preconditioner;
   }
   double begin(ConstPoints b, const PointArray* start) override;
   double precondition() override;
@@ -42,6 +51,7 @@ class NodalCgSpace final : public CgSpace {
  private:
   const LinearSystem* A_ = nullptr;
   bool preconditioned_ = false;
+  NodalPreconditioner* preconditioner_ = nullptr;
   PointArray x_, r_, p_, Ap_, z_;
 };
 
@@ -88,12 +98,29 @@ struct OwnNumbers {
 template <class T>
 void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap);
 
+/// slots = factor diag(L) at the nodes of a body, 0 elsewhere. `slots` has their number.
+template <class T>
+void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slots);
+
 /// inverse = 1 / (diagonal + factor diag(L)), 0 where that is not positive.
 template <class T>
 void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
                      AlignedVector<T>& inverse);
 
-/// A KernelSystem in precision T.
+/// By the nodes' own part of a matrix, the diagonal of a body's operator included.
+template <class T>
+class BlockJacobi final : public SlotPreconditioner<T> {
+ public:
+  void refer_to(const ChunkedOperator<T>& op, T factor, const NodalPart& rest);
+  void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
+
+ private:
+  const Partition* partition_ = nullptr;
+  AlignedVector<T> diagonal_, inverse_;
+  SlotBlocks<T> blocks_;
+};
+
+/// A KernelSystem of one body in precision T.
 template <class T>
 class SlotCgSpace final : public CgSpace {
  public:
@@ -110,8 +137,10 @@ class SlotCgSpace final : public CgSpace {
     double r_r = 0, r_z = 0;
   };
   Partial sum() const;
+  void add_others();
 
   const ChunkedOperator<T>* op_ = nullptr;
+  const NodalOperator* others_ = nullptr;
   const Partition* partition_ = nullptr;
   T factor_ = 0;
   bool scaled_ = false;
@@ -120,16 +149,18 @@ class SlotCgSpace final : public CgSpace {
   FixedNumbers fixed_;
   long diagonal_version_ = 0;     // KernelSystem::diagonal_version of the system that it refers to
   std::vector<Partial> partial_;  // per chunk
+  PointArray field_, product_;    // num_nodes x 3, for the terms beside the body
 };
 
-/// r = b - A x of a KernelSystem by its exact operator, in double precision.
+/// r = b - A x of the KernelSystem of A, in double precision: by exact operators where products are in single.
 class ExactResidual {
  public:
   /// Returns |r|.
-  double compute(const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
+  double compute(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
 
  private:
   AlignedVector<double> x_, Ax_;
+  PointArray product_;
 };
 
 }  // namespace hexaplast

@@ -120,7 +120,7 @@ SolveReport CholeskySolver::solve_again(const LinearSystem& A, ConstPoints b, Po
   cholmod_l_solve2(CHOLMOD_A, f.factor, f.right_hand_side, nullptr, &f.solution, nullptr, &f.work_y, &f.work_e,
                    &f.common);
   x = Eigen::Map<const PointArray>(static_cast<const double*>(f.solution->x), b.rows(), 3);
-  return {.iterations = 1, .residual = 0, .converged = true};
+  return {.iterations = 1, .residual = 0, .converged = true, .preconditioner = PreconditionedBy::kFactorisation};
 }
 
 SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x) {

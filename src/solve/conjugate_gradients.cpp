@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "solve/irregular_field.hpp"
 #include "solve/multigrid.hpp"
+#include "solve/several_bodies.hpp"
 
 namespace hexaplast {
 
@@ -22,8 +24,9 @@ struct ConjugateGradients::Spaces {
   SlotCgSpace<float> in_single;
 
   CgSpace& choose(const LinearSystem& A) {
-    if (A.to_kernels(system)) {
-      if (system.double_operator) {
+    system.clear();
+    if (A.to_kernels(system) && system.is_one_body()) {
+      if (system.bodies.front().double_operator) {
         in_double.refer_to(system, false);
         return in_double;
       }
@@ -163,6 +166,7 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
   residual_ = b;
   double rho = precondition(residual_);
   direction_ = preconditioned_;
+  if (preconditioner_) report.preconditioner = PreconditionedBy::kFactorisation;
   while (report.iterations < iterations_ && std::abs(rho) > tolerance_ * b_squared) {
     if (rho < 0)
       throw NumericalError(
@@ -194,6 +198,14 @@ void SolverPreconditionedConjugateGradients::serialize(Archive& archive) {
 
 namespace {
 
+template <class T>
+const ChunkedOperator<T>& operator_of(const KernelBody& body) {
+  if constexpr (std::is_same_v<T, double>)
+    return *body.double_operator;
+  else
+    return *body.single_operator;
+}
+
 /// A cycle in single precision as a preconditioner of a system in double.
 class Narrowed final : public SlotPreconditioner<double> {
  public:
@@ -216,28 +228,50 @@ class Narrowed final : public SlotPreconditioner<double> {
 /// With the system's own preconditioner where the kernels do not know it.
 struct PreconditionedConjugateGradients::Spaces {
   KernelSystem system;
+  LumpedTerms lumped;
   NodalCgSpace nodal;
   SlotCgSpace<double> in_double;
   SlotCgSpace<float> in_single;
   Multigrid<double> multigrid_double;
   Multigrid<float> multigrid_single;
   Narrowed narrowed{multigrid_single};
+  BlockJacobi<double> jacobi_double;
+  BlockJacobi<float> jacobi_single;
+  SeveralBodies several;
   ExactResidual exact;
   PointArray start, residual, correction;
 
-  bool refines() const { return knows_kernels && system.single_operator && system.exact_operator; }
+  bool refines() const {
+    return knows_kernels && std::ranges::any_of(system.bodies, [](const KernelBody& body) {
+             return body.single_operator && body.exact_operator;
+           });
+  }
 
-  CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner) {
+  CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, PreconditionedBy& chosen) {
+    system.clear();
     system.wants_coarse = preconditioner != Preconditioner::kDiagonal;
     knows_kernels = A.to_kernels(system);
+    chosen = PreconditionedBy::kNothing;
     if (!knows_kernels) {
       nodal.refer_to(A, true);
       return nodal;
     }
-    const bool cycles = !system.coarse.empty() && (preconditioner == Preconditioner::kMultigrid || is_stiff());
-    if (!system.double_operator) return refer(in_single, multigrid_single, cycles);
-    if (!system.single_operator || !cycles) return refer(in_double, multigrid_double, cycles);
-    multigrid_single.refer_to(system);
+    if (system.others) lumped.find(system);
+    const NodalPart rest{.diagonal = system.others ? lumped.diagonal() : system.diagonal,
+                         .free = system.free,
+                         .blocks = system.others ? std::span(lumped.blocks()) : std::span<const NodeBlock>(),
+                         .version = system.diagonal_version};
+    const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
+    chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
+    if (system.bodies.size() != 1 || system.couples_coordinates) {
+      several.refer_to(A, system, rest, cycles);
+      nodal.refer_to(A, true, &several);
+      return nodal;
+    }
+    const KernelBody& body = system.bodies.front();
+    if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles);
+    if (!body.single_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles);
+    multigrid_single.refer_to(body, rest);
     in_double.refer_to(system, false, &narrowed);
     return in_double;
   }
@@ -247,27 +281,51 @@ struct PreconditionedConjugateGradients::Spaces {
   std::tuple<AlignedVector<double>, AlignedVector<float>> scratch_;
 
   template <class T>
-  CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, bool cycles) {
-    if (cycles) multigrid.refer_to(system);
-    space.refer_to(system, !cycles, cycles ? &multigrid : nullptr);
+  CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, BlockJacobi<T>& jacobi, const NodalPart& rest,
+                 bool cycles) {
+    const KernelBody& body = system.bodies.front();
+    if (cycles) {
+      multigrid.refer_to(body, rest);
+      space.refer_to(system, false, &multigrid);
+    } else if (system.others) {
+      jacobi.refer_to(operator_of<T>(body), static_cast<T>(body.factor), rest);
+      space.refer_to(system, false, &jacobi);
+    } else {
+      space.refer_to(system, true);
+    }
     return space;
   }
 
+  bool has_coarse() const {
+    return std::ranges::any_of(system.bodies, [](const KernelBody& body) { return !body.coarse.empty(); });
+  }
+
   /// Jacobi needs about 4 c dt / h iterations for one per cent, multigrid three that cost as much as twelve: they break
-  /// even near c dt / h = 4. The stiffness on the diagonal over the rest of it is about (1.6 c dt / h)^2.
-  bool is_stiff() {
-    constexpr double kBreakEven = 40;
-    const auto ratio = [&]<class T>(const ChunkedOperator<T>& op) {
+  /// even near c dt / h = 4. The stiffness on the diagonal over the rest of it is about (1.6 c dt / h)^2. Counted are
+  /// the degrees of freedom that more than half of the stiffness acts on: what holds some nodes is not theirs alone.
+  bool is_stiff(const PointArray& diagonal) {
+    double stiff = 0, all = 0;
+    const auto count = [&]<class T>(const KernelBody& body) {
+      constexpr double kBreakEven = 40;
+      const ChunkedOperator<T>& op = operator_of<T>(body);
       const Partition& partition = op.partition();
       AlignedVector<T>& stiffness = std::get<AlignedVector<T>>(scratch_);
-      stiffness.assign(4 * static_cast<std::size_t>(partition.num_slots), T(0));
-      for (int chunk = 0; chunk < partition.num_chunks; ++chunk)
-        op.add_diagonal(chunk, static_cast<T>(system.factor), stiffness.data());
-      double sum = 0;
-      for (const T entry : stiffness) sum += static_cast<double>(entry);
-      return sum / system.diagonal.sum();
+      stiffness.resize(4 * static_cast<std::size_t>(partition.num_slots));
+      find_diagonal(op, static_cast<T>(body.factor), stiffness);
+      for (int n = 0; n < partition.num_nodes; ++n)
+        for (int i = 0; i < 3; ++i) {
+          const auto entry =
+              static_cast<double>(stiffness[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
+          all += entry;
+          if (entry > kBreakEven * diagonal(n, i)) stiff += entry;
+        }
     };
-    return (system.double_operator ? ratio(*system.double_operator) : ratio(*system.single_operator)) > kBreakEven;
+    for (const KernelBody& body : system.bodies)
+      if (body.double_operator)
+        count.template operator()<double>(body);
+      else
+        count.template operator()<float>(body);
+    return stiff > all / 2;
   }
 };
 
@@ -345,7 +403,7 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     x.setZero();
     return report;
   }
-  CgSpace& space = spaces_->choose(A, preconditioner_);
+  CgSpace& space = spaces_->choose(A, preconditioner_, report.preconditioner);
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
   if (!spaces_->refines() || enough >= kSingleSuffices) {
     run(space, b, start, norm_b, enough, iterations_, report);
@@ -360,12 +418,12 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     x = *start;
   else
     x.setZero();
-  double norm_r = spaces_->exact.compute(spaces_->system, b, x, r);
+  double norm_r = spaces_->exact.compute(A, spaces_->system, b, x, r);
   for (int k = 0; k < kMostCorrections && norm_r > enough * norm_b && report.iterations < iterations_; ++k) {
     run(space, r, nullptr, norm_r, std::max(0.5 * enough * norm_b / norm_r, kCorrection), iterations_, report);
     space.end(correction);
     x += correction;
-    norm_r = spaces_->exact.compute(spaces_->system, b, x, r);
+    norm_r = spaces_->exact.compute(A, spaces_->system, b, x, r);
   }
   report.residual = norm_r / norm_b;
   report.converged = report.residual <= enough;

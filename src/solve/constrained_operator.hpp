@@ -31,11 +31,14 @@ class ConstrainedOperator final : public LinearSystem {
 
   bool to_kernels(KernelSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
+    system.diagonal_version = 0;
     if (!system_.to_kernels(factors_, system)) return false;
     system.free.setOnes(num_nodes(), 3);
     system_.project(system.free);
     return true;
   }
+
+  void project(Points field) const override { system_.project(field); }
 
  private:
   const MechanicalSystem& system_;

@@ -39,20 +39,23 @@ double area(const Quad& face, ConstPoints x) {
   return (doubled_area(x, face[0], face[1], face[2]).norm() + doubled_area(x, face[0], face[2], face[3]).norm()) / 2;
 }
 
-std::vector<int> Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
+void Obstacle::touching_at(ConstPoints x, std::vector<int>& touching) const {
+  touching.clear();
+  for (int node = 0; node < static_cast<int>(x.rows()); ++node)
+    if (touches(gap(x, node))) touching.push_back(node);
+}
+
+void Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
   require_rows("Obstacle::add_force", "v", v, x.rows());
   require_rows("Obstacle::add_force", "f", f, x.rows());
-  std::vector<int> touching;
   for (int node = 0; node < static_cast<int>(x.rows()); ++node) {
-    const double d = x.row(node).dot(normal) - distance;
-    if (!(d < 0) && !bilateral) continue;
+    const double d = gap(x, node);
+    if (!touches(d)) continue;
     Eigen::RowVector3d force = -stiffness * d * normal.transpose() + damping * d * v.row(node);
     const double size = force.norm();
     if (most_force > 0 && size > most_force) force *= most_force / size;
     f.row(node) += force;
-    touching.push_back(node);
   }
-  return touching;
 }
 
 void Obstacle::add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const {

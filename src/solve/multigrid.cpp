@@ -22,7 +22,7 @@ constexpr int kLanczosSteps = 6;
 constexpr double kRangeEnds = 1e-5;  // of a Lanczos vector: what is left is rounding
 constexpr double kSafety = 1.15;     // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
 
-/// Ad = A d on the nodes, copies of d included.
+/// Ad = A d on the nodes, copies of d included; without blocks.
 template <class T>
 void apply(MultigridLevel<T>& level) {
   const Partition& partition = level.op->partition();
@@ -49,6 +49,7 @@ void subtract_product(MultigridLevel<T>& level) {
   multiply(*level.op, -level.factor, level.d, level.r);
   parallel_for(partition.num_chunks, [&](int chunk) {
     add_returns(partition, chunk, level.r.data());
+    if (!level.blocks.empty()) level.blocks.add_product(chunk, T(-1), level.d, level.r);
     level.fixed.clear(chunk, level.r);
   });
 }
@@ -118,31 +119,65 @@ void MultigridLevel<T>::resize() {
   partial.resize(op->partition().num_chunks);
 }
 
+/// Blocks go down lumped, as the diagonal does. A node between coarse ones follows these only as far as its block lets
+/// it (SlotBlocks::follow), and ties them by no more than its own stiffness, as a fixed one does.
 template <class T>
-void Multigrid<T>::refer_to(const KernelSystem& system) {
-  system_ = &system;
-  if constexpr (std::is_same_v<T, double>)
-    fine_.op = system.double_operator;
-  else
-    fine_.op = system.single_operator;
-  const Partition& partition = fine_.op->partition();
-  for (std::size_t k = 0; k < coarse_.size() && k < system.coarse.size(); ++k) coarse_[k].op = system.coarse[k].op;
-  if (system.diagonal_version != 0 && system.diagonal_version == diagonal_version_) return;
-  diagonal_version_ = system.diagonal_version;
-  fine_.factor = static_cast<T>(system.factor);
-  fine_.resize();
-  to_slots(partition, system.diagonal, fine_.diagonal);
-  fine_.has_diagonal = !system.diagonal.isZero(0);
-  invert_diagonal(*fine_.op, fine_.factor, fine_.diagonal, fine_.inverse);
-  const auto is_fixed = [&](int slot, int axis) { return system.free(partition.node_of_slot[slot], axis) == 0; };
-  fine_.fixed.find(partition, is_fixed);
+template <class Finer>
+void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMesh& mesh, MultigridLevel<float>& level) {
+  if (finer.blocks.empty()) return;
+  block_of_slot_.assign(finer.op->partition().num_nodes, -1);
+  const auto& entries = finer.blocks.entries();
+  for (std::size_t k = 0; k < entries.size(); ++k) block_of_slot_[entries[k].slot] = static_cast<int>(k);
+  for (int slot = 0; slot < level.op->partition().num_nodes; ++slot)
+    if (const int there = mesh.finer_slot[slot]; there >= 0 && block_of_slot_[there] >= 0)
+      finer.blocks.set_coarse(block_of_slot_[there]);
+  for (int slot = 0; slot < level.op->partition().num_nodes; ++slot) {
+    Mat3 sum = Mat3::Zero();
+    for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n)
+      if (const int k = block_of_slot_[mesh.restriction.column[n]]; k >= 0)
+        sum += static_cast<double>(mesh.restriction.weight[n]) * entries[k].goes_down;
+    for (int axis = 0; axis < 3; ++axis)
+      if (level.is_fixed[4 * static_cast<std::size_t>(slot) + axis]) {
+        sum.row(axis).setZero();
+        sum.col(axis).setZero();
+      }
+    if (!sum.isZero(0)) level.blocks.add(slot, sum);
+  }
+}
 
-  coarse_.resize(system.coarse.size());
+template <class T>
+void Multigrid<T>::refer_to(const KernelBody& body, const NodalPart& rest) {
+  operators_ = body.coarse;
+  if constexpr (std::is_same_v<T, double>)
+    fine_.op = body.double_operator;
+  else
+    fine_.op = body.single_operator;
+  const Partition& partition = fine_.op->partition();
+  for (std::size_t k = 0; k < coarse_.size() && k < operators_.size(); ++k) coarse_[k].op = operators_[k].op;
+  if (rest.version != 0 && rest.version == diagonal_version_) return;
+  diagonal_version_ = rest.version;
+  fine_.factor = static_cast<T>(body.factor);
+  fine_.resize();
+  to_slots(partition, rest.diagonal, fine_.diagonal);
+  fine_.has_diagonal = !rest.diagonal.isZero(0);
+  invert_diagonal(*fine_.op, fine_.factor, fine_.diagonal, fine_.inverse);
+  const auto is_fixed = [&](int slot, int axis) { return rest.free(partition.node_of_slot[slot], axis) == 0; };
+  fine_.fixed.find(partition, is_fixed);
+  // each level has its own: a distorted or mixed mesh is better shaped, and mixed, in its cells. Without blocks: D has
+  // them whole, so that they do not raise it
+  const auto bound = [&](auto& level) {
+    level.blocks.clear();
+    level.radius = body.spectral_radius > 0 ? body.spectral_radius : kSafety * spectral_radius(level);
+  };
+  bound(fine_);
+  fine_.blocks.refer_to(partition, rest.blocks, fine_.inverse);
+
+  coarse_.resize(operators_.size());
   const auto descend = [&](auto& finer, const auto& finer_is_fixed, int k) {
     MultigridLevel<float>& level = coarse_[k];
-    const CoarseMesh& mesh = *system.coarse[k].mesh;
-    level.op = system.coarse[k].op;
-    level.factor = static_cast<float>(system.factor);
+    const CoarseMesh& mesh = *operators_[k].mesh;
+    level.op = operators_[k].op;
+    level.factor = static_cast<float>(body.factor);
     level.resize();
     const Partition& cells = level.op->partition();
     // a corner beyond the mesh is fixed where a node that hangs on it alone is; the others where their own node is
@@ -167,25 +202,22 @@ void Multigrid<T>::refer_to(const KernelSystem& system) {
     });
     level.has_diagonal = fine_.has_diagonal || !level.fixed.number.empty();
     invert_diagonal(*level.op, level.factor, level.diagonal, level.inverse);
+    level.is_fixed.assign(4 * static_cast<std::size_t>(cells.num_nodes), 0);
+    for (const std::size_t number : level.fixed.number) level.is_fixed[number] = 1;
+    bound(level);
+    restrict_blocks(finer, mesh, level);
+    level.blocks.complete(cells, level.inverse);
   };
   for (std::size_t k = 0; k < coarse_.size(); ++k) {
     if (k == 0) {
       descend(fine_, is_fixed, 0);
     } else {
-      std::vector<unsigned char>& mask = coarse_[k - 1].is_fixed;
-      mask.assign(4 * static_cast<std::size_t>(coarse_[k - 1].op->partition().num_nodes), 0);
-      for (const std::size_t number : coarse_[k - 1].fixed.number) mask[number] = 1;
+      const std::vector<unsigned char>& mask = coarse_[k - 1].is_fixed;
       descend(
           coarse_[k - 1], [&](int slot, int axis) { return mask[4 * static_cast<std::size_t>(slot) + axis] != 0; },
           static_cast<int>(k));
     }
   }
-  // each level has its own: a distorted or mixed mesh is better shaped, and mixed, in its cells
-  const auto bound = [&](auto& level) {
-    level.radius = system.spectral_radius > 0 ? system.spectral_radius : kSafety * spectral_radius(level);
-  };
-  bound(fine_);
-  for (MultigridLevel<float>& level : coarse_) bound(level);
 }
 
 /// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
@@ -209,6 +241,9 @@ void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double least_sha
       const auto [first, size] = OwnNumbers(partition, chunk);
       hexaplast::smooth(size, static_cast<U>(a), static_cast<U>(b), level.inverse.data() + first,
                         level.r.data() + first, level.d.data() + first, level.x.data() + first);
+      if (level.blocks.empty()) return;
+      level.blocks.add_inverse_product(chunk, static_cast<U>(b), level.r, level.d);
+      level.blocks.add_inverse_product(chunk, static_cast<U>(b), level.r, level.x);
     });
   }
   if (leaves_residual) subtract_product(level);
@@ -216,9 +251,12 @@ void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double least_sha
 
 template <class T>
 template <class Finer>
-void Multigrid<T>::restrict_to(const MultigridLevel<Finer>& finer, int coarse) {
+void Multigrid<T>::restrict_to(MultigridLevel<Finer>& finer, int coarse) {
   MultigridLevel<float>& level = coarse_[coarse];
-  const NodalMap& map = system_->coarse[coarse].mesh->restriction;
+  if (!finer.blocks.empty())  // into d, which prolong_from overwrites
+    parallel_for(finer.op->partition().num_chunks,
+                 [&](int chunk) { finer.blocks.follow_transposed(chunk, finer.r, finer.d); });
+  const NodalMap& map = operators_[coarse].mesh->restriction;
   const Partition& partition = level.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
@@ -234,6 +272,8 @@ void Multigrid<T>::restrict_to(const MultigridLevel<Finer>& finer, int coarse) {
     const auto [first, size] = OwnNumbers(partition, chunk);
     std::fill_n(level.x.begin() + static_cast<std::ptrdiff_t>(first), size, 0.0f);
   });
+  if (!finer.blocks.empty())
+    parallel_for(finer.op->partition().num_chunks, [&](int chunk) { finer.blocks.copy(chunk, finer.d, finer.r); });
 }
 
 /// d = P x of the coarse mesh, x += d, r -= A d.
@@ -241,7 +281,7 @@ template <class T>
 template <class Finer>
 void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
   const MultigridLevel<float>& level = coarse_[coarse];
-  const NodalMap& map = system_->coarse[coarse].mesh->prolongation;
+  const NodalMap& map = operators_[coarse].mesh->prolongation;
   const Partition& partition = finer.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
@@ -253,6 +293,7 @@ void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
       Finer* to = finer.d.data() + 4 * static_cast<std::size_t>(slot);
       for (int i = 0; i < 4; ++i) to[i] = static_cast<Finer>(sum[i]);
     }
+    if (!finer.blocks.empty()) finer.blocks.follow(chunk, finer.d);
     finer.fixed.clear(chunk, finer.d);
     const auto [first, size] = OwnNumbers(partition, chunk);
     for (std::size_t i = first; i < first + size; ++i) finer.x[i] += finer.d[i];
@@ -288,6 +329,8 @@ void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
     smooth(fine_, kSmoothing, kSmoothedShare, false);
   }
   std::copy(fine_.x.begin(), fine_.x.end(), z.begin());
+  if (!fine_.blocks.empty())
+    parallel_for(fine_.op->partition().num_chunks, [&](int chunk) { fine_.blocks.add_rigid_product(chunk, r, z); });
 }
 
 template class Multigrid<double>;

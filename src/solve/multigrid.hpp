@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <span>
+
+#include "hexaplast/mesh/coarse_mesh.hpp"
 #include "solve/cg_space.hpp"
+#include "solve/node_blocks.hpp"
 
 namespace hexaplast {
 
-/// One mesh of a multigrid cycle: A = P (diagonal + factor L) P, and the vectors of its smoother.
+/// One mesh of a multigrid cycle: A = P (diagonal + blocks + factor L) P, and the vectors of its smoother.
 template <class T>
 struct MultigridLevel {
   const ChunkedOperator<T>* op = nullptr;
   T factor = 0;
-  AlignedVector<T> diagonal, inverse;  ///< D, and 1 / diag(A)
-  bool has_diagonal = false;           ///< some of `diagonal` is not 0
+  AlignedVector<T> diagonal, inverse;  ///< D, and 1 / diag(A); 0 where a block has the inverse
+  SlotBlocks<T> blocks;
+  bool has_diagonal = false;  ///< some of `diagonal` is not 0
   FixedNumbers fixed;
   std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
   AlignedVector<T> x, r, d, Ad;
@@ -26,23 +31,27 @@ struct MultigridLevel {
 template <class T>
 class Multigrid final : public SlotPreconditioner<T> {
  public:
-  /// Takes the system's operators, diagonal and fixed degrees of freedom; finds the spectral radii anew.
-  void refer_to(const KernelSystem& system);
+  /// Takes the body's operators, and the diagonal, blocks and fixed degrees of freedom of `rest`; finds the spectral
+  /// radii anew.
+  void refer_to(const KernelBody& body, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
 
  private:
+  template <class Finer>
+  void restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMesh& mesh, MultigridLevel<float>& level);
   template <class U>
   void smooth(MultigridLevel<U>& level, int degree, double least_share, bool leaves_residual);
   template <class Finer>
-  void restrict_to(const MultigridLevel<Finer>& finer, int coarse);
+  void restrict_to(MultigridLevel<Finer>& finer, int coarse);
   template <class Finer>
   void prolong_from(int coarse, MultigridLevel<Finer>& finer);
   void cycle(int coarse);
 
   MultigridLevel<T> fine_;
   std::vector<MultigridLevel<float>> coarse_;
-  const KernelSystem* system_ = nullptr;
-  long diagonal_version_ = 0;  // KernelSystem::diagonal_version of the system that it refers to
+  std::span<const CoarseOperator> operators_;  // of the coarse meshes
+  std::vector<int> block_of_slot_;             // of a finer mesh: index, or -1; scratch
+  long diagonal_version_ = 0;                  // KernelSystem::diagonal_version of the system that it refers to
 };
 
 }  // namespace hexaplast

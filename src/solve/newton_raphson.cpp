@@ -63,7 +63,9 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
   while (report.iterations < settings_.iterations && report.status == NewtonStatus::kNotConverged) {
     ++report.iterations;
     const ConstrainedOperator A(system, {.mass = 0, .damping = 0, .stiffness = -1}, loose_);
-    report.linear_iterations += solver.solve(A, force_, increment_).iterations;
+    const SolveReport solved = solver.solve(A, force_, increment_);
+    report.linear_iterations += solved.iterations;
+    report.preconditioner = solved.preconditioner;
     require_finite(increment_, "displacement");
 
     double residual = 0, step = 1;

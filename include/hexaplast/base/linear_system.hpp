@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
+#include <span>
+#include <string_view>
+#include <vector>
+
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/chunked_operator.hpp"
@@ -9,22 +14,45 @@
 
 namespace hexaplast {
 
-/// A linear system in the form that the kernels solve: A = P (diagonal + factor L) P, L applied chunk by chunk on
-/// slots, P zeroing the degrees of freedom that are not free.
-struct KernelSystem {
+/// One body's part of a linear system: factor L, L applied chunk by chunk on slots.
+struct KernelBody {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
   const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null; beside
                                                              ///< double_operator it serves multigrid cycles alone
   const ChunkedOperator<double>* exact_operator = nullptr;   ///< beside single_operator: L in double, slower
   double factor = 0;                                         ///< of L
-  PointArray diagonal;                                       ///< num_nodes x 3
-  PointArray free;                                           ///< num_nodes x 3: 1 where free, 0 where fixed
-
-  long diagonal_version = 0;   ///< not 0: diagonal, free and diag(L) are those of every other system of this version
   double spectral_radius = 0;  ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
+  std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
+};
 
-  bool wants_coarse = false;           ///< asks for the operators on coarser meshes as well
-  std::vector<CoarseOperator> coarse;  ///< from fine to coarse; empty where the mesh has no lattice
+/// A symmetric operator F on nodal fields, of what the kernels do not know.
+class NodalOperator {
+ public:
+  virtual ~NodalOperator() = default;
+
+  /// Fp += F p. Allocates nothing when it was called before; the same bits for any number of threads.
+  virtual void add_product(ConstPoints p, Points Fp) const = 0;
+};
+
+/// A linear system in the form that the kernels solve: A = P (diagonal + sum of factor L over the bodies + F) P, P
+/// zeroing the degrees of freedom that are not free.
+struct KernelSystem {
+  std::vector<KernelBody> bodies;
+  const NodalOperator* others = nullptr;  ///< F; null: nothing else acts
+  PointArray diagonal;                    ///< num_nodes x 3
+  PointArray free;                        ///< num_nodes x 3: 1 where free, 0 where fixed
+  bool couples_coordinates = false;       ///< P does more than zero entries: LinearSystem::project is to be used
+
+  long diagonal_version = 0;  ///< not 0: diagonal, free and diag(L) are those of every other system of this version
+  bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
+
+  /// Before it is filled anew; what it allocated stays.
+  void clear() {
+    bodies.clear();
+    others = nullptr;
+    couples_coordinates = false;
+  }
+  bool is_one_body() const { return bodies.size() == 1 && !others && !couples_coordinates; }
 };
 
 /// A symmetric positive definite system A x = b over nodal fields, seen by its solvers.
@@ -43,9 +71,12 @@ class LinearSystem {
   /// z = an approximation of A^-1 r, symmetric and positive definite; the default is none (z = r).
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
 
-  /// Writes the system down for the kernels; false where it does not have that form. Allocates nothing when `system`
-  /// was filled before.
+  /// Writes the system down for the kernels; false where it does not have that form. `system` arrives cleared.
+  /// Allocates nothing when it was filled before.
   virtual bool to_kernels(KernelSystem& /*system*/) const { return false; }
+
+  /// field = P field, where KernelSystem::couples_coordinates.
+  virtual void project(Points /*field*/) const {}
 
   /// Size of the rounding errors in b: a residual as small as this cannot be improved.
   virtual double rounding() const { return 0; }
@@ -57,10 +88,24 @@ inline void require_sizes(const LinearSystem& A, ConstPoints b, ConstPoints x) {
   require_rows("solve", "x", x, A.num_nodes());
 }
 
+/// What makes the iterations of a linear solver few.
+enum class PreconditionedBy : int {
+  kNothing,        ///< also where there was nothing to solve
+  kDiagonal,       ///< Jacobi; blocks of nodes where terms couple their axes
+  kMultigrid,      ///< a V-cycle for each body
+  kFactorisation,  ///< of the matrix itself
+};
+inline constexpr std::array<std::string_view, 4> kPreconditionerNames = {"none", "diagonal", "multigrid",
+                                                                         "factorisation"};
+constexpr std::string_view name_of(PreconditionedBy preconditioner) {
+  return kPreconditionerNames[static_cast<std::size_t>(preconditioner)];
+}
+
 struct SolveReport {
   int iterations = 0;     ///< 1 for a direct solver
   double residual = 0;    ///< |b - A x| / |b| as the solver knows it (0 for a direct solver)
   bool converged = true;  ///< false: stopped before the tolerance, by the iteration limit or because A is singular
+  PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< that was used
 };
 
 /// Solves A x = b; x arrives with any content. Throws InputError where b or x has another number of rows than A nodes,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/base/linear_system.hpp"
+#include <span>
+
+#include "hexaplast/base/chunked_operator.hpp"
 #include "hexaplast/mesh/coarse_mesh.hpp"
 #include "hexaplast/state/linearization.hpp"
 
@@ -16,8 +18,9 @@ class ElementHierarchy {
  public:
   explicit ElementHierarchy(const Model& model);
 
-  /// The operators at the positions that `at` holds, into system.coarse; computed anew when these have changed.
-  void update(const Model& model, const Linearization& at, KernelSystem& system);
+  /// The operators at the positions that `at` holds, from fine to coarse; computed anew when these have changed. Valid
+  /// until the next call.
+  std::span<const CoarseOperator> update(const Model& model, const Linearization& at);
 
  private:
   struct Level {
@@ -27,8 +30,9 @@ class ElementHierarchy {
     ElementOperator<float, float> op;
   };
 
-  std::vector<Level> levels_;  // of Model::coarse_meshes
-  long revision_ = -1;         // Linearization::revision that the operators belong to
+  std::vector<Level> levels_;              // of Model::coarse_meshes
+  std::vector<CoarseOperator> operators_;  // of the levels
+  long revision_ = -1;                     // Linearization::revision that the operators belong to
 };
 
 }  // namespace hexaplast

@@ -40,11 +40,18 @@ struct Obstacle {
   double most_force = 0;   ///< [N] on a node; 0: no limit
   bool bilateral = false;  ///< both sides push back towards the plane
 
-  /// f += its forces. Returns the nodes that touch it, ascending.
-  std::vector<int> add_force(ConstPoints x, ConstPoints v, Points f) const;
+  /// The nodes that touch it, ascending, to which the stiffness below refers.
+  void touching_at(ConstPoints x, std::vector<int>& touching) const;
+
+  /// f += its forces.
+  void add_force(ConstPoints x, ConstPoints v, Points f) const;
 
   void add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const;
   void add_stiffness_blocks(std::span<const int> touching, double factor, BlockMatrix& A) const;
+
+ private:
+  double gap(ConstPoints x, int node) const { return x.row(node).dot(normal) - distance; }
+  bool touches(double d) const { return d < 0 || bilateral; }
 };
 
 }  // namespace hexaplast

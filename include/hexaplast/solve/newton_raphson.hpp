@@ -34,6 +34,7 @@ struct NewtonReport {
   int failed_line_searches = 0;  ///< iterations in which no tried step lowered the residual
   double initial_residual = 0;   ///< [N] |r_0|
   double residual = 0;           ///< [N] |r| at the end
+  PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< of the last linear solution
 };
 
 /// Static equilibrium, as SOFA's StaticSolver finds it: f(x) = 0 under constraints.               theory.md eq. 43

@@ -64,12 +64,14 @@ public:
 
     void reset();
 
+    /// What the guest has warned of, as messages of the host; the calls above do that themselves.
+    void pass_on_warnings();
+
 private:
     class State;
 
     /// Present positions of the host's state for the stand-in.
     void copy_positions();
-    void pass_on_warnings();
 
     SofaComponent& m_host;
     AttributeData& m_attributes;

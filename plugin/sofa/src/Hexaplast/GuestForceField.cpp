@@ -78,7 +78,7 @@ void GuestForceField::addDForce(const MechanicalParams* mparams, DataVecDeriv& d
 {
     const double factor =
         sofa::core::mechanicalparams::kFactorIncludingRayleighDamping(mparams, rayleighStiffness.getValue());
-    if (!works()) return;
+    if (!works() || m_leftOut) return;
     auto forces = sofa::helper::getWriteAccessor(df);
     if (forces.size() < dx.getValue().size()) forces.resize(dx.getValue().size());
     const double damping = mparams->bFactor();

@@ -49,6 +49,9 @@ public:
     /// The force field of ours, for those of our components that look inside; null before init and after an error.
     scene::ForceField* guest() const { return m_guest ? &m_guest->as<scene::ForceField>() : nullptr; }
 
+    /// From now on addDForce adds nothing: a solver of ours has the stiffness by other ways.
+    void leaveOutOfProducts(bool leftOut) { m_leftOut = leftOut; }
+
 protected:
     explicit GuestForceField(const attributes::Description& description);
 
@@ -68,6 +71,7 @@ private:
     AttributeData m_attributes;
     mutable std::optional<Guest> m_guest;
     BlockMatrix m_stiffness, m_damping;
+    bool m_leftOut = false;
 };
 
 }  // namespace hexaplast::sofa_plugin

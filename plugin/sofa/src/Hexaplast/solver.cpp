@@ -25,10 +25,9 @@ using sofa::core::behavior::BaseForceField;
 using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
 
-/// The system m M + b B + k K of a SOFA node as a system of ours. Where it consists of one body, lumped masses, loads
-/// without stiffness and constraints on coordinates, the kernels work on it; anything else is asked of SOFA product by
-/// product.
-class SofaSystem final : public LinearSystem
+/// The system m M + b B + k K of a SOFA node as a system of ours. The kernels work on our bodies, lumped masses and
+/// what of ours has a diagonal; whatever else acts is asked of SOFA product by product beside them.
+class SofaSystem final : public LinearSystem, private NodalOperator
 {
 public:
     /// in, out: vectors of SOFA to work with.
@@ -55,23 +54,42 @@ public:
 
     bool to_kernels(KernelSystem& system) const override
     {
-        system.double_operator = nullptr;
-        system.single_operator = nullptr;
-        if (!find_masses() || !find_free(system.free)) return false;
-        find_diagonal(system.diagonal);
+        system.diagonal_version = 0;
+        system.couples_coordinates = !find_free(system.free);
+        m_mass_of_others = masses_are_lumped() ? 0 : m_A.mparams.mFactor();
+        if (m_mass_of_others == 0)
+            find_diagonal(system.diagonal);
+        else
+            system.diagonal.setZero(num_nodes(), 3);
 
+        m_in_kernels.clear();
+        bool has_others = m_mass_of_others != 0;
         std::vector<BaseForceField*> fields;
         m_context.get<BaseForceField>(&fields, BaseContext::SearchDown);
         for (BaseForceField* field : fields)
         {
             if (dynamic_cast<BaseMass*>(field) || has_no_stiffness(*field)) continue;
             auto* ours = dynamic_cast<GuestForceField*>(field);
-            if (!ours || !ours->guest() || ours->getMState() != &m_state) return false;
-            const double factor = m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue();
-            if (!ours->guest()->to_kernels(factor, system)) return false;
-            ours->guest()->add_damping_diagonal(m_A.mparams.bFactor(), system.diagonal);
+            if (ours && (!ours->guest() || !ours->guest()->is_in_matrix())) continue;
+            const double factor =
+                ours ? m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue() : 0;
+            if (ours && ours->getMState() == &m_state && ours->guest()->to_kernels(factor, system))
+            {
+                ours->guest()->add_damping_diagonal(m_A.mparams.bFactor(), system.diagonal);
+                m_in_kernels.push_back(ours);
+            }
+            else
+                has_others = true;
         }
-        return system.double_operator || system.single_operator;
+        if (has_others && others_act()) system.others = this;
+        return true;
+    }
+
+    void project(Points field) const override
+    {
+        write(field, m_out);
+        m_A.parent->projectResponse(m_out);
+        field = read(m_out);
     }
 
     PointArray read(GraphScatteredVector& from) const
@@ -93,8 +111,42 @@ private:
         return name == "ConstantForceField" || name == "LinearForceField";
     }
 
+    /// Force fields of ours that SOFA's products are without while it lives.
+    class LeftOut
+    {
+    public:
+        explicit LeftOut(const std::vector<GuestForceField*>& fields) : m_fields(fields) { set(true); }
+        ~LeftOut() { set(false); }
+        LeftOut(const LeftOut&) = delete;
+
+    private:
+        void set(bool leftOut)
+        {
+            for (GuestForceField* field : m_fields) field->leaveOutOfProducts(leftOut);
+        }
+        const std::vector<GuestForceField*>& m_fields;
+    };
+
+    /// Fp += F p of what the kernels do not know.
+    void add_product(ConstPoints p, Points Fp) const override
+    {
+        write(p, m_in);
+        const LeftOut leftOut(m_in_kernels);
+        multiply(m_mass_of_others, m_A.mparams.bFactor(), m_A.mparams.kFactor());
+        Fp += view(m_state.read(m_out.id().getId(&m_state))->getValue());
+    }
+
+    /// Whether the others have an entry at all, as planes that nothing touches have none: a vector without any
+    /// regularity has a product then.
+    bool others_act() const
+    {
+        PointArray product = PointArray::Zero(num_nodes(), 3);
+        add_product(irregular_field(), product);
+        return !product.isZero(0);
+    }
+
     /// Whether all masses are lumped, act on this state, and do not damp by themselves.
-    bool find_masses() const
+    bool masses_are_lumped() const
     {
         std::vector<BaseMass*> masses;
         m_context.get<BaseMass>(&masses, BaseContext::SearchDown);
@@ -108,19 +160,38 @@ private:
                            });
     }
 
-    /// 1 where a degree of freedom is free, 0 where it is fixed; false where constraints couple coordinates or nodes.
-    /// Asked with a number of its own for every entry: equal ones lie in some oblique planes.
+    /// 1 where a degree of freedom is free, 0 where it is fixed; false where constraints couple coordinates or nodes,
+    /// and project more than that. Each axis by itself, with a number of its own at every node, so that no coupling is
+    /// taken for freedom.
     bool find_free(PointArray& free) const
     {
-        constexpr double golden_ratio = 1.6180339887498949;  // its multiples have no regularity modulo 1
-        PointArray numbers(num_nodes(), 3);
-        for (Eigen::Index i = 0; i < numbers.size(); ++i)
-            numbers.data()[i] = 0.5 + std::fmod(static_cast<double>(i + 1) * golden_ratio, 1.0);
-        write(numbers, m_out);
-        m_A.parent->projectResponse(m_out);
-        const PointArray projected = read(m_out);
-        free = (projected.array() == numbers.array()).cast<double>();
-        return (projected.array() == free.array() * numbers.array()).all();
+        free.setOnes(num_nodes(), 3);
+        bool by_coordinates = true;
+        const PointArray numbers = irregular_field();
+        PointArray field(num_nodes(), 3);
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            field.setZero();
+            field.col(axis) = numbers.col(axis);
+            project(field);
+            for (int n = 0; n < num_nodes(); ++n)
+            {
+                if (field(n, axis) == 0) free(n, axis) = 0;
+                field(n, axis) -= free(n, axis) * numbers(n, axis);
+            }
+            by_coordinates = by_coordinates && field.isZero(0);
+        }
+        return by_coordinates;
+    }
+
+    /// Numbers in [0.5, 1.5) without any regularity.
+    PointArray irregular_field() const
+    {
+        constexpr double golden_ratio = 1.6180339887498949;  // its multiples fill [0, 1) without a pattern
+        PointArray field(num_nodes(), 3);
+        for (Eigen::Index i = 0; i < field.size(); ++i)
+            field.data()[i] = 0.5 + std::fmod(static_cast<double>(i + 1) * golden_ratio, 1.0);
+        return field;
     }
 
     /// Diagonal of m M, from the product with a vector of ones.
@@ -142,6 +213,8 @@ private:
     MechanicalState& m_state;
     GraphScatteredMatrix& m_A;
     GraphScatteredVector &m_in, &m_out;
+    mutable std::vector<GuestForceField*> m_in_kernels;
+    mutable double m_mass_of_others = 0;  // factor of the masses in what the kernels do not know
 };
 
 class MultigridCGLinearSolver final
@@ -174,6 +247,10 @@ public:
                     const SolveReport report =
                         m_guest->as<scene::LinearSolver>().method().solve(system, system.read(b), solution);
                     system.write(solution, x);
+                    msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
+                               << ", |r| / |b| = " << report.residual;
+                    m_guest->as<scene::LinearSolver>().heed(report);
+                    m_guest->pass_on_warnings();
                     if (!report.converged)
                         msg_warning() << "stopped after " << report.iterations
                                       << " iterations with |r| / |b| = " << report.residual;

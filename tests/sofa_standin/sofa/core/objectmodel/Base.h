@@ -40,6 +40,7 @@ class Base {
   void addAlias(BaseData* data, const char* alias) { data_[alias] = data; }
 
   Data<ComponentState> d_componentState{"Whether it works."};
+  Data<bool> f_printLog{"Whether it says what it does."};
   bool isComponentStateInvalid() const { return d_componentState.getValue() == ComponentState::Invalid; }
 
  protected:

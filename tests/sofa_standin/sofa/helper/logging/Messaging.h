@@ -8,7 +8,7 @@
 
 namespace sofa_standin {
 
-enum class Severity { kWarning, kError };
+enum class Severity { kInfo, kWarning, kError };
 
 struct Message {
   Severity severity;
@@ -40,3 +40,8 @@ class MessageStream {
 
 #define msg_error(...) ::sofa_standin::MessageStream(::sofa_standin::Severity::kError __VA_OPT__(, ) __VA_ARGS__)
 #define msg_warning(...) ::sofa_standin::MessageStream(::sofa_standin::Severity::kWarning __VA_OPT__(, ) __VA_ARGS__)
+// in a component: said where its printLog asks for it
+#define msg_info()                    \
+  if (!this->f_printLog.getValue()) { \
+  } else                              \
+    ::sofa_standin::MessageStream(::sofa_standin::Severity::kInfo)

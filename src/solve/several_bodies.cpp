@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "solve/several_bodies.hpp"
+
+#include "hexaplast/base/parallel.hpp"
+
+namespace hexaplast {
+
+template <class T>
+void SeveralBodies::Cycle<T>::apply(const Partition& partition, const Eigen::VectorXd& weight, const PointArray& from,
+                                    PointArray& to) {
+  r.resize(4 * static_cast<std::size_t>(partition.num_slots), T(0));
+  z.resize(r.size(), T(0));
+  parallel_for(partition.num_nodes, [&](int n) {
+    T* slot = r.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
+    for (int i = 0; i < 3; ++i) slot[i] = static_cast<T>(weight[n] * from(n, i));
+  });
+  multigrid.apply(r, z);
+  parallel_for(partition.num_nodes, [&](int n) {
+    const T* slot = z.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
+    for (int i = 0; i < 3; ++i) to(n, i) += weight[n] * static_cast<double>(slot[i]);
+  });
+}
+
+void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
+  const auto find = [&]<class T>(const ChunkedOperator<T>& op, AlignedVector<T>& slots) {
+    const Partition& partition = op.partition();
+    part.partition = &partition;
+    slots.resize(4 * static_cast<std::size_t>(partition.num_slots));
+    find_diagonal(op, static_cast<T>(body.factor), slots);
+    part.stiffness.resize(partition.num_nodes, 3);
+    for (int n = 0; n < partition.num_nodes; ++n)
+      for (int i = 0; i < 3; ++i)
+        part.stiffness(n, i) = static_cast<double>(slots[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
+  };
+  part.is_single = body.single_operator != nullptr;
+  if (part.is_single)
+    find(*body.single_operator, part.in_single.r);
+  else
+    find(*body.double_operator, part.in_double.r);
+}
+
+void SeveralBodies::refer_to(const LinearSystem& A, const KernelSystem& system, const NodalPart& rest, bool cycles) {
+  A_ = &A;
+  couples_coordinates_ = system.couples_coordinates;
+  num_parts_ = system.bodies.size();
+  if (parts_.size() < num_parts_) parts_.resize(num_parts_);
+  inverse_ = rest.diagonal;
+  sum_.setZero(rest.diagonal.rows());
+  for (std::size_t i = 0; i < num_parts_; ++i) {
+    find_stiffness(system.bodies[i], parts_[i]);
+    inverse_ += parts_[i].stiffness;
+    sum_ += parts_[i].stiffness.rowwise().sum();
+  }
+  weight_of_rest_.resize(sum_.size());
+  for (Eigen::Index n = 0; n < sum_.size(); ++n) weight_of_rest_[n] = sum_[n] > 0 ? 0 : 1;
+
+  for (std::size_t i = 0; i < num_parts_; ++i) {
+    Part& part = parts_[i];
+    const KernelBody& body = system.bodies[i];
+    part.weight = part.stiffness.rowwise().sum();
+    for (Eigen::Index n = 0; n < sum_.size(); ++n) part.weight[n] = sum_[n] > 0 ? part.weight[n] / sum_[n] : 0;
+    part.cycles = cycles && !body.coarse.empty();
+    if (!part.cycles) {
+      weight_of_rest_ += part.weight;
+      continue;
+    }
+    part.diagonal = part.weight.asDiagonal() * rest.diagonal;
+    part.free = rest.free;
+    for (Eigen::Index n = 0; n < sum_.size(); ++n)
+      if (part.weight[n] == 0) part.free.row(n).setZero();
+    part.blocks.clear();
+    for (const auto& [node, block] : rest.blocks)
+      if (part.weight[node] > 0) part.blocks.push_back({node, part.weight[node] * block});
+    const NodalPart share{.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks};
+    if (part.is_single)
+      part.in_single.multigrid.refer_to(body, share);
+    else
+      part.in_double.multigrid.refer_to(body, share);
+  }
+
+  blocks_.clear();
+  for (const auto& [node, block] : rest.blocks) {
+    const BlockAxes along(inverse_.row(node).transpose(), block);
+    blocks_.push_back({node, along.axes * along.compliance().asDiagonal() * along.axes.transpose()});
+    for (int i = 0; i < 3; ++i)
+      if (along.is_coupled[i]) inverse_(node, i) = 0;
+  }
+  for (double& entry : inverse_.reshaped()) entry = entry > 0 ? 1 / entry : 0;
+}
+
+void SeveralBodies::apply(const PointArray& r, PointArray& z) {
+  z = weight_of_rest_.cwiseAbs2().asDiagonal() * inverse_.cwiseProduct(r);
+  for (const auto& [node, inverse] : blocks_)
+    z.row(node) += weight_of_rest_[node] * weight_of_rest_[node] * r.row(node) * inverse;  // symmetric
+  for (std::size_t i = 0; i < num_parts_; ++i) {
+    Part& part = parts_[i];
+    if (!part.cycles) continue;
+    if (part.is_single)
+      part.in_single.apply(*part.partition, part.weight, r, z);
+    else
+      part.in_double.apply(*part.partition, part.weight, r, z);
+  }
+  if (couples_coordinates_) A_->project(z);
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "solve/cg_space.hpp"
+#include "solve/multigrid.hpp"
+
+namespace hexaplast {
+
+/// The preconditioner of a system that is not one body's alone:
+///
+///   z = sum_i W_i B_i W_i r + W_0 D^-1 W_0 r        sum of all W = 1 at every node
+///
+/// B_i is a V-cycle for body i with W_i of what stands on the nodes beside the bodies, D the nodes' own blocks of A.
+/// The weight W_i of a body at a node is its share in the diagonal of all bodies there: 1 at nodes of its own. W_0 is
+/// left to bodies without coarse meshes and to nodes of no body.
+class SeveralBodies final : public NodalPreconditioner {
+ public:
+  /// rest: the system's diagonal and what stands for its other terms. `cycles`: whether bodies with coarse meshes get
+  /// V-cycles.
+  void refer_to(const LinearSystem& A, const KernelSystem& system, const NodalPart& rest, bool cycles);
+  void apply(const PointArray& r, PointArray& z) override;
+
+ private:
+  template <class T>
+  struct Cycle {
+    Multigrid<T> multigrid;
+    AlignedVector<T> r, z;
+    void apply(const Partition& partition, const Eigen::VectorXd& weight, const PointArray& r, PointArray& z);
+  };
+
+  struct Part {
+    bool cycles = false, is_single = false;
+    const Partition* partition = nullptr;
+    Eigen::VectorXd weight;  // per node
+    PointArray stiffness;    // diagonal of the body's operator
+    PointArray diagonal, free;
+    std::vector<NodeBlock> blocks;
+    Cycle<double> in_double;
+    Cycle<float> in_single;
+  };
+
+  void find_stiffness(const KernelBody& body, Part& part);
+
+  const LinearSystem* A_ = nullptr;
+  bool couples_coordinates_ = false;
+  std::vector<Part> parts_;  // of the bodies; those of an earlier system behind them
+  std::size_t num_parts_ = 0;
+  Eigen::VectorXd weight_of_rest_, sum_;
+  PointArray inverse_;             // of D, where no block has it
+  std::vector<NodeBlock> blocks_;  // inverse
+};
+
+}  // namespace hexaplast
