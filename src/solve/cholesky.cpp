@@ -101,10 +101,13 @@ void CholeskySolver::setup(const LinearSystem& A) {
     f.fill(matrix_);
   cholmod_l_factorize(f.lower, f.factor, &f.common);
   const auto status = f.common.status;
-  if (status >= CHOLMOD_OK && status != CHOLMOD_NOT_POSDEF) return;
+  const bool is_definite = status >= CHOLMOD_OK && status != CHOLMOD_NOT_POSDEF;
+  const bool is_finite = is_definite && cholmod_l_rcond(f.factor, &f.common) > 0;  // no pivot stands out of all numbers
+  if (is_finite) return;
 
   const auto pivot = f.factor->minor, size = f.factor->n;
   f.free_all();  // what it has become is no beginning for another
+  if (is_definite) throw NumericalError("Cholesky: the matrix is not finite");
   if (status == CHOLMOD_NOT_POSDEF)
     throw NumericalError(fmt::format(
         "Cholesky: the matrix is not positive definite (pivot of unknown {} of {} is not positive)", pivot, size));

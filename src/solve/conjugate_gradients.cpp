@@ -48,6 +48,13 @@ double finite_square(ConstPoints b) {
   return square;
 }
 
+/// p.Ap and r.z of finite vectors; throws NumericalError where the matrix, or its preconditioner, makes none of them.
+void require_finite(double p_Ap, double r_z) {
+  if (!std::isfinite(p_Ap) || !std::isfinite(r_z))
+    throw NumericalError(fmt::format(
+        "conjugate gradients: the matrix or its preconditioner is not finite (p.Ap = {}, r.z = {})", p_Ap, r_z));
+}
+
 }  // namespace
 
 ConjugateGradients::ConjugateGradients(ConjugateGradientSettings settings)
@@ -78,6 +85,7 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
     }
 
     const double curvature = space.product(iteration == 1 ? 0 : rho / rho_before);
+    require_finite(curvature, rho);
     if (curvature == 0 || (std::abs(curvature) <= settings_.threshold && !must_go_on)) {
       report.converged = true;
       break;
@@ -112,10 +120,11 @@ namespace {
 class Curvature {
  public:
   /// False where p.Ap is not positive, but no more than rounding: what is left of b lies outside the range of a
-  /// semi-definite A. Throws NumericalError where A is not semi-definite. typical(): p.Ap / p.Mp of a direction without
-  /// any regularity, asked for where there is no earlier one to compare with.
+  /// semi-definite A. Throws NumericalError where A is not semi-definite, or not finite. typical(): p.Ap / p.Mp of a
+  /// direction without any regularity, asked for where there is no earlier one to compare with.
   template <class Typical>
   bool is_positive(double r_z, double p_Ap, const Typical& typical) {
+    require_finite(p_Ap, r_z);
     const double beta = r_z_ > 0 ? r_z / r_z_ : 0;
     p_Mp_ = std::abs(r_z) + beta * beta * p_Mp_;
     r_z_ = r_z;
@@ -167,7 +176,7 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
   double rho = precondition(residual_);
   direction_ = preconditioned_;
   if (preconditioner_) report.preconditioner = PreconditionedBy::kFactorisation;
-  while (report.iterations < iterations_ && std::abs(rho) > tolerance_ * b_squared) {
+  while (report.iterations < iterations_ && !(std::abs(rho) <= tolerance_ * b_squared)) {
     if (rho < 0)
       throw NumericalError(
           fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", rho));
@@ -376,7 +385,7 @@ void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, 
   double rho_before = 0;
   bool first = true;
   Curvature curvature;
-  while (report.residual > enough && report.iterations < most_iterations) {
+  while (!(report.residual <= enough) && report.iterations < most_iterations) {
     const double rho = space.precondition();
     const double p_Ap = space.product(first ? 0 : rho / rho_before);
     if (!curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); })) {
@@ -419,7 +428,12 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   else
     x.setZero();
   double norm_r = spaces_->exact.compute(A, spaces_->system, b, x, r);
-  for (int k = 0; k < kMostCorrections && norm_r > enough * norm_b && report.iterations < iterations_; ++k) {
+  if (!std::isfinite(norm_r)) {  // the start was no number
+    x.setZero();
+    r = b;
+    norm_r = norm_b;
+  }
+  for (int k = 0; k < kMostCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
     run(space, r, nullptr, norm_r, std::max(0.5 * enough * norm_b / norm_r, kCorrection), iterations_, report);
     space.end(correction);
     x += correction;
