@@ -203,7 +203,7 @@ def test_what_a_scene_writes_lies_below_out(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     hexaplast.Scene(scene).run(1)
     assert (tmp_path / "state.txt").exists(), "otherwise in the working directory"
-    with pytest.raises(ValueError, match="is there already\n  hint: force=True replaces it"):
+    with pytest.raises(OSError, match="is there already\n  hint: force=True replaces it"):
         hexaplast.Scene(scene)
     hexaplast.Scene(scene, force=True).run(1)
     with pytest.raises(ValueError, match="hint: allow_outside=True permits that"):
