@@ -64,14 +64,15 @@ TEST_P(ShippedSceneInSofa, MovesAndFlowsAsInTheEmbeddedHost)
 }
 
 // Direct solvers; conjugate gradients, which stop at the tolerances of their scenes, take the differences of rounding
-// further.
+// further. The vessel's strands tear from step 62 on: what rounding differs by grows while they snap (1e-9 without
+// AVX-512).
 INSTANTIATE_TEST_SUITE_P(Bars, ShippedSceneInSofa,
                          testing::Values(Case{"bar_stretch_high", 300, 1e-9}, Case{"bar_stretch_low", 200, 1e-9},
                                          Case{"bar_twist_high", 200, 1e-9}, Case{"bar_twist_low", 200, 1e-9},
                                          Case{"bar_stretch_face", 200, 1e-9}),
                          [](const auto& info) { return info.param.scene; });
 INSTANTIATE_TEST_SUITE_P(Tissue, ShippedSceneInSofa,
-                         testing::Values(Case{"peritoneum_tear", 60, 1e-5}, Case{"vessel_mobilise", 60, 1e-9},
+                         testing::Values(Case{"peritoneum_tear", 130, 1e-5}, Case{"vessel_mobilise", 140, 1e-8},
                                          Case{"fatty_tissue", 60, 1e-5}, Case{"liver_cage", 60, 1e-5}),
                          [](const auto& info) { return info.param.scene; });
 
