@@ -185,6 +185,18 @@ TEST_F(MultigridSolver, KeepsToPlanesThroughTheDiagonal) {
   EXPECT_GT(x.row(4).norm(), 1e-3);
 }
 
+// SOFA takes a direction as it is given: 1 - n n^T reflects where |n|^2 is 2.
+TEST_F(MultigridSolver, WarnsOfPlanesThatDoNotProject) {
+  tissue.get<Held>()->has_slope = true;
+  tissue.get<Held>()->slope = Eigen::RowVector3d(1, -1, 0) / std::sqrt(2.0);
+  nodes.write(1)->beginEdit()->at(4) = {0.8, 0.8, -0.6};
+  solve();
+  EXPECT_EQ(said(), "");
+  tissue.get<Held>()->slope = Eigen::RowVector3d(1, -1, 0);
+  solve();
+  EXPECT_NE(said().find("needs a direction of length 1"), std::string::npos) << said();
+}
+
 TEST_F(MultigridSolver, SaysWhenItStopsEarly) {
   auto& spring = tissue.add(New<Spring>::make(), "spring");
   spring.init();

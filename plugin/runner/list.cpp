@@ -116,7 +116,8 @@ std::string hint_of(const std::string& name, const std::vector<std::string_view>
   if (!hint.empty()) return hint;
   std::vector<std::string_view> longer;
   std::ranges::copy_if(names, std::back_inserter(longer), [&](std::string_view other) {
-    return std::ranges::search(other, name, {}, ::tolower, ::tolower).begin() != other.end();
+    const auto same = [](unsigned char a, unsigned char b) { return ::tolower(a) == ::tolower(b); };
+    return std::search(other.begin(), other.end(), name.begin(), name.end(), same) != other.end();
   });
   constexpr std::size_t kMostNamed = 8;
   return longer.empty() || longer.size() > kMostNamed ? std::string()

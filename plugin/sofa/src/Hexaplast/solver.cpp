@@ -103,6 +103,16 @@ public:
         data->endEdit();
     }
 
+    /// Whether what the constraints leave of a vector is left by them once more.
+    bool constraints_project() const
+    {
+        PointArray once = irregular_field();
+        project(once);
+        PointArray twice = once;
+        project(twice);
+        return (twice - once).norm() <= 1e-9 * once.norm();
+    }
+
 private:
     /// Loads that SOFA's scenes prescribe.
     static bool has_no_stiffness(const BaseForceField& field)
@@ -229,6 +239,7 @@ public:
     {
         Inherit::init();
         m_guest.reset();
+        m_constraints_are_checked = false;
         attempt(*this,
                 [&] { m_guest.emplace(*this, attributes::kMultigridCGLinearSolver, m_attributes, nullptr, nullptr); });
     }
@@ -243,6 +254,7 @@ public:
                 [&]
                 {
                     const SofaSystem system(*getContext(), onlyState(), A, *in, *out);
+                    check_constraints(system);
                     PointArray solution(system.num_nodes(), 3);
                     const SolveReport report =
                         m_guest->as<scene::LinearSolver>().method().solve(system, system.read(b), solution);
@@ -279,8 +291,19 @@ private:
         return *found;
     }
 
+    /// Once, since a scene keeps its constraints.
+    void check_constraints(const SofaSystem& system)
+    {
+        if (!m_constraints_are_checked && !system.constraints_project())
+            msg_warning() << "a constraint is not a projection: what it projects twice differs from what it projects "
+                             "once, and its nodes leave the places that it should keep them at. "
+                             "FixedPlaneProjectiveConstraint needs a direction of length 1";
+        m_constraints_are_checked = true;
+    }
+
     AttributeData m_attributes;
     std::optional<Guest> m_guest;
+    bool m_constraints_are_checked = false;
 };
 
 }  // namespace
