@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Directories and disks that do not take a run: what stood there stays, and what was written can be read.
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 
 #include "output/json_file.hpp"
 #include "output/manifest.hpp"
+#include "support/compare.hpp"
 #include "support/vtu_reader.hpp"
 
 namespace hexaplast {
@@ -58,19 +63,35 @@ TEST(WholeFile, IsWrittenIntoANewPartAlone) {
   const fs::path file = scratch / "file", part = scratch / "file.part", victim = scratch / "victim";
   support::put(victim, "mine");
 
+  // a file that has the name is somebody's
+  support::put(part, "mine");
+  EXPECT_THROW(WholeFile{file}, OutputError);
+  EXPECT_EQ(content(part), "mine");
+  fs::remove(part);
+
   // what a killed run has left is taken away, not filled: another name of it keeps its content
-  fs::create_hard_link(victim, part);
+  if (const pid_t killed = fork(); killed == 0) {
+    WholeFile out(file);
+    std::_Exit(0);
+  } else {
+    ::waitpid(killed, nullptr, 0);
+  }
+  fs::create_hard_link(part, scratch / "left");
+  support::put(scratch / "left", "mine");
   {
     WholeFile out(file);
-    EXPECT_FALSE(fs::equivalent(victim, part));
+    EXPECT_FALSE(fs::equivalent(scratch / "left", part));
     out.write("new");
     EXPECT_THROW(WholeFile{file}, OutputError) << "somebody is writing it";
     EXPECT_TRUE(fs::exists(part));
     out.commit();
   }
-  EXPECT_EQ(content(victim), "mine");
+  EXPECT_EQ(content(scratch / "left"), "mine");
   EXPECT_EQ(content(file), "new");
+  std::ofstream(scratch / "plain") << "new";
+  EXPECT_EQ(fs::status(file).permissions(), fs::status(scratch / "plain").permissions()) << "as any file has them";
 
+  support::put(victim, "mine");
   for (const fs::path& target : {victim, scratch / "nothing"}) {
     fs::create_symlink(target, part);
     EXPECT_THROW(WholeFile{file}, OutputError);
@@ -98,11 +119,19 @@ TEST(InputFiles, AreKnownWhateverTheirNames) {
   support::put(scratch / "copy", "text");
   const InputFiles inputs({scratch / "link", scratch / "absent"});
   for (const char* name : {"scene", "link", "other", "./scene"}) {
-    EXPECT_TRUE(inputs.has(scratch / name)) << name;
+    EXPECT_EQ(inputs.replaced_by(scratch / name), scratch / name);
     EXPECT_THROW(output_place(scratch / name, inputs), OutputError);
   }
-  EXPECT_FALSE(inputs.has(scratch / "copy"));
-  EXPECT_FALSE(inputs.has(scratch / "absent"));
+  for (const char* name : {"copy", "absent"}) EXPECT_EQ(inputs.replaced_by(scratch / name), fs::path()) << name;
+
+  // an unfinished file takes a place too
+  fs::create_hard_link(scratch / "scene", scratch / "copy.part");
+  EXPECT_EQ(inputs.replaced_by(scratch / "copy"), scratch / "copy.part");
+  EXPECT_THROW(output_place(scratch / "copy", inputs), OutputError);
+  fs::create_symlink(scratch / "copy", scratch / "elsewhere");
+  EXPECT_THROW(output_place(scratch / "elsewhere", inputs), OutputError);
+  fs::create_symlink(scratch / "new.part", scratch / "astray");
+  for (const char* name : {"new.part", "astray"}) EXPECT_THROW(output_place(scratch / name), OutputError) << name;
 }
 
 TEST(JsonFile, OfMoreThanOneMayKeepIsRefused) {
@@ -148,6 +177,44 @@ TEST(LineFile, IsItsOwnAndFollowsNoLink) {
   Archive saved{std::span<const std::byte>(nothing)};
   EXPECT_THROW(output::LineFile(scratch / "history.csv", saved), OutputError);
   EXPECT_EQ(content(scratch / "victim"), "mine");
+}
+
+TEST(LineFile, LosesNoLineSilently) {
+  const Scratch scratch;
+  output::LineFile lines(scratch / "lines");
+  lines.append("1");
+  fs::rename(scratch / "lines", scratch / "moved");
+  lines.append("2");
+  EXPECT_EQ(content(scratch / "moved"), "1\n2\n");
+  fs::remove(scratch / "moved");
+  EXPECT_TRUE(support::refuses<OutputError>([&] { lines.append("3"); }, {"lines: has been taken away"}));
+}
+
+TEST(LineFile, SaysTheReasonOfTheSystem) {
+  const Scratch scratch;
+  for (const auto& [name, reason] : {std::pair(std::string(300, 'n'), "File name too long"),
+                                     {std::string("nowhere/lines"), "No such file or directory"}})
+    EXPECT_TRUE(support::refuses<OutputError>([&, name = name] { output::LineFile{scratch / name}; },
+                                              {name, std::string("cannot be opened for writing: ") + reason}));
+}
+
+// `--final /dev/stdout >> log`: the log would be replaced.
+TEST(OutputPlace, IsNothingThatIsOpen) {
+  const Scratch scratch;
+  support::put(scratch / "log", "mine");
+  const int log = ::open((scratch / "log").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  const std::string open_file = "/proc/self/fd/" + std::to_string(log);
+  fs::create_symlink(open_file, scratch / "link");
+  for (const fs::path& name : {fs::path(open_file), scratch / "link", fs::path("/dev/fd") / std::to_string(log)})
+    EXPECT_TRUE(support::refuses<OutputError>([&] { output_place(name); }, {name.string(), "to what is open"}));
+  ::close(log);
+  EXPECT_EQ(output_place("/dev/null"), "/dev/null");  // refused as no regular file when it is opened
+
+  fs::create_symlink("circle", scratch / "circle");
+  EXPECT_THROW(output_place(scratch / "circle"), OutputError);
+  fs::create_symlink("there", scratch / "first");
+  fs::create_symlink("first", scratch / "second");
+  EXPECT_EQ(output_place(scratch / "second"), fs::canonical(scratch / "") / "there") << "where nothing is yet";
 }
 
 TEST(Directory, ThatCannotBeMadeIsRefused) {

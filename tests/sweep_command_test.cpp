@@ -159,6 +159,14 @@ TEST_F(Sweep, TouchesNothingThatIsNotItsOwn) {
   EXPECT_EQ(scene.code, 5);
   EXPECT_NE(scene.err.find("found/sweep.svg: is an input"), std::string::npos) << scene.err;
   EXPECT_EQ(content(directory_ / "found/sweep.svg"), hexaplast::support::pulled_bar());
+  fs::create_directory(directory_ / "found/run_1");
+  for (const std::string name : {"found/run_1/summary.json", "found/sweep.csv.part"}) {
+    fs::copy_file(directory_ / "found/sweep.svg", directory_ / name);
+    const Outcome refused = hexaplast("sweep " + name + " --out found --vary body.youngModulus=1000,2000 --force");
+    EXPECT_EQ(refused.code, 5);
+    EXPECT_NE(refused.err.find(name + ": is an input of this sweep"), std::string::npos) << refused.err;
+    EXPECT_EQ(content(directory_ / name), hexaplast::support::pulled_bar());
+  }
 }
 
 TEST_F(Sweep, ARunThatFailsIsARowAndTheOthersGoOn) {

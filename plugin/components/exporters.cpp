@@ -34,7 +34,15 @@ class Exporter : public scene::Component {
       return node().files().claim(name, is_series);
     } catch (const scene::OutputRefusal& refusal) {
       reject("filename", refusal.what(), refusal.hint(), refusal.fault());
+    } catch (const OutputError& error) {
+      reject("filename", error.what());
+    } catch (const fs::filesystem_error& error) {
+      reject("filename", reason_of(error));
     }
+  }
+
+  static std::string reason_of(const fs::filesystem_error& error) {
+    return fmt::format("{}: {}", error.path1().string(), error.code().message());
   }
 
   bool writes() const { return node().files().rules.writes; }
@@ -46,6 +54,8 @@ class Exporter : public scene::Component {
       write();
     } catch (const OutputError& error) {
       throw scene::FileError(scene::format_error(place(), fmt::format("{}: {}", class_name(), error.what())));
+    } catch (const fs::filesystem_error& error) {
+      throw scene::FileError(scene::format_error(place(), fmt::format("{}: {}", class_name(), reason_of(error))));
     }
   }
 };

@@ -39,7 +39,8 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory, const Inpu
   for (const fs::path& file : found)
     if (fs::is_directory(file)) throw OutputError(file.string() + ": is a directory where a file belongs");
   for (const fs::path& file : found)
-    if (inputs.has(file)) throw OutputError(file.string() + ": is an input of this run, which would replace it");
+    if (const fs::path input = inputs.replaced_by(file); !input.empty())
+      throw OutputError(input.string() + ": is an input of this run, which would replace it");
   std::stable_partition(found.begin(), found.end(),
                         [](const fs::path& path) { return is_series(path.filename().string()); });
   return found;

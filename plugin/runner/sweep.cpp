@@ -113,11 +113,16 @@ void refuse_another_sweep(const Place& place, const Json& plan) {
 
 // Takes up a sweep that is there, or begins one. The directory is there, and ours alone.
 void open(const Place& place, const Json& plan, bool force, const InputFiles& inputs, SweepTable& table) {
+  const auto require_no_input = [&](const fs::path& file) {
+    if (const fs::path input = inputs.replaced_by(file); !input.empty())
+      throw output::OutputError(input.string() + ": is an input of this sweep");
+  };
   const std::vector<fs::path> contents = place.contents(table.num_runs());
   for (const fs::path& file : contents) {
     if (fs::is_symlink(file)) throw output::OutputError(file.string() + kIsLink);
-    if (inputs.has(file)) throw output::OutputError(file.string() + ": is an input of this sweep");
+    require_no_input(file);
   }
+  for (long run = 0; run < table.num_runs(); ++run) require_no_input(place.summary(run));
   if (fs::exists(place.plan()) && !force) {
     refuse_another_sweep(place, plan);
     if (fs::exists(place.table())) table.read(place.table());

@@ -93,7 +93,7 @@ fs::path OutputFiles::resolved(const fs::path& name) const {
   if (fs::is_symlink(file, unknown)) {
     if (!rules.allows_outside)
       refuse(fmt::format("'{}' is a symbolic link, which is not followed", file.string()), rules.how_outside);
-    file = fs::weakly_canonical(file);
+    file = output_place(file);
   }
   const fs::path folder = fs::weakly_canonical(file.parent_path());
   const bool is_inside = is_below(folder, directory);
@@ -114,7 +114,7 @@ void OutputFiles::require_free(const fs::path& file) const {
   const fs::file_status status = fs::symlink_status(file, unknown);
   if (fs::is_symlink(status)) refuse(fmt::format("'{}' is a symbolic link, which is not followed", file.string()));
   if (!fs::is_regular_file(status)) refuse(fmt::format("'{}' is not a file", file.string()));
-  if (inputs.has(file))
+  if (!inputs.replaced_by(file).empty())
     refuse(fmt::format("'{}' is read by this scene, and what is read is never written over", file.string()));
   if (!rules.replaces && !begun_.contains(file))
     refuse(fmt::format("'{}' is there already", file.string()), rules.how_to_replace, Fault::kFiles);
@@ -146,6 +146,7 @@ void OutputFiles::prepare(const fs::path& file) {
     if (begun_.contains(file)) return;
     require_free(file);
     fs::create_directories(file.parent_path());
+    if (rules.replaces) fs::remove(part_of(file));  // whosever it was: the claim has found it
     begun_.insert(file);
   });
 }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <system_error>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/readable_file.hpp"
@@ -22,8 +23,13 @@ namespace {
 /// to, lies elsewhere.
 std::FILE* open_here(const fs::path& path, int flags, const char* mode) {
   const int handle = ::open(path.c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (handle < 0 && fs::is_symlink(path)) throw OutputError(path.string() + kIsLink);
-  std::FILE* file = handle < 0 ? nullptr : ::fdopen(handle, mode);
+  if (handle < 0) {
+    const int reason = errno;
+    std::error_code unknown;
+    if (fs::is_symlink(path, unknown)) throw OutputError(path.string() + kIsLink);
+    throw OutputError(path, "cannot be opened for writing", reason);
+  }
+  std::FILE* file = ::fdopen(handle, mode);
   if (!file) throw OutputError(path, "cannot be opened for writing", errno);
   struct stat found {};
   if (::fstat(handle, &found) != 0 || found.st_nlink > 1) {
@@ -70,6 +76,9 @@ void LineFile::append(std::string_view lines) {
   add(lines);
   add("\n");
   if (std::fflush(file_) != 0) throw OutputError(path_, "cannot be written", errno);
+  struct stat ours {};
+  if (::fstat(::fileno(file_), &ours) == 0 && ours.st_nlink == 0)
+    throw OutputError(path_.string() + ": has been taken away while it was written");
 }
 
 void LineFile::add(std::string_view text) {

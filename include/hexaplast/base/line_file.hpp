@@ -12,7 +12,7 @@
 namespace hexaplast {
 
 /// A text file that grows by whole lines; they have left the program when append() returns, so that a killed run keeps
-/// them all. It is opened once, and written through that: what becomes of its name meanwhile does not matter.
+/// them all. It is opened once, and written through that, whatever becomes of its name; without any, lines are refused.
 class LineFile {
  public:
   /// Creates the file. Throws OutputError where something is there, be it a symbolic link.

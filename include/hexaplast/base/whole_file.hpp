@@ -32,20 +32,25 @@ class InputFiles {
     for (const std::filesystem::path& file : files) add(file);
   }
   void add(const std::filesystem::path& file);  ///< nothing where there is none
-  bool has(const std::filesystem::path& file) const;
+
+  /// The one that is lost where `output` is written, be it as its unfinished file; empty: none.
+  std::filesystem::path replaced_by(const std::filesystem::path& output) const;
 
  private:
   std::set<std::pair<std::uint64_t, std::uint64_t>> files_;
 };
 
 /// The file that a name from a command line stands for: where a symbolic link is there, the one that it leads to.
-/// Throws OutputError where it is one of `inputs`, and for a link below one of `runs`, directories that a stranger may
-/// have filled.
+/// Throws OutputError where one of `inputs` would be lost, for the name of an unfinished file, and for a link below one
+/// of `runs`, directories that a stranger may have filled.
 std::filesystem::path output_place(const std::filesystem::path& file, const InputFiles& inputs = {},
                                    const std::vector<std::filesystem::path>& runs = {});
 
 /// Ending of the names of unfinished files.
 inline constexpr std::string_view kPart = ".part";
+
+/// The unfinished file of one.
+inline std::filesystem::path part_of(std::filesystem::path file) { return file += kPart; }
 
 /// The name that an unfinished file is to have; every other one as it is.
 inline std::string_view without_part(std::string_view name) {
@@ -55,7 +60,7 @@ inline std::string_view without_part(std::string_view name) {
 /// A file that is either there whole or not there at all: written as `<name>.part` beside its place, then flushed to
 /// disk and renamed. A file or symbolic link that stood at its place before stays until then, and links are never
 /// followed; what is neither is refused. The part is always a new file. One that a killed run has left is removed, but
-/// not one that somebody is writing. Every failure is an OutputError.
+/// not one that somebody is writing, nor a file of that name that is none of ours. Every failure is an OutputError.
 class WholeFile {
  public:
   explicit WholeFile(std::filesystem::path path);
