@@ -107,6 +107,86 @@ TEST_F(SceneOutput, IsRefusedByCheckAsByRun) {
   expect_error("run bar.scn", 3, "state.txt' is there already");
 }
 
+// A run makes last.json.part before it makes last.json.
+TEST_F(SceneOutput, WhatIsReadIsNoUnfinishedFileEither) {
+  const std::string text = content(directory_ / "bar.scn");
+  fs::rename(directory_ / "bar.scn", directory_ / "last.vtu.part");
+  fs::copy_file(directory_ / "skin.obj", directory_ / "page.html.part");
+  for (const char* arguments :
+       {"run last.vtu.part --write-below sub --final last.vtu",
+        "run last.vtu.part --write-below sub --summary last.vtu", "mesh export last.vtu.part --format vtu -o last.vtu"})
+    expect_error(arguments, 5, "last.vtu.part: is an input, and will not be written over");
+  EXPECT_EQ(content(directory_ / "last.vtu.part"), text);
+
+  // nor is a file of the user's that has the name, nor can such a name be asked for
+  write("bar.scn", writing_bar(""));
+  expect_error("run bar.scn --final page.html", 5, "page.html.part: is in the way, and no unfinished file");
+  expect_error("mesh export bar.scn --format vtu -o page.html", 5, "page.html.part: is in the way");
+  EXPECT_EQ(content(directory_ / "page.html.part"), kSkin);
+  expect_error("run bar.scn --final a.json.part --summary a.json", 5, "a.json.part: ends in .part");
+}
+
+// An earlier run goes only when all files of the new one can be made.
+TEST_F(SceneOutput, ThatCannotBeMadeIsRefusedBeforeAnythingIsRemoved) {
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0").code, 0);
+  const std::string history = content(directory_ / "run/history.csv");
+  const auto exporting = [&](const std::string& kind, const std::string& name) {
+    write("long.scn", writing_bar("<" + kind + " filename='" + name + "'/>"));
+    return std::string(" long.scn --out run --force");
+  };
+  const std::string series = "VTKExporter exportEveryNumberOfSteps='1'";
+  for (const char* command : {"run", "check"}) {
+    expect_error(command + exporting("WriteState", "sub/" + std::string(251, 'n')), 3, "is too long a name");
+    expect_error(command + exporting(series, std::string(237, 'n')), 3, "is too long a name");
+    expect_error(command + exporting("WriteState", std::string(300, 'n') + "/state.txt"), 3, "long.scn:1: error: ");
+    expect_error(command + exporting("WriteState", std::string(300, 'n')), 3, "nnn: File name too long");
+    EXPECT_EQ(error_of(std::string("check") + exporting(series, std::string(236, 'n')), 0), "");
+    expect_error(command + exporting("WriteState", "/proc/self/attr/new/x") + " --allow-outside", 3, "is no directory");
+  }
+  EXPECT_EQ(content(directory_ / "run/history.csv"), history);
+  EXPECT_EQ(fs::exists(directory_ / "run/sub"), false);
+
+  // whom the system lets write everywhere cannot see this
+  if (::geteuid() == 0) return;
+  fs::create_directory(directory_ / "run/sub");
+  fs::permissions(directory_ / "run/sub", fs::perms::owner_read | fs::perms::owner_exec);
+  for (const char* command : {"run", "check"})
+    expect_error(command + exporting("WriteState", "sub/state.txt"), 5,
+                 "run/sub' cannot be written: Permission denied");
+  EXPECT_EQ(content(directory_ / "run/history.csv"), history);
+}
+
+// What several programs write into one directory is not told apart, and nor is what is open told from a file.
+TEST_F(SceneOutput, IsOneProgramsAtATime) {
+  for (const std::string& where : {std::string(), std::string(" --write-below sub/new")}) {
+    const std::string line = "'" HEXAPLAST_COMMAND "' run bar.scn --quiet --steps 1000000000" + where;
+    const Outcome outcome = shell("sh -c \"" + line + " & until test -e ./" + (where.empty() ? "" : "sub/new/") +
+                                  "state.txt; do sleep 0.01; done; '" HEXAPLAST_COMMAND "' run bar.scn --force" +
+                                  where + "; code=\\$?; kill \\$!; wait; exit \\$code\"");
+    EXPECT_EQ(outcome.code, 5) << outcome.err;
+    EXPECT_NE(outcome.err.find("another run or sweep is at work there"), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(error_of("run bar.scn --force", 0), "") << "nothing keeps the next one out";
+  EXPECT_EQ(error_of("run bar.scn --set root/state.filename=" + (directory_ / "sub/x.txt").string() +
+                         " --allow-outside --write-below nowhere/deep",
+                     0),
+            "");
+  EXPECT_FALSE(fs::exists(directory_ / "nowhere")) << "nothing is written there";
+}
+
+TEST_F(SceneOutput, ReplacesNothingThatIsOpen) {
+  write("log", "mine\n");
+  const std::string into_log = "sh -c \"'" HEXAPLAST_COMMAND "' run bar.scn --quiet --force ";
+  for (const char* arguments :
+       {"--final /dev/stdout", "--summary /dev/stdout", "--allow-outside --set root/state.filename=/dev/stdout"}) {
+    const Outcome outcome = shell(into_log + arguments + " >> log\"");
+    EXPECT_TRUE(outcome.code == 5 || outcome.code == 3) << arguments;
+    EXPECT_NE(outcome.err.find("/dev/stdout: is a link of the system's to what is open"), std::string::npos)
+        << outcome.err;
+  }
+  EXPECT_EQ(content(directory_ / "log"), "mine\n");
+}
+
 TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
   fs::create_hard_link(directory_ / "bar.scn", directory_ / "same.scn");
   fs::create_symlink("skin.obj", directory_ / "link.obj");

@@ -24,9 +24,9 @@ void add_allow_outside(CLI::App& command, scene::OutputRules& rules) {
                    "Let the scene's components write outside of the run's directory: absolute names, .., links");
 }
 
-void add_output_rules(CLI::App& command, scene::OutputRules& rules) {
+void add_output_rules(CLI::App& command, scene::OutputRules& rules, const char* force_help) {
   add_allow_outside(command, rules);
-  command.add_flag("--force", rules.replaces, "Replace files of an earlier run");
+  command.add_flag("--force", rules.replaces, force_help);
 }
 
 void add_write_below(CLI::App& command, std::optional<path>& write_below) {
@@ -52,6 +52,12 @@ scene::OutputRules rules_beside(OwnFiles own, path directory, scene::OutputRules
   rules.directory = std::move(directory);
   rules.is_taken = [own = std::move(own)](const path& file) { return own.has(file); };
   return rules;
+}
+
+bool writes_into(const scene::OutputFiles& files, const path& directory) {
+  return std::ranges::any_of(files.claimed(), [&](const std::string& file) {
+    return *path(file).lexically_relative(settled(directory)).begin() != "..";
+  });
 }
 
 }  // namespace hexaplast::runner

@@ -14,7 +14,8 @@ namespace hexaplast::runner {
 void add_allow_outside(CLI::App& command, scene::OutputRules& rules);
 
 /// The same, and --force.
-void add_output_rules(CLI::App& command, scene::OutputRules& rules);
+void add_output_rules(CLI::App& command, scene::OutputRules& rules,
+                      const char* force_help = "Replace files of an earlier run");
 
 /// Defines --write-below, which --out excludes, for commands where that is the directory of a run.
 void add_write_below(CLI::App& command, std::optional<std::filesystem::path>& write_below);
@@ -31,5 +32,8 @@ struct OwnFiles {
 
 /// The rules of what a scene's components write into `directory`, beside the command's own files.
 scene::OutputRules rules_beside(OwnFiles own, std::filesystem::path directory, scene::OutputRules rules);
+
+/// Whether a scene's components write anything into `directory`, or below it.
+bool writes_into(const scene::OutputFiles& files, const std::filesystem::path& directory);
 
 }  // namespace hexaplast::runner

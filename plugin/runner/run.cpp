@@ -37,6 +37,9 @@ namespace {
 
 using std::filesystem::path;
 
+/// What its files and those of the scene's components lie below.
+path directory_of(const RunOptions& options) { return options.out.value_or(options.write_below.value_or(".")); }
+
 /// Where a file goes that the command line names.
 path place_of(const path& file, const RunOptions& options, const InputFiles& inputs) {
   std::vector<path> below;
@@ -52,7 +55,7 @@ path place_of(const path& file, const RunOptions& options, const InputFiles& inp
 SceneOptions scene_of(const RunOptions& options, bool goes_on) {
   SceneOptions scene = options.scene;
   scene.output = rules_beside({options.out, {options.final_state, options.summary, options.video}},
-                              options.out.value_or(options.write_below.value_or(".")), scene.output);
+                              directory_of(options), scene.output);
   scene.output.replaces |= goes_on;  // they are its own
   return scene;
 }
@@ -342,8 +345,11 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (start) restore(simulation, *start);
 
   std::optional<DirectoryLock> lock;
-  if (options.out) output::make_directory(*options.out);
-  if (options.out && !start) lock.emplace(*options.out);
+  if (const path directory = directory_of(options);
+      options.out || writes_into(simulation.scene().root().files(), directory)) {
+    output::make_directory(directory);
+    if (!start) lock.emplace(directory);
+  }
 
   // Opened before the first step, so that a long run does not end in a file that cannot be written; the recorder last,
   // because it takes an earlier run's files away.

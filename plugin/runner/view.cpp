@@ -13,6 +13,7 @@
 #include "hexaplast/base/text.hpp"
 #include "output/recorder.hpp"
 #include "runner/boundary_conditions.hpp"
+#include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/output_options.hpp"
@@ -107,6 +108,8 @@ int view(const ViewOptions& options) {
   scene.output = rules_beside({.named = {options.final_state, options.picture}}, options.pictures, scene.output);
   Simulation simulation(scene);
   const InputFiles& inputs = simulation.scene().root().files().inputs;
+  std::optional<DirectoryLock> lock;
+  if (writes_into(simulation.scene().root().files(), options.pictures)) lock.emplace(options.pictures);
   std::optional<path> picture;
   if (options.picture) picture = output_place(*options.picture, inputs);
   std::optional<output::WholeFile> final_state;

@@ -2,9 +2,13 @@
 #include "scene/output_files.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <limits>
 
 #include "hexaplast/base/text.hpp"
 
@@ -38,6 +42,21 @@ bool is_below(const fs::path& folder, const fs::path& directory) {
 bool is_there(const fs::path& file) {
   std::error_code unknown;
   return fs::exists(fs::symlink_status(file, unknown));
+}
+
+/// Refuses a file that could not be made, as far as that can be told without making it: folders are made for it.
+void require_room(const fs::path& file) {
+  fs::path folder = file.parent_path();
+  while (!is_there(folder)) folder = folder.parent_path();
+  std::error_code unknown;
+  if (!fs::is_directory(folder, unknown)) refuse(fmt::format("'{}' is no directory", folder.string()));
+  const long most = ::pathconf(folder.c_str(), _PC_NAME_MAX);  // -1: unknown
+  for (const fs::path& word : part_of(file).lexically_relative(folder))
+    if (most > 0 && word.native().size() > static_cast<std::size_t>(most))
+      refuse(fmt::format("'{}' is too long a name: with all that is put behind it, {} bytes are the most",
+                         word.string(), most));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    refuse(fmt::format("'{}' cannot be written: {}", folder.string(), std::strerror(errno)), {}, Fault::kFiles);
 }
 
 /// The files of a folder; none where there is no folder.
@@ -136,6 +155,9 @@ fs::path OutputFiles::claim(const fs::path& name, bool is_series) {
   require_free(is_series ? fs::path(fmt::format("{}0{}", wanted.place.string(), kSeriesEnding)) : wanted.place);
   for (const fs::path& file : files_in(wanted.place.parent_path()))
     if (wanted.has(file)) require_free(file);
+  require_room(
+      is_series ? fs::path(fmt::format("{}{}{}", wanted.place.string(), std::numeric_limits<int>::max(), kSeriesEnding))
+                : wanted.place);
   claims_.push_back(wanted);
   return wanted.place;
 }
