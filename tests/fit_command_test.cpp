@@ -128,6 +128,50 @@ TEST_F(Fit, MistakesOfTheCurveAreNamedWithTheirLine) {
   EXPECT_EQ(hexaplast("fit bar.scn --target absent.csv --free body.youngModulus=500:50000").code, 5);
 }
 
+TEST_F(Fit, WhatCannotBeWrittenIsFoundBeforeTheFirstEvaluation) {
+  write("bar.scn", hexaplast::support::pulled_bar());
+  write("curve.csv", "force, elongation\n12.5, 0.02\n50, 0.08\n");
+  const auto fit = [&](const std::string& scene, const std::string& curve, const std::string& more) {
+    return hexaplast("fit " + scene + " --target " + curve + " --free body.youngModulus=500:50000 --out d " + more);
+  };
+  const auto expect_refused = [&](const Outcome& outcome, const std::string& message) {
+    EXPECT_EQ(outcome.code, 5) << outcome.err;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err.find("residual"), std::string::npos) << "nothing has been run: " << outcome.err;
+  };
+  fs::create_directory(directory_ / "d");
+
+  // inputs that lie where it writes
+  for (const char* name : {"d/fit.svg", "d/fit.json", "d/fit.svg.part"}) {
+    fs::copy_file(directory_ / "bar.scn", directory_ / name);
+    expect_refused(fit(name, "curve.csv", "--force"), std::string(name) + ": is an input");
+    EXPECT_EQ(content(directory_ / name), hexaplast::support::pulled_bar());
+    fs::remove(directory_ / name);
+    fs::copy_file(directory_ / "curve.csv", directory_ / name);
+    expect_refused(fit("bar.scn", name, "--force"), std::string(name) + ": is an input");
+    EXPECT_EQ(content(directory_ / name), content(directory_ / "curve.csv"));
+    fs::remove(directory_ / name);
+  }
+
+  write("d/fit.svg", "mine");
+  expect_refused(fit("bar.scn", "curve.csv", ""), "d: holds an earlier fit (fit.svg); --force replaces it");
+  EXPECT_EQ(content(directory_ / "d/fit.svg"), "mine");
+  fs::remove(directory_ / "d/fit.svg");
+  fs::create_directory(directory_ / "d/fit.svg");
+  expect_refused(fit("bar.scn", "curve.csv", "--force"), "d/fit.svg: is not a regular file");
+  fs::remove(directory_ / "d/fit.svg");
+
+  // a disk that is full at the end takes the files, not the values
+  const Outcome full =
+      shell("sh -c \"(trap '' XFSZ; ulimit -f 0; '" HEXAPLAST_COMMAND
+            "' fit bar.scn --target curve.csv --free body.youngModulus=500:50000 --out d 2>&1) | cat\"");
+  EXPECT_NE(full.out.find("--set body.youngModulus="), std::string::npos) << full.out;
+  EXPECT_NE(full.out.find("fit.json.part: cannot be written: File too large"), std::string::npos) << full.out;
+  EXPECT_TRUE(fs::is_empty(directory_ / "d"));
+  EXPECT_EQ(fit("bar.scn", "curve.csv", "").code, 0);
+}
+
 TEST_F(Fit, MistakesOfTheCommandLineEndWith2) {
   write("bar.scn", hexaplast::support::pulled_bar());
   write("curve.csv", "force,elongation\n10,0.02\n50,0.1\n");

@@ -191,7 +191,7 @@ class Picture {
 
 }  // namespace
 
-void write_xy_plot(const std::filesystem::path& file, const std::string& title, std::span<const XYGrid> grids) {
+void write_xy_plot(WholeFile& out, const std::string& title, std::span<const XYGrid> grids) {
   Picture picture;
   double width = kLeastWidth, bottom = kTop;
   for (const XYGrid& grid : grids) {
@@ -203,7 +203,6 @@ void write_xy_plot(const std::filesystem::path& file, const std::string& title, 
   width += kLeft + kRight;
   const double height = bottom + kBottom;
 
-  WholeFile out(file);
   out.write(
       fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                   "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\"\n"
@@ -213,6 +212,11 @@ void write_xy_plot(const std::filesystem::path& file, const std::string& title, 
   out.write(picture.svg().text());
   out.write("</svg>\n");
   out.commit();
+}
+
+void write_xy_plot(const std::filesystem::path& file, const std::string& title, std::span<const XYGrid> grids) {
+  WholeFile out(file);
+  write_xy_plot(out, title, grids);
 }
 
 }  // namespace hexaplast::output

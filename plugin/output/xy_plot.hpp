@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "hexaplast/base/whole_file.hpp"
+
 namespace hexaplast::output {
 
 /// Points, or a line through them, in the order given.
@@ -41,6 +43,7 @@ struct XYGrid {
 
 /// Writes the grids, one below the other, as one SVG picture. Curves of the same name and colour stand in the legend
 /// once. Throws OutputError.
+void write_xy_plot(WholeFile& file, const std::string& title, std::span<const XYGrid> grids);
 void write_xy_plot(const std::filesystem::path& file, const std::string& title, std::span<const XYGrid> grids);
 
 }  // namespace hexaplast::output

@@ -95,6 +95,20 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   return record;
 }
 
+/// What is read, and so never written over.
+InputFiles inputs_of(const BenchOptions& options) {
+  InputFiles inputs;
+  if (!options.scene.file.empty()) {
+    SceneOptions scene_options = options.scene;
+    scene_options.output.writes = false;
+    scene::Scene scene = read_scene(scene_options);
+    scene.init();  // meshes are read then
+    inputs = scene.root().files().inputs;
+  }
+  if (options.baseline) inputs.add(*options.baseline);
+  return inputs;
+}
+
 bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
   bench::Options wanted;
   wanted.sizes.clear();
@@ -132,7 +146,7 @@ void bench(const BenchOptions& options) {
   std::vector<bench::Record> baseline;
   if (options.baseline) baseline = bench::read_json(*options.baseline);
   std::optional<output::WholeFile> json;
-  if (options.json && prints) json.emplace(output_place(*options.json, InputFiles({options.scene.file})));
+  if (options.json && prints) json.emplace(output_place(*options.json, inputs_of(options)));
 
   bench::Outcome outcome;
   if (options.scene.file.empty()) {

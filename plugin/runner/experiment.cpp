@@ -121,6 +121,8 @@ Experiment::Experiment(SceneOptions scene, TargetCurve target, std::optional<lon
   scene_.output.writes = false;  // hundreds of runs that are only tried
   Simulation simulation(with(assignments));
   required_body(simulation);
+  inputs_ = simulation.scene().root().files().inputs;
+  inputs_.add(target_.file);
   if (moments_.empty())
     moments_ = moments_of(target_, pulls_of(simulation, required_steps(simulation, steps)), simulation.dt());
   for (const TargetCurve::Column& column : target_.columns)

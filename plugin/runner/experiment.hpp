@@ -36,12 +36,14 @@ class Experiment {
   std::vector<double> residuals(const std::vector<std::vector<double>>& values) const;
 
   const TargetCurve& target() const { return target_; }
+  const InputFiles& inputs() const { return inputs_; }  ///< what the scene reads, and the curve
 
  private:
   SceneOptions with(const std::vector<std::string>& assignments) const;
 
   SceneOptions scene_;
   TargetCurve target_;
+  InputFiles inputs_;
   std::vector<double> moments_;   // [s] per row, not descending
   std::vector<double> greatest_;  // per column: size of its greatest value
 };

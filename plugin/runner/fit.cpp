@@ -18,6 +18,7 @@
 #include "output/history_panels.hpp"
 #include "output/xy_plot.hpp"
 #include "runner/calibration.hpp"
+#include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/experiment.hpp"
 #include "runner/free_attribute.hpp"
@@ -188,8 +189,28 @@ void print(const Result& result, const TargetCurve& target, const FitOptions& op
   fmt::print("{}\n", printable_line(fmt::format("{}", fmt::join(set_words(result), " "))));
 }
 
-void write_json(const std::filesystem::path& file, const Result& result, const TargetCurve& target,
-                const std::string& scene_hash, const std::vector<std::string>& warnings, const FitOptions& options) {
+/// What a fit writes, opened before the first evaluation, so that a long one does not end in a file that cannot be
+/// written.
+struct FitFiles {
+  FitFiles(const std::filesystem::path& directory, const InputFiles& inputs)
+      : lock(directory),
+        json(output_place(directory / "fit.json", inputs, {directory})),
+        svg(output_place(directory / "fit.svg", inputs, {directory})) {}
+  DirectoryLock lock;
+  output::WholeFile json, svg;
+};
+
+/// The directory is there, and holds no earlier fit that must stay.
+void prepare_place(const std::filesystem::path& directory, bool force) {
+  output::make_directory(directory);
+  for (const char* name : {"fit.json", "fit.svg"})
+    if (std::filesystem::exists(directory / name) && !force)
+      throw output::OutputError(
+          fmt::format("{}: holds an earlier fit ({}); --force replaces it", directory.string(), name));
+}
+
+void write_json(output::WholeFile& out, const Result& result, const TargetCurve& target, const std::string& scene_hash,
+                const std::vector<std::string>& warnings, const FitOptions& options) {
   Json json = {{"scene", options.scene.file.string()},
                {"scene_hash", scene_hash},
                {"overrides", options.scene.overrides},
@@ -221,13 +242,11 @@ void write_json(const std::filesystem::path& file, const Result& result, const T
                                   {"leeway_together", number_or_null(found.leeway.together)}});
   json["set"] = fmt::format("{}", fmt::join(set_words(result), " "));
   json["warnings"] = warnings;
-  output::WholeFile out(file);
   out.write(json.dump(1) + "\n");
   out.commit();
 }
 
-void draw(const std::filesystem::path& file, const Result& result, const TargetCurve& target,
-          const FitOptions& options) {
+void draw(output::WholeFile& file, const Result& result, const TargetCurve& target, const FitOptions& options) {
   const output::CurveColours colours;
   const bool is_over_time = !target.times.empty();
   const std::vector<double>& x = is_over_time ? target.times : target.forces;
@@ -295,24 +314,21 @@ int fit(const FitOptions& options) {
   std::string scene_hash;
   const std::vector<FreeAttribute> free = read_free(options, scene_hash);
   TargetCurve target = read_target(options.target, options.compare);
-  if (options.out) {
-    output::make_directory(*options.out);
-    if (std::filesystem::exists(*options.out / "fit.json") && !options.force)
-      throw output::OutputError(
-          fmt::format("{}: holds an earlier fit (fit.json); --force replaces it", options.out->string()));
-  }
+  if (options.out) prepare_place(*options.out, options.force);
 
   try {
     std::vector<double> start;
     for (const FreeAttribute& one : free) start.push_back(one.start());
     const Experiment experiment(options.scene, std::move(target), options.steps, assignments(free, start));
+    std::optional<FitFiles> files;
+    if (options.out) files.emplace(*options.out, experiment.inputs());
     const Result result = carry_out(experiment, free, options);
     const std::vector<std::string> warnings = warnings_of(result, options);
-    if (options.out) {
-      write_json(*options.out / "fit.json", result, experiment.target(), scene_hash, warnings, options);
-      draw(*options.out / "fit.svg", result, experiment.target(), options);
-    }
     print(result, experiment.target(), options);
+    if (files) {
+      write_json(files->json, result, experiment.target(), scene_hash, warnings, options);
+      draw(files->svg, result, experiment.target(), options);
+    }
     flush_standard_output();
     for (const std::string& warning : warnings) spdlog::warn("warning: {}", warning);
     return kOk;
