@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <utility>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -420,10 +421,12 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
   return scene::format_error({path_of(command), 0}, text, hint) + "\nRun with --help for more information.";
 }
 
-/// A closed standard stream would give its number to the next file, which messages then corrupt.
+/// A closed standard stream would give its number to the next file, which messages then corrupt. What is printed into
+/// a closed output is lost, and that is to be noticed: nothing can be written there.
 void open_standard_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(kInputOutput);
+  for (const auto& [stream, access] :
+       {std::pair(STDIN_FILENO, O_RDONLY), {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_WRONLY}})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", access) != stream) std::_Exit(kInputOutput);
 }
 
 /// Carries out a subcommand and turns what it throws into a message about `subject` and an exit code.

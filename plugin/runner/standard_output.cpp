@@ -10,7 +10,8 @@ namespace hexaplast::runner {
 
 void flush_standard_output() {
   std::cout.flush();
-  if (!std::cout || std::fflush(stdout) != 0) throw output::OutputError("standard output cannot be written");
+  if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
+    throw output::OutputError("standard output cannot be written");
 }
 
 }  // namespace hexaplast::runner
