@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include "hexaplast/base/error.hpp"
 #include "output/checkpoint.hpp"
 #include "output/files.hpp"
+#include "output/time_series.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -118,6 +120,26 @@ TEST_F(CheckpointFile, SaysWhatIsWrong) {
   bytes[8] = 1;
   EXPECT_NE(refusal(bytes).find("other has format version 1, must be 2"), std::string::npos);
   EXPECT_THROW(Checkpoint(file("nowhere")), OutputError);
+}
+
+// Of a series, a checkpoint may name its own states alone.
+TEST_F(CheckpointFile, ASeriesHasTimesAndItsOwnNames) {
+  const auto read_back = [&](double time, std::string name) {
+    std::vector<std::byte> saved;
+    Archive archive([&](const void* data, std::size_t size) {
+      const auto* first = static_cast<const std::byte*>(data);
+      saved.insert(saved.end(), first, first + size);
+    });
+    std::uint64_t count = 1;
+    archive(count, time, name);
+    Archive back{std::span<const std::byte>(saved)};
+    output::TimeSeries(file("mesh.pvd")).serialize(back);
+  };
+  EXPECT_NO_THROW(read_back(0.5, "mesh_000012.vtu"));
+  for (const char* name : {"surface_000012.vtu", "../mesh_000012.vtu", "mesh_1.vtu\"/><x a=\"", "mesh_.vtu", ""})
+    EXPECT_THROW(read_back(0.5, name), InputError) << name;
+  for (const double time : {std::nan(""), HUGE_VAL})
+    EXPECT_THROW(read_back(time, "mesh_000012.vtu"), InputError) << time;
 }
 
 TEST_F(CheckpointFile, LinesGoOnWhereTheyWere) {

@@ -324,6 +324,17 @@ TEST(ManifestFile, OfAnotherKindIsRefused) {
     put(scratch / "run/manifest.json", text);
     EXPECT_THROW(output::read_manifest(scratch / "run"), OutputError) << text;
   }
+
+  // numbers that no counter holds
+  write_manifest(scratch / "run", some_run());
+  const Json whole = Json::parse(content(scratch / "run/manifest.json"));
+  for (const char* place : {"/threads", "/machine/cores", "/machine/memory_bytes", "/steps/asked", "/steps/done"})
+    for (const Json& number : {Json(1e300), Json(-1), Json(0.5), Json(18446744073709551615u), Json("1")}) {
+      Json other = whole;
+      other[Json::json_pointer(place)] = number;
+      put(scratch / "run/manifest.json", other.dump());
+      EXPECT_THROW(output::read_manifest(scratch / "run"), OutputError) << place << " " << number;
+    }
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <concepts>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "output/files.hpp"
@@ -31,6 +33,16 @@ Json json_of(const std::vector<Figure>& figures) {
   Json list = Json::object();
   for (const Figure& figure : figures) list[figure.label] = figure.value;
   return list;
+}
+
+/// JSON's numbers know no limits.
+template <std::integral Integer>
+Integer integer_of(const Json& json) {
+  const double number = json;
+  constexpr double kMost = static_cast<double>(std::numeric_limits<Integer>::max() / 2);
+  if (!json.is_number_integer() || !(number >= 0 && number <= kMost))
+    throw OutputError(fmt::format("a number {}: must be a whole one from 0 to {}", json.dump(), kMost));
+  return json;
 }
 
 std::vector<ComponentRecord> components_of(const Json& list) {
@@ -130,19 +142,19 @@ Manifest manifest_of(const Json& json) {
   run.scene_file = json.at("scene").at("file");
   run.scene_hash = json.at("scene").at("xxh64");
   run.overrides = json.at("overrides").get<std::vector<std::string>>();
-  run.threads = json.at("threads");
+  run.threads = integer_of<int>(json.at("threads"));
   run.simd = json.at("simd");
   run.precision = json.at("precision");
   run.motion_solver = json.at("solver").at("motion");
   run.linear_solver = json.at("solver").at("linear");
   run.processor = json.at("machine").at("processor");
-  run.cores = json.at("machine").at("cores");
-  run.memory_bytes = json.at("machine").at("memory_bytes");
+  run.cores = integer_of<int>(json.at("machine").at("cores"));
+  run.memory_bytes = integer_of<std::uint64_t>(json.at("machine").at("memory_bytes"));
   run.started = json.at("started");
   run.duration = json.at("duration_s");
   run.dt = json.at("dt_s");
-  run.steps_asked = json.at("steps").at("asked");
-  run.steps_done = json.at("steps").at("done");
+  run.steps_asked = integer_of<long>(json.at("steps").at("asked"));
+  run.steps_done = integer_of<long>(json.at("steps").at("done"));
   run.state_hash = json.at("state_hash");
   for (const auto& [label, value] : json.at("summary").items()) run.summary.push_back({label, value});
   run.warnings = json.at("warnings").get<std::vector<std::string>>();

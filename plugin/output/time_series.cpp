@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "hexaplast/base/error.hpp"
@@ -25,7 +26,13 @@ void TimeSeries::serialize(Archive& archive) {
     if (count > archive.rest()) throw InputError(fmt::format("{} states are announced", count));
     entries_.resize(count);
   }
-  for (Entry& entry : entries_) archive(entry.time, entry.vtu);
+  for (Entry& entry : entries_) {
+    archive(entry.time, entry.vtu);
+    // what a checkpoint says goes into the file as it is
+    if (archive.reads() && !(std::isfinite(entry.time) && is_numbered(entry.vtu, file_.stem().string() + "_", ".vtu")))
+      throw InputError(fmt::format("a state '{}' at t = {} is listed: must be {}_N.vtu and a time",
+                                   printable_line(entry.vtu), entry.time, file_.stem().string()));
+  }
 }
 
 void TimeSeries::keep(const std::function<bool(const std::string&)>& is_wanted) {
