@@ -316,7 +316,7 @@ void add_check(CLI::App& app, CheckOptions& options) {
   add_scene(*check, options.scene);
   check->add_option("--out", options.out, "Directory that the run would have")->type_name("DIR");
   add_write_below(*check, options.write_below);
-  add_output_rules(*check, options.scene.output);
+  add_output_rules(*check, options.scene.output, "As the run with --force, which replaces files that are there");
   check->add_flag("--json", options.json, "As JSON");
 }
 

@@ -30,7 +30,8 @@ struct RunOptions {
 };
 
 inline constexpr const char* kStrictHelp =
-    "A run ends with 4 where hexahedra are inside out or the energy balance misses more than a fifth of the work";
+    "A run ends with 4 where hexahedra are inside out, or where the energy balance misses, or the integrator has "
+    "added, more than a fifth of the energy that was put in";
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and
 /// the files are whole, with a checkpoint where the run has a directory. `start`: a checkpoint of the same scene from
