@@ -5,9 +5,12 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "hexaplast/solve/newton_raphson.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
@@ -495,7 +498,32 @@ TEST_P(KernelSolvers, TakeABodyThatIsNotHeldForSemiDefinite) {
     SolveReport report;
     EXPECT_NO_THROW(report = solver.solve(K, b, x));
     EXPECT_FALSE(report.converged);
+    EXPECT_LT(report.iterations, 300) << "goes on along what rounding makes of nothing";
   }
+
+  // D^-1 b is a rigid motion: the very first direction is one
+  PointArray b(kNodes, 3);
+  const Eigen::VectorXd volumes = nodal_volumes(X, body.mesh().hexahedra());
+  for (int n = 0; n < kNodes; ++n) b.row(n) = Eigen::RowVector3d(0, 0, -1e-3 * volumes[n] / volumes[0]);
+  const SolveReport report = solver.solve(K, b, x);
+  EXPECT_FALSE(report.converged);
+  EXPECT_LT(report.iterations, 20);
+}
+
+// Bending of a long bar is what comes nearest to no stiffness at all: 1e-7 of the stiffest direction, and sound.
+TEST_P(KernelSolvers, TakeTheBendingOfALongBarForStiffness) {
+  Body bar(regular_grid({100, 2, 2}, Vec3::Zero(), Vec3(1, 0.02, 0.02)), {Material{}}, {.precision = GetParam().first});
+  const PointArray rest = bar.mesh().positions();
+  std::vector<int> end;
+  for (int n = 0; n < rest.rows(); ++n)
+    if (rest(n, 0) < 1e-9) end.push_back(n);
+  LoadedBody system(bar, std::vector<double>(rest.rows(), 0), end, {});
+  bar.linearize(rest);
+  PointArray b = PointArray::Zero(rest.rows(), 3), x(rest.rows(), 3);
+  b.col(2).setConstant(-1e-6);
+  system.project(b);
+  PreconditionedConjugateGradients patient(1e-6, 20000, GetParam().second);
+  EXPECT_TRUE(patient.solve(BodySystem(system, {.mass = 0, .stiffness = -1}), b, x).converged);
 }
 
 // Stiffness of the wrong sign beside a mass: the diagonal is positive, the matrix is not.
@@ -512,6 +540,43 @@ TEST_P(KernelSolvers, RefuseNegativeCurvature) {
   PointArray x(kNodes, 3);
   EXPECT_TRUE(refuses<NumericalError>([&] { solver.solve(A, support::Random(8).field(kNodes, 1), x); },
                                       {"not positive definite"}));
+}
+
+// Nothing holds the body, or half of it: there is no equilibrium, however small a step becomes beside where it began.
+TEST(NewtonRaphson, FindsNoEquilibriumOfWhatNothingHolds) {
+  for (const bool is_half_held : {false, true})
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      std::vector<std::pair<std::string, std::unique_ptr<LinearSolver>>> solvers;
+      solvers.emplace_back("diagonal", std::make_unique<PreconditionedConjugateGradients>(1e-6, 500));
+      solvers.emplace_back("multigrid",
+                           std::make_unique<PreconditionedConjugateGradients>(1e-6, 500, Preconditioner::kMultigrid));
+      solvers.emplace_back("CG", std::make_unique<ConjugateGradients>(ConjugateGradientSettings{
+                                     .iterations = 500, .tolerance = 1e-6, .threshold = 1e-12}));
+      solvers.emplace_back("SOFA's PCG", std::make_unique<SolverPreconditionedConjugateGradients>(1e-12, 500, nullptr));
+      for (const auto& [name, solver] : solvers) {
+        Body body(support::block({6, 6, 6}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
+                  {.precision = precision});
+        const PointArray rest = body.mesh().positions();
+        std::vector<int> removed, held;
+        for (int e = 108; is_half_held && e < 144; ++e) removed.push_back(e);
+        body.remove(removed);
+        for (int n = 0; is_half_held && n < 49; ++n) held.push_back(n);
+        const std::vector<double> mass = lumped_masses(body.model(), 1000);
+        LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
+          for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
+        });
+        NewtonRaphson newton({.iterations = 5, .relative_estimate = 1e-6, .absolute_estimate = 1e-6});
+        PointArray x = rest;
+        try {
+          EXPECT_EQ(newton.solve(system, *solver, 0, x).status, NewtonStatus::kNotConverged)
+              << name << (is_half_held ? ", half" : ", all");
+          if (name == "diagonal" || name == "multigrid") {
+            EXPECT_TRUE(support::agrees(x, rest, 1)) << name;
+          }
+        } catch (const NumericalError&) {  // says so too
+        }
+      }
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(InEachForm, KernelSolvers,

@@ -119,29 +119,33 @@ namespace {
 ///   p.Mp = r.z + beta^2 p'.Mp',   and p.Ap / p.Mp lies between the least and the greatest eigenvalue of M^-1 A
 class Curvature {
  public:
-  /// False where p.Ap is not positive, but no more than rounding: what is left of b lies outside the range of a
+  /// rounding: CgSpace::rounding. known: p.Ap / p.Mp that M^-1 A has at least somewhere, 0 where none is known.
+  explicit Curvature(double rounding, double known = 0) : rounding_(rounding), greatest_(known) {}
+
+  /// False where p.Ap is no more than rounding, of either sign: what is left of b lies outside the range of a
   /// semi-definite A. Throws NumericalError where A is not semi-definite, or not finite. typical(): p.Ap / p.Mp of a
-  /// direction without any regularity, asked for where there is no earlier one to compare with.
+  /// direction without any regularity, asked for where there is nothing to compare a negative one with.
   template <class Typical>
   bool is_positive(double r_z, double p_Ap, const Typical& typical) {
     require_finite(p_Ap, r_z);
     const double beta = r_z_ > 0 ? r_z / r_z_ : 0;
     p_Mp_ = std::abs(r_z) + beta * beta * p_Mp_;
     r_z_ = r_z;
-    if (p_Ap > 0) {
+    if (p_Ap > rounding_ * p_Mp_ * greatest_) {
       greatest_ = std::max(greatest_, p_Ap / p_Mp_);
       return true;
     }
-    if (p_Ap < 0 && -p_Ap > kRounding * p_Mp_ * (greatest_ > 0 ? greatest_ : std::abs(typical())))
+    if (p_Ap < 0 && -p_Ap > kNegative * p_Mp_ * (greatest_ > 0 ? greatest_ : std::abs(typical())))
       throw NumericalError(fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", p_Ap));
     return false;
   }
 
  private:
-  static constexpr double kRounding = 1e-5;  // of products in single precision
+  static constexpr double kNegative = 1e-5;  // products in single precision make no more of it
 
+  double rounding_;
   double r_z_ = 0, p_Mp_ = 0;
-  double greatest_ = 0;  // p.Ap / p.Mp so far
+  double greatest_;  // p.Ap / p.Mp so far
 };
 
 }  // namespace
@@ -171,7 +175,7 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
     return dot(preconditioned_, product_) / r_z;
   };
 
-  Curvature curvature;
+  Curvature curvature(CgSpace::kDoubleRounding);
   residual_ = b;
   double rho = precondition(residual_);
   direction_ = preconditioned_;
@@ -182,7 +186,14 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
           fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", rho));
     A.apply(direction_, product_);
     const double p_Ap = dot(direction_, product_);
-    if (!curvature.is_positive(rho, p_Ap, typical_curvature)) break;
+    if (!curvature.is_positive(rho, p_Ap, typical_curvature)) {
+      if (dot(residual_, residual_) > b_squared) {  // what has blown up is worse than none
+        x.setZero();
+        residual_ = b;
+        rho = b_squared;
+      }
+      break;
+    }
 
     const double alpha = rho / p_Ap;
     x += alpha * direction_;
@@ -274,7 +285,8 @@ struct PreconditionedConjugateGradients::Spaces {
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (system.bodies.size() != 1 || system.couples_coordinates) {
       several.refer_to(A, system, rest, cycles);
-      nodal.refer_to(A, true, &several);
+      const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
+      nodal.refer_to(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding);
       return nodal;
     }
     const KernelBody& body = system.bodies.front();
@@ -365,6 +377,9 @@ constexpr double kSingleSuffices = 1e-3;
 constexpr double kCorrection = 3e-3;  // relative residual of each correction
 constexpr int kMostCorrections = 50;
 
+// p.Ap / p.Mp that M^-1 A has at least somewhere: a diagonal has 1, a cycle is made for 1 at the upper end.
+constexpr double kOfPreconditioned = 0.1;
+
 /// p.Ap / r.z of the first direction towards an irregular right-hand side.
 double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
   PointArray any(num_nodes, 3);
@@ -384,12 +399,13 @@ void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, 
   }
   double rho_before = 0;
   bool first = true;
-  Curvature curvature;
+  Curvature curvature(space.rounding(), space.is_preconditioned() ? kOfPreconditioned : 0);
   while (!(report.residual <= enough) && report.iterations < most_iterations) {
     const double rho = space.precondition();
     const double p_Ap = space.product(first ? 0 : rho / rho_before);
     if (!curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); })) {
-      if (first) space.begin(b, start);
+      if (first || report.residual > 1)  // what has blown up is worse than none
+        report.residual = std::sqrt(space.begin(b, start)) / norm_b;
       break;
     }
     first = false;
@@ -436,8 +452,13 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   for (int k = 0; k < kMostCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
     run(space, r, nullptr, norm_r, std::max(0.5 * enough * norm_b / norm_r, kCorrection), iterations_, report);
     space.end(correction);
-    x += correction;
-    norm_r = spaces_->exact.compute(A, spaces_->system, b, x, r);
+    correction += x;
+    const double norm_before = std::exchange(norm_r, spaces_->exact.compute(A, spaces_->system, b, correction, r));
+    if (!report.converged && report.iterations < iterations_ && !(norm_r < norm_before)) {  // A is singular
+      norm_r = norm_before;
+      break;
+    }
+    x = correction;
   }
   report.residual = norm_r / norm_b;
   report.converged = report.residual <= enough;

@@ -14,6 +14,9 @@ namespace hexaplast {
 
 namespace {
 
+// The initial residual may itself be no more than rounding, which the next ones exceed by a little.
+constexpr double kOfInitial = 2;
+
 /// Nodes on which the stiffness does not act, as those are whose elements are all gone. A displacement without any
 /// regularity moves a force at every other node.
 void find_loose(const MechanicalSystem& system, PointArray& displacement, PointArray& product,
@@ -80,10 +83,14 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
     require_finite(trial_force_, "force");
 
     const double moved = step * norm(increment_);
-    const bool converged = below(residual / report.residual, settings_.relative_successive) ||
-                           below(residual / report.initial_residual, settings_.relative_initial) ||
-                           below(residual, settings_.absolute_residual) || below(moved, settings_.absolute_estimate) ||
-                           below(moved / norm(position_), settings_.relative_estimate);
+    // neither a residual that falls from where it had blown up to, nor a step that an unfinished linear solution made
+    // in vain, is a sign of equilibrium
+    const bool is_nearer = residual <= kOfInitial * report.initial_residual && (decreased || solved.converged);
+    const bool converged = below(residual, settings_.absolute_residual) ||
+                           (is_nearer && (below(residual / report.residual, settings_.relative_successive) ||
+                                          below(residual / report.initial_residual, settings_.relative_initial) ||
+                                          below(moved, settings_.absolute_estimate) ||
+                                          below(moved / norm(position_), settings_.relative_estimate)));
     if (converged) report.status = NewtonStatus::kConverged;
     position_.swap(trial_);
     force_.swap(trial_force_);

@@ -8,7 +8,8 @@
 namespace hexaplast {
 
 /// Stopping rules and line search of SOFA's NewtonRaphsonSolver; norms are Euclidean norms of the projected force [N]
-/// and of the positions [m]. A threshold of 0 switches its rule off.
+/// and of the positions [m]. A threshold of 0 switches its rule off. All rules but that on |r_k| hold only where |r_k|
+/// is not above twice |r_0|, and where the linear solver converged or |r_k| fell.
 struct NewtonSettings {
   int iterations = 1;                    ///< at most
   double relative_successive = 1e-5;     ///< on |r_k| / |r_k-1|
