@@ -245,6 +245,27 @@ INSTANTIATE_TEST_SUITE_P(Beside, OtherTerms,
                                          Beside{"Masses", tie_masses, {1}, 1}),
                          [](const auto& test) { return std::string(test.param.name); });
 
+// What half precision, or a drift of the iterations' own residual, leaves out is multiplied by how stiff the ties are.
+TEST(OtherTerms, LeaveTheReportedResidualTrueAtAnyToleranceHoweverStiffTheyAre) {
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+    for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal})
+      for (const double tolerance : {1e-2, 1e-3, 1e-6, 1e-9})
+        for (const double share : {1.0, 1e4, 1e6}) {
+          if (precision == Precision::kMixed && tolerance < 1e-6) continue;
+          Slab tied = one_body(1e6, precision);
+          tie_oblique_plane(tied, share * stiffness_of_node(1e6));
+          const auto [report, x, residual] = solve(tied, tolerance, preconditioner);
+          const std::string what =
+              fmt::format("{}, tolerance {}, share {}: {} iterations",
+                          precision == Precision::kDouble ? "double" : "mixed", tolerance, share, report.iterations);
+          // the ties' products round: what is left of a residual is no smaller, and not told more exactly
+          const double rounding = 1e-15 * share;
+          EXPECT_TRUE(report.converged || 10 * rounding > tolerance) << what;
+          EXPECT_TRUE(!report.converged || residual <= 1.001 * tolerance + rounding) << what;
+          EXPECT_NEAR(report.residual, residual, 1e-3 * tolerance + rounding) << what;
+        }
+}
+
 /// The slab cut in two halves, each with nodes of its own; the other half's are nodes of no body.
 HexMesh two_halves() {
   const HexMesh whole = slab_mesh();

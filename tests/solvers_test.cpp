@@ -412,6 +412,22 @@ TEST_F(Solvers, APreconditionerThatIsNotPositiveDefiniteIsRefused) {
   SolverPreconditionedConjugateGradients pcg(1e-10, 1000, &negative);
   EXPECT_TRUE(support::refuses<NumericalError>([&] { pcg.solve(DenseSystem(A), b, x); },
                                                {"preconditioner", "not positive definite"}));
+
+  class Turned final : public LinearSystem {
+   public:
+    explicit Turned(const LinearSystem& A) : A_(A) {}
+    int num_nodes() const override { return A_.num_nodes(); }
+    void apply(ConstPoints p, Points Ap) const override { A_.apply(p, Ap); }
+    void assemble(BlockMatrix& blocks) const override { A_.assemble(blocks); }
+    void precondition(ConstPoints r, Points z) const override { z = -r; }
+
+   private:
+    const LinearSystem& A_;
+  };
+  const DenseSystem positive(A);
+  EXPECT_TRUE(support::refuses<NumericalError>(
+      [&] { PreconditionedConjugateGradients(1e-10, 1000).solve(Turned(positive), b, x); },
+      {"preconditioner", "not positive definite"}));
 }
 
 TEST_F(Solvers, AnswerNothingWithNothing) {
@@ -540,6 +556,23 @@ TEST_P(KernelSolvers, RefuseNegativeCurvature) {
   PointArray x(kNodes, 3);
   EXPECT_TRUE(refuses<NumericalError>([&] { solver.solve(A, support::Random(8).field(kNodes, 1), x); },
                                       {"not positive definite"}));
+}
+
+// Coarse meshes feel a plane of held nodes between their own.
+TEST(NewtonRaphson, TakesFewIterationsOfMultigridWhereverNodesAreHeld) {
+  for (const int plane : {0, 1, 2, 3, 4, 7}) {
+    Body body(support::block({16, 16, 16}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}}, {});
+    PointArray x = body.mesh().positions();
+    std::vector<int> held;
+    for (int n = 0; n < x.rows(); ++n)
+      if (std::abs(x(n, 0) - 0.01 * plane) < 1e-9) held.push_back(n);
+    const std::vector<double> mass = lumped_masses(body.model(), 1000);
+    LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
+      for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
+    });
+    PreconditionedConjugateGradients solver(1e-6, 1000, Preconditioner::kMultigrid);
+    EXPECT_LE(NewtonRaphson({.iterations = 1}).solve(system, solver, 0, x).linear_iterations, 14) << plane;
+  }
 }
 
 // Nothing holds the body, or half of it: there is no equilibrium, however small a step becomes beside where it began.

@@ -55,6 +55,13 @@ void require_finite(double p_Ap, double r_z) {
         "conjugate gradients: the matrix or its preconditioner is not finite (p.Ap = {}, r.z = {})", p_Ap, r_z));
 }
 
+/// Throws NumericalError where z is not what a positive definite preconditioner makes of r.
+void require_definite(double r_z) {
+  if (r_z < 0)
+    throw NumericalError(
+        fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", r_z));
+}
+
 }  // namespace
 
 ConjugateGradients::ConjugateGradients(ConjugateGradientSettings settings)
@@ -181,9 +188,7 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
   direction_ = preconditioned_;
   if (preconditioner_) report.preconditioner = PreconditionedBy::kFactorisation;
   while (report.iterations < iterations_ && !(std::abs(rho) <= tolerance_ * b_squared)) {
-    if (rho < 0)
-      throw NumericalError(
-          fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", rho));
+    require_definite(rho);
     A.apply(direction_, product_);
     const double p_Ap = dot(direction_, product_);
     if (!curvature.is_positive(rho, p_Ap, typical_curvature)) {
@@ -261,6 +266,7 @@ struct PreconditionedConjugateGradients::Spaces {
   ExactResidual exact;
   PointArray start, residual, correction;
 
+  bool has_others() const { return knows_kernels && system.others; }
   bool refines() const {
     return knows_kernels && std::ranges::any_of(system.bodies, [](const KernelBody& body) {
              return body.single_operator && body.exact_operator;
@@ -408,6 +414,7 @@ void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, 
         report.residual = std::sqrt(space.begin(b, start)) / norm_b;
       break;
     }
+    require_definite(rho);
     first = false;
 
     report.residual = std::sqrt(space.advance(rho / p_Ap)) / norm_b;
@@ -430,31 +437,37 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   }
   CgSpace& space = spaces_->choose(A, preconditioner_, report.preconditioner);
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
-  if (!spaces_->refines() || enough >= kSingleSuffices) {
+  const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
+  PointArray &r = spaces_->residual, &correction = spaces_->correction;
+  if (refines) {
+    if (start)
+      x = *start;
+    else
+      x.setZero();
+  } else {
     run(space, b, start, norm_b, enough, iterations_, report);
     space.end(x);
-    return report;
+    if (!spaces_->has_others()) return report;
+    // beside what is much stiffer than the body, rounding and half precision leave out much more than they do of it
   }
-
-  // corrections in single precision to an answer in double, until its own residual is small
-  PointArray &r = spaces_->residual, &correction = spaces_->correction;
-  correction.resize(b.rows(), 3);
-  if (start)
-    x = *start;
-  else
-    x.setZero();
   double norm_r = spaces_->exact.compute(A, spaces_->system, b, x, r);
   if (!std::isfinite(norm_r)) {  // the start was no number
     x.setZero();
     r = b;
     norm_r = norm_b;
   }
+
+  // corrections to an answer in double, until its own residual is small
+  correction.resize(b.rows(), 3);
   for (int k = 0; k < kMostCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
-    run(space, r, nullptr, norm_r, std::max(0.5 * enough * norm_b / norm_r, kCorrection), iterations_, report);
+    const double of_correction = std::max(0.5 * enough * norm_b / norm_r, is_single ? kCorrection : 0);
+    run(space, r, nullptr, norm_r, of_correction, iterations_, report);
     space.end(correction);
     correction += x;
     const double norm_before = std::exchange(norm_r, spaces_->exact.compute(A, spaces_->system, b, correction, r));
-    if (!report.converged && report.iterations < iterations_ && !(norm_r < norm_before)) {  // A is singular
+    // A is singular, or the answer as good as it gets
+    const bool gives_up = !is_single || (!report.converged && report.iterations < iterations_);
+    if (gives_up && !(norm_r < norm_before)) {
       norm_r = norm_before;
       break;
     }

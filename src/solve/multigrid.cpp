@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/mesh/coarse_mesh.hpp"
@@ -18,9 +19,10 @@ constexpr int kSmoothing = 2;            // degree of the Chebyshev polynomial b
 constexpr double kSmoothedShare = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
 constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a direct solution
 constexpr double kCoarsestShare = 0.02;
-constexpr int kLanczosSteps = 6;
-constexpr double kRangeEnds = 1e-5;  // of a Lanczos vector: what is left is rounding
-constexpr double kSafety = 1.15;     // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
+constexpr int kLeastLanczosSteps = 6, kMostLanczosSteps = 14;
+constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step: with less, steps end
+constexpr double kRangeEnds = 1e-5;      // of a Lanczos vector: what is left is rounding
+constexpr double kSafety = 1.15;  // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
 
 /// Ad = A d on the nodes, copies of d included; without blocks.
 template <class T>
@@ -65,8 +67,25 @@ double dot(MultigridLevel<T>& level, const AlignedVector<T>& a, const AlignedVec
   return std::accumulate(level.partial.begin(), level.partial.end(), 0.0);
 }
 
-/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D. Unlike the power method it finds what
-/// a single element stands out by.
+/// What Lanczos has found of a matrix: tridiagonal, of a size that needs no allocation.
+struct Tridiagonal {
+  template <int kRows, int kMostRows>
+  using Column = Eigen::Matrix<double, kRows, 1, 0, kMostRows, 1>;
+  Column<kMostLanczosSteps, kMostLanczosSteps> diagonal = decltype(diagonal)::Zero(), beside = diagonal;
+
+  /// Of the first `size` rows.
+  double largest_eigenvalue(int size) const {
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostLanczosSteps, kMostLanczosSteps>;
+    Eigen::SelfAdjointEigenSolver<Matrix> solver(size);
+    solver.computeFromTridiagonal(Column<Eigen::Dynamic, kMostLanczosSteps>(diagonal.head(size)),
+                                  Column<Eigen::Dynamic, kMostLanczosSteps - 1>(beside.head(size - 1)),
+                                  Eigen::EigenvaluesOnly);
+    return solver.eigenvalues()[size - 1];
+  }
+};
+
+/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, until a step finds little more. Unlike
+/// the power method it finds what a single element stands out by.
 template <class T>
 double spectral_radius(MultigridLevel<T>& level) {
   const Partition& partition = level.op->partition();
@@ -87,25 +106,25 @@ double spectral_radius(MultigridLevel<T>& level) {
   for (int chunk = 0; chunk < partition.num_chunks; ++chunk) level.fixed.clear(chunk, level.d);
 
   // d: the present vector, r: the one before, x: D d
-  Eigen::Matrix<double, kLanczosSteps, 1> alpha = Eigen::Matrix<double, kLanczosSteps, 1>::Zero();
-  Eigen::Matrix<double, kLanczosSteps, 1> beta = alpha;
+  Tridiagonal found;
+  auto &alpha = found.diagonal, &beta = found.beside;
+  double largest = 0;
   for (int step = 0;; ++step) {
     for_each_number([&](std::size_t i) { level.x[i] = level.inverse[i] > 0 ? level.d[i] / level.inverse[i] : T(0); });
     const double norm = std::sqrt(dot(level, level.d, level.x));
     if (step > 0) beta[step - 1] = norm;
-    if (step == kLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
+    if (step == kMostLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
 
     for_each_number([&](std::size_t i) { level.d[i] *= static_cast<T>(1 / norm); });
     apply(level);
     alpha[step] = dot(level, level.d, level.Ad);
+    const double before_step = std::exchange(largest, found.largest_eigenvalue(step + 1));
+    if (step + 1 >= kLeastLanczosSteps && !(largest > kLanczosGrowth * before_step)) break;
     const T along = static_cast<T>(alpha[step]), before = static_cast<T>(step > 0 ? norm : 0);
     for_each_number(
         [&](std::size_t i) { level.r[i] = level.inverse[i] * level.Ad[i] - along * level.d[i] - before * level.r[i]; });
     std::swap(level.d, level.r);
   }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kLanczosSteps, kLanczosSteps>> tridiagonal;
-  tridiagonal.computeFromTridiagonal(alpha, beta.head<kLanczosSteps - 1>(), Eigen::EigenvaluesOnly);
-  const double largest = tridiagonal.eigenvalues()[kLanczosSteps - 1];
   return largest > 0 ? largest : 1;
 }
 
@@ -200,7 +219,7 @@ void Multigrid<T>::refer_to(const KernelBody& body, const NodalPart& rest) {
         level.diagonal[4 * static_cast<std::size_t>(slot) + axis] = static_cast<float>(sum);
       }
     });
-    level.has_diagonal = fine_.has_diagonal || !level.fixed.number.empty();
+    level.has_diagonal = std::ranges::any_of(level.diagonal, [](float entry) { return entry != 0; });
     invert_diagonal(*level.op, level.factor, level.diagonal, level.inverse);
     level.is_fixed.assign(4 * static_cast<std::size_t>(cells.num_nodes), 0);
     for (const std::size_t number : level.fixed.number) level.is_fixed[number] = 1;
