@@ -499,6 +499,28 @@ TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
   EXPECT_TRUE(solver.improve(A, b, after).converged) << "a start that is no number is none";
 }
 
+// Squares of what is far from 1 are beyond single precision: the same bits, times the power of two.
+TEST_P(KernelSolvers, DoNotFeelTheSizeOfTheRightHandSide) {
+  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
+  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
+  const PointArray b = support::Random(8).field(kNodes, 1);
+  PointArray x(kNodes, 3), of_scaled(kNodes, 3);
+  body.linearize(X);
+  const SolveReport report = solver.solve(A, b, x);
+  ASSERT_TRUE(report.converged);
+  for (const int power : {-400, -150, -83, -1, 1, 66, 150, 400}) {
+    const double scale = std::ldexp(1.0, power);
+    const SolveReport scaled = solver.solve(A, scale * b, of_scaled);
+    EXPECT_TRUE(scaled.converged) << power;
+    EXPECT_EQ(scaled.iterations, report.iterations) << power;
+    EXPECT_EQ(scaled.residual, report.residual) << power;
+    EXPECT_EQ(of_scaled, scale * x) << power;
+    of_scaled = scale * x;
+    of_scaled(300, 1) *= 1.1;
+    EXPECT_TRUE(solver.improve(A, scale * b, of_scaled).converged) << power;
+  }
+}
+
 // A body that nothing holds, and no mass: rigid motions cost nothing.
 TEST_P(KernelSolvers, TakeABodyThatIsNotHeldForSemiDefinite) {
   LoadedBody system(body, std::vector<double>(kNodes, 0), {}, {});

@@ -47,13 +47,14 @@ double NodalCgSpace::advance(double alpha) {
 
 namespace {
 
-/// The nodes of slots into a nodal field.
+/// field = factor slots, at the nodes.
 template <class T>
-void from_slots(const Partition& partition, const AlignedVector<T>& slots, Points field) {
+void from_slots(const Partition& partition, double factor, const AlignedVector<T>& slots, Points field) {
   parallel_for(partition.num_chunks, [&](int chunk) {
     for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot)
       for (int i = 0; i < 3; ++i)
-        field(partition.node_of_slot[slot], i) = static_cast<double>(slots[4 * static_cast<std::size_t>(slot) + i]);
+        field(partition.node_of_slot[slot], i) =
+            factor * static_cast<double>(slots[4 * static_cast<std::size_t>(slot) + i]);
   });
 }
 
@@ -159,7 +160,14 @@ typename SlotCgSpace<T>::Partial SlotCgSpace<T>::sum() const {
     all.r_r += part.r_r;
     all.r_z += part.r_z;
   }
-  return all;
+  return {unscaled(all.r_r), unscaled(all.r_z)};
+}
+
+template <class T>
+void SlotCgSpace<T>::to_scaled_slots(ConstPoints field, AlignedVector<T>& slots) {
+  if (scale_ == 1) return to_slots(*partition_, field, slots);
+  field_ = scale_ * field;
+  to_slots(*partition_, field_, slots);
 }
 
 template <class T>
@@ -169,11 +177,12 @@ double SlotCgSpace<T>::begin(ConstPoints b, const PointArray* start) {
   std::fill(p_.begin(), p_.end(), T(0));
   std::fill(Ap_.begin(), Ap_.end(), T(0));
   std::fill(r_.begin(), r_.end(), T(0));  // the fourth number of a slot too, which to_slots leaves alone
-  to_slots(partition, b, r_);
+  scale_ = std::is_same_v<T, float> || preconditioner_ ? scale_to_one(std::sqrt(dot(b, b))) : 1;
+  to_scaled_slots(b, r_);
   for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, r_);
   if (start) {
     // x as the first direction, of length 1
-    to_slots(partition, *start, p_);
+    to_scaled_slots(*start, p_);
     for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, p_);
     for (std::size_t i = 0; i < p_.size(); ++i) Ap_[i] = diagonal_[i] * p_[i];
     multiply(*op_, factor_, p_, Ap_);
@@ -222,7 +231,7 @@ double SlotCgSpace<T>::advance(double alpha) {
 template <class T>
 void SlotCgSpace<T>::add_others() {
   field_.resize(partition_->num_nodes, 3);
-  from_slots(*partition_, p_, field_);
+  from_slots(*partition_, 1, p_, field_);
   product_.setZero(partition_->num_nodes, 3);
   others_->add_product(field_, product_);
   parallel_for(partition_->num_nodes, [&](int n) {
@@ -233,7 +242,7 @@ void SlotCgSpace<T>::add_others() {
 
 template <class T>
 void SlotCgSpace<T>::end(Points x) const {
-  from_slots(*partition_, x_, x);
+  from_slots(*partition_, 1 / scale_, x_, x);
 }
 
 double ExactResidual::compute(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cmath>
 #include <type_traits>
 
 #include "hexaplast/base/linear_system.hpp"
@@ -38,6 +39,12 @@ class CgSpace {
   virtual double rounding() const = 0;
   static constexpr double kDoubleRounding = 1e-13, kSingleRounding = 1e-10;
 };
+
+/// A power of two that brings a number of this size near 1: to scale by it changes no bit, and keeps what is squared in
+/// single precision away from its limits.
+inline double scale_to_one(double size) {
+  return size > 0 && std::isfinite(size) ? std::ldexp(1.0, -std::ilogb(size)) : 1;
+}
 
 /// z = an approximation of A^-1 r on nodal fields, symmetric and positive definite.
 class NodalPreconditioner {
@@ -138,7 +145,8 @@ class BlockJacobi final : public SlotPreconditioner<T> {
   SlotBlocks<T> blocks_;
 };
 
-/// A KernelSystem of one body in precision T.
+/// A KernelSystem of one body in precision T. Where anything is in single precision, cycles included, b is scaled to a
+/// length near 1.
 template <class T>
 class SlotCgSpace final : public CgSpace {
  public:
@@ -158,18 +166,21 @@ class SlotCgSpace final : public CgSpace {
   };
   Partial sum() const;
   void add_others();
+  void to_scaled_slots(ConstPoints field, AlignedVector<T>& slots);
+  double unscaled(double square) const { return square / scale_ / scale_; }
 
   const ChunkedOperator<T>* op_ = nullptr;
   const NodalOperator* others_ = nullptr;
   const Partition* partition_ = nullptr;
   T factor_ = 0;
+  double scale_ = 1;  // of all vectors, for the present b
   bool scaled_ = false;
   SlotPreconditioner<T>* preconditioner_ = nullptr;
   AlignedVector<T> x_, r_, p_, Ap_, z_, diagonal_, inverse_;
   FixedNumbers fixed_;
   long diagonal_version_ = 0;     // KernelSystem::diagonal_version of the system that it refers to
   std::vector<Partial> partial_;  // per chunk
-  PointArray field_, product_;    // num_nodes x 3, for the terms beside the body
+  PointArray field_, product_;    // num_nodes x 3, for the terms beside the body; a scaled field
 };
 
 /// r = b - A x of the KernelSystem of A, in double precision: by exact operators where products are in single.

@@ -10,14 +10,15 @@ void SeveralBodies::Cycle<T>::apply(const Partition& partition, const Eigen::Vec
                                     PointArray& to) {
   r.resize(4 * static_cast<std::size_t>(partition.num_slots), T(0));
   z.resize(r.size(), T(0));
+  const double scale = scale_to_one(from.cwiseAbs().maxCoeff());  // coarse meshes are in single precision
   parallel_for(partition.num_nodes, [&](int n) {
     T* slot = r.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
-    for (int i = 0; i < 3; ++i) slot[i] = static_cast<T>(weight[n] * from(n, i));
+    for (int i = 0; i < 3; ++i) slot[i] = static_cast<T>(scale * weight[n] * from(n, i));
   });
   multigrid.apply(r, z);
   parallel_for(partition.num_nodes, [&](int n) {
     const T* slot = z.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
-    for (int i = 0; i < 3; ++i) to(n, i) += weight[n] * static_cast<double>(slot[i]);
+    for (int i = 0; i < 3; ++i) to(n, i) += weight[n] / scale * static_cast<double>(slot[i]);
   });
 }
 
