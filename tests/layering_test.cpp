@@ -19,6 +19,7 @@ const std::map<std::string, int> kHeight{
     {"base", 0},
     {"mesh", 1},
     {"material", 1},
+    {"layout", 2},
     {"kinematics", 2},
     {"state", 3},
     {"elastic", 4},

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "hexaplast/mesh/coarsening.hpp"
+#include "hexaplast/layout/coarsening.hpp"
 #include "hexaplast/mesh/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"

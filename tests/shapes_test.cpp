@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/coarsening.hpp"
+#include "hexaplast/layout/coarsening.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "support/compare.hpp"
 

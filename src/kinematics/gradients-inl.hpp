@@ -9,7 +9,7 @@
 
 #include "hexaplast/material/material.hpp"
 #include "kinematics/polar-inl.hpp"
-#include "mesh/corners-inl.hpp"
+#include "layout/corners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "hexaplast/base/linear_system.hpp"
-#include "hexaplast/mesh/partition.hpp"
+#include "hexaplast/layout/partition.hpp"
 #include "solve/node_blocks.hpp"
 
 namespace hexaplast {

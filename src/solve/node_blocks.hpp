@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hexaplast/base/linear_system.hpp"
-#include "hexaplast/mesh/partition.hpp"
+#include "hexaplast/layout/partition.hpp"
 
 namespace hexaplast {
 

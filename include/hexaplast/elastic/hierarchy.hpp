@@ -4,7 +4,7 @@
 #include <span>
 
 #include "hexaplast/base/chunked_operator.hpp"
-#include "hexaplast/mesh/coarse_mesh.hpp"
+#include "hexaplast/layout/coarse_mesh.hpp"
 #include "hexaplast/state/linearization.hpp"
 
 namespace hexaplast {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hexaplast/base/chunked_operator.hpp"
-#include "hexaplast/mesh/partition.hpp"
+#include "hexaplast/layout/partition.hpp"
 
 namespace hexaplast {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hexaplast/material/material.hpp"
-#include "hexaplast/mesh/coarse_mesh.hpp"
-#include "hexaplast/mesh/partition.hpp"
+#include "hexaplast/layout/coarse_mesh.hpp"
+#include "hexaplast/layout/partition.hpp"
 
 namespace hexaplast {
 

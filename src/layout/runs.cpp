@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "mesh/runs.hpp"
+#include "layout/runs.hpp"
 
 #include <algorithm>
 #include <array>

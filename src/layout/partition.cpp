@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/partition.hpp"
+#include "hexaplast/layout/partition.hpp"
 
 #include <algorithm>
 
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
-#include "mesh/runs.hpp"
+#include "layout/runs.hpp"
 
 namespace hexaplast {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Nodal values to the corners of one element per lane and back, without hardware gather or scatter: four numbers per
 // node are loaded at once and transposed in registers.
-#if defined(HEXAPLAST_MESH_CORNERS_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef HEXAPLAST_MESH_CORNERS_INL
-#undef HEXAPLAST_MESH_CORNERS_INL
+#if defined(HEXAPLAST_LAYOUT_CORNERS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HEXAPLAST_LAYOUT_CORNERS_INL
+#undef HEXAPLAST_LAYOUT_CORNERS_INL
 #else
-#define HEXAPLAST_MESH_CORNERS_INL
+#define HEXAPLAST_LAYOUT_CORNERS_INL
 #endif
 
 #include "base/lanes-inl.hpp"
 #include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/mesh/partition.hpp"
+#include "hexaplast/layout/partition.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

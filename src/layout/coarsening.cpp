@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/coarsening.hpp"
+#include "hexaplast/layout/coarsening.hpp"
 
 #include <algorithm>
 #include <cstdint>

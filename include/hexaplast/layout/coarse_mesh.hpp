@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "hexaplast/mesh/coarsening.hpp"
-#include "hexaplast/mesh/partition.hpp"
+#include "hexaplast/layout/coarsening.hpp"
+#include "hexaplast/layout/partition.hpp"
 
 namespace hexaplast {
 
