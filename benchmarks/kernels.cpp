@@ -9,7 +9,7 @@
 
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 
 namespace {
 

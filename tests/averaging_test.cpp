@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/plastic/rest_shape.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"

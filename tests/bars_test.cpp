@@ -3,7 +3,7 @@
 // halves alike.
 #include <cmath>
 
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"

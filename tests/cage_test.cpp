@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/cage.hpp"
+#include "hexaplast/geometry/cage.hpp"
 
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 #include "support/compare.hpp"

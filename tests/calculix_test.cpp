@@ -2,7 +2,7 @@
 // Against CalculiX (tests/data/calculix/README.md): another code, other elements, other constitutive laws.
 #include <map>
 
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "support/calculix_bar.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"

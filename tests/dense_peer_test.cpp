@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
 
 namespace hexaplast {

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "hexaplast/mesh/consistent_mass.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <string>
 
-#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/mesh/file_import.hpp"
 #include "support/command.hpp"
 

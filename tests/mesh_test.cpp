@@ -4,7 +4,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

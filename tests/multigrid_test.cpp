@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "hexaplast/layout/coarsening.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/compare.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/plane_cut.hpp"
+#include "hexaplast/geometry/plane_cut.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
-#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "scene/visuals.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"

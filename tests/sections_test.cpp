@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 
 #include <cmath>
 
 #include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/mesh/axial_pull.hpp"
+#include "hexaplast/geometry/axial_pull.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

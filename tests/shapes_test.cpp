@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/shapes.hpp"
+#include "hexaplast/geometry/shapes.hpp"
 
 #include <gtest/gtest.h>
 

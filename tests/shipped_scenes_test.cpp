@@ -13,8 +13,8 @@
 #include <numeric>
 #include <sstream>
 
-#include "hexaplast/mesh/sections.hpp"
-#include "hexaplast/mesh/shapes.hpp"
+#include "hexaplast/geometry/sections.hpp"
+#include "hexaplast/geometry/shapes.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"
 #include "support/shapes.hpp"

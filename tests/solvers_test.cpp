@@ -5,7 +5,7 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"

@@ -2,7 +2,7 @@
 // Pulls a bar for two seconds, lets go, and reads what stays. docs/api.md and the headers' page show this program.
 #include <algorithm>
 #include <cstdio>
-#include <hexaplast/mesh/grid.hpp>
+#include <hexaplast/geometry/grid.hpp>
 #include <hexaplast/moving_body.hpp>
 #include <utility>
 

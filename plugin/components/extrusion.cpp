@@ -4,8 +4,8 @@
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/offset.hpp"
-#include "hexaplast/mesh/placement.hpp"
+#include "hexaplast/geometry/offset.hpp"
+#include "hexaplast/geometry/placement.hpp"
 
 namespace hexaplast::components {
 namespace {

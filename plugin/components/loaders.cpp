@@ -9,7 +9,7 @@
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/file_import.hpp"
-#include "hexaplast/mesh/placement.hpp"
+#include "hexaplast/geometry/placement.hpp"
 
 namespace hexaplast::components {
 namespace {

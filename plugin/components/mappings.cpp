@@ -6,7 +6,7 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
-#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::components {

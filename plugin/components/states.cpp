@@ -5,7 +5,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/placement.hpp"
+#include "hexaplast/geometry/placement.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {

@@ -11,10 +11,10 @@
 #include "components/components.hpp"
 #include "components/made_topology.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/cage.hpp"
+#include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/file_import.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/mesh/plane_cut.hpp"
+#include "hexaplast/geometry/plane_cut.hpp"
 #include "output/renderer.hpp"
 
 namespace hexaplast::output {

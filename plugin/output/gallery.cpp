@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "output/picture_cut.hpp"
 
 namespace hexaplast::output {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "hexaplast/mesh/plane_cut.hpp"
+#include "hexaplast/geometry/plane_cut.hpp"
 #include "output/arrow.hpp"
 #include "output/boundary_conditions.hpp"
 #include "output/camera.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 
 namespace hexaplast::output {
 

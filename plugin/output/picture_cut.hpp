@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "hexaplast/mesh/plane_cut.hpp"
+#include "hexaplast/geometry/plane_cut.hpp"
 
 namespace hexaplast::output {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/mesh/embed.hpp"
+#include "hexaplast/geometry/embed.hpp"
 
 namespace hexaplast::output {
 

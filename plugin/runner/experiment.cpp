@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "hexaplast/mesh/axial_pull.hpp"
+#include "hexaplast/geometry/axial_pull.hpp"
 #include "output/measures.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/loads.hpp"

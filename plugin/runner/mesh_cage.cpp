@@ -8,7 +8,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/text.hpp"
-#include "hexaplast/mesh/cage.hpp"
+#include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/mesh/file_export.hpp"
 #include "output/files.hpp"
 #include "runner/exit_code.hpp"

@@ -10,7 +10,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/text.hpp"
-#include "hexaplast/mesh/offset.hpp"
+#include "hexaplast/geometry/offset.hpp"
 #include "runner/mesh_file.hpp"
 #include "runner/standard_output.hpp"
 

@@ -9,9 +9,9 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/text.hpp"
-#include "hexaplast/mesh/grid.hpp"
-#include "hexaplast/mesh/offset.hpp"
-#include "hexaplast/mesh/shapes.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/geometry/offset.hpp"
+#include "hexaplast/geometry/shapes.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/mesh_file.hpp"
 #include "runner/mesh_info.hpp"

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "hexaplast/mesh/pick.hpp"
+#include "hexaplast/geometry/pick.hpp"
 
 namespace hexaplast::view {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "hexaplast/mesh/embed.hpp"
-#include "hexaplast/mesh/pick.hpp"
+#include "hexaplast/geometry/embed.hpp"
+#include "hexaplast/geometry/pick.hpp"
 #include "output/gallery.hpp"
 #include "output/surface.hpp"
 #include "view/session.hpp"

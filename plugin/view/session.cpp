@@ -11,7 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/pick.hpp"
+#include "hexaplast/geometry/pick.hpp"
 #include "scene/parts.hpp"
 
 namespace hexaplast::view {

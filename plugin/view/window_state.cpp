@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "view/window_state.hpp"
 
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 
 namespace hexaplast::view {
 namespace {

@@ -10,7 +10,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/mesh/file_import.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "output/files.hpp"
 #include "scene/reader.hpp"
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "support/shapes.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/mesh/sections.hpp"
+#include "hexaplast/geometry/sections.hpp"
 
 namespace hexaplast::support {
 

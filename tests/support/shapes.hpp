@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "support/random.hpp"
 
 namespace hexaplast::support {

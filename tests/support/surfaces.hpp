@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/quad_surface.hpp"
+#include "hexaplast/geometry/quad_surface.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast::support {

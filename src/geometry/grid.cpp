@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/grid.hpp"
+#include "hexaplast/geometry/grid.hpp"
 
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
-#include "mesh/lattice.hpp"
+#include "geometry/lattice.hpp"
 
 namespace hexaplast {
 

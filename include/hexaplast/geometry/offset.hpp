@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "hexaplast/mesh/quad_surface.hpp"
+#include "hexaplast/geometry/quad_surface.hpp"
 #include "hexaplast/mesh/quality.hpp"
 
 namespace hexaplast {

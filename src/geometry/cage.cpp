@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/cage.hpp"
+#include "hexaplast/geometry/cage.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ constexpr double kTouch = 1e-9;  // of a cell's size: a surface this near to a c
 
 enum class Kind : unsigned char { kUntouched, kTouched, kOutside };
 
-using Cell = std::array<int, 3>;
+using GridCell = std::array<int, 3>;
 
 /// The cells of a grid, and what is known of each.
 class Cells {
@@ -28,22 +28,22 @@ class Cells {
     kind_.assign(static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2], Kind::kUntouched);
   }
 
-  Kind& kind(const Cell& c) { return kind_[index(c)]; }
+  Kind& kind(const GridCell& c) { return kind_[index(c)]; }
   const Vec3& width() const { return width_; }
-  bool contains(const Cell& c) const {
+  bool contains(const GridCell& c) const {
     for (int d = 0; d < 3; ++d)
       if (c[d] < 0 || c[d] >= grid_.cells[d]) return false;
     return true;
   }
 
   /// The cell of a point, or the one next to it where it lies outside.
-  Cell cell_at(const Vec3& point) const {
-    Cell c;
+  GridCell cell_at(const Vec3& point) const {
+    GridCell c;
     for (int d = 0; d < 3; ++d)
       c[d] = static_cast<int>(std::clamp(std::floor((point[d] - grid_.least[d]) / width_[d]), 0., grid_.cells[d] - 1.));
     return c;
   }
-  Vec3 centre(const Cell& c) const {
+  Vec3 centre(const GridCell& c) const {
     return grid_.least + width_.cwiseProduct(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
   }
 
@@ -53,25 +53,25 @@ class Cells {
     for_each_in({0, 0, 0}, {grid_.cells[0] - 1, grid_.cells[1] - 1, grid_.cells[2] - 1}, visit);
   }
   template <class Visit>
-  static void for_each_in(const Cell& least, const Cell& most, const Visit& visit) {
+  static void for_each_in(const GridCell& least, const GridCell& most, const Visit& visit) {
     for (int k = least[2]; k <= most[2]; ++k)
       for (int j = least[1]; j <= most[1]; ++j)
-        for (int i = least[0]; i <= most[0]; ++i) visit(Cell{i, j, k});
+        for (int i = least[0]; i <= most[0]; ++i) visit(GridCell{i, j, k});
   }
 
   /// The six cells across the faces of one, where the grid has them.
   template <class Visit>
-  void for_each_neighbour(const Cell& c, const Visit& visit) const {
+  void for_each_neighbour(const GridCell& c, const Visit& visit) const {
     for (int d = 0; d < 3; ++d)
       for (const int step : {-1, 1}) {
-        Cell other = c;
+        GridCell other = c;
         other[d] += step;
         if (contains(other)) visit(other);
       }
   }
 
  private:
-  std::size_t index(const Cell& c) const {
+  std::size_t index(const GridCell& c) const {
     return static_cast<std::size_t>(c[0]) +
            static_cast<std::size_t>(grid_.cells[0]) * (c[1] + static_cast<std::size_t>(grid_.cells[1]) * c[2]);
   }
@@ -103,7 +103,7 @@ void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
   const Vec3 half = (0.5 + kTouch) * cells.width();
   const Vec3 least = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
              most = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]), reach = kTouch * cells.width();
-  Cells::for_each_in(cells.cell_at(least - reach), cells.cell_at(most + reach), [&](const Cell& c) {
+  Cells::for_each_in(cells.cell_at(least - reach), cells.cell_at(most + reach), [&](const GridCell& c) {
     if (cells.kind(c) == Kind::kTouched) return;
     const Vec3 centre = cells.centre(c);
     if (touches({corners[0] - centre, corners[1] - centre, corners[2] - centre}, half)) cells.kind(c) = Kind::kTouched;
@@ -112,34 +112,34 @@ void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
 
 /// From the cells at the border of the grid through all that the surface does not touch.
 void mark_outside(const CageGrid& grid, Cells& cells) {
-  std::vector<Cell> waiting;
-  const auto reach = [&](const Cell& c) {
+  std::vector<GridCell> waiting;
+  const auto reach = [&](const GridCell& c) {
     if (cells.kind(c) != Kind::kUntouched) return;
     cells.kind(c) = Kind::kOutside;
     waiting.push_back(c);
   };
-  cells.for_each([&](const Cell& c) {
+  cells.for_each([&](const GridCell& c) {
     for (int d = 0; d < 3; ++d)
       if (c[d] == 0 || c[d] == grid.cells[d] - 1) return reach(c);
   });
   while (!waiting.empty()) {
-    const Cell c = waiting.back();
+    const GridCell c = waiting.back();
     waiting.pop_back();
     cells.for_each_neighbour(c, reach);
   }
 }
 
 /// Nodes of the kept cells, numbered by x, then y, then z.
-HexMesh mesh_of(const std::vector<Cell>& kept, const CageGrid& grid) {
+HexMesh mesh_of(const std::vector<GridCell>& kept, const CageGrid& grid) {
   const std::int64_t ny = grid.cells[1] + 1, nz = grid.cells[2] + 1;
-  const auto key = [&](const Cell& c, int corner) {
+  const auto key = [&](const GridCell& c, int corner) {
     std::array<std::int64_t, 3> at;
     for (int d = 0; d < 3; ++d) at[d] = c[d] + (kCornerSign[corner][d] > 0 ? 1 : 0);
     return (at[0] * ny + at[1]) * nz + at[2];
   };
   std::vector<std::int64_t> keys;
   keys.reserve(kCorners * kept.size());
-  for (const Cell& c : kept)
+  for (const GridCell& c : kept)
     for (int a = 0; a < kCorners; ++a) keys.push_back(key(c, a));
   std::ranges::sort(keys);
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
@@ -154,7 +154,7 @@ HexMesh mesh_of(const std::vector<Cell>& kept, const CageGrid& grid) {
 
   std::vector<Hexahedron> hexahedra;
   hexahedra.reserve(kept.size());
-  for (const Cell& c : kept) {
+  for (const GridCell& c : kept) {
     Hexahedron& corners = hexahedra.emplace_back();
     for (int a = 0; a < kCorners; ++a)
       corners[a] = static_cast<int>(std::ranges::lower_bound(keys, key(c, a)) - keys.begin());
@@ -279,9 +279,9 @@ Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<c
   }
   mark_outside(grid, cells);
 
-  std::vector<Cell> chosen;
+  std::vector<GridCell> chosen;
   const auto choose = [&](Kind kind) {
-    cells.for_each([&](const Cell& c) {
+    cells.for_each([&](const GridCell& c) {
       if (cells.kind(c) == kind) chosen.push_back(c);
     });
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/shapes.hpp"
+#include "hexaplast/geometry/shapes.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
-#include "mesh/lattice.hpp"
+#include "geometry/lattice.hpp"
 
 namespace hexaplast {
 namespace {

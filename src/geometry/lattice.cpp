@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "mesh/lattice.hpp"
+#include "geometry/lattice.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/pick.hpp"
+#include "hexaplast/geometry/pick.hpp"
 
 #include <algorithm>
 

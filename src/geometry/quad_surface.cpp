@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/quad_surface.hpp"
+#include "hexaplast/geometry/quad_surface.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/offset.hpp"
+#include "hexaplast/geometry/offset.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

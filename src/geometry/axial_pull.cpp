@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/axial_pull.hpp"
+#include "hexaplast/geometry/axial_pull.hpp"
 
 #include <cmath>
 
