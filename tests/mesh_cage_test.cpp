@@ -2,7 +2,7 @@
 #include <string>
 
 #include "hexaplast/geometry/embed.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "support/command.hpp"
 
 namespace {

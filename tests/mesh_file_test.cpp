@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/file_export.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"

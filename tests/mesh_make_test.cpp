@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "support/command.hpp"
 
 namespace {

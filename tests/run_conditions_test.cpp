@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "support/command.hpp"
 #include "support/compare.hpp"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "scene/scene.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/readable_file.hpp"
+#include "hexaplast/formats/readable_file.hpp"
 
 namespace hexaplast::bench {
 

@@ -8,7 +8,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/placement.hpp"
 
 namespace hexaplast::components {

@@ -13,7 +13,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/grid.hpp"
 
 namespace hexaplast::components {

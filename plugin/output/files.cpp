@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/readable_file.hpp"
+#include "hexaplast/formats/readable_file.hpp"
 #include "output/checkpoint.hpp"
 
 namespace hexaplast::output {

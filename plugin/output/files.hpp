@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "hexaplast/base/hash.hpp"
-#include "hexaplast/base/line_file.hpp"
-#include "hexaplast/base/text.hpp"
-#include "hexaplast/base/whole_file.hpp"
+#include "hexaplast/formats/line_file.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 
 namespace hexaplast::output {
 

@@ -9,9 +9,9 @@
 #include <cmath>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/readable_file.hpp"
-#include "hexaplast/base/xml.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/readable_file.hpp"
+#include "hexaplast/formats/xml.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "output/files.hpp"
 #include "output/instruments_vtu.hpp"
 #include "output/state_arrays.hpp"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 
 namespace hexaplast::output {
 

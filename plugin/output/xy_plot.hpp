@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hexaplast/base/whole_file.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 
 namespace hexaplast::output {
 

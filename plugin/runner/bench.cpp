@@ -11,7 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "output/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/simulation.hpp"

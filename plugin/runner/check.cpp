@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "hexaplast/survey.hpp"
 #include "runner/loads.hpp"
 #include "runner/output_options.hpp"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "output/comparison.hpp"
 #include "output/files.hpp"
 

@@ -13,7 +13,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "output/files.hpp"
 #include "output/history_panels.hpp"
 #include "output/xy_plot.hpp"

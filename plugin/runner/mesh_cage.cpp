@@ -7,9 +7,9 @@
 #include <algorithm>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/cage.hpp"
-#include "hexaplast/mesh/file_export.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
 #include "output/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/mesh_file.hpp"

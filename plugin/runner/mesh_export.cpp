@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/mesh_export.hpp"
 
-#include "hexaplast/base/whole_file.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/body.hpp"
 #include "output/abaqus_deck.hpp"
 #include "output/vtu.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/base/whole_file.hpp"
-#include "hexaplast/mesh/file_export.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/whole_file.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 
 namespace hexaplast::runner {
 

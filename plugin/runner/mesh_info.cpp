@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/offset.hpp"
 #include "runner/mesh_file.hpp"
 #include "runner/standard_output.hpp"

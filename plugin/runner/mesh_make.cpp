@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/offset.hpp"
 #include "hexaplast/geometry/shapes.hpp"

@@ -6,7 +6,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/simd.hpp"
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "output/checkpoint.hpp"
 #include "output/files.hpp"
 #include "output/recorder.hpp"

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "output/files.hpp"
 #include "output/json_file.hpp"
 #include "runner/directory_lock.hpp"

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <mutex>
 
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 
 namespace hexaplast::runner {
 namespace {

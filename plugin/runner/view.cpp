@@ -10,7 +10,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "output/recorder.hpp"
 #include "runner/boundary_conditions.hpp"
 #include "runner/directory_lock.hpp"

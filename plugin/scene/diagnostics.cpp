@@ -7,7 +7,7 @@
 #include <cctype>
 #include <utility>
 
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 
 namespace hexaplast::scene {
 namespace {

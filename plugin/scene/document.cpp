@@ -9,8 +9,8 @@
 #include <iterator>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/readable_file.hpp"
-#include "hexaplast/base/xml.hpp"
+#include "hexaplast/formats/readable_file.hpp"
+#include "hexaplast/formats/xml.hpp"
 
 namespace hexaplast::scene {
 namespace {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hexaplast/base/whole_file.hpp"
-#include "hexaplast/base/xml.hpp"
+#include "hexaplast/formats/whole_file.hpp"
+#include "hexaplast/formats/xml.hpp"
 #include "scene/diagnostics.hpp"
 
 namespace hexaplast::scene {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <limits>
 
-#include "hexaplast/base/text.hpp"
+#include "hexaplast/formats/text.hpp"
 
 namespace hexaplast::scene {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/whole_file.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 #include "scene/diagnostics.hpp"
 
 namespace hexaplast::scene {

@@ -13,7 +13,7 @@
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/readable_file.hpp"
+#include "hexaplast/formats/readable_file.hpp"
 #include "scene/document.hpp"
 #include "scene/links.hpp"
 

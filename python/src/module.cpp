@@ -9,7 +9,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "output/files.hpp"
 #include "scene/reader.hpp"

@@ -151,15 +151,4 @@ void QuadSurface::check_shapes() const {
   bad.refuse("quads that are flat, concave or twisted at a corner", "all four corners must be convex on the same side");
 }
 
-QuadSurface surface_of(const ImportedMesh& mesh) {
-  if (!mesh.triangles.empty()) {
-    const Triangle& first = mesh.triangles.front();
-    throw InputError(
-        fmt::format("{} triangles, or parts of polygons, among {} quads, the first one with the vertices {} (counted "
-                    "from 0); all faces must be quads",
-                    mesh.triangles.size(), mesh.quads.size(), fmt::join(first, ", ")));
-  }
-  return QuadSurface(mesh.positions, mesh.quads);
-}
-
 }  // namespace hexaplast

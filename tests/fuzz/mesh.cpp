@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Mesh files: the first byte chooses the format. Whatever is read has its corners among its nodes.
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "target.hpp"
 
 using namespace hexaplast;

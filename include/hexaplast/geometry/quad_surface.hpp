@@ -6,7 +6,6 @@
 
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/mesh/file_import.hpp"
 
 namespace hexaplast {
 
@@ -55,8 +54,5 @@ class QuadSurface {
   std::vector<Incidence> incidence_;  // grouped by vertex
   bool is_closed_ = true;
 };
-
-/// The faces of a mesh file as a surface. Throws InputError as above, and where a face is not a quad.
-QuadSurface surface_of(const ImportedMesh& mesh);
 
 }  // namespace hexaplast

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "mesh/mesh_source.hpp"
+#include "mesh_source.hpp"
 
 // VTK's legacy file format. Binary numbers are big-endian.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/base/line_file.hpp"
+#include "hexaplast/formats/line_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 #include <system_error>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/readable_file.hpp"
-#include "hexaplast/base/whole_file.hpp"
+#include "hexaplast/formats/readable_file.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 
 namespace hexaplast {
 namespace fs = std::filesystem;

@@ -10,8 +10,8 @@
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/xml.hpp"
-#include "mesh/mesh_source.hpp"
+#include "hexaplast/formats/xml.hpp"
+#include "mesh_source.hpp"
 
 // VTK's XML files of unstructured grids. A data array is text; or bytes in base64, in place or appended; or raw bytes,
 // appended. Bytes follow their number, or, compressed, the sizes of their blocks.

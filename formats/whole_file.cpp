@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/base/whole_file.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

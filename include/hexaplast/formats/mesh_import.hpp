@@ -8,6 +8,7 @@
 
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
+#include "hexaplast/geometry/quad_surface.hpp"
 
 namespace hexaplast {
 
@@ -67,6 +68,9 @@ ImportedMesh parse_vtk(std::string_view content, const std::string& name);
 ImportedState parse_vtu_state(std::string_view content, const std::string& name);
 ImportedMesh parse_obj(std::string_view content, const std::string& name);
 ImportedMesh parse_abaqus(std::string_view content, const std::string& name);
+
+/// The faces as a surface. Throws InputError as QuadSurface does, and where a face is not a quad.
+QuadSurface surface_of(const ImportedMesh& mesh);
 
 /// Cuts every quad into two triangles, (0, 1, 2) and (0, 2, 3).
 void triangulate(ImportedMesh& mesh);

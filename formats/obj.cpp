@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "mesh/mesh_source.hpp"
+#include "mesh_source.hpp"
 
 namespace hexaplast {
 namespace {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "mesh/mesh_source.hpp"
+#include "mesh_source.hpp"
 
 // Gmsh's file format, as its reference manual describes it: sections between $Name and $EndName; nodes carry tags of
 // any value, by which elements name them. Numbers are text or binary, in the words of each version.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "mesh/mesh_source.hpp"
+#include "mesh_source.hpp"
 
 #include <fmt/format.h>
 
@@ -14,14 +14,14 @@ namespace hexaplast {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
-constexpr std::size_t kLongestQuote = 40;  // bytes of a file that a message repeats
+constexpr std::size_t kLongestWord = 40;  // bytes of a file that a message repeats
 
 /// Part of a file as it may stand in a message.
 std::string quoted(std::string_view word) {
-  std::string shown(word.substr(0, kLongestQuote));
+  std::string shown(word.substr(0, kLongestWord));
   for (char& c : shown)
     if (c < ' ' || c > '~') c = '?';
-  return "'" + shown + (word.size() > kLongestQuote ? "...'" : "'");
+  return "'" + shown + (word.size() > kLongestWord ? "...'" : "'");
 }
 
 template <class Number>

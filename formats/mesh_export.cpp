@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/file_export.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
 
 #include <fmt/format.h>
 

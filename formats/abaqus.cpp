@@ -7,7 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "mesh/mesh_source.hpp"
+#include "mesh_source.hpp"
 
 // Abaqus input decks, of which the nodes and elements of the first order are read: keyword lines begin with a star,
 // data lines between them hold numbers separated by commas, and may go on after a comma at their end.

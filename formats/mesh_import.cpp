@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/file_import.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 
 #include <fmt/format.h>
 
@@ -47,6 +47,17 @@ ImportedMesh read_mesh(const std::filesystem::path& file) {
   if (ending == ".obj") return read_obj(file);
   if (ending == ".inp") return read_abaqus(file);
   throw InputError(fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu, .obj or .inp", file.string()));
+}
+
+QuadSurface surface_of(const ImportedMesh& mesh) {
+  if (!mesh.triangles.empty()) {
+    const Triangle& first = mesh.triangles.front();
+    throw InputError(
+        fmt::format("{} triangles, or parts of polygons, among {} quads, the first one with the vertices {} (counted "
+                    "from 0); all faces must be quads",
+                    mesh.triangles.size(), mesh.quads.size(), fmt::join(first, ", ")));
+  }
+  return QuadSurface(mesh.positions, mesh.quads);
 }
 
 void triangulate(ImportedMesh& mesh) {
