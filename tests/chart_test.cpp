@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "output/chart.hpp"
+#include "page/chart.hpp"
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>

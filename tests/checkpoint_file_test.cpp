@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "hexaplast/base/error.hpp"
-#include "output/checkpoint.hpp"
-#include "output/files.hpp"
-#include "output/time_series.hpp"
+#include "record/checkpoint.hpp"
+#include "record/files.hpp"
+#include "record/time_series.hpp"
 
 namespace hexaplast::output {
 namespace {

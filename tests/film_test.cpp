@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Films: what was put in comes out again, and what goes wrong is said.
-#include "output/film.hpp"
+#include "picture/film.hpp"
 
 #include <png.h>
 #include <sys/stat.h>

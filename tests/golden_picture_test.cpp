@@ -6,9 +6,9 @@
 
 #include <numbers>
 
-#include "output/gallery.hpp"
-#include "output/png_file.hpp"
-#include "output/section_page.hpp"
+#include "picture/gallery.hpp"
+#include "picture/png_file.hpp"
+#include "picture/section_page.hpp"
 #include "output_support.hpp"
 
 namespace hexaplast {

@@ -34,17 +34,19 @@ const std::map<std::string, int> kHeight{
     {"attributes", 8},
     {"scene", 9},
     {"components", 10},
-    {"output", 10},
-    {"view", 11},
-    {"runner", 12},
-    {"sofa", 12},
+    {"picture", 10},
+    {"record", 11},
+    {"page", 12},
+    {"view", 13},
+    {"runner", 14},
+    {"sofa", 14},
     // below benchmarks/
     {"baselines", 7},
     {"bench", 8},
-    {"kernels", 12},
-    {"instructions", 12},
-    {"figures", 12},
-    {"calculix", 12},
+    {"kernels", 14},
+    {"instructions", 14},
+    {"figures", 14},
+    {"calculix", 14},
 };
 
 /// Module that a path below include/hexaplast, src, formats, plugin or benchmarks belongs to: its first folder, or body for the

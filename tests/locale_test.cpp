@@ -2,7 +2,7 @@
 // Hosts take their users' locale; what is read and written here does not.
 #include <cstdio>
 
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "output_support.hpp"
 #include "support/german_locale.hpp"
 #include "support/scene.hpp"

@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "output/json_file.hpp"
-#include "output/manifest.hpp"
+#include "record/json_file.hpp"
+#include "record/manifest.hpp"
 #include "support/compare.hpp"
 #include "support/vtu_reader.hpp"
 
@@ -249,7 +249,7 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   recorder.finish();
   const std::vector<std::string> after{"frames",          "frames/mine.png", "history.csv",   "mesh.pvd",
                                        "mesh_000000.vtu", "mesh_000002.vtu", "mesh_fine.vtu", "notes.txt",
-                                       "plot.svg",        "removed.csv"};
+                                       "removed.csv"};
   EXPECT_EQ(names_in(scratch / "run"), after);
   EXPECT_EQ(content(scratch / "run/notes.txt"), "earlier");
 }

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <set>
 
-#include "output/gallery.hpp"
-#include "output/lighting.hpp"
-#include "output/png_file.hpp"
+#include "picture/gallery.hpp"
+#include "picture/lighting.hpp"
+#include "picture/png_file.hpp"
 #include "output_support.hpp"
 
 /// OSMesa keeps a few bytes of every drawing context to the end; the leak checker of sanitized builds is told.
@@ -494,7 +494,7 @@ TEST(Frames, MissingRendererIsOneWarningAndNothingElseIsLost) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("no pictures"), std::string::npos);
   EXPECT_NE(warnings[0].find("nowhere"), std::string::npos) << warnings[0];
-  for (const char* name : {"history.csv", "mesh.pvd", "mesh_000003.vtu", "plot.svg"})
+  for (const char* name : {"history.csv", "mesh.pvd", "mesh_000003.vtu"})
     EXPECT_TRUE(fs::exists(scratch / "run" / name)) << name;
 }
 

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast::support {

@@ -4,7 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "output/axis.hpp"
+#include "page/plot.hpp"
+#include "picture/axis.hpp"
 #include "output_support.hpp"
 
 namespace hexaplast {
@@ -219,11 +220,9 @@ TEST(Summary, LargestPlasticStrainIsOfWhatIsLeft) {
 TEST(PlotFile, IsWellFormedXmlWhateverTheTitle) {
   const Scratch scratch;
   Body body = support::yielding_block();
-  RunPlan run = plan(6, 100);
-  run.title = "pull & <hold> \"50 %\" \x01 {}";
-  Recorder recorder(scratch / "run", body, run);
+  Recorder recorder(scratch / "run", body, plan(6, 100));
   support::record_stretch(recorder, body, 6);
-  recorder.finish();
+  write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "pull & <hold> \"50 %\" \x01 {}", 1);
   tinyxml2::XMLDocument document;
   ASSERT_EQ(document.LoadFile((scratch / "run/plot.svg").c_str()), tinyxml2::XML_SUCCESS) << document.ErrorStr();
   EXPECT_STREQ(document.RootElement()->Name(), "svg");
@@ -238,7 +237,7 @@ TEST(PlotFile, StaysSmallForLongRuns) {
   Recorder recorder(scratch / "run", body, plan(5000, 100000));
   const PointArray x = body.mesh().positions();
   for (long step = 0; step <= 5000; ++step) recorder.record({.step = step, .time = 0.01 * step}, x, x);
-  recorder.finish();
+  write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "long", body.mesh().num_elements());
   EXPECT_LT(fs::file_size(scratch / "run/plot.svg"), 250000u);
   EXPECT_NE(content(scratch / "run/plot.svg").find(">50<"), std::string::npos);  // the axis reaches the last time
 }

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The report and the manifest of a run: what they say is what the run's other files say.
-#include "output/report.hpp"
+#include "page/report.hpp"
 
 #include <tinyxml2.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "output/history_table.hpp"
-#include "output/html.hpp"
-#include "output/manifest.hpp"
+#include "page/thinning.hpp"
+#include "record/history_table.hpp"
+#include "page/html.hpp"
+#include "record/manifest.hpp"
 #include "output_support.hpp"
 
 namespace hexaplast {

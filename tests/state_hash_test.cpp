@@ -14,7 +14,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/body.hpp"
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "support/scene.hpp"
 
 namespace hexaplast {

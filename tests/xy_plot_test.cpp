@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "output/xy_plot.hpp"
+#include "page/xy_plot.hpp"
 
 #include <tinyxml2.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <sstream>
 
-#include "output/axis.hpp"
+#include "picture/axis.hpp"
 #include "output_support.hpp"
 
 namespace hexaplast::output {

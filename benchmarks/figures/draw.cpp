@@ -13,9 +13,9 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "output/colour_map.hpp"
-#include "output/png_file.hpp"
-#include "output/renderer.hpp"
+#include "picture/colour_map.hpp"
+#include "picture/png_file.hpp"
+#include "picture/renderer.hpp"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/formats/text.hpp"
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/simulation.hpp"
 #include "runner/standard_output.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "output/boundary_conditions.hpp"
+#include "picture/boundary_conditions.hpp"
 #include "runner/simulation.hpp"
 
 namespace hexaplast::runner {

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "hexaplast/formats/text.hpp"
-#include "output/comparison.hpp"
-#include "output/files.hpp"
+#include "page/comparison.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::runner {
 namespace {

@@ -10,7 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "output/files.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::runner {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "hexaplast/geometry/axial_pull.hpp"
-#include "output/measures.hpp"
+#include "record/measures.hpp"
 #include "runner/interrupt.hpp"
 #include "runner/loads.hpp"
 #include "runner/simulation.hpp"

@@ -10,7 +10,7 @@
 #include "hexaplast/base/memory.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
-#include "output/report.hpp"
+#include "page/report.hpp"
 #include "runner/scene_record.hpp"
 
 namespace hexaplast::runner {

@@ -15,7 +15,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "runner/bench.hpp"
 #include "runner/check.hpp"
 #include "runner/command_page.hpp"

@@ -10,7 +10,7 @@
 #include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
-#include "output/files.hpp"
+#include "record/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/mesh_file.hpp"
 

@@ -3,8 +3,8 @@
 
 #include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/body.hpp"
-#include "output/abaqus_deck.hpp"
-#include "output/vtu.hpp"
+#include "record/abaqus_deck.hpp"
+#include "record/vtu.hpp"
 #include "runner/loads.hpp"
 #include "runner/scene_file.hpp"
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
-#include "output/files.hpp"
+#include "record/files.hpp"
 #include "runner/exit_code.hpp"
 #include "scene/reader.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "output/files.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::runner {
 namespace {

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <utility>
 
-#include "output/files.hpp"
+#include "record/files.hpp"
 #include "runner/exit_code.hpp"
 
 namespace hexaplast::runner {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "output/quantity.hpp"
+#include "picture/quantity.hpp"
 
 namespace CLI {
 class App;

@@ -13,7 +13,8 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/formats/text.hpp"
-#include "output/recorder.hpp"
+#include "page/plot.hpp"
+#include "record/recorder.hpp"
 #include "runner/boundary_conditions.hpp"
 #include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
@@ -100,6 +101,13 @@ void write_checkpoint(Simulation& simulation, output::Recorder& recorder, RunRec
   output::write_checkpoint(*record.options.out, simulation.latest().step, simulation.scene_identity(), sections);
 }
 
+/// The curves over time, then the pictures, which take longest and may fail for want of a renderer.
+void complete(output::Recorder& recorder, Simulation& simulation, const RunOptions& options) {
+  output::write_plot(*options.out / "plot.svg", *options.out / "history.csv", options.scene.file.stem().string(),
+                     simulation.body()->mesh().num_elements());
+  for (const std::string& warning : recorder.finish()) spdlog::warn("warning: {}", warning);
+}
+
 // Steps until the end, a signal, or a failure. After a failure the files hold everything up to the last good step.
 void advance(Simulation& simulation, long num_steps, output::Recorder* recorder, const RunOptions& options,
              RunRecord& kept, bool begins) {
@@ -123,7 +131,7 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
       record();
       require_supplied(simulation);
     } catch (const NumericalError&) {
-      if (recorder) recorder->finish();
+      if (recorder) complete(*recorder, simulation, options);
       throw;
     }
     const output::StepRecord& latest = simulation.latest();
@@ -269,8 +277,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
                bool begins) {
   advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, options, kept, begins);
 
-  if (files.recorder)
-    for (const std::string& warning : files.recorder->finish()) spdlog::warn("warning: {}", warning);
+  if (files.recorder) complete(*files.recorder, simulation, options);
   if (files.final_state)
     output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
                         simulation.state().velocities(), *simulation.body());

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "hexaplast/base/error.hpp"
-#include "output/checkpoint.hpp"
+#include "record/checkpoint.hpp"
 #include "runner/scene_file.hpp"
 
 namespace hexaplast::runner {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "output/manifest.hpp"
+#include "record/manifest.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::runner {

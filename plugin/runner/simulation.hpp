@@ -6,7 +6,7 @@
 #include <string>
 
 #include "hexaplast/body.hpp"
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "runner/scene_file.hpp"
 
 namespace hexaplast::runner {

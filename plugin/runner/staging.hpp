@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "output/gallery.hpp"
-#include "output/manifest.hpp"
+#include "picture/gallery.hpp"
+#include "record/manifest.hpp"
 #include "runner/simulation.hpp"
 
 namespace hexaplast::runner {

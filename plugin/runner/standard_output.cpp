@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "output/files.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::runner {
 

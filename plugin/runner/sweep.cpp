@@ -15,8 +15,8 @@
 #include <thread>
 
 #include "hexaplast/formats/text.hpp"
-#include "output/files.hpp"
-#include "output/json_file.hpp"
+#include "record/files.hpp"
+#include "record/json_file.hpp"
 #include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/interrupt.hpp"

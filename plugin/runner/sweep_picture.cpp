@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "output/history_panels.hpp"
-#include "output/xy_plot.hpp"
+#include "page/history_panels.hpp"
+#include "page/xy_plot.hpp"
 
 namespace hexaplast::runner {
 namespace {

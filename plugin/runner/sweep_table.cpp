@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "output/files.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::runner {
 namespace {

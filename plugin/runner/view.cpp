@@ -11,7 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/formats/text.hpp"
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "runner/boundary_conditions.hpp"
 #include "runner/directory_lock.hpp"
 #include "runner/exit_code.hpp"

@@ -8,8 +8,8 @@
 
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/pick.hpp"
-#include "output/gallery.hpp"
-#include "output/surface.hpp"
+#include "picture/gallery.hpp"
+#include "picture/surface.hpp"
 #include "view/session.hpp"
 
 namespace hexaplast::view {

@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "output/axis.hpp"
-#include "output/colour_map.hpp"
+#include "picture/axis.hpp"
+#include "picture/colour_map.hpp"
 #include "view/widgets.hpp"
 
 namespace hexaplast::view {

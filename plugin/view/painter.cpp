@@ -10,8 +10,8 @@
 #include <cstddef>
 #include <utility>
 
-#include "output/colour_map.hpp"
-#include "output/files.hpp"
+#include "picture/colour_map.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::view {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "output/renderer.hpp"
+#include "picture/renderer.hpp"
 #include "view/camera.hpp"
 #include "view/figure.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "output/files.hpp"
+#include "record/files.hpp"
 #include "view/widgets.hpp"
 
 namespace hexaplast::view {

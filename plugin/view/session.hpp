@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "output/measures.hpp"
-#include "output/recorder.hpp"
+#include "record/measures.hpp"
+#include "record/recorder.hpp"
 #include "scene/scene.hpp"
 
 /// The live window: a simulation that runs in a thread of its own, and what is seen of it.

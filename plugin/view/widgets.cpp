@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "output/axis.hpp"
+#include "picture/axis.hpp"
 
 namespace hexaplast::view {
 namespace {

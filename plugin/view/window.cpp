@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-#include "output/png_file.hpp"
+#include "picture/png_file.hpp"
 #include "view/mouse.hpp"
 #include "view/overlay.hpp"
 #include "view/painter.hpp"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "output/gallery.hpp"
+#include "picture/gallery.hpp"
 #include "view/session.hpp"
 
 namespace hexaplast::view {

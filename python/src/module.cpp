@@ -11,7 +11,7 @@
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/grid.hpp"
-#include "output/files.hpp"
+#include "record/files.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::python {

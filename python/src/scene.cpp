@@ -9,7 +9,7 @@
 #include "body.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/moving_body.hpp"
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
 

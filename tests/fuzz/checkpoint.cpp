@@ -2,7 +2,7 @@
 // Checkpoints of a bar that flows and has torn. The first byte chooses: what follows is a file (0), or changes to a
 // good file (1), to which the checksums are then made to fit, so that what they guard is reached as well (2). The scene
 // refuses what it reads, or goes on from it.
-#include "output/checkpoint.hpp"
+#include "record/checkpoint.hpp"
 
 #include <sys/mman.h>
 #include <unistd.h>

@@ -6,7 +6,7 @@
 #include <sofa/simulation/AnimateEndEvent.h>
 
 #include "hexaplast/body.hpp"
-#include "output/recorder.hpp"
+#include "record/recorder.hpp"
 
 namespace hexaplast::sofa_plugin
 {

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "page/history_panels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "page/thinning.hpp"
+#include "record/history_table.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+/// A curve whose columns are in the file.
+struct Source {
+  const HistoryCurve* curve;
+  std::vector<int> columns;
+
+  double value(std::span<const double> row) const {
+    double sum = curve->shift;
+    for (const int column : columns) sum += row[static_cast<std::size_t>(column)];
+    return curve->scale * sum;
+  }
+};
+
+std::vector<Source> sources_of(const HistoryPanel& panel, const HistoryTable& table) {
+  std::vector<Source> sources;
+  for (const HistoryCurve& curve : panel.curves) {
+    Source source{&curve, {}};
+    for (const std::string_view column : curve.columns) source.columns.push_back(table.find(column));
+    if (std::ranges::count(source.columns, -1) == 0) sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+StepTimes step_times_of(std::vector<double> ms) {
+  if (ms.empty()) return {};
+  std::ranges::sort(ms);
+  return {percentile(ms, 0.5), percentile(ms, 0.9), percentile(ms, 0.99), ms.back()};
+}
+
+}  // namespace
+
+std::span<const HistoryPanel> history_panels() {
+  using Colours = CurveColours;
+  constexpr auto kWorld = &Colours::first, kPlastic = &Colours::second;
+  static const std::vector<HistoryPanel> panels = {
+      {"elongation",
+       "%",
+       1,
+       {{"world", {"world_elongation"}, 100, 0, kWorld}, {"plastic", {"plastic_elongation"}, 100, 0, kPlastic}}},
+      {"twist",
+       "°",
+       1,
+       {{"world", {"world_twist_deg"}, 1, 0, kWorld}, {"plastic", {"plastic_twist_deg"}, 1, 0, kPlastic}}},
+      {"volume error",
+       "%",
+       0.01,
+       {{"world", {"world_volume_ratio"}, 100, -1, kWorld}, {"plastic", {"material_volume_ratio"}, 100, -1, kPlastic}}},
+      {"yielded hexahedra", "", 5, {{"yielded", {"yielded"}}}},
+      {"energy",
+       "J",
+       1e-9,
+       {{"elastic", {"elastic_energy"}, 1, 0, &Colours::first},
+        {"dissipated by flow", {"dissipated_energy"}, 1, 0, &Colours::second},
+        {"kinetic", {"kinetic_energy"}, 1, 0, &Colours::third},
+        {"sum", {"elastic_energy", "dissipated_energy", "kinetic_energy"}, 1, 0, &Colours::fourth}}},
+      {"energy balance",
+       "J",
+       1e-9,
+       {{"work", {"load_work", "support_work"}, 1, 0, &Colours::first},
+        {"flow", {"flow_loss"}, 1, 0, &Colours::second},
+        {"in the body", {"elastic_energy", "kinetic_energy"}, 1, 0, &Colours::third},
+        {"damping", {"damping_loss"}, 1, 0, &Colours::fourth},
+        {"integrator", {"numerical_loss"}, 1, 0, &Colours::fifth},
+        {"unexplained", {"energy_error"}, 1, 0, &Colours::rest}}},
+      {"displacement of loaded nodes", "mm", 1e-3, {{"mean", {"end_displacement"}, 1000, 0, &Colours::first}}},
+      {"removed hexahedra", "", 5, {{"removed", {"removed"}}}},
+      {"solver iterations", "", 5, {{"iterations", {"solver_iterations"}, 1, 0, &Colours::first}}},
+      {"time per step", "ms", 1e-3, {{"step", {"step_ms"}, 1, 0, &Colours::first}}},
+  };
+  return panels;
+}
+
+HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted,
+                         const CurveColours& colours) {
+  HistoryView view;
+  view.num_rows = count_rows(file);
+  HistoryTable table(file);
+
+  std::vector<std::vector<Source>> sources;
+  std::vector<Thinning> thinned;
+  for (const HistoryPanel& panel : wanted) {
+    sources.push_back(sources_of(panel, table));
+    thinned.emplace_back(view.num_rows, sources.back().size());
+  }
+  const int step_ms = table.find("step_ms");
+  std::vector<double> ms, values;
+  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) {
+    for (std::size_t p = 0; p < sources.size(); ++p) {
+      values.clear();
+      for (const Source& source : sources[p]) values.push_back(source.value(row));
+      if (std::ranges::all_of(values, [](double value) { return std::isfinite(value); }))
+        thinned[p].add(static_cast<long>(row[HistoryTable::kStep]), row[HistoryTable::kTime], values);
+    }
+    if (step_ms >= 0 && row[HistoryTable::kStep] > 0) ms.push_back(row[static_cast<std::size_t>(step_ms)]);
+  }
+  view.step_times = step_times_of(std::move(ms));
+
+  for (std::size_t p = 0; p < wanted.size(); ++p) {
+    Series series = thinned[p].take();
+    if (sources[p].empty() || series.steps.empty()) continue;
+    for (std::size_t c = 0; c < sources[p].size(); ++c) {
+      const HistoryCurve& curve = *sources[p][c].curve;
+      series.curves[c].name = curve.name;
+      series.curves[c].colour = colours.*curve.colour;
+    }
+    view.panels.push_back({.quantity = std::string(wanted[p].quantity),
+                           .unit = std::string(wanted[p].unit),
+                           .least_span = wanted[p].least_span,
+                           .series = {std::move(series)}});
+  }
+  return view;
+}
+
+}  // namespace hexaplast::output

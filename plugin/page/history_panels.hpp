@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "page/chart.hpp"
+
+namespace hexaplast::output {
+
+/// Colours of the curves in a panel: world or first run, plastic or second run, and more.
+struct CurveColours {
+  std::string_view first = "#2563a8", second = "#c2410c", third = "#15803d", fourth = "#6d28d9", fifth = "#0e7490",
+                   rest = "#8a8f98";  ///< rest: of what is left over
+};
+
+/// What a panel shows: the sum of columns of history.csv, shifted and then scaled to the panel's unit.
+struct HistoryCurve {
+  std::string_view name;
+  std::vector<std::string_view> columns;
+  double scale = 1;
+  double shift = 0;
+  std::string_view CurveColours::*colour = &CurveColours::second;
+};
+
+struct HistoryPanel {
+  std::string_view quantity, unit;
+  double least_span;
+  std::vector<HistoryCurve> curves;
+};
+
+/// Elongation, twist, volume error, yielded hexahedra, energy and its balance, displacement where the load is, removed
+/// hexahedra, solver iterations, time per step: in the order in which they are shown.
+std::span<const HistoryPanel> history_panels();
+
+/// How long the steps of a run took [ms]; its first row, the initial state, is no step.
+struct StepTimes {
+  double p50 = 0, p90 = 0, p99 = 0, longest = 0;
+};
+
+/// history.csv as panels, in the order of `wanted`. Curves of which a column is not in the file are left out, and
+/// panels without a curve; in each panel, rows that are not finite. Long histories are thinned (thinning.hpp).
+struct HistoryView {
+  long num_rows = 0;
+  std::vector<Panel> panels;
+  StepTimes step_times;
+};
+
+/// Throws OutputError.
+HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted,
+                         const CurveColours& colours = {});
+
+}  // namespace hexaplast::output

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "page/html.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "page/page_parts.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+// a chart [units of its own; the page scales it]
+constexpr double kChartWidth = 480, kChartHeight = 270;
+constexpr PanelFrame kChartFrame{64, 30, 402, 186};
+
+/// A string of JSON that may stand within an element of HTML.
+std::string json_string(std::string_view words) {
+  std::string text = "\"";
+  for (const char c : words) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || c == '"' || c == '\\' || c == '<' || c == '>' || c == '&')
+      text += fmt::format("\\u{:04x}", byte);
+    else
+      text += c;
+  }
+  return text + '"';
+}
+
+template <class Number>
+std::string numbers(const std::vector<Number>& values, fmt::string_view form) {
+  std::string text = "[";
+  for (const Number value : values) {
+    if (text.size() > 1) text += ',';
+    text += fmt::format(fmt::runtime(form), value);
+  }
+  return text + "]";
+}
+
+/// What the script needs of a chart.
+std::string json_of(const Panel& panel, const PanelAxes& axes) {
+  std::string all_series;
+  for (const Series& series : panel.series) {
+    std::string curves;
+    for (const Curve& curve : series.curves)
+      curves += fmt::format(R"({}{{"name":{},"colour":{},"values":{}}})", curves.empty() ? "" : ",",
+                            json_string(curve.name), json_string(curve.colour), numbers(curve.values, "{:.7g}"));
+    all_series += fmt::format("{}{{\"steps\":{},\"times\":{},\"curves\":[{}]}}", all_series.empty() ? "" : ",",
+                              numbers(series.steps, "{}"), numbers(series.times, "{:.9g}"), curves);
+  }
+  return fmt::format(R"({{"quantity":{},"unit":{},"frame":[{},{},{},{}],"axes":[{},{},{},{}],"series":[{}]}})",
+                     json_string(panel.quantity), json_string(panel.unit), kChartFrame.left, kChartFrame.top,
+                     kChartFrame.width, kChartFrame.height, axes.first_time, axes.last_time, axes.least, axes.most,
+                     all_series);
+}
+
+std::string swatch(std::string_view colour, std::string_view dashes) {
+  return fmt::format(
+      R"(<svg viewBox="0 0 28 10" aria-hidden="true"><line x1="0" y1="5" x2="28" y2="5" stroke="{}" stroke-width="2.4" )"
+      R"(stroke-dasharray="{}"/></svg>)",
+      colour, dashes.empty() ? "none" : dashes);
+}
+
+std::string legend(const Panel& panel) {
+  std::string text;
+  for (const Series& series : panel.series)
+    for (const Curve& curve : series.curves) {
+      const std::string name =
+          series.name.empty() || curve.name.empty() ? series.name + curve.name : series.name + ": " + curve.name;
+      text += fmt::format("<span class=\"key curve\">{}{} <b></b></span> ", swatch(curve.colour, curve.dashes),
+                          escaped(name));
+    }
+  for (const Level& level : panel.levels)
+    text += fmt::format("<span class=\"key\">{}{} {:.4g} {}</span> ", swatch(level.colour, "6 4"), escaped(level.name),
+                        level.value, escaped(panel.unit));
+  return text;
+}
+
+}  // namespace
+
+HtmlPage::HtmlPage(std::string_view title) {
+  text_ = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
+      "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n",
+      escaped(title), kStyle);
+}
+
+void HtmlPage::add(std::string_view markup) {
+  text_ += markup;
+  text_ += '\n';
+}
+
+void HtmlPage::heading(std::string_view words) { add(fmt::format("<h2>{}</h2>", escaped(words))); }
+
+void HtmlPage::paragraph(std::string_view words, std::string_view css_class) {
+  add(css_class.empty() ? fmt::format("<p>{}</p>", escaped(words))
+                        : fmt::format("<p class=\"{}\">{}</p>", css_class, escaped(words)));
+}
+
+void HtmlPage::chart(const Panel& panel, std::string_view note) {
+  SvgText svg(kPageInks);
+  svg.add(fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {} {}" fill="{}" role="img" )"
+                      R"(aria-label="{} over time">)",
+                      kChartWidth, kChartHeight, kPageInks.text, escaped(panel.label())));
+  const PanelAxes axes = svg.panel(kChartFrame, panel);
+  svg.add("</svg>");
+  add(fmt::format(
+      "<figure class=\"chart\">\n{}<figcaption>{}<span class=\"at\"></span>{}</figcaption>\n"
+      "<script type=\"application/json\">{}</script>\n</figure>",
+      svg.text(), legend(panel), note.empty() ? "" : fmt::format("<br>{}", escaped(note)), json_of(panel, axes)));
+}
+
+void HtmlPage::table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows,
+                     std::string_view css_class) {
+  add(css_class.empty() ? "<div class=\"scroll\"><table>"
+                        : fmt::format("<div class=\"scroll\"><table class=\"{}\">", css_class));
+  if (!columns.empty()) {
+    std::string heads;
+    for (const std::string& column : columns) heads += fmt::format("<th>{}</th>", escaped(column));
+    add(fmt::format("<thead><tr>{}</tr></thead>", heads));
+  }
+  add("<tbody>");
+  for (const std::vector<std::string>& row : rows) {
+    std::string cells;
+    for (const std::string& cell : row)
+      cells += cells.empty() ? fmt::format("<th scope=\"row\">{}</th>", escaped(cell))
+                             : fmt::format("<td>{}</td>", escaped(cell));
+    add(fmt::format("<tr>{}</tr>", cells));
+  }
+  add("</tbody>\n</table></div>");
+}
+
+std::string HtmlPage::finish() && {
+  add(fmt::format("</main>\n<script>{}</script>\n</body>\n</html>", kScript));
+  return std::move(text_);
+}
+
+std::string data_uri(std::string_view media_type, std::string_view bytes) {
+  static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text = fmt::format("data:{};base64,", media_type);
+  text.reserve(text.size() + (bytes.size() + 2) / 3 * 4);
+  for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    const std::size_t left = std::min<std::size_t>(bytes.size() - at, 3);
+    std::uint32_t three = 0;
+    for (std::size_t i = 0; i < 3; ++i) three = three << 8 | (i < left ? static_cast<unsigned char>(bytes[at + i]) : 0);
+    for (std::size_t i = 0; i < 4; ++i) text += i <= left ? kDigits[three >> (18 - 6 * i) & 63] : '=';
+  }
+  return text;
+}
+
+std::string shell_line(const std::vector<std::string>& words) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
+  std::string line;
+  for (const std::string& word : words) {
+    if (!line.empty()) line += ' ';
+    if (!word.empty() && word.find_first_not_of(kPlain) == word.npos) {
+      line += word;
+      continue;
+    }
+    line += '\'';
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "page/report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "record/files.hpp"
+#include "page/history_panels.hpp"
+#include "page/html.hpp"
+
+namespace hexaplast::output {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kMostPictures = 8;
+constexpr std::size_t kMostRemovedSteps = 40;  // rows of the table of removed hexahedra
+
+std::string content_of(const fs::path& file) {
+  require_readable(file);
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw OutputError(fmt::format("{}: cannot be read", file.string()));
+  return text.str();
+}
+
+std::string duration_words(double seconds) {
+  if (seconds < 60) return fmt::format("{:.2f} s", seconds);
+  const long whole = std::lround(seconds);
+  return whole < 3600 ? fmt::format("{} min {} s", whole / 60, whole % 60)
+                      : fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
+/// The pictures of a run by their steps; of many, some that are spread evenly, the last one among them.
+std::map<long, fs::path> key_frames(const fs::path& directory) {
+  std::map<long, fs::path> all;
+  std::error_code error;
+  for (fs::directory_iterator entry(directory / "frames", error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    constexpr std::string_view kPrefix = "frame_", kSuffix = ".png";
+    if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) continue;
+    long step = 0;
+    const char* const last = name.data() + name.size() - kSuffix.size();
+    const auto [at, problem] = std::from_chars(name.data() + kPrefix.size(), last, step);
+    if (problem == std::errc() && at == last) all.emplace(step, entry->path());
+  }
+  if (all.size() <= kMostPictures) return all;
+
+  std::map<long, fs::path> some;
+  std::size_t number = 0;  // from 1
+  for (const auto& frame : all)
+    if (++number * kMostPictures / all.size() > some.size()) some.insert(frame);
+  return some;
+}
+
+/// Removed hexahedra by step, as removed.csv lists them.
+std::map<long, std::vector<std::string>> removed_by_step(const fs::path& directory) {
+  std::map<long, std::vector<std::string>> removed;
+  std::ifstream in(directory / "removed.csv");
+  std::string line;
+  std::getline(in, line);
+  while (std::getline(in, line)) {
+    const std::size_t first = line.find(','), last = line.rfind(',');
+    long step = 0;
+    if (first < last && std::from_chars(line.data(), line.data() + first, step).ec == std::errc())
+      removed[step].push_back(line.substr(last + 1));
+  }
+  return removed;
+}
+
+bool is_zero(const Panel& panel) {
+  return std::ranges::all_of(panel.series, [](const Series& series) {
+    return std::ranges::all_of(series.curves, [](const Curve& curve) {
+      return std::ranges::all_of(curve.values, [](double value) { return value == 0; });
+    });
+  });
+}
+
+// One slow step must not press all others to the ground.
+std::string mark_step_times(Panel& panel, const StepTimes& times) {
+  constexpr double kHighest = 3;  // of p99
+  panel.levels = {{"p50", std::string(kPageColours.second), times.p50},
+                  {"p90", std::string(kPageColours.third), times.p90},
+                  {"p99", std::string(kPageColours.fourth), times.p99}};
+  panel.highest = times.p99 > 0 ? kHighest * times.p99 : panel.highest;
+  if (times.longest <= panel.highest) return fmt::format("The slowest step took {:.4g} ms.", times.longest);
+  return fmt::format("The slowest step took {:.4g} ms; what exceeds three times p99 is drawn at the upper edge.",
+                     times.longest);
+}
+
+void add_charts(HtmlPage& page, const fs::path& directory) {
+  // nothing is loaded, nothing is torn: nothing to see
+  constexpr std::string_view kShownIfNotZero[] = {"yielded hexahedra", "displacement of loaded nodes",
+                                                  "removed hexahedra"};
+  HistoryView view = view_history(directory / "history.csv", history_panels(), kPageColours);
+  if (view.panels.empty()) return;
+  page.heading("Over time");
+  page.add("<div class=\"charts\">");
+  for (Panel& panel : view.panels) {
+    if (std::ranges::count(kShownIfNotZero, panel.quantity) > 0 && is_zero(panel)) continue;
+    const std::string note = panel.quantity == "time per step" ? mark_step_times(panel, view.step_times) : "";
+    page.chart(panel, note);
+  }
+  page.add("</div>");
+}
+
+void add_pictures(HtmlPage& page, const fs::path& directory, double dt) {
+  const std::map<long, fs::path> frames = key_frames(directory);
+  if (frames.empty()) return;
+  page.heading("Pictures");
+  page.add("<div class=\"pictures\">");
+  for (const auto& [step, file] : frames) {
+    const std::string caption = fmt::format("step {}, {:.6g} s", step, static_cast<double>(step) * dt);
+    page.add(fmt::format("<figure><img alt=\"the body after {}\" src=\"{}\"><figcaption>{}</figcaption></figure>",
+                         caption, data_uri("image/png", content_of(file)), caption));
+  }
+  page.add("</div>");
+}
+
+void add_removed(HtmlPage& page, const fs::path& directory) {
+  const std::map<long, std::vector<std::string>> removed = removed_by_step(directory);
+  if (removed.empty()) return;
+  constexpr std::size_t kMostNamed = 40;  // hexahedra of a step
+  page.heading("Removed hexahedra");
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [step, hexahedra] : removed) {
+    if (rows.size() == kMostRemovedSteps) break;
+    const std::size_t named = std::min(hexahedra.size(), kMostNamed);
+    rows.push_back({fmt::format("step {}", step), fmt::format("{}", hexahedra.size()),
+                    fmt::format("{}{}", fmt::join(hexahedra.begin(), hexahedra.begin() + static_cast<long>(named), " "),
+                                named < hexahedra.size() ? " ..." : "")});
+  }
+  page.table({"", "how many", "numbers"}, rows);
+  if (rows.size() < removed.size())
+    page.paragraph(
+        fmt::format("The first {} of {} steps with removals; removed.csv lists all.", rows.size(), removed.size()),
+        "lead");
+}
+
+void add_scene(HtmlPage& page, const Manifest& run) {
+  page.heading("Scene");
+  page.paragraph("Attributes that differ from their defaults; units are SI.", "lead");
+  for (const ComponentRecord& component : run.components) {
+    page.add(
+        fmt::format("<p class=\"component\"><strong>{}</strong> <code>{}</code><br><span class=\"lead\">{}</span></p>",
+                    escaped(component.class_name), escaped(component.path), escaped(component.help)));
+    std::vector<std::vector<std::string>> rows;
+    for (const AttributeRecord& attribute : component.attributes)
+      rows.push_back({attribute.name,
+                      attribute.unit.empty() ? attribute.value : fmt::format("{} {}", attribute.value, attribute.unit),
+                      attribute.help});
+    if (!rows.empty()) page.table({"attribute", "value", "meaning"}, rows, "attributes");
+  }
+}
+
+void add_run(HtmlPage& page, const Manifest& run) {
+  page.heading("Run");
+  page.add(fmt::format("<pre>{}</pre>", escaped(shell_line(run.command))));
+  constexpr double kGibibyte = 1024.0 * 1024.0 * 1024.0;
+  std::vector<std::vector<std::string>> rows = {
+      {"working directory", run.working_directory},
+      {"program", fmt::format("hexaplast {}", run.version)},
+      {"scene file", run.scene_file},
+      {"scene XXH64", run.scene_hash},
+      {"state hash", run.state_hash.empty() ? "none" : run.state_hash},
+      {"solvers",
+       run.linear_solver.empty() ? run.motion_solver : fmt::format("{}, {}", run.motion_solver, run.linear_solver)},
+      {"precision", run.precision.empty() ? "none" : run.precision},
+      {"instruction set", run.simd},
+      {"threads", fmt::format("{}", run.threads)},
+      {"processor", fmt::format("{}, {} hardware threads", run.processor, run.cores)},
+      {"memory", fmt::format("{:.1f} GiB", static_cast<double>(run.memory_bytes) / kGibibyte)},
+      {"started", run.started},
+      {"took", duration_words(run.duration)},
+  };
+  page.table({}, rows);
+}
+
+}  // namespace
+
+void write_report(const fs::path& directory, const Manifest& run) {
+  HtmlPage page(run.title);
+  page.paragraph(
+      fmt::format("{} of {} steps of {:.6g} s. {}.", run.steps_done, run.steps_asked, run.dt, run.exit_reason),
+      run.state == RunState::kFinished ? "lead" : "alarm");
+  if (!run.warnings.empty()) {
+    page.heading("Warnings");
+    page.add("<ul>");
+    for (const std::string& warning : run.warnings) page.add(fmt::format("<li>{}</li>", escaped(warning)));
+    page.add("</ul>");
+  }
+  if (!run.summary.empty()) {
+    page.heading("Result");
+    std::vector<std::vector<std::string>> rows;
+    for (const Figure& figure : run.summary) rows.push_back({figure.label, figure.value});
+    page.table({}, rows);
+  }
+  add_pictures(page, directory, run.dt);
+  add_charts(page, directory);
+  add_removed(page, directory);
+  add_scene(page, run);
+  add_run(page, run);
+
+  WholeFile out(directory / kReportName);
+  out.write(std::move(page).finish());
+  out.commit();
+}
+
+}  // namespace hexaplast::output

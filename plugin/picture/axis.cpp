@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "picture/axis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hexaplast::output {
+namespace {
+
+constexpr int kMostDecimals = 4;  // longer fractions are harder to read than exponents
+constexpr double kLargestPlain = 1e5;
+
+/// The smallest of 1, 2, 5 times a power of ten that is not less than `step`.
+double round_up(double step) {
+  const double power = std::pow(10, std::floor(std::log10(step)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power >= step * (1 - 1e-9)) return digit * power;
+  return 10 * power;
+}
+
+Ticks multiples(double least, double most, double step) {
+  constexpr double kSlack = 1e-6;  // of a step: an end that is a multiple but for rounding counts
+  Ticks ticks{.least = least, .most = most, .values = {}, .decimals = 0};
+  const double first = std::ceil(least / step - kSlack), last = std::floor(most / step + kSlack);
+  for (double k = first; k <= last; ++k) ticks.values.push_back(k * step);
+
+  ticks.decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + kSlack)));
+  if (ticks.decimals > kMostDecimals || std::max(std::abs(least), std::abs(most)) >= kLargestPlain) ticks.decimals = -1;
+  return ticks;
+}
+
+}  // namespace
+
+std::string Ticks::label(double value) const {
+  if (value == 0) return "0";
+  return decimals < 0 ? fmt::format("{:.3g}", value) : fmt::format("{:.{}f}", value, decimals);
+}
+
+Ticks ticks_within(double least, double most, int count) {
+  double step = round_up((most - least) / count);
+  Ticks ticks = multiples(least, most, step);
+  // from 6 to 14 there is one multiple of 5: a scale takes two numbers to be one
+  while (ticks.values.size() < 2) {
+    step = round_up(step / 3);  // the next smaller one of 1, 2, 5
+    ticks = multiples(least, most, step);
+  }
+  return ticks;
+}
+
+Ticks ticks_around(double least, double most, int count) {
+  constexpr double kOverhang = 0.02;  // of a step: so little may stand out rather than open another step
+  const double step = round_up((most - least) / count);
+  return multiples(std::floor(least / step + kOverhang) * step, std::ceil(most / step - kOverhang) * step, step);
+}
+
+Ticks ticks_logarithmic(double least, double most, int count) {
+  constexpr double kSlack = 1e-9;  // an end that is round but for rounding counts
+  Ticks ticks{.least = least, .most = most, .values = {}, .decimals = -1};
+  std::vector<double> powers;
+  for (double k = std::floor(std::log10(least)); k <= std::ceil(std::log10(most)); ++k)
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double value = digit * std::pow(10, k);
+      if (value < least * (1 - kSlack) || value > most * (1 + kSlack)) continue;
+      ticks.values.push_back(value);
+      if (digit == 1) powers.push_back(value);
+    }
+  if (static_cast<int>(ticks.values.size()) > count && powers.size() > 1) ticks.values = powers;
+  return ticks.values.size() > 1 ? ticks : ticks_within(least, most, count);
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/types.hpp"
+#include "hexaplast/geometry/plane_cut.hpp"
+#include "picture/renderer.hpp"
+
+namespace hexaplast::output {
+
+/// From where a body is seen.
+struct Viewpoint {
+  /// Where exactly the viewer stands. Without it, distance and detail are fitted to what is shown.
+  struct Eye {
+    Vec3 position;               ///< [m]
+    Vec3 looks_at;               ///< [m] in the middle of the picture
+    double field_of_view;        ///< [deg] from the lower to the upper border, in (0, 180)
+    bool is_perspective = true;  ///< else what lies at looks_at is as large as in perspective, and all else too
+  };
+
+  Vec3 towards;            ///< the direction in which the viewer stands; not 0
+  std::optional<Vec3> up;  ///< upwards in the picture, as far as it is not along `towards`; none: y, or -z from above
+  std::optional<Eye> eye = {};
+};
+
+/// The part of the page that a body is shown in, in units of the page.
+struct Window {
+  float left = 0, top = 0, width = 1, height = 1;
+};
+
+/// Turns places in space into places on the page.
+class Camera {
+ public:
+  /// A camera that stands in a direction, and is not fitted to anything yet.
+  explicit Camera(const Viewpoint& viewpoint);
+
+  const Eigen::Vector3f& right() const { return right_; }
+  const Eigen::Vector3f& up() const { return up_; }
+  const Eigen::Vector3f& towards() const { return towards_; }
+
+  /// Takes in what is going to be shown [m].
+  void see(std::span<const Eigen::Vector3f> points);
+
+  /// Fits what it has seen into the window: where the viewpoint has an eye only the depths, else the detail too.
+  void fit(const Window& window);
+
+  /// Units of the page per metre, in the middle of what is shown.
+  float scale() const { return scale_; }
+
+  /// What lies below it is at the viewer's back; none: nothing does.
+  const std::optional<Plane>& front() const { return front_; }
+
+  /// In colour 0. Depths lie in [0.1, 0.9].
+  Drawing::Vertex project(const Eigen::Vector3f& point) const;
+
+ private:
+  std::optional<Viewpoint::Eye> eye_;
+  Eigen::Vector3f right_, up_, towards_;  // unit vectors
+  Eigen::AlignedBox3f seen_;              // [m] along these three
+  std::optional<Plane> front_;
+
+  Eigen::Vector2f middle_ = {0, 0};  // of the window, on the page
+  Eigen::Vector2f centre_ = {0, 0};  // [m] along right and up, of what is shown there
+  float scale_ = 1;
+  float distance_ = 0;                // [m] of a perspective camera from the plane in which `scale` holds; 0: parallel
+  float eye_depth_ = 0;               // [m] along `towards`
+  float nearest_ = 0, farthest_ = 1;  // [m] along `towards`; in perspective 1 / distance from the eye
+};
+
+/// Beside the long axis of a body, which runs to the right, and a little above; y stands upright unless it is the long
+/// one.
+Viewpoint beside(int long_axis);
+
+}  // namespace hexaplast::output

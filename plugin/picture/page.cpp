@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "picture/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "picture/axis.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+constexpr float kWidth = 1280, kHeight = 720;  // the least size of a page
+constexpr float kMargin = 56, kTop = 92, kBottom = 128;
+constexpr float kTitleLine = 52;
+constexpr float kBarWidth = 460, kBarHeight = 14;
+constexpr float kBarFromBottom = 72;  // of its upper edge
+constexpr float kKeyLine = 25;
+constexpr float kKeyArrow = 24, kKeyHead = 10;  // lengths of an arrow among the keys and of its head
+constexpr float kArrow = 11;                    // length of the end of a scale that is passed
+
+constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
+
+constexpr float kDot = 3.2f;  // radius of the mark of a fixed node, at most
+constexpr float kRing = 9, kRingWidth = 2.4f, kRimWidth = 2.4f;
+constexpr int kCircle = 28;  // corners of a round mark
+
+Drawing::Vertex on_circle(Drawing::Vertex centre, float radius, int corner) {
+  const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(corner) / kCircle;
+  centre.x += radius * std::cos(angle);
+  centre.y += radius * std::sin(angle);
+  return centre;
+}
+
+/// "volume ratio: 1 everywhere"
+std::string sentence_on(const Scale& scale) {
+  const QuantityEntry& quantity = scale.quantity();
+  if (!scale.is_empty() && scale.most() == 0 && quantity.from_zero)
+    return fmt::format("no {} in this run", quantity.label);
+  if (scale.is_empty()) return fmt::format("{}: none", quantity.label);
+  return fmt::format("{} [{}]: {:.4g} {}", quantity.label, quantity.unit, scale.most(),
+                     scale.has_gaps() ? "where there is one" : "everywhere");
+}
+
+}  // namespace
+
+Scale::Scale(Quantity quantity, std::optional<std::pair<double, double>> range)
+    : quantity_(entry_of(quantity)), is_given_(range.has_value()) {
+  if (range) std::tie(least_, most_) = *range;
+}
+
+void Scale::see(std::span<const float> values) {
+  for (const float value : values) {
+    if (!std::isfinite(value)) {
+      has_gaps_ = true;
+      continue;
+    }
+    lowest_ = has_seen_ ? std::min<double>(lowest_, value) : value;
+    highest_ = has_seen_ ? std::max<double>(highest_, value) : value;
+    has_seen_ = true;
+  }
+  if (is_given_ || !has_seen_) return;
+  least_ = quantity_.from_zero ? 0 : lowest_;
+  most_ = highest_;
+  // values that differ by rounding alone are one value
+  if (most_ - least_ <= 1e-6 * std::max(std::abs(least_), std::abs(most_))) least_ = most_;
+}
+
+Colour Scale::colour(float value) const {
+  if (!std::isfinite(value)) return kNoValue;
+  return colour_of(is_flat() ? 0 : (value - least_) / (most_ - least_));
+}
+
+Page::Page(int width, int height)
+    : unit_(std::min(static_cast<float>(width) / kWidth, static_cast<float>(height) / kHeight)),
+      width_(static_cast<float>(width) / unit_),
+      height_(static_cast<float>(height) / unit_),
+      drawing_{.width = width, .height = height, .background = kPaper, .triangles = {}, .lines = {}, .texts = {}} {}
+
+Window Page::window() const {
+  return {.left = kMargin, .top = kTop, .width = width_ - 2 * kMargin, .height = height_ - kTop - kBottom};
+}
+
+void Page::write(float x, float y, float size, Drawing::Align align, Colour colour, std::string words) {
+  drawing_.texts.push_back(
+      {.x = x, .y = y, .size = size, .align = align, .bold = false, .colour = colour, .words = std::move(words)});
+}
+
+void Page::add_title(std::string title, std::string remark) {
+  write(kMargin, kTitleLine, 25, Drawing::Align::kLeft, kInk, std::move(title));
+  drawing_.texts.back().bold = true;
+  write(width_ - kMargin, kTitleLine, 25, Drawing::Align::kRight, kInk, std::move(remark));
+}
+
+void Page::add_colour_bar(const Scale& scale) {
+  const float top = height_ - kBarFromBottom, bottom = top + kBarHeight, left = (width_ - kBarWidth) / 2;
+  if (scale.is_flat()) {
+    write(width_ / 2, (top + bottom) / 2 + 5, 17, Drawing::Align::kCentre, kInk, sentence_on(scale));
+    return;
+  }
+
+  // every column has its own colour
+  for (int column = 0; column < static_cast<int>(kBarWidth); ++column) {
+    const Colour colour = colour_of((column + 0.5) / kBarWidth);
+    const float x0 = left + static_cast<float>(column), x1 = x0 + 1;
+    const Drawing::Vertex a{x0, top, 0, colour}, b{x1, top, 0, colour}, c{x1, bottom, 0, colour},
+        d{x0, bottom, 0, colour};
+    drawing_.triangles.push_back({{a, b, c}});
+    drawing_.triangles.push_back({{a, c, d}});
+  }
+  const auto add_arrow = [&](float x, float tip, Colour colour) {
+    drawing_.triangles.push_back({{{x, top, 0, colour}, {tip, (top + bottom) / 2, 0, colour}, {x, bottom, 0, colour}}});
+  };
+  if (scale.passes_least()) add_arrow(left - 2, left - 2 - kArrow, colour_of(0));
+  if (scale.passes_most()) add_arrow(left + kBarWidth + 2, left + kBarWidth + 2 + kArrow, colour_of(1));
+
+  write(width_ / 2, top - 12, 17, Drawing::Align::kCentre, kInk,
+        fmt::format("{} [{}]", scale.quantity().label, scale.quantity().unit));
+  const Ticks ticks = ticks_within(scale.least(), scale.most(), 6);
+  for (const double value : ticks.values) {
+    const double share = (value - scale.least()) / (scale.most() - scale.least());
+    const float x = left + kBarWidth * static_cast<float>(share);
+    drawing_.lines.push_back({{x, bottom, 0, kInk}, {x, bottom + 6, 0, kInk}, 1.3f});
+    write(x, bottom + 24, 16, Drawing::Align::kCentre, kInk, ticks.label(value));
+  }
+}
+
+void Page::add_keys(const std::vector<Key>& left, const std::vector<Key>& right) {
+  add_keys(left, kMargin);
+  add_keys(right, (width_ + kBarWidth) / 2 + kMargin);
+}
+
+void Page::add_keys(const std::vector<Key>& keys, float left) {
+  float y = height_ - kBarFromBottom + kBarHeight / 2 - kKeyLine * (static_cast<float>(keys.size()) - 1) / 2;
+  for (const Key& key : keys) {
+    const float x = left + 16;
+    switch (key.mark) {
+      case Key::Mark::kNone:
+        break;
+      case Key::Mark::kArrow:
+        add_arrow(x, y, key);
+        break;
+      case Key::Mark::kLine:
+        drawing_.lines.push_back({{x - 16, y, 0, kOriginal}, {x + 16, y, 0, kOriginal}, 1.5f});
+        break;
+      case Key::Mark::kDot:
+        add_dot({x, y, 0, {}}, kDot);
+        break;
+      case Key::Mark::kRing:
+        add_ring({x, y, 0, {}});
+        break;
+      case Key::Mark::kGap: {
+        const Drawing::Vertex a{x - 16, y - 6, 0, kNoValue}, b{x + 16, y - 6, 0, kNoValue},
+            c{x + 16, y + 6, 0, kNoValue}, d{x - 16, y + 6, 0, kNoValue};
+        drawing_.triangles.push_back({{a, b, c}});
+        drawing_.triangles.push_back({{a, c, d}});
+        break;
+      }
+    }
+    write(left + 42, y + 5, 15, Drawing::Align::kLeft, kFaint, key.words);
+    y += kKeyLine;
+  }
+}
+
+// About a place.
+void Page::add_arrow(float x, float y, const Key& key) {
+  const Eigen::Vector2f along = key.direction.normalized(), across(-along.y(), along.x()), middle(x, y);
+  const auto vertex = [&](const Eigen::Vector2f& place) {
+    return Drawing::Vertex{place.x(), place.y(), 0, key.colour};
+  };
+  const Eigen::Vector2f foot = middle - kKeyArrow / 2 * along, tip = middle + kKeyArrow / 2 * along,
+                        neck = tip - kKeyHead * along;
+  drawing_.lines.push_back({vertex(foot), vertex(neck), 2.2f});
+  drawing_.triangles.push_back(
+      {{vertex(tip), vertex(neck + kKeyHead / 2.6f * across), vertex(neck - kKeyHead / 2.6f * across)}});
+}
+
+void Page::add_dot(Drawing::Vertex centre, float radius) {
+  centre.colour = kInk;
+  radius = std::min(radius, kDot);
+  for (int k = 0; k < kCircle; ++k)
+    drawing_.triangles.push_back({{centre, on_circle(centre, radius, k), on_circle(centre, radius, k + 1)}});
+}
+
+void Page::add_ring(Drawing::Vertex centre) {
+  // as triangles: wide lines would gape where they meet
+  for (const auto& [colour, width] : {std::pair{kPaper, kRingWidth + kRimWidth}, std::pair{kSteel, kRingWidth}}) {
+    centre.colour = colour;
+    for (int k = 0; k < kCircle; ++k) {
+      const auto inner = [&, width = width](int corner) { return on_circle(centre, kRing - width / 2, corner); };
+      const auto outer = [&, width = width](int corner) { return on_circle(centre, kRing + width / 2, corner); };
+      drawing_.triangles.push_back({{inner(k), outer(k), outer(k + 1)}});
+      drawing_.triangles.push_back({{inner(k), outer(k + 1), inner(k + 1)}});
+    }
+  }
+}
+
+Drawing Page::finished() && {
+  const auto grow = [&](Drawing::Vertex& vertex) {
+    vertex.x *= unit_;
+    vertex.y *= unit_;
+  };
+  for (Drawing::Triangle& triangle : drawing_.triangles)
+    for (Drawing::Vertex& corner : triangle.corner) grow(corner);
+  for (Drawing::Line& line : drawing_.lines) {
+    grow(line.from);
+    grow(line.to);
+    line.width *= unit_;
+  }
+  for (Drawing::Text& text : drawing_.texts) {
+    text.x *= unit_;
+    text.y *= unit_;
+    text.size *= unit_;
+  }
+  return std::move(drawing_);
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "picture/camera.hpp"
+#include "picture/quantity.hpp"
+#include "picture/renderer.hpp"
+
+namespace hexaplast::output {
+
+inline constexpr Colour kPaper{1, 1, 1};
+inline constexpr Colour kInk{0.13f, 0.13f, 0.15f};
+inline constexpr Colour kFaint{0.45f, 0.46f, 0.48f};
+inline constexpr Colour kOriginal{0.70f, 0.73f, 0.77f};  // outlines of the shape behind
+inline constexpr Colour kGhost{0.945f, 0.950f, 0.958f};  // and its surface
+inline constexpr Colour kLoad{0.02f, 0.47f, 0.41f};      // arrows of loads
+inline constexpr Colour kSteel{0.16f, 0.36f, 0.55f};     // instruments
+inline constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
+
+/// Which values the colours stand for.
+class Scale {
+ public:
+  /// range: least and greatest value; none: those that are shown, from 0 where the quantity begins there.
+  explicit Scale(Quantity quantity, std::optional<std::pair<double, double>> range = {});
+
+  /// Takes in values that are going to be shown. Those that are not finite have no colour of the scale.
+  void see(std::span<const float> values);
+
+  const QuantityEntry& quantity() const { return quantity_; }
+  double least() const { return least_; }
+  double most() const { return most_; }
+  bool is_flat() const { return !(most_ > least_); }                   ///< there is but one value, or none
+  bool passes_least() const { return has_seen_ && lowest_ < least_; }  ///< something shown lies below the range
+  bool passes_most() const { return has_seen_ && highest_ > most_; }
+  bool is_empty() const { return !has_seen_; }  ///< nothing shown has a value
+  bool has_gaps() const { return has_gaps_; }   ///< something shown has none
+
+  Colour colour(float value) const;
+
+ private:
+  const QuantityEntry& quantity_;
+  bool is_given_;
+  double least_ = 0, most_ = 0;
+  double lowest_ = 0, highest_ = 0;  // of what was seen
+  bool has_seen_ = false, has_gaps_ = false;
+};
+
+/// A mark and what it means.
+struct Key {
+  enum class Mark { kNone, kLine, kDot, kRing, kGap, kArrow };
+  Mark mark;
+  std::string words;
+  Colour colour = kInk;                ///< of an arrow
+  Eigen::Vector2f direction = {1, 0};  ///< of an arrow, y downwards; not 0
+};
+
+/// A picture in the making, in units that make it 1280 x 720 or, where its shape is another, wider or higher: what is
+/// drawn grows with the picture.
+class Page {
+ public:
+  /// width, height: of the picture [pixels]
+  Page(int width, int height);
+
+  float width() const { return width_; }
+  float height() const { return height_; }
+
+  /// The part between title and colour bar.
+  Window window() const;
+
+  Drawing& drawing() { return drawing_; }
+
+  void write(float x, float y, float size, Drawing::Align align, Colour colour, std::string words);
+  void add_title(std::string title, std::string remark);  ///< at the upper left and at the upper right
+  void add_colour_bar(const Scale& scale);
+
+  /// One below the other, to the left and to the right of the colour bar.
+  void add_keys(const std::vector<Key>& left, const std::vector<Key>& right = {});
+  void add_dot(Drawing::Vertex centre, float radius);
+  void add_ring(Drawing::Vertex centre);  ///< with a rim that sets it off from any colour
+
+  /// The page in pixels.
+  Drawing finished() &&;
+
+ private:
+  void add_keys(const std::vector<Key>& keys, float left);
+  void add_arrow(float x, float y, const Key& key);
+
+  float unit_;  // [pixels]
+  float width_, height_;
+  Drawing drawing_;
+};
+
+}  // namespace hexaplast::output

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "picture/section_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/mesh/faces.hpp"
+#include "picture/page.hpp"
+#include "picture/picture_cut.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+constexpr float kGap = 26;                      // between sections
+constexpr float kCaption = 34;                  // height of the line below a section
+constexpr float kBehind = 0.9f, kFront = 0.5f;  // depths
+
+/// A section as it is seen: places in its plane [m].
+struct Section {
+  std::vector<Eigen::Vector2f> points;
+  std::vector<float> values;
+  std::vector<Triangle> triangles;
+  std::vector<Edge> inner_lines, outline;
+};
+
+/// The directions to the right and upwards of who looks against an axis: y stands upright unless it is the axis.
+std::pair<Vec3, Vec3> directions(int axis) {
+  const Vec3 up = axis == 1 ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitY());
+  return {up.cross(Vec3::Unit(axis)), up};
+}
+
+Section section_at(const HexMesh& mesh, ConstPoints positions, const PointArray& at_nodes,
+                   std::span<const unsigned char> alive, int axis, double place) {
+  const PlaneCut cut = picture_cut(mesh, positions, {Vec3::Unit(axis), place}, alive);
+  PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
+  cut.apply(positions, points);
+  cut.apply(at_nodes, blended);
+  const auto [right, up] = directions(axis);
+  Section section{{}, {}, cut.triangles(), cut.inner_lines(), cut.outline()};
+  for (Eigen::Index n = 0; n < points.rows(); ++n) {
+    section.points.emplace_back(points.row(n).dot(right), points.row(n).dot(up));
+    section.values.push_back(static_cast<float>(blended(n, 0)));
+  }
+  return section;
+}
+
+/// How sections of a size fill a window best.
+struct Grid {
+  int columns = 1, rows = 1;
+  float scale = 0;  // [1/m]
+};
+
+Grid best_grid(int count, const Window& window, const Eigen::Vector2f& size) {
+  Grid best;
+  for (int columns = 1; columns <= count; ++columns) {
+    const int rows = (count + columns - 1) / columns;
+    const float width = window.width / static_cast<float>(columns) - kGap;
+    const float height = window.height / static_cast<float>(rows) - kCaption;
+    const float scale = std::min(width / size.x(), height / size.y());
+    if (scale > best.scale) best = {columns, rows, scale};
+  }
+  return best;
+}
+
+}  // namespace
+
+Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const std::vector<double>& values,
+                             std::span<const unsigned char> alive, ConstPoints behind) const {
+  PointArray at_nodes = PointArray::Zero(mesh.num_nodes(), 3);  // in its first column
+  at_nodes.col(0) = Eigen::VectorXd::Map(
+      (entry_of(quantity).of_nodes ? values : nodal_means(mesh, values, alive)).data(), mesh.num_nodes());
+  const auto [least, most] = extent_along(Vec3::Unit(axis), positions, mesh.hexahedra(), alive);
+  const auto [least_behind, most_behind] = extent_along(Vec3::Unit(axis), behind, mesh.hexahedra());
+
+  std::vector<Section> sections, ghosts;
+  std::vector<double> places;
+  Scale scale(quantity, range);
+  Eigen::AlignedBox2f box;
+  for (int k = 0; k < count; ++k) {
+    const double share = (k + 0.5) / count;
+    places.push_back(least + share * (most - least));
+    sections.push_back(section_at(mesh, positions, at_nodes, alive, axis, places.back()));
+    scale.see(sections.back().values);
+    for (const Eigen::Vector2f& point : sections.back().points) box.extend(point);
+    if (ghost.empty()) continue;
+    const double place_behind = least_behind + share * (most_behind - least_behind);
+    ghosts.push_back(section_at(mesh, behind, at_nodes, {}, axis, place_behind));
+    for (const Eigen::Vector2f& point : ghosts.back().points) box.extend(point);
+  }
+  if (box.isEmpty()) box.extend(Eigen::Vector2f(0, 0));
+  const Eigen::Vector2f size = box.sizes().cwiseMax(1e-6f * static_cast<float>(most - least) + 1e-30f);
+
+  Page page(width, height);
+  Drawing& picture = page.drawing();
+  const Window window = page.window();
+  const Grid grid = best_grid(count, window, size);
+  const float cell_width = window.width / static_cast<float>(grid.columns);
+  const float cell_height = window.height / static_cast<float>(grid.rows);
+  const int decimals = std::clamp(static_cast<int>(std::ceil(2 - std::log10(std::max(most - least, 1e-9)))), 0, 9);
+
+  for (int k = 0; k < count; ++k) {
+    // a last row that is not full stands in the middle
+    const int row = k / grid.columns, in_row = std::min(grid.columns, count - row * grid.columns);
+    const float x = window.left + window.width / 2 +
+                    (static_cast<float>(k % grid.columns) - static_cast<float>(in_row - 1) / 2) * cell_width;
+    const float y = window.top + (static_cast<float>(row) + 0.5f) * cell_height - kCaption / 2;
+    const auto on_page = [&](const Eigen::Vector2f& point, float depth, const Colour& colour) {
+      return Drawing::Vertex{x + grid.scale * (point.x() - box.center().x()),
+                             y - grid.scale * (point.y() - box.center().y()), depth, colour};
+    };
+    const auto draw_lines = [&](const Section& section, const std::vector<Edge>& lines, float depth,
+                                const Colour& colour, float line_width, float opacity) {
+      for (const auto& [a, b] : lines)
+        picture.lines.push_back({on_page(section.points[a], depth, colour), on_page(section.points[b], depth, colour),
+                                 line_width, opacity});
+    };
+    if (!ghosts.empty()) {
+      const Section& ghost_section = ghosts[k];
+      for (const auto& [a, b, c] : ghost_section.triangles)
+        picture.triangles.push_back(
+            {{on_page(ghost_section.points[a], kBehind, kGhost), on_page(ghost_section.points[b], kBehind, kGhost),
+              on_page(ghost_section.points[c], kBehind, kGhost)}});
+      draw_lines(ghost_section, ghost_section.outline, kBehind, kOriginal, 1.3f, 1);
+    }
+    const Section& section = sections[k];
+    const auto corner = [&](int point) {
+      return on_page(section.points[point], kFront, scale.colour(section.values[point]));
+    };
+    for (const auto& [a, b, c] : section.triangles) picture.triangles.push_back({{corner(a), corner(b), corner(c)}});
+    if (shows_edges) draw_lines(section, section.inner_lines, kFront, kEdge, 1.1f, 0.6f);
+    draw_lines(section, section.outline, kFront, kEdge, 1.7f, 1);
+    page.write(x, y + grid.scale * size.y() / 2 + 26, 16, Drawing::Align::kCentre, kInk,
+               fmt::format("{} = {:.{}f} m", "xyz"[axis], places[k], decimals));
+  }
+
+  page.add_title(title, remark);
+  page.add_colour_bar(scale);
+  std::vector<Key> keys;
+  if (!ghost.empty()) keys.push_back({Key::Mark::kLine, ghost});
+  if (scale.has_gaps()) keys.push_back({Key::Mark::kGap, fmt::format("no {}", scale.quantity().label)});
+  page.add_keys(keys);
+  return std::move(page).finished();
+}
+
+}  // namespace hexaplast::output

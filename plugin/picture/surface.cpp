@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "picture/surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace hexaplast::output {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr float kCrease = 0.75f;  // cosine of the angle from which an edge is sharp, about 41 degrees
+
+int corner_at(const Surface::Face& face, int point) {
+  return static_cast<int>(std::ranges::find(face, point) - face.begin());
+}
+
+/// Sets that grow together; every member is at first alone.
+class Union {
+ public:
+  explicit Union(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int root(int member) {
+    while (parent_[member] != member) member = parent_[member] = parent_[parent_[member]];
+    return member;
+  }
+  void join(int a, int b) {
+    const int one = root(a), other = root(b);
+    parent_[std::max(one, other)] = std::min(one, other);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+}  // namespace
+
+Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces)
+    : original_(std::move(original)), faces_(std::move(faces)) {
+  const int num_faces = static_cast<int>(faces_.size());
+  std::map<Edge, std::vector<int>> faces_of_edge;
+  Union corners(4 * num_faces);
+  for (int f = 0; f < num_faces; ++f) {
+    if (is_triangle(faces_[f])) corners.join(4 * f + 2, 4 * f + 3);
+    for (int k = 0; k < 4; ++k) {
+      const auto [low, high] = std::minmax(faces_[f][k], faces_[f][(k + 1) % 4]);
+      if (low != high) faces_of_edge[{low, high}].push_back(f);
+    }
+  }
+
+  const std::vector<Vector3f> normals = face_normals(original_);
+  for (const auto& [edge, around] : faces_of_edge) {
+    edges_.push_back(edge);
+    const Vector3f first = normals[around.front()].normalized(), last = normals[around.back()].normalized();
+    if (around.size() != 2 || first.dot(last) < kCrease) {
+      creases_.push_back(edge);
+      continue;
+    }
+    smooth_.push_back(edge);
+    faces_of_smooth_.push_back({around.front(), around.back()});
+    for (const int point : edge)
+      corners.join(4 * around.front() + corner_at(faces_[around.front()], point),
+                   4 * around.back() + corner_at(faces_[around.back()], point));
+  }
+
+  std::vector<int> group_of_root(4 * num_faces, -1);
+  group_.resize(num_faces);
+  for (int f = 0; f < num_faces; ++f)
+    for (int k = 0; k < 4; ++k) {
+      int& group = group_of_root[corners.root(4 * f + k)];
+      if (group < 0) group = num_groups_++;
+      group_[f][k] = group;
+    }
+}
+
+std::vector<Vector3f> Surface::face_normals(const std::vector<Vector3f>& points) const {
+  std::vector<Vector3f> normals;
+  normals.reserve(faces_.size());
+  for (const auto& [a, b, c, d] : faces_) normals.push_back((points[c] - points[a]).cross(points[d] - points[b]));
+  return normals;
+}
+
+std::vector<std::array<Vector3f, 4>> Surface::corner_normals(const std::vector<Vector3f>& points) const {
+  const std::vector<Vector3f> of_face = face_normals(points);
+  std::vector<Vector3f> of_group(num_groups_, Vector3f::Zero());
+  for (std::size_t f = 0; f < faces_.size(); ++f)
+    for (int k = 0; k < (is_triangle(faces_[f]) ? 3 : 4); ++k) of_group[group_[f][k]] += of_face[f];
+  for (Vector3f& normal : of_group) normal.normalize();
+
+  std::vector<std::array<Vector3f, 4>> normals(faces_.size());
+  for (std::size_t f = 0; f < faces_.size(); ++f)
+    for (int k = 0; k < 4; ++k) normals[f][k] = of_group[group_[f][k]];
+  return normals;
+}
+
+std::vector<Vector3f> Surface::point_normals(const std::vector<Vector3f>& points) const {
+  const std::vector<Vector3f> of_face = face_normals(points);
+  std::vector<Vector3f> normals(points.size(), Vector3f::Zero());
+  for (std::size_t f = 0; f < faces_.size(); ++f)
+    for (int k = 0; k < (is_triangle(faces_[f]) ? 3 : 4); ++k) normals[faces_[f][k]] += of_face[f];
+  return normals;
+}
+
+std::vector<Edge> Surface::outline(const std::vector<Vector3f>& points, const Vector3f& towards) const {
+  std::vector<Edge> lines = creases_;
+  const std::vector<Vector3f> normals = face_normals(points);
+  for (std::size_t k = 0; k < smooth_.size(); ++k) {
+    const auto& [one, other] = faces_of_smooth_[k];
+    if ((normals[one].dot(towards) > 0) != (normals[other].dot(towards) > 0)) lines.push_back(smooth_[k]);
+  }
+  return lines;
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "record/abaqus_deck.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include "record/files.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+constexpr std::size_t kNumbersPerLine = 16;  // the most that the format allows
+
+/// ccx reads no more than 20 characters of a number: twelve digits fit with sign and exponent.
+std::string number(double value) { return fmt::format("{:.12g}", value); }
+
+std::string list(const std::vector<int>& indices) {
+  std::string lines;
+  for (std::size_t begin = 0; begin < indices.size(); begin += kNumbersPerLine) {
+    const auto from = indices.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto to = from + static_cast<std::ptrdiff_t>(std::min(kNumbersPerLine, indices.size() - begin));
+    lines += fmt::format("{}\n", fmt::join(from, to, ", "));
+  }
+  return lines;
+}
+
+std::string mesh_lines(const HexMesh& mesh) {
+  std::string lines = "*NODE, NSET=ALL\n";
+  for (int n = 0; n < mesh.num_nodes(); ++n) {
+    const auto x = mesh.positions().row(n);
+    lines += fmt::format("{}, {}, {}, {}\n", n + 1, number(x[0]), number(x[1]), number(x[2]));
+  }
+  lines += "*ELEMENT, TYPE=C3D8, ELSET=BODY\n";
+  for (int e = 0; e < mesh.num_elements(); ++e) {
+    Hexahedron corners = mesh.hexahedra()[e];
+    for (int& corner : corners) ++corner;
+    lines += fmt::format("{}, {}\n", e + 1, fmt::join(corners, ", "));
+  }
+  return lines;
+}
+
+std::string material_lines(const Body& body) {
+  std::map<std::pair<double, double>, std::vector<int>> elements_of;  // by Young's modulus and Poisson's ratio
+  for (int e = 0; e < body.mesh().num_elements(); ++e) {
+    const Material& m = body.model().material(e);
+    elements_of[{m.young_modulus, m.poisson_ratio}].push_back(e + 1);
+  }
+
+  std::string lines;
+  int count = 0;
+  for (const auto& [constants, elements] : elements_of) {
+    const std::string name = fmt::format("MATERIAL{}", ++count);
+    lines += fmt::format("*ELSET, ELSET={}\n{}", name, list(elements));
+    lines +=
+        fmt::format("*MATERIAL, NAME={}\n*ELASTIC\n{}, {}\n", name, number(constants.first), number(constants.second));
+    lines += fmt::format("*SOLID SECTION, ELSET={0}, MATERIAL={0}\n", name);
+  }
+  return lines;
+}
+
+std::string boundary_lines(const PointArray& is_free) {
+  std::vector<int> fixed;
+  std::string single;  // degrees of freedom of nodes that are held in part
+  for (int n = 0; n < static_cast<int>(is_free.rows()); ++n) {
+    if (is_free.row(n).isZero(0)) {
+      fixed.push_back(n + 1);
+      continue;
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      if (is_free(n, axis) == 0) single += fmt::format("{0}, {1}, {1}\n", n + 1, axis + 1);
+  }
+  std::string lines;
+  if (!fixed.empty()) lines += fmt::format("*NSET, NSET=FIXED\n{}", list(fixed));
+  if (!fixed.empty() || !single.empty()) lines += "*BOUNDARY\n";
+  if (!fixed.empty()) lines += "FIXED, 1, 3\n";
+  return lines + single;
+}
+
+std::string load_lines(const AbaqusDeck& deck) {
+  std::string lines;
+  for (int n = 0; n < static_cast<int>(deck.loads.rows()); ++n)
+    for (int axis = 0; axis < 3; ++axis)
+      if (deck.loads(n, axis) != 0 && deck.is_free(n, axis) != 0)
+        lines += fmt::format("{}, {}, {}\n", n + 1, axis + 1, number(deck.loads(n, axis)));
+  return lines.empty() ? ""
+                       : fmt::format("** Loads at t = {:.6g} s on the undeformed body\n*CLOAD\n", deck.time) + lines;
+}
+
+}  // namespace
+
+void write_abaqus_deck(const std::filesystem::path& file, const Body& body, const AbaqusDeck& deck) {
+  WholeFile out(file);
+  out.write(fmt::format("*HEADING\n{}\n", deck.title));
+  out.write(mesh_lines(body.mesh()));
+  out.write(material_lines(body));
+  out.write(boundary_lines(deck.is_free));
+  // the first increment is a tenth of the load; the program shortens it where it has to
+  out.write("*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1\n");
+  out.write(load_lines(deck));
+  out.write("*NODE PRINT, NSET=ALL\nU\n*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n");
+  out.commit();
+}
+
+}  // namespace hexaplast::output

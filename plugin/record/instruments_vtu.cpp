@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "record/instruments_vtu.hpp"
+
+#include <fmt/format.h>
+
+#include "hexaplast/base/error.hpp"
+#include "record/state_arrays.hpp"
+#include "record/vtu_grid.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+constexpr int kTool = -1;  // in place of a node
+
+}  // namespace
+
+void write_instruments(const std::filesystem::path& file, std::span<const Instrument> instruments,
+                       ConstPoints positions) {
+  std::size_t num_points = 0;
+  for (const Instrument& instrument : instruments) num_points += 1 + instrument.nodes.size();
+  PointArray points(static_cast<Eigen::Index>(num_points), 3), force = points;
+  std::vector<std::int32_t> ids, nodes, connectivity;
+
+  VtuGrid grid{.points = points, .shown_first = {}};
+  for (const Instrument& instrument : instruments) {
+    const auto tool = static_cast<std::int32_t>(ids.size());
+    const auto num_held = static_cast<Eigen::Index>(instrument.nodes.size());
+    points.row(tool) = instrument.place.transpose();
+    force.row(tool) = instrument.force().transpose();
+    force.middleRows(tool + 1, num_held) = instrument.forces;
+    ids.insert(ids.end(), 1 + instrument.nodes.size(), instrument.id);
+    nodes.push_back(kTool);
+    connectivity.push_back(tool);
+    grid.add_cells(1, kVtkVertex, 1);
+    for (const int node : instrument.nodes) {
+      const auto point = static_cast<std::int32_t>(nodes.size());
+      points.row(point) = positions.row(node);
+      nodes.push_back(node);
+      connectivity.insert(connectivity.end(), {tool, point});
+    }
+    grid.add_cells(instrument.nodes.size(), kVtkLine, 2);
+  }
+  grid.connectivity = std::as_bytes(std::span(connectivity));
+  grid.point_data = {scalars("Int32", "id", ids), scalars("Int32", "node", nodes), vectors("force", force)};
+  grid.write(file);
+}
+
+std::vector<Instrument> read_instruments(const std::filesystem::path& file) {
+  const ImportedState state = read_vtu_state(file);
+  const std::vector<int> ids = point_numbers(file, state, "id"), nodes = point_numbers(file, state, "node");
+  const PointArray force = point_vectors(file, state, "force");
+  std::vector<Instrument> instruments;
+  const auto refuse = [&](std::size_t point) {
+    throw InputError(fmt::format("{}: point {} is neither a tool nor held by the one before", file.string(), point));
+  };
+  for (std::size_t tool = 0, end = 0; tool < nodes.size(); tool = end) {
+    if (nodes[tool] != kTool) refuse(tool);
+    Instrument& instrument = instruments.emplace_back();
+    instrument.id = ids[tool];
+    instrument.place = state.mesh.positions.row(static_cast<Eigen::Index>(tool)).transpose();
+    for (end = tool + 1; end < nodes.size() && nodes[end] != kTool; ++end) {
+      if (nodes[end] < 0 || ids[end] != instrument.id) refuse(end);
+      instrument.nodes.push_back(nodes[end]);
+    }
+    instrument.forces =
+        force.middleRows(static_cast<Eigen::Index>(tool + 1), static_cast<Eigen::Index>(instrument.nodes.size()));
+  }
+  return instruments;
+}
+
+}  // namespace hexaplast::output

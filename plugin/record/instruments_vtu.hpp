@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "picture/boundary_conditions.hpp"
+
+namespace hexaplast::output {
+
+/// Writes instruments as a VTK unstructured grid (vtu_grid.hpp): for each of them a vertex where the tool is, and a
+/// line from there to each node that it pulls at. positions: num_nodes x 3 [m].
+///
+///   point data: id (of the instrument), node (-1 for the tool), force [N] (pull on a node; at the tool that of all)
+///
+/// Throws OutputError.
+void write_instruments(const std::filesystem::path& file, std::span<const Instrument> instruments,
+                       ConstPoints positions);
+
+/// What was written so. Throws InputError.
+std::vector<Instrument> read_instruments(const std::filesystem::path& file);
+
+}  // namespace hexaplast::output

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "record/measures.hpp"
+
+#include <numbers>
+
+namespace hexaplast::output {
+
+Ruler::Ruler(const Body& body) : body_(body), ends_(end_sections(body.mesh())) {}
+
+Measures Ruler::measure(ConstPoints positions) const {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const PointArray& material = body_.history().material;
+
+  Measures found;
+  found.plastic_elongation = elongation(ends_, material);
+  found.plastic_twist_deg = twist(body_.mesh(), ends_, material) * kDegrees;
+  found.world_elongation = elongation(ends_, positions);
+  found.world_twist_deg = twist(body_.mesh(), ends_, positions) * kDegrees;
+  const double original = body_.original_volume();
+  found.material_volume_ratio = original > 0 ? body_.volume(material) / original : 0;
+  found.world_volume_ratio = original > 0 ? body_.volume(positions) / original : 0;
+  return found;
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "record/recorded_run.hpp"
+
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/readable_file.hpp"
+#include "hexaplast/formats/xml.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
+#include "record/files.hpp"
+#include "record/instruments_vtu.hpp"
+#include "record/state_arrays.hpp"
+#include "record/surface_vtu.hpp"
+
+namespace hexaplast::output {
+namespace fs = std::filesystem;
+namespace {
+
+/// The number at the end of "mesh_000125".
+std::optional<long> number_at_end(const std::string& stem) {
+  const std::size_t last = stem.find_last_not_of("0123456789");
+  const char* from = stem.data() + (last == stem.npos ? 0 : last + 1);
+  long number = 0;
+  const auto [end, error] = std::from_chars(from, stem.data() + stem.size(), number);
+  return error == std::errc() ? std::optional(number) : std::nullopt;
+}
+
+std::vector<RecordedRun::Entry> entries_of(const fs::path& pvd) {
+  std::error_code unknown;
+  if (!fs::is_regular_file(pvd, unknown))
+    throw OutputError(
+        fmt::format("{}: is not there, or no file: must be the directory of a run, or its .pvd file", pvd.string()));
+  const auto refuse = [&](int line, const std::string& what) {
+    throw InputError(fmt::format("{}:{}: {}", pvd.string(), line, what));
+  };
+  tinyxml2::XMLDocument document;
+  try {
+    parse_xml(whole_file(pvd), kXmlOfPrograms, document);
+  } catch (const XmlError& error) {
+    refuse(error.line(), error.what());
+  }
+  const tinyxml2::XMLElement* root = document.RootElement();
+  const tinyxml2::XMLElement* collection = root ? root->FirstChildElement("Collection") : nullptr;
+  if (!collection) refuse(1, "must be a VTKFile with a Collection");
+
+  // all of it is looked at before any of it is kept
+  std::vector<double> times;
+  for (const auto* at = collection->FirstChildElement("DataSet"); at; at = at->NextSiblingElement("DataSet")) {
+    const char* time = at->Attribute("timestep");
+    if (!at->Attribute("file")) refuse(at->GetLineNum(), "DataSet names no file");
+    if (!time) refuse(at->GetLineNum(), "DataSet has no timestep");
+    const std::string_view number(time);
+    const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), times.emplace_back());
+    if (status != std::errc() || end != number.data() + number.size() || !std::isfinite(times.back()))
+      refuse(at->GetLineNum(), fmt::format("DataSet.timestep '{}', must be a finite number", number));
+  }
+  std::vector<RecordedRun::Entry> entries;
+  const auto* at = collection->FirstChildElement("DataSet");
+  for (const double time : times) {
+    RecordedRun::Entry& entry = entries.emplace_back();
+    entry.time = time;
+    entry.file = pvd.parent_path() / at->Attribute("file");
+    entry.step = number_at_end(entry.file.stem().string());
+    at = at->NextSiblingElement("DataSet");
+  }
+  if (entries.empty()) throw InputError(fmt::format("{}: names no state", pvd.string()));
+  return entries;
+}
+
+ImportedState read(const fs::path& file) {
+  ImportedState state = read_vtu_state(file);
+  const ImportedMesh& mesh = state.mesh;
+  if (mesh.num_skipped > 0 || !mesh.edges.empty() || !mesh.triangles.empty() || !mesh.quads.empty())
+    throw InputError(
+        fmt::format("{}: holds cells that are no hexahedra: pictures are made of hexahedra alone", file.string()));
+  return state;
+}
+
+/// Numbers of the hexahedra in the mesh that the run began with.
+std::vector<int> ids_of(const fs::path& file, const ImportedState& state) {
+  const std::vector<double> values = cell_scalars(file, state, "id");
+  std::vector<int> ids(values.begin(), values.end());
+  if (!std::ranges::is_sorted(ids, std::less_equal()))
+    throw InputError(fmt::format("{}: array 'id' must ascend", file.string()));
+  return ids;
+}
+
+/// What holds and loads the body, as far as the file holds it: earlier versions did not write it.
+BoundaryConditions conditions_in(const fs::path& file, const ImportedState& state) {
+  BoundaryConditions conditions;
+  if (has_point_data(state, "fixed"))
+    for (const int is_fixed : point_numbers(file, state, "fixed")) conditions.fixed.push_back(is_fixed != 0);
+  if (has_point_data(state, "load")) conditions.loads = point_vectors(file, state, "load");
+  if (!conditions.loads.allFinite())
+    throw InputError(fmt::format("{}: array 'load' must hold finite numbers", file.string()));
+  return conditions;
+}
+
+}  // namespace
+
+RecordedRun::RecordedRun(const fs::path& place) {
+  std::error_code error;
+  const fs::path pvd = fs::is_directory(place, error) ? place / "mesh.pvd" : place;
+  entries_ = entries_of(pvd);
+  directory_ = pvd.parent_path();
+  name_ = fs::weakly_canonical(fs::absolute(pvd)).parent_path().filename().string();
+  if (const fs::path instruments = directory_ / "instruments.pvd"; fs::exists(instruments, error))
+    instruments_ = entries_of(instruments);
+
+  const fs::path& first = entries_.front().file;
+  ImportedState state = read(first);
+  id_of_hexahedron_ = ids_of(first, state);
+  const PointArray original = state.mesh.positions - point_vectors(first, state, "displacement");
+  try {
+    mesh_.emplace(original, std::move(state.mesh.hexahedra));
+  } catch (const InputError& reason) {
+    throw InputError(fmt::format("{}: {}", first.string(), reason.what()));
+  }
+}
+
+std::vector<Skin> RecordedRun::skins() const {
+  std::error_code error;
+  const fs::path surfaces = directory_ / "surface.pvd";
+  if (!fs::exists(surfaces, error)) return {};
+  return read_skins(entries_of(surfaces).front().file);
+}
+
+RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) const {
+  const ImportedState read_state = read(entry.file);
+  const Eigen::Index num_nodes = read_state.mesh.positions.rows();
+  if (num_nodes != mesh_->num_nodes())
+    throw InputError(fmt::format("{}: has {} points, must have {} as {} has", entry.file.string(), num_nodes,
+                                 mesh_->num_nodes(), entries_.front().file.string()));
+
+  State state;
+  state.positions = read_state.mesh.positions;
+  state.material = point_vectors(entry.file, read_state, "material_position");
+
+  const QuantityEntry& wanted = entry_of(quantity);
+  if (wanted.of_nodes) {
+    state.values = speeds(point_vectors(entry.file, read_state, wanted.array));
+  } else {
+    state.values.assign(mesh_->num_elements(), 0);
+  }
+  const std::vector<double> of_cells =
+      wanted.of_nodes ? std::vector<double>() : cell_scalars(entry.file, read_state, wanted.array);
+
+  state.alive.assign(mesh_->num_elements(), 0);
+  const std::vector<int> ids = ids_of(entry.file, read_state);
+  for (std::size_t cell = 0; cell < ids.size(); ++cell) {
+    const auto found = std::ranges::lower_bound(id_of_hexahedron_, ids[cell]);
+    const auto e = static_cast<std::size_t>(found - id_of_hexahedron_.begin());
+    if (found == id_of_hexahedron_.end() || *found != ids[cell] ||
+        read_state.mesh.hexahedra[cell] != mesh_->hexahedra()[e])
+      throw InputError(fmt::format("{}: hexahedron {} is not that of {}", entry.file.string(), ids[cell],
+                                   entries_.front().file.string()));
+    state.alive[e] = 1;
+    if (!wanted.of_nodes) state.values[e] = of_cells[cell];
+  }
+  state.conditions = conditions_in(entry.file, read_state);
+  const auto held = std::ranges::find(instruments_, entry.time, &Entry::time);
+  if (held == instruments_.end()) return state;
+  state.conditions.instruments = read_instruments(held->file);
+  for (const Instrument& instrument : state.conditions.instruments)
+    for (const int node : instrument.nodes)
+      if (node >= num_nodes)
+        throw InputError(fmt::format("{}: node {}, must lie in [0, {})", held->file.string(), node, num_nodes));
+  return state;
+}
+
+}  // namespace hexaplast::output

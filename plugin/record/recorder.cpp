@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "record/recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/faces.hpp"
+#include "picture/film.hpp"
+#include "record/instruments_vtu.hpp"
+#include "picture/png_file.hpp"
+#include "record/surface_vtu.hpp"
+#include "record/time_series.hpp"
+#include "record/vtu.hpp"
+
+namespace hexaplast::output {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kHeader =
+    "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
+    "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
+    "world_elongation,world_twist_deg";
+constexpr std::string_view kBalanceHeader =
+    ",load_work,support_work,damping_loss,numerical_loss,flow_loss,energy_error";
+
+/// The columns of kBalanceHeader.
+std::string balance_columns(const EnergyBalance& energy) {
+  return fmt::format(",{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
+                     energy.numerical_loss, energy.flow_loss, energy.error());
+}
+
+/// Throws NumericalError naming the first column of a row that is not finite: "inf" and "nan" alone have letters n.
+void require_finite(std::string_view row, long step) {
+  const std::size_t at = row.find('n');
+  if (at == std::string_view::npos) return;
+  std::string names = std::string(kHeader).append(kBalanceHeader);
+  std::string_view name = names;
+  for (auto commas = std::ranges::count(row.substr(0, at), ','); commas > 0; --commas)
+    name.remove_prefix(name.find(',') + 1);
+  throw NumericalError(fmt::format("step {}: the {} is not finite", step, name.substr(0, name.find(','))));
+}
+
+/// The steps that are drawn: `count` of them, evenly over the run, ascending, the last step among them.
+std::vector<long> steps_to_draw(long num_steps, int count) {
+  std::vector<long> steps;
+  for (int i = 1; i <= count; ++i) steps.push_back(std::lround(static_cast<double>(num_steps) * i / count));
+  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+  return steps;
+}
+
+constexpr double kFilmRate = 25;  // [1/s] pictures of a film
+
+/// The steps that a film shows: the first state, and then at most kFilmRate states a second; ascending.
+std::vector<long> steps_to_film(long num_steps, double dt) {
+  std::vector<long> steps;
+  const double stride = std::max(1.0, 1 / (kFilmRate * dt));
+  for (long i = 0; std::lround(static_cast<double>(i) * stride) <= num_steps; ++i)
+    steps.push_back(std::lround(static_cast<double>(i) * stride));
+  return steps;
+}
+
+std::unique_ptr<Film> film_of(const RunPlan& plan) {
+  return plan.video.empty() ? nullptr : open_film(plan.video, std::min(kFilmRate, 1 / plan.dt));
+}
+
+double mean_displacement(const std::vector<int>& nodes, ConstPoints from, ConstPoints to) {
+  double sum = 0;
+  for (const int node : nodes) sum += (to.row(node) - from.row(node)).norm();
+  return nodes.empty() ? 0 : sum / static_cast<double>(nodes.size());
+}
+
+constexpr std::string_view kMesh = "mesh_", kSurface = "surface_", kInstruments = "instruments_";
+
+std::string vtu_name(std::string_view prefix, long step) { return fmt::format("{}{:06}.vtu", prefix, step); }
+
+/// The step in the name of a .vtu file.
+long step_of_vtu(std::string_view name) {
+  return std::strtol(std::string(name.substr(name.find_last_of('_') + 1)).c_str(), nullptr, 10);
+}
+
+fs::path prepared(fs::path directory, const RunPlan& plan) {
+  prepare_directory(directory, plan.force, plan.inputs);
+  return directory;
+}
+
+}  // namespace
+
+struct Recorder::Files {
+  Files(fs::path where, const Body& of, RunPlan run, RendererSource source)
+      : plan(std::move(run)),
+        film(film_of(plan)),
+        directory(prepared(std::move(where), plan)),
+        body(of),
+        renderer(std::move(source)),
+        ruler(body),
+        history(directory / "history.csv"),
+        removed(directory / "removed.csv"),
+        meshes(directory / "mesh.pvd"),
+        skins(body.mesh(), plan.staging.skins),
+        to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
+    if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
+    history.append(std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : ""));
+    removed.append("step,time,hexahedron");
+    open_companions();
+    open_gallery();
+  }
+
+  Files(fs::path where, const Body& of, RunPlan run, Archive& saved, RendererSource source)
+      : plan(std::move(run)),
+        directory(std::move(where)),
+        body(of),
+        renderer(std::move(source)),
+        ruler(body),
+        history(directory / "history.csv", saved),
+        removed(directory / "removed.csv", saved),
+        meshes(directory / "mesh.pvd"),
+        skins(body.mesh(), plan.staging.skins),
+        to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
+    long step = 0;
+    meshes.serialize(saved);
+    saved(step, step_on_disk, num_removed);
+    const auto is_there = [&](const std::string& vtu) {
+      std::error_code error;
+      if (fs::is_regular_file(directory / vtu, error)) return true;
+      lost.push_back(vtu);
+      return false;
+    };
+    // the last state of a run that was to be shorter is none that this one writes
+    meshes.keep([&](const std::string& vtu) { return wants_state(step_of_vtu(vtu)) && is_there(vtu); });
+    open_companions();
+    for (std::optional<TimeSeries>* series : {&surfaces, &instruments})
+      if (*series) (*series)->keep(is_there);
+    prepare_to_go_on(directory, step, plan.inputs, [&](const std::string& name) {
+      return name.ends_with(".vtu") && meshes.has(vtu_name(kMesh, step_of_vtu(name)));
+    });
+    history.cut();
+    removed.cut();
+    open_gallery();
+  }
+
+  RunPlan plan;
+  std::unique_ptr<Film> film;  // null: none wanted; before anything is written, since it may be refused
+  fs::path directory;
+  const Body& body;
+  RendererSource renderer;
+  Ruler ruler;
+  LineFile history, removed;
+  TimeSeries meshes;
+  std::optional<TimeSeries> surfaces, instruments;  // of the same steps; absent: there are none
+  std::vector<std::string> lost;                    // .vtu files that had gone
+  CarriedSkins skins;
+  std::vector<long> to_draw, to_film;  // ascending
+  std::optional<Gallery> gallery;      // absent: no pictures wanted
+
+  // the latest state, so that a run that ends early still shows where it ended
+  StepRecord latest;
+  PointArray latest_positions, latest_velocities;
+  BoundaryConditions latest_conditions;
+  long step_on_disk = -1;       // of the latest .vtu
+  std::size_t num_removed = 0;  // hexahedra that removed.csv lists
+  bool finished = false;
+
+  void open_gallery() {
+    if (plan.num_frames > 0 || film) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
+  }
+  void open_companions() {
+    if (!skins.empty()) surfaces = meshes.with_prefix(directory / "surface.pvd", kMesh, kSurface);
+    if (plan.has_instruments) instruments = meshes.with_prefix(directory / "instruments.pvd", kMesh, kInstruments);
+  }
+  bool wants_state(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
+  void append_removed(const StepRecord& record);
+  std::string row_of(const StepRecord& record, ConstPoints positions) const;
+  void write_state();
+  bool is_drawn(long step) const { return std::ranges::binary_search(to_draw, step); }
+  bool is_filmed(long step) const { return std::ranges::binary_search(to_film, step); }
+  void keep_for_picture();
+  std::vector<std::string> draw_pictures();
+};
+
+Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, RendererSource renderer)
+    : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), std::move(renderer))) {}
+
+Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, Archive& saved, RendererSource renderer)
+    : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), saved, std::move(renderer))) {}
+
+Recorder::~Recorder() = default;
+
+const std::vector<std::string>& Recorder::lost_states() const { return files_->lost; }
+
+void Recorder::save(Archive& archive) {
+  Files& files = *files_;
+  files.history.save(archive);
+  files.removed.save(archive);
+  files.meshes.serialize(archive);
+  archive(files.latest.step, files.step_on_disk, files.num_removed);
+}
+
+void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
+                      BoundaryConditions conditions) {
+  Files& files = *files_;
+  const std::string row = files.row_of(record, positions);  // before anything changes: it may be refused
+  files.latest = record;
+  files.latest_positions = positions;
+  files.latest_velocities = velocities;
+  files.latest_conditions = std::move(conditions);
+
+  files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
+  files.history.append(row);
+  if (files.wants_state(record.step)) files.write_state();
+  if (files.is_drawn(record.step) || files.is_filmed(record.step)) files.keep_for_picture();
+}
+
+std::vector<std::string> Recorder::finish() {
+  Files& files = *files_;
+  if (files.finished || files.latest_positions.rows() == 0) return {};
+  files.finished = true;
+  if (files.step_on_disk != files.latest.step) files.write_state();
+
+  if (!files.gallery) return {};
+  const int drawn = files.gallery->num_states();
+  if (drawn == 0 || files.gallery->step(drawn - 1) != files.latest.step) files.keep_for_picture();
+  return files.draw_pictures();
+}
+
+// All rows of a step at once: thousands of hexahedra may go together.
+void Recorder::Files::append_removed(const StepRecord& record) {
+  const std::vector<int>& all = body.history().removed;
+  std::string rows;
+  for (; num_removed < all.size(); ++num_removed)
+    rows += fmt::format("{}{},{},{}", rows.empty() ? "" : "\n", record.step, record.time, all[num_removed]);
+  if (!rows.empty()) removed.append(rows);
+}
+
+std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
+  const Measures measures = ruler.measure(positions);
+  const std::string row = fmt::format(
+      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time, record.kinetic_energy,
+      record.energy ? record.energy->elastic : body.energy(positions), body.history().dissipated_energy,
+      measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
+      measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
+      record.flow.yielded, record.flow.inverted, body.history().removed.size(), record.solver_iterations,
+      record.residual, record.step_ms, measures.world_elongation, measures.world_twist_deg,
+      plan.has_energy_balance ? balance_columns(*record.energy) : "");
+  require_finite(row, record.step);
+  return row;
+}
+
+// The mesh last: whatever mesh.pvd names has its companions.
+void Recorder::Files::write_state() {
+  ElementFields fields = body.fields(latest_positions);
+  const std::vector<unsigned char>& alive = body.history().alive;
+  const auto write = [&](TimeSeries& series, std::string_view prefix, const auto& write_file) {
+    const std::string name = vtu_name(prefix, latest.step);
+    write_file(directory / name);
+    series.add(latest.time, name);
+  };
+  if (surfaces) {
+    const std::vector<double> strains = nodal_means(body.mesh(), fields.plastic_strain, alive);
+    write(*surfaces, kSurface, [&](const fs::path& file) { skins.write(file, latest_positions, strains, alive); });
+  }
+  if (instruments)
+    write(*instruments, kInstruments,
+          [&](const fs::path& file) { write_instruments(file, latest_conditions.instruments, latest_positions); });
+  write(meshes, kMesh, [&](const fs::path& file) {
+    write_vtu(file, body, latest_positions, latest_velocities, std::move(fields), latest_conditions);
+  });
+  step_on_disk = latest.step;
+}
+
+void Recorder::Files::keep_for_picture() {
+  gallery->add(latest.step, latest.time, latest_positions,
+               values_of(plan.staging.quantity, body, latest_positions, latest_velocities), body.history().alive,
+               latest_conditions);
+}
+
+std::vector<std::string> Recorder::Files::draw_pictures() {
+  const fs::path frames = directory / "frames";
+  std::error_code error;
+  if (plan.num_frames > 0) fs::create_directory(frames, error);
+  if (error) throw OutputError(fmt::format("{}: cannot be created: {}", frames.string(), error.message()));
+  try {
+    const std::unique_ptr<Renderer> draw = renderer();
+    gallery->for_each_drawing([&](int state, const Drawing& drawing) {
+      const long step = gallery->step(state);
+      const Image image = draw->render(drawing);
+      const bool is_last = state == gallery->num_states() - 1;
+      if (plan.num_frames > 0 && (is_drawn(step) || is_last))
+        write_png(frames / fmt::format("frame_{:06}.png", step), image);
+      if (film && (is_filmed(step) || is_last)) film->add(image);
+    });
+  } catch (const RendererUnavailable& reason) {
+    if (film) throw OutputError(fmt::format("{}: no film: {}", plan.video.string(), reason.what()));
+    return {fmt::format("no pictures: {}", reason.what())};
+  }
+  if (film) film->finish();
+  return {};
+}
+
+void require_saved_files(const fs::path& directory, Archive& saved) {
+  const LineFile history(directory / "history.csv", saved), removed(directory / "removed.csv", saved);
+}
+
+Summary summarise(const Body& body, ConstPoints positions) {
+  const ElementFields fields = body.fields(positions);
+  Summary summary{Ruler(body).measure(positions)};
+  const std::vector<unsigned char>& alive = body.history().alive;
+  summary.num_pieces = connected_parts(body.mesh(), alive).count;
+  for (std::size_t e = 0; e < alive.size(); ++e)
+    if (alive[e])
+      summary.worst_element_volume_error =
+          std::max(summary.worst_element_volume_error, std::abs(fields.volume_ratio[e] - 1));
+
+  const auto largest = [&](const std::vector<double>& values) {
+    Largest found;
+    for (std::size_t e = 0; e < alive.size(); ++e)
+      if (alive[e] && (found.hexahedron < 0 || values[e] > found.value)) {
+        found.value = values[e];
+        found.hexahedron = static_cast<int>(e);
+      }
+    if (found.hexahedron >= 0)
+      found.place = gather(positions, body.mesh().hexahedra()[found.hexahedron]).colwise().mean().transpose();
+    return found;
+  };
+  summary.strain = largest(fields.strain);
+  summary.plastic_strain = largest(fields.plastic_strain);
+  return summary;
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/solve/energy_balance.hpp"
+#include "picture/boundary_conditions.hpp"
+#include "record/files.hpp"
+#include "picture/gallery.hpp"
+#include "record/measures.hpp"
+#include "picture/renderer.hpp"
+
+namespace hexaplast::output {
+
+/// What a run is, known before its first step.
+struct RunPlan {
+  std::string title;  ///< shown in pictures: the scene's name
+  long num_steps = 0;
+  double dt = 0;                    ///< [s]
+  bool has_energy_balance = false;  ///< every StepRecord has one
+  int output_every = 25;            ///< steps between two .vtu files; the first and the last state are always written
+  int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
+  bool force = false;               ///< write into a directory that holds an earlier run
+  InputFiles inputs = {};           ///< files that are read, and so never replaced
+  std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
+  bool has_instruments = false;        ///< something in the scene may take hold of the body
+  Staging staging = {};                ///< of the pictures
+  std::filesystem::path video = {};    ///< film of the run in real time, at most 25 pictures a second; empty: none
+};
+
+/// One accepted step, or the initial state (step 0).
+struct StepRecord {
+  long step = 0;
+  double time = 0;            ///< [s] at the end of the step
+  double kinetic_energy = 0;  ///< [J]
+  std::optional<EnergyBalance> energy = {};
+  FlowReport flow = {};
+  int solver_iterations = 0;
+  double residual = 0;  ///< relative residual of the linear solve
+  double step_ms = 0;   ///< wall time of the step without output
+};
+
+/// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png;
+/// where the staging has skins, surface.pvd with surface_<step>.vtu, and where the plan says that there are
+/// instruments, instruments.pvd with instruments_<step>.vtu, for the same steps. history.csv (docs/output.md; the
+/// columns of the energy balance only where the run has one) grows by a whole row per step, removed.csv by a row
+/// `step,time,hexahedron` per hexahedron that the body has lost in it, in the order of their removal; every other file
+/// appears whole under its final name, and each .pvd file names only complete files. After an OutputError everything
+/// that mesh.pvd names can still be read.
+class Recorder {
+ public:
+  /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an
+  /// earlier run and `force` is not set; nothing is touched then. Throws what Gallery throws. The body must outlive the
+  /// recorder.
+  Recorder(
+      std::filesystem::path directory, const Body& body, RunPlan plan,
+      RendererSource renderer = [] { return load_renderer(); });
+
+  /// Goes on with the files of a run where save() left them, whatever was written later: a run that is interrupted and
+  /// gone on with writes the same as one that is not, but for the wall times and for the pictures, which show what is
+  /// still to come. plan.force does not matter. Throws InputError when the files are not those of the checkpoint,
+  /// before anything is changed.
+  Recorder(
+      std::filesystem::path directory, const Body& body, RunPlan plan, Archive& saved,
+      RendererSource renderer = [] { return load_renderer(); });
+  ~Recorder();
+
+  /// Files of states that the run had written and that were gone when it was gone on with: the .pvd files no longer
+  /// name them.
+  const std::vector<std::string>& lost_states() const;
+
+  /// After record(): what the files hold, flushed to disk, into a checkpoint.
+  void save(Archive& archive);
+
+  /// positions, velocities: world state after the step, the body being as that step left it; conditions: what held and
+  /// loaded it in the step. Call once with step 0 before the first step, then once per step. Throws OutputError.
+  void record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
+              BoundaryConditions conditions = {});
+
+  /// Completes the files and draws the pictures; call once, also after a run that ended early. Returns warnings (one
+  /// sentence each), e.g. that no renderer is installed. Throws OutputError, also where a film was wanted and there is
+  /// no renderer.
+  std::vector<std::string> finish();
+
+ private:
+  struct Files;
+  std::unique_ptr<Files> files_;
+};
+
+/// The greatest value of the hexahedra that are left, and where it is.
+struct Largest {
+  double value = 0;
+  int hexahedron = -1;        ///< the first one with that value; -1: none is left
+  Vec3 place = Vec3::Zero();  ///< [m] its world centre
+};
+
+/// What the summary at the end of a run shows, computed from a body and its world state.
+struct Summary : Measures {
+  double worst_element_volume_error = 0;  ///< greatest |material volume / original - 1| of a hexahedron that is left
+  Largest strain = {};                    ///< [-] greatest |D - 1| of a corner
+  Largest plastic_strain = {};            ///< [-] mean over the corners of the accumulated plastic strain
+  int num_pieces = 0;                     ///< connected parts of what is left
+};
+Summary summarise(const Body& body, ConstPoints positions);
+
+/// XXH64, as 16 hexadecimal digits, over step count (64 bits), positions, velocities and every History array of the
+/// body; null: there is none.
+std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body);
+
+/// Looks whether the files of a run are those of a checkpoint, without changing them; `saved` is what save() left.
+/// Throws InputError and OutputError.
+void require_saved_files(const std::filesystem::path& directory, Archive& saved);
+
+/// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
+/// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and
+/// yield_stress (null where infinite), removed (hexahedra in the order of their removal), state_hash; 17 significant
+/// digits.
+void write_final(WholeFile& file, long step, double time, ConstPoints positions, ConstPoints velocities,
+                 const Body& body);
+void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
+                 ConstPoints velocities, const Body& body);
+
+}  // namespace hexaplast::output

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+#include "picture/skin.hpp"
+
+namespace hexaplast::output {
+
+/// The surfaces that a body carries, as .vtu files show them beside its hexahedra.
+class CarriedSkins {
+ public:
+  /// Throws InputError or NumericalError where a skin cannot be embedded.
+  CarriedSkins(const HexMesh& mesh, std::vector<Skin> skins);
+
+  bool empty() const { return skins_.empty(); }
+
+  /// Writes all skins as one VTK unstructured grid of triangles and quads (vtu_grid.hpp), whose points move with the
+  /// nodes at `positions` [m]:
+  ///
+  ///   point data: displacement [m], surface (number of the skin), plastic_strain [-]
+  ///
+  /// strains: plastic strain at the nodes, which is blended between them; alive: one per hexahedron, 0 for those that
+  /// are removed: faces go with the hexahedra that carry them. Throws OutputError.
+  void write(const std::filesystem::path& file, ConstPoints positions, const std::vector<double>& strains,
+             std::span<const unsigned char> alive) const;
+
+ private:
+  std::vector<Skin> skins_;
+  std::vector<Embedding> embeddings_;
+};
+
+/// The skins of a file that was written when all faces were there. Throws InputError.
+std::vector<Skin> read_skins(const std::filesystem::path& file);
+
+}  // namespace hexaplast::output

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "record/vtu.hpp"
+
+#include <numeric>
+
+#include "record/vtu_grid.hpp"
+
+namespace hexaplast::output {
+
+void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities,
+               ElementFields fields, const BoundaryConditions& conditions) {
+  const HexMesh& mesh = body.mesh();
+  const PointArray world = positions;
+  const PointArray displacement = positions - mesh.positions();
+  const PointArray velocity = velocities;
+
+  // removed hexahedra are not shown
+  std::vector<Hexahedron> hexahedra = mesh.hexahedra();
+  std::vector<std::int32_t> ids(hexahedra.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  const auto keep_alive = [&](auto& values) {
+    std::size_t kept = 0;
+    for (std::size_t e = 0; e < values.size(); ++e)
+      if (body.history().alive[e]) values[kept++] = values[e];
+    values.resize(kept);
+  };
+  keep_alive(hexahedra);
+  keep_alive(ids);
+  for (std::vector<double>* values :
+       {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
+    keep_alive(*values);
+
+  const ConnectedParts parts = connected_parts(mesh, body.history().alive);
+  std::vector<std::int32_t> part(hexahedra.size());
+  for (std::size_t e = 0; e < part.size(); ++e) part[e] = parts.part_of_node[hexahedra[e][0]];
+
+  VtuGrid grid{.points = world, .connectivity = std::as_bytes(std::span(hexahedra)), .shown_first = "plastic_strain"};
+  grid.add_cells(hexahedra.size(), kVtkHexahedron, kCorners);
+  grid.point_data = {vectors("displacement", displacement), vectors("material_position", body.history().material),
+                     vectors("velocity", velocity)};
+  if (!conditions.fixed.empty()) grid.point_data.push_back(scalars("UInt8", "fixed", conditions.fixed));
+  if (conditions.loads.rows() > 0) grid.point_data.push_back(vectors("load", conditions.loads));
+  grid.cell_data = {scalars("Int32", "id", ids),
+                    scalars("Int32", "part", part),
+                    scalars("Float64", "stress_norm", fields.stress_norm),
+                    scalars("Float64", "plastic_strain", fields.plastic_strain),
+                    scalars("Float64", "yield_stress", fields.yield_stress),
+                    scalars("Float64", "volume_ratio", fields.volume_ratio),
+                    scalars("Float64", "strain", fields.strain)};
+  grid.write(file);
+}
+
+}  // namespace hexaplast::output
