@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/look/compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hexaplast/formats/text.hpp"
+#include "page/comparison.hpp"
+#include "record/files.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using Row = std::vector<std::string>;
+
+void print(const output::ComparisonTable& table) {
+  fmt::print("{}\n", printable_line(table.title));
+  std::vector<Row> rows = table.rows;
+  if (!rows.empty()) rows.insert(rows.begin(), table.columns);
+  std::vector<std::size_t> widths(table.columns.size());
+  for (const Row& row : rows)
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+  for (const Row& row : rows) {
+    std::string line = " ";
+    for (std::size_t c = 0; c < row.size(); ++c) line += fmt::format(" {:<{}} ", row[c], widths[c]);
+    fmt::print("{}\n", printable_line(line.substr(0, line.find_last_not_of(' ') + 1)));
+  }
+  if (!table.note.empty()) fmt::print("  {}\n", printable_line(table.note));
+}
+
+}  // namespace
+
+CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
+  CLI::App* command = app.add_subcommand("compare", "Print where two runs of a body are farthest apart");
+  command->add_option("run_a", options.a, "Directory of a run")->type_name("RUN_A")->required();
+  command->add_option("run_b", options.b, "Directory of another one")->type_name("RUN_B")->required();
+  command
+      ->add_option("-o,--out", options.out,
+                   "Write the comparison with the curves of both runs as a page; replaces an older file")
+      ->type_name("FILE.html");
+  return command;
+}
+
+void compare(const CompareOptions& options) {
+  const std::vector<output::ComparisonTable> tables = output::compare_runs(options.a, options.b);
+  if (options.out) {
+    InputFiles inputs;
+    output::add_files_of_run(options.a, inputs);
+    output::add_files_of_run(options.b, inputs);
+    output::WholeFile page(output_place(*options.out, inputs, {options.a, options.b}));
+    page.write(output::comparison_page(options.a, options.b, tables));
+    page.commit();
+  }
+  for (const output::ComparisonTable& table : tables) print(table);
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/look/component_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "attributes/examples.hpp"
+#include "attributes/renamed.hpp"
+#include "scene/value.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using attributes::Access;
+using attributes::Attribute;
+using attributes::Description;
+
+constexpr std::string_view kIntroduction =
+    R"(# Components
+
+What scenes may name, made by `hexaplast list --markdown` from the table that also checks what scenes say. Names, defaults
+and meaning are SOFA's wherever SOFA has the component. Units are SI.
+
+A scene is XML: nodes hold nodes and components, `<BoxROI .../>` or `<Object type="BoxROI" .../>`. This one runs; save it
+as `beam.scn` and try `hexaplast run beam.scn`, or `hexaplast check beam.scn` to see what it means before it moves:
+
+```xml
+{}```
+
+The examples below go into its node `body`, behind what stands there. A solver, topology, mechanical state, mass, body of
+hexahedra, animation loop or RunSettings takes the place of the one that is there.
+
+**Values.** Numbers are separated by blanks, with a decimal point; `nan`, `inf` and numbers out of range are refused. Among
+whole numbers `3-7` stands for 3 4 5 6 7, `7-3` for 7 6 5 4 3, and `0-10-5` for 0 5 10. Attributes whose name begins with `_`
+or `NO` are switched off.
+
+**Links.** `@path` leads to a node or component, `@path.attribute` to an attribute, which is followed from then on, wherever
+in the file it stands. A path is a name, looked for in the node and then in the nodes above; or it begins with `/` (the root),
+`./` (this node) or `../` (the node above), and goes on with names; `[-1]` is the component before this one, and `@.dt` an
+attribute of the node itself. What nothing is named after may be a class of which the node holds one component. Components
+without a name are called by their class and a number: `BoxROI1`, `BoxROI2`.
+
+**Includes.** `<include href="part.xml"/>` stands for the root element of another file, found from the including one.
+`name="..."` renames it; any other attribute replaces the one of that name wherever the file gives it, and `X__attribute`
+only in elements named X. A root named `Group` is replaced by its members; one named `_Merge_` is merged into the
+including node, class by class and name by name. At most 16 levels.
+
+**Strictness.** Unknown components and attributes, values out of range and links that lead nowhere are errors, with file,
+line and the name that was probably meant. `--sofa-compat` passes over unknown components, attributes, templates and
+plugins with a warning, as SOFA does. There is no contact between bodies: SOFA's components of collision are errors too,
+and with `--sofa-compat` one warning that bodies pass through each other.
+
+**Attributes of every component.**
+
+)";
+
+// A pipe would end the cell of a table.
+std::string cell(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '|') escaped += '\\';
+    escaped += c;
+  }
+  return escaped;
+}
+
+std::string default_cell(const Attribute& attribute) {
+  if (attribute.access == Access::kOutput) return "computed";
+  return attribute.initial.empty() ? "" : fmt::format("`{}`", attribute.initial);
+}
+
+std::string range_cell(const Attribute& attribute) {
+  if (attribute.type == attributes::Type::kWord) return std::string(attribute.words);
+  std::string text = scene::describe(attribute.range);
+  for (const std::string_view opening : {"must be ", "must lie "})
+    if (text.starts_with(opening)) text.erase(0, opening.size());
+  return text;
+}
+
+std::string attribute_table(std::span<const Attribute> attributes) {
+  std::string table =
+      "| attribute | holds | unit | default | range | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
+  for (const Attribute& attribute : attributes) {
+    if (attribute.access == Access::kIgnored) continue;
+    std::string names = fmt::format("`{}`", attribute.name);
+    for (const std::string_view alias : scene::split_words(attribute.aliases)) names += fmt::format(", `{}`", alias);
+    table += fmt::format("| {} | {} | {} | {} | {} | {} |\n", names, attributes::describe(attribute.type),
+                         attribute.unit, default_cell(attribute), range_cell(attribute), cell(attribute.help));
+  }
+  return table;
+}
+
+std::string ignored_attributes(std::span<const Attribute> attributes) {
+  std::string names;
+  for (const Attribute& attribute : attributes) {
+    if (attribute.access != Access::kIgnored) continue;
+    names += fmt::format("{}`{}`", names.empty() ? "" : ", ", attribute.name);
+  }
+  return names.empty() ? "" : fmt::format("\nAccepted without effect: {}.\n", names);
+}
+
+bool has_table(const Description& component) {
+  return std::ranges::any_of(component.attributes,
+                             [](const Attribute& attribute) { return attribute.access != Access::kIgnored; });
+}
+
+std::string section(const Description& component) {
+  std::string text = fmt::format("\n### {}\n\n{}\n", component.class_name, component.help);
+  if (!component.templates.empty()) {
+    std::string templates;
+    for (const std::string_view name : scene::split_words(component.templates))
+      templates += fmt::format("{}`{}`", templates.empty() ? "" : ", ", name);
+    text += fmt::format("\nTemplates: {}.\n", templates);
+  }
+  if (has_table(component)) text += fmt::format("\n{}", attribute_table(component.attributes));
+  text += ignored_attributes(component.attributes);
+
+  const auto example = std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
+  text += fmt::format("\n```xml\n{}\n```\n", example == attributes::kExamples.end()
+                                                 ? fmt::format("<{}/>", component.class_name)
+                                                 : std::string(example->lines));
+  return text;
+}
+
+std::string ignored_components(const std::vector<const Description*>& components) {
+  std::map<std::string_view, std::string> names_of;  // by what is said about them
+  for (const Description* component : components) {
+    if (!component->takes_anything) continue;
+    std::string& names = names_of[component->help];
+    names += fmt::format("{}`{}`", names.empty() ? "" : ", ", component->class_name);
+  }
+  std::string text =
+      "\n## Components without effect\n\nWhatever attributes they have, nothing of them is read. All but those of "
+      "collision are accepted, so that scenes written for SOFA can be read.\n\n| components | here |\n| --- | --- "
+      "|\n";
+  for (const auto& [reason, names] : names_of) text += fmt::format("| {} | {} |\n", names, reason);
+  return text;
+}
+
+std::string renamed_components() {
+  std::string text =
+      "\n## Old names\n\nAccepted with a note; the names that SOFA has given up are refused with a hint.\n\n"
+      "| old name | | name |\n| --- | --- | --- |\n";
+  for (const auto& renamed : attributes::kRenamedClasses)
+    text += fmt::format("| `{}` | accepted | `{}` |\n", renamed.old_name, renamed.name);
+  for (const auto& retired : attributes::kRetiredClasses)
+    text += fmt::format("| `{}` | refused | `{}` |\n", retired.old_name, retired.name);
+  return text;
+}
+
+}  // namespace
+
+std::string_view describe(Access access) {
+  switch (access) {
+    case Access::kInput:
+      return "input";
+    case Access::kOutput:
+      return "output";
+    case Access::kState:
+      return "state";
+    case Access::kIgnored:
+      return "ignored";
+  }
+  return {};
+}
+
+std::vector<ComponentGroup> grouped(const std::vector<const Description*>& components) {
+  std::vector<ComponentGroup> groups;
+  for (const std::string_view category :
+       {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "Loader", "Topology",
+        "MechanicalState", "Mass", "ForceField", "ProjectiveConstraint", "Engine", "Mapping", "Exporter"})
+    groups.push_back({category, {}});
+  for (const Description* component : components) {
+    if (component->takes_anything) continue;
+    auto group = std::ranges::find(groups, component->category, &ComponentGroup::category);
+    if (group == groups.end()) group = groups.insert(groups.end(), {component->category, {}});
+    group->components.push_back(component);
+  }
+  std::erase_if(groups, [](const ComponentGroup& group) { return group.components.empty(); });
+  for (ComponentGroup& group : groups) std::ranges::sort(group.components, {}, &Description::class_name);
+  return groups;
+}
+
+std::string component_page(const std::vector<const Description*>& components) {
+  std::string page = fmt::format(fmt::runtime(kIntroduction), attributes::kExampleScene);
+  page += attribute_table(attributes::kCommon) + ignored_attributes(attributes::kCommon);
+  for (const ComponentGroup& group : grouped(components)) {
+    page += fmt::format("\n## {}\n", group.category);
+    for (const Description* component : group.components) page += section(*component);
+  }
+  return page + ignored_components(components) + renamed_components();
+}
+
+}  // namespace hexaplast::runner

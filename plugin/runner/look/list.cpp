@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/look/list.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "attributes/renamed.hpp"
+#include "attributes/stock.hpp"
+#include "runner/look/component_page.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/scene_file.hpp"
+#include "scene/factory.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using attributes::Attribute;
+using attributes::Description;
+using Json = nlohmann::ordered_json;
+using Descriptions = std::vector<const Description*>;
+
+Descriptions descriptions(const ListOptions& options) {
+  scene::Factory factory;
+  load_components(factory, options.plugins, options.plugin_path);
+  Descriptions components = {&attributes::kNode, &attributes::kRequiredPlugin};
+  for (const Description* component : factory.descriptions()) components.push_back(component);
+  return components;
+}
+
+Json words(std::string_view text) {
+  Json list = Json::array();
+  for (const std::string_view word : scene::split_words(text)) list.push_back(word);
+  return list;
+}
+
+// What is not limited is left out, as JSON has no infinity.
+Json json_of(const attributes::Range& range) {
+  Json json = Json::object();
+  if (std::isfinite(range.least)) json[range.without_least ? "above" : "least"] = range.least;
+  if (std::isfinite(range.most)) json[range.without_most ? "below" : "most"] = range.most;
+  return json;
+}
+
+Json json_of(const Attribute& attribute) {
+  Json json = {{"name", attribute.name}, {"type", attributes::describe(attribute.type)}};
+  if (!attribute.aliases.empty()) json["aliases"] = words(attribute.aliases);
+  if (!attribute.words.empty()) json["words"] = words(attribute.words);
+  if (!attribute.unit.empty()) json["unit"] = attribute.unit;
+  if (!attribute.initial.empty()) json["default"] = attribute.initial;
+  if (const Json range = json_of(attribute.range); !range.empty()) json["range"] = range;
+  json["access"] = describe(attribute.access);
+  json["help"] = attribute.help;
+  return json;
+}
+
+Json json_of(const Description& component) {
+  Json json = {{"name", component.class_name}, {"category", component.category}, {"help", component.help}};
+  json["has_effect"] = !component.takes_anything;
+  json["templates"] = words(component.templates);
+  json["attributes"] = Json::array();
+  for (const Attribute& attribute : component.attributes) json["attributes"].push_back(json_of(attribute));
+  return json;
+}
+
+Json json_of(const Descriptions& components) {
+  Json json = {{"components", Json::array()}, {"common_attributes", Json::array()}, {"renamed", Json::object()}};
+  for (const Description* component : components) json["components"].push_back(json_of(*component));
+  for (const Attribute& attribute : attributes::kCommon) json["common_attributes"].push_back(json_of(attribute));
+  for (const auto& renamed : attributes::kRenamedClasses) json["renamed"][std::string(renamed.old_name)] = renamed.name;
+  return json;
+}
+
+std::string_view first_sentence(std::string_view text) {
+  for (std::size_t at = 0; at < text.size(); ++at)
+    if ((text[at] == '.' || text[at] == ':') && (at + 1 == text.size() || text[at + 1] == ' '))
+      return text.substr(0, at);
+  return text;
+}
+
+void print(const Description& component) {
+  fmt::print("{}: {}\n", component.class_name, component.help);
+  if (!component.templates.empty()) fmt::print("templates: {}\n", component.templates);
+  for (const Attribute& attribute : component.attributes) {
+    fmt::print("\n  {}", attribute.name);
+    for (const std::string_view alias : scene::split_words(attribute.aliases)) fmt::print(", {}", alias);
+    fmt::print(": {}", attributes::describe(attribute.type));
+    if (!attribute.words.empty()) fmt::print(" of {}", attribute.words);
+    if (!attribute.unit.empty()) fmt::print(" [{}]", attribute.unit);
+    if (const std::string range = scene::describe(attribute.range); !range.empty()) fmt::print(", {}", range);
+    if (!attribute.initial.empty()) fmt::print("; default {}", attribute.initial);
+    if (attribute.access == attributes::Access::kOutput) fmt::print("; computed");
+    fmt::print("\n    {}\n", attribute.help);
+  }
+}
+
+void print(const Descriptions& components) {
+  for (const ComponentGroup& group : grouped(components)) {
+    fmt::print("{}\n", group.category);
+    for (const Description* component : group.components)
+      fmt::print("  {:<42} {}\n", component->class_name, first_sentence(component->help));
+  }
+  fmt::print("Without effect\n");
+  for (const Description* component : components)
+    if (component->takes_anything) fmt::print("  {:<42} {}\n", component->class_name, component->help);
+}
+
+/// What was probably meant: a misspelt name, or those that a part of a name belongs to.
+std::string hint_of(const std::string& name, const std::vector<std::string_view>& names) {
+  const std::string hint = scene::did_you_mean(name, names);
+  if (!hint.empty()) return hint;
+  std::vector<std::string_view> longer;
+  std::ranges::copy_if(names, std::back_inserter(longer), [&](std::string_view other) {
+    const auto same = [](unsigned char a, unsigned char b) { return ::tolower(a) == ::tolower(b); };
+    return std::search(other.begin(), other.end(), name.begin(), name.end(), same) != other.end();
+  });
+  constexpr std::size_t kMostNamed = 8;
+  return longer.empty() || longer.size() > kMostNamed ? std::string()
+                                                      : fmt::format("there are {}", fmt::join(longer, ", "));
+}
+
+const Description& named(const Descriptions& components, const std::string& name) {
+  std::vector<std::string_view> names;
+  for (const Description* component : components) {
+    if (component->class_name == name) return *component;
+    names.push_back(component->class_name);
+  }
+  throw UsageError(fmt::format("no component '{}'", name), hint_of(name, names));
+}
+
+}  // namespace
+
+std::vector<std::string> component_names() {
+  std::vector<std::string> names;
+  for (const Description* component : descriptions({})) names.emplace_back(component->class_name);
+  return names;
+}
+
+void list(const ListOptions& options) {
+  const Descriptions components = descriptions(options);
+  const Description* one = options.component ? &named(components, *options.component) : nullptr;
+  if (options.markdown) {
+    fmt::print("{}", component_page(components));
+  } else if (options.json) {
+    fmt::print("{}\n", (one ? json_of(*one) : json_of(components)).dump(2));
+  } else if (one) {
+    print(*one);
+  } else {
+    print(components);
+  }
+}
+
+}  // namespace hexaplast::runner

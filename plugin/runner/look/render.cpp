@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/look/render.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "record/files.hpp"
+#include "picture/film.hpp"
+#include "picture/gallery.hpp"
+#include "picture/png_file.hpp"
+#include "record/recorded_run.hpp"
+#include "picture/section_page.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/staging.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using output::RecordedRun;
+
+constexpr int kLeastSize = 64, kMostSize = 4096;  // [pixels]
+constexpr int kMostSections = 100;
+constexpr int kMostDecimals = 6;  // of times
+constexpr const char* kRestShape = "rest shape";
+
+// What options say
+// -------------------------------------------------------------------------------------------------------------------
+
+[[noreturn]] void refuse(const char* option, const std::string& text, const char* allowed) {
+  throw UsageError(fmt::format("{} {}: must be {}", option, text, allowed));
+}
+
+/// The finite numbers of a text between separators; empty where it is anything else.
+std::vector<double> numbers(std::string_view text, char separator) {
+  std::vector<double> all;
+  while (true) {
+    const std::string_view word = text.substr(0, text.find(separator));
+    double number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) return {};
+    all.push_back(number);
+    if (word.size() == text.size()) return all;
+    text.remove_prefix(word.size() + 1);
+  }
+}
+
+std::optional<Vec3> vector_of(std::string_view text) {
+  const std::vector<double> xyz = numbers(text, ',');
+  if (xyz.size() != 3) return std::nullopt;
+  return Vec3(xyz[0], xyz[1], xyz[2]);
+}
+
+std::optional<std::pair<double, double>> range_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const std::vector<double> ends = numbers(text, ':');
+  if (ends.size() != 2 || !(ends[0] < ends[1])) refuse("--range", text, "two numbers LO:HI, the lesser first");
+  return std::pair(ends[0], ends[1]);
+}
+
+std::pair<int, int> size_of(const std::string& text) {
+  if (text.empty()) return {1280, 720};
+  const auto is_size = [](double side) { return side == std::floor(side) && side >= kLeastSize && side <= kMostSize; };
+  const std::vector<double> sides = numbers(text, 'x');
+  if (sides.size() != 2 || !is_size(sides[0]) || !is_size(sides[1]))
+    refuse("--size", text, "WIDTHxHEIGHT, each from 64 to 4096 pixels");
+  return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
+}
+
+/// "z:0.2" as axis and number.
+std::pair<int, double> axis_and_number(const char* option, const std::string& text, const char* allowed) {
+  const std::vector<double> number =
+      text.size() > 2 && text[1] == ':' ? numbers(std::string_view(text).substr(2), ':') : std::vector<double>();
+  if (number.size() != 1 || text[0] < 'x' || text[0] > 'z') refuse(option, text, allowed);
+  return {text[0] - 'x', number[0]};
+}
+
+struct Side {
+  std::string_view name;
+  std::array<double, 3> towards;
+};
+constexpr std::array<Side, 6> kSides{{{"front", {0, 0, 1}},
+                                      {"back", {0, 0, -1}},
+                                      {"right", {1, 0, 0}},
+                                      {"left", {-1, 0, 0}},
+                                      {"top", {0, 1, 0}},
+                                      {"bottom", {0, -1, 0}}}};
+
+std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options) {
+  if (!options.view.empty()) {
+    const auto side = std::ranges::find(kSides, options.view, &Side::name);
+    if (side != kSides.end()) return output::Viewpoint{Vec3(side->towards.data()), {}, {}};
+    const std::optional<Vec3> towards = vector_of(options.view);
+    if (!towards || towards->isZero(0))
+      refuse("--view", options.view, "front, back, left, right, top, bottom, or a direction X,Y,Z that is not 0,0,0");
+    return output::Viewpoint{*towards, {}, {}};
+  }
+  if (options.camera.empty()) return std::nullopt;
+  constexpr const char* kAllowed =
+      "X,Y,Z:X,Y,Z:DEG, the camera's place, another one that it looks at, and its field of view between 0 and 180";
+  const std::string_view text = options.camera;
+  const std::size_t first = text.find(':'), last = text.rfind(':');
+  if (first == last) refuse("--camera", options.camera, kAllowed);
+  const std::optional<Vec3> position = vector_of(text.substr(0, first)),
+                            target = vector_of(text.substr(first + 1, last - first - 1));
+  const std::vector<double> angle = numbers(text.substr(last + 1), ':');
+  if (!position || !target || *position == *target || angle.size() != 1 || !(angle[0] > 0 && angle[0] < 180))
+    refuse("--camera", options.camera, kAllowed);
+  return output::Viewpoint{*position - *target, {}, output::Viewpoint::Eye{*position, *target, angle[0], true}};
+}
+
+const RecordedRun::Entry& chosen(const RecordedRun& run, const RenderOptions& options) {
+  const std::vector<RecordedRun::Entry>& entries = run.entries();
+  if (options.time)
+    return *std::ranges::min_element(entries, {},
+                                     [&](const auto& entry) { return std::abs(entry.time - *options.time); });
+  if (!options.step) return entries.back();
+  const auto found = std::ranges::find(entries, options.step, &RecordedRun::Entry::step);
+  if (found != entries.end()) return *found;
+  std::string steps;
+  for (const RecordedRun::Entry& entry : entries)
+    if (entry.step) steps += fmt::format("{}{}", steps.empty() ? "" : ", ", *entry.step);
+  throw UsageError(fmt::format("--step {}: this run holds {}", *options.step, steps.empty() ? "no numbers" : steps));
+}
+
+// What is drawn
+// -------------------------------------------------------------------------------------------------------------------
+
+/// A run with what its manifest says of pictures, where there is one.
+struct Subject {
+  explicit Subject(const std::filesystem::path& place) : run(place), manifest(output::read_manifest(run.directory())) {}
+
+  std::string title() const { return manifest ? manifest->title : run.name(); }
+
+  int time_decimals() const {
+    if (manifest) return output::time_decimals(manifest->dt);
+    // enough to tell the times apart that are there
+    for (int decimals = 2; decimals < kMostDecimals; ++decimals) {
+      const double tick = std::pow(10.0, -decimals);
+      const auto is_told = [&](const RecordedRun::Entry& entry) {
+        return std::abs(entry.time / tick - std::round(entry.time / tick)) < 1e-3;
+      };
+      if (std::ranges::all_of(run.entries(), is_told)) return decimals;
+    }
+    return kMostDecimals;
+  }
+
+  RecordedRun run;
+  std::optional<output::Manifest> manifest;
+};
+
+std::string ghost_name(const RenderOptions& options) {
+  if (options.ghost == "none") return "";
+  return options.ghost == "rest" ? kRestShape : "original shape";
+}
+
+/// What is shown is the rest shape, which nothing acts on.
+bool is_free_of_loads(const RenderOptions& options) { return options.shape == "rest"; }
+
+const PointArray& shown_positions(const RecordedRun::State& state, const RenderOptions& options) {
+  return options.shape == "rest" ? state.material : state.positions;
+}
+
+/// What the options say.
+output::Staging staging_of(const RenderOptions& options) {
+  output::Staging staging;
+  staging.quantity = quantity_named(options.field);
+  staging.range = range_of(options.range);
+  staging.viewpoint = viewpoint_of(options);
+  staging.shows_edges = !options.no_edges;
+  staging.ghost = ghost_name(options);
+  std::tie(staging.width, staging.height) = size_of(options.size);
+  if (!options.slice.empty()) {
+    const auto [axis, place] = axis_and_number("--slice", options.slice, "an axis and a place on it, as in x:0.05");
+    staging.cut = Plane{Vec3::Unit(axis), place};
+  }
+  return staging;
+}
+
+/// What the scene said, and then the options.
+output::Staging staging_of(const Subject& subject, const RenderOptions& options) {
+  output::Staging staging = staging_of(options);
+  if (subject.manifest && subject.manifest->pictures) {
+    const std::optional<output::Viewpoint> asked_for = staging.viewpoint;
+    restore(*subject.manifest->pictures, staging);
+    if (asked_for) staging.viewpoint = asked_for;
+  }
+  staging.skins = subject.run.skins();
+  // a surface has no inside that a cut could show
+  const std::string show = options.show.empty() && staging.cut ? "hexahedra" : options.show;
+  if (show == "surfaces" && staging.skins.empty())
+    throw UsageError("--show surfaces: this run holds no surface.pvd, its scene shows none");
+  if (show == "hexahedra") staging.skins.clear();
+  if (!show.empty()) staging.shows_hexahedra = show != "surfaces";
+  // where there is no manifest
+  if (staging.skins.empty()) staging.shows_hexahedra = true;
+  if (options.no_marks || is_free_of_loads(options)) staging.gravity.setZero();
+  return staging;
+}
+
+void require_met(const Plane& cut, const RecordedRun& run, const RecordedRun::State& state,
+                 const RenderOptions& options) {
+  const auto [least, most] =
+      extent_along(cut.normal, shown_positions(state, options), run.mesh().hexahedra(), state.alive);
+  if (cut.offset < least || cut.offset > most)
+    throw UsageError(fmt::format("--slice {}: does not meet the body, which lies between {:.6g} and {:.6g} m",
+                                 options.slice, least, most));
+}
+
+void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const RenderOptions& options,
+         output::Gallery& gallery) {
+  const bool shows_marks = !options.no_marks && !is_free_of_loads(options);
+  gallery.add(entry.step.value_or(0), entry.time, shown_positions(state, options), state.values, state.alive,
+              shows_marks ? state.conditions : output::BoundaryConditions(),
+              options.ghost == "rest" ? &state.material : nullptr);
+}
+
+void render_film(const Subject& subject, const RenderOptions& options, output::Renderer& renderer) {
+  const RecordedRun& run = subject.run;
+  const std::vector<RecordedRun::Entry>& entries = run.entries();
+  const double seconds = entries.back().time - entries.front().time;
+  if (!(seconds > 0)) throw UsageError("--video: this run holds one state only, or its times do not ascend");
+  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging_of(subject, options));
+  for (const RecordedRun::Entry& entry : entries)
+    add(entry, run.state(entry, quantity_named(options.field)), options, gallery);
+  const auto film = output::open_film(*options.video, static_cast<double>(entries.size() - 1) / seconds);
+  gallery.for_each_drawing([&](int, const output::Drawing& drawing) { film->add(renderer.render(drawing)); });
+  film->finish();
+}
+
+output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& entry, const RecordedRun::State& state,
+                            const RenderOptions& options) {
+  constexpr const char* kAllowed = "an axis and how many sections, from 1 to 100, as in z:5";
+  const auto [axis, count] = axis_and_number("--sections", options.sections, kAllowed);
+  if (count != std::floor(count) || count < 1 || count > kMostSections)
+    refuse("--sections", options.sections, kAllowed);
+  output::SectionPage page;
+  page.title = subject.title();
+  page.remark = fmt::format("t = {:.{}f} s", entry.time, subject.time_decimals());
+  page.axis = axis;
+  page.count = static_cast<int>(count);
+  page.quantity = quantity_named(options.field);
+  page.range = range_of(options.range);
+  page.shows_edges = !options.no_edges;
+  page.ghost = ghost_name(options);
+  std::tie(page.width, page.height) = size_of(options.size);
+  const HexMesh& mesh = subject.run.mesh();
+  return page.drawing(mesh, shown_positions(state, options), state.values, state.alive,
+                      options.ghost == "rest" ? state.material : mesh.positions());
+}
+
+output::Drawing picture_of(const Subject& subject, const RenderOptions& options) {
+  const RecordedRun& run = subject.run;
+  const output::Staging staging = staging_of(subject, options);
+  const RecordedRun::Entry& entry = chosen(run, options);
+  const RecordedRun::State state = run.state(entry, staging.quantity);
+  if (!options.sections.empty()) return sections_of(subject, entry, state, options);
+  if (staging.cut) require_met(*staging.cut, run, state, options);
+  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging);
+  add(entry, state, options, gallery);
+  output::Drawing picture;
+  gallery.for_each_drawing([&](int, const output::Drawing& drawing) { picture = drawing; });
+  return picture;
+}
+
+}  // namespace
+
+CLI::Option* add_field(CLI::App& command, std::string& field) {
+  std::vector<std::string> words;
+  std::string names;
+  for (const output::QuantityEntry& entry : output::kQuantities) {
+    words.emplace_back(entry.word);
+    names += fmt::format("{}{}", names.empty() ? "" : "|", entry.word);
+  }
+  return command.add_option("--field", field, "What colours show. Default plastic_strain")
+      ->type_name(names)
+      ->check(CLI::IsMember(words));
+}
+
+output::Quantity quantity_named(const std::string& field) {
+  return output::quantity_of(field).value_or(output::Quantity::kPlasticStrain);
+}
+
+std::string refuse_film_name(const std::string& file) {
+  return output::is_film_name(file) ? "" : fmt::format("{}: a film's name must end in .mp4, .png or .apng", file);
+}
+
+CLI::App* add_render(CLI::App& app, RenderOptions& options) {
+  CLI::App* command = app.add_subcommand("render", "Make a picture or a film of a run that is finished");
+  command->add_option("run", options.run, "Directory of the run, or its .pvd file")->type_name("DIR|PVD")->required();
+  CLI::Option* out = command->add_option("-o,--out", options.out, "PNG file to write; replaces an older one")
+                         ->type_name("FILE")
+                         ->capture_default_str();
+  CLI::Option* time =
+      command->add_option("--time", options.time, "The state nearest to this time [s]; otherwise the last one")
+          ->type_name("T");
+  CLI::Option* step =
+      command->add_option("--step", options.step, "The state after this step")->type_name("N")->excludes(time);
+  add_field(*command, options.field);
+  command->add_option("--range", options.range, "Values at the ends of the colour bar; otherwise those that are shown")
+      ->type_name("LO:HI");
+  CLI::Option* view =
+      command
+          ->add_option("--view", options.view,
+                       "Where the viewer stands: front (z), back, left, right (x), top (y), bottom, or a direction")
+          ->type_name("SIDE|X,Y,Z");
+  CLI::Option* camera =
+      command
+          ->add_option(
+              "--camera", options.camera,
+              "Picture in perspective: where the camera stands [m], what it looks at [m], angle from the lower "
+              "to the upper border [deg]")
+          ->type_name("X,Y,Z:X,Y,Z:DEG")
+          ->excludes(view);
+  command->add_option("--size", options.size, "Of the picture [pixels]. Default 1280x720")->type_name("WxH");
+  CLI::Option* slice =
+      command
+          ->add_option("--slice", options.slice,
+                       "Cut the body through at a place on an axis [m] and leave the viewer's side out")
+          ->type_name("AXIS:X");
+  CLI::Option* sections = command
+                              ->add_option("--sections", options.sections,
+                                           "Instead of the body, so many sections across an axis, side by side")
+                              ->type_name("AXIS:N")
+                              ->excludes(slice)
+                              ->excludes(view)
+                              ->excludes(camera);
+  command
+      ->add_option("--shape", options.shape, "The body as it lies in the world, or its rest shape, free of all loads")
+      ->check(CLI::IsMember({"world", "rest"}))
+      ->type_name("world|rest")
+      ->capture_default_str();
+  command->add_option("--ghost", options.ghost, "What stands behind as a pale shape")
+      ->check(CLI::IsMember({"original", "rest", "none"}))
+      ->type_name("original|rest|none")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--show", options.show,
+          "Surfaces that the hexahedra carry, the hexahedra, or surfaces and edges of hexahedra. Default: as the "
+          "scene says; hexahedra with --slice")
+      ->check(CLI::IsMember({"surfaces", "hexahedra", "both"}))
+      ->type_name("surfaces|hexahedra|both")
+      ->excludes(sections);
+  command->add_flag("--no-edges", options.no_edges, "Leave out the edges of hexahedra");
+  command->add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, loads, instruments and gravity");
+  command
+      ->add_option("--video", options.video,
+                   "Film of all states in real time instead of a picture: .mp4 by ffmpeg, or .png, animated")
+      ->type_name("FILE")
+      ->check(refuse_film_name)
+      ->excludes(out)
+      ->excludes(time)
+      ->excludes(step)
+      ->excludes(sections);
+  return command;
+}
+
+void render(const RenderOptions& given) {
+  staging_of(given);  // what is wrong with the options is said before anything is read
+  RenderOptions options = given;
+  std::error_code unknown;
+  InputFiles inputs({options.run});
+  const std::filesystem::path directory =
+      std::filesystem::is_directory(options.run, unknown) ? options.run : options.run.parent_path();
+  output::add_files_of_run(directory, inputs);
+  std::filesystem::path& place = options.video ? *options.video : options.out;
+  place = output_place(place, inputs, {directory});
+  const Subject subject(options.run);
+  const std::unique_ptr<output::Renderer> renderer = output::load_renderer();
+  if (options.video) return render_film(subject, options, *renderer);
+  output::write_png(options.out, renderer->render(picture_of(subject, options)));
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/look/view.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <string_view>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "record/recorder.hpp"
+#include "runner/run/boundary_conditions.hpp"
+#include "runner/run/directory_lock.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/interrupt.hpp"
+#include "runner/run/output_options.hpp"
+#include "runner/run/rounded.hpp"
+#include "runner/run/simulation.hpp"
+#include "runner/run/staging.hpp"
+#include "view/window.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using std::filesystem::path;
+
+/// The window's code, loaded from its place beside the installed libraries.
+view::ShowWindow load_window() {
+  const std::string_view missing = HEXAPLAST_WINDOW_MISSING;
+  const auto refuse = [](const std::string& what) -> scene::PluginError {
+    return scene::PluginError(scene::format_error({"hexaplast view", 0}, what));
+  };
+  if (!missing.empty())
+    throw refuse(fmt::format("this hexaplast was built without the live window: missing at build time: {}", missing));
+  const path file = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / HEXAPLAST_LIB_FROM_BIN /
+                     "hexaplast" / "hexaplast_window.so")
+                        .lexically_normal();
+  // stays loaded for the life of the process, as graphics drivers do
+  void* module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!module) throw refuse(fmt::format("the window cannot be loaded: {}", ::dlerror()));
+  void* symbol = ::dlsym(module, HEXAPLAST_WINDOW_ENTRY);
+  if (!symbol) throw refuse(file.string() + " belongs to another version of Hexaplast");
+  return reinterpret_cast<view::ShowWindow>(symbol);
+}
+
+std::unique_ptr<scene::Component> make_hand() {
+  scene::Factory factory;
+  load_components(factory);
+  return factory.make("GraspForceField");
+}
+
+void print_outcome(Simulation& simulation, const std::string& title) {
+  const Body& body = *simulation.body();
+  const PointArray& x = simulation.state().positions();
+  const output::Measures measures = output::Ruler(body).measure(x);
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(title), simulation.latest().step,
+             simulation.dt(), simulation.time());
+  fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", rounded(100 * measures.plastic_elongation, 1e-3),
+             rounded(100 * measures.world_elongation, 1e-3));
+  fmt::print("  plastic strain      {:.4f} at most\n", std::ranges::max(body.fields(x).plastic_strain));
+  fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
+  fmt::print("  dissipated energy   {:.4g} J\n", body.history().dissipated_energy);
+  fmt::print("  state hash          {}\n",
+             output::state_hash(simulation.latest().step, x, simulation.state().velocities(), &body));
+}
+
+}  // namespace
+
+void add_view_options(CLI::App& view, ViewOptions& options) {
+  view.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");
+  view.add_flag("--free", options.is_free, "As fast as it goes, not in real time");
+  CLI::Option* steps =
+      view.add_option("--steps", options.steps, "Run so many time steps as fast as they go, then close the window")
+          ->type_name("N")
+          ->check(CLI::Range(0L, 1'000'000'000L));
+  view.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
+      ->type_name("FILE.png")
+      ->needs(steps);
+  view.add_option("--pictures", options.pictures,
+                  "Directory for the pictures that are taken by hand, and for what the scene writes")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  view.add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  add_output_rules(view, options.scene.output);
+  view.add_option("--threads", options.threads, "Number of threads; results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  view.add_option("--width", options.width, "Width of the window [pixels]")
+      ->type_name("N")
+      ->check(CLI::Range(800, 16'000))
+      ->capture_default_str();
+  view.add_option("--height", options.height, "Height of the window [pixels]")
+      ->type_name("N")
+      ->check(CLI::Range(500, 16'000))
+      ->capture_default_str();
+}
+
+int view(const ViewOptions& options) {
+  const view::ShowWindow show = load_window();
+  if (options.threads) set_num_threads(*options.threads);
+  watch_signals();
+
+  SceneOptions scene = options.scene;
+  scene.output = rules_beside({.named = {options.final_state, options.picture}}, options.pictures, scene.output);
+  Simulation simulation(scene);
+  const InputFiles& inputs = simulation.scene().root().files().inputs;
+  std::optional<DirectoryLock> lock;
+  if (writes_into(simulation.scene().root().files(), options.pictures)) lock.emplace(options.pictures);
+  std::optional<path> picture;
+  if (options.picture) picture = output_place(*options.picture, inputs);
+  std::optional<output::WholeFile> final_state;
+  if (options.final_state) final_state.emplace(output_place(*options.final_state, inputs));
+  const std::string title = options.scene.file.stem().string();
+  view::WindowCall call{.subject = {.title = title,
+                                    .scene = simulation.scene(),
+                                    .step = [&]() -> const output::StepRecord& { return simulation.step(); },
+                                    .reset = [&] { simulation.reset(); }},
+                        .hand = make_hand(),
+                        .staging = staging_of(simulation),
+                        .fixed_nodes = fixed_nodes(simulation),
+                        .options = {.width = options.width,
+                                    .height = options.height,
+                                    .is_running = options.is_running,
+                                    .pace = options.is_free ? view::Pace::kFree : view::Pace::kRealTime,
+                                    .picture_folder = options.pictures,
+                                    .steps = options.steps,
+                                    .picture = picture},
+                        .is_asked_to_end = [] { return requested_signal() != 0; },
+                        .failure = {}};
+  show(call);
+  if (!call.failure.empty()) throw NumericalError(call.failure);
+
+  if (final_state)
+    output::write_final(*final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
+                        simulation.state().velocities(), *simulation.body());
+  print_outcome(simulation, title);
+  const int signal = requested_signal();
+  return signal == 0 ? kOk : kSignalled + signal;
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/mesh/cage.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "hexaplast/geometry/cage.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
+#include "record/files.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/mesh/file.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+std::string text_of(const Cage& cage) {
+  const HexMesh& mesh = cage.mesh;
+  std::vector<double> enclosed(static_cast<std::size_t>(mesh.num_elements()), 1);
+  std::fill_n(enclosed.begin(), cage.num_touched, 0);
+  return vtu_text({.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
+                   .hexahedra = mesh.hexahedra(),
+                   .cell_fields = {{.name = "enclosed", .components = 1, .values = enclosed}}});
+}
+
+void print_summary(const MeshCageOptions& options, const Cage& cage, const CageGrid& grid) {
+  fmt::print("{}: cage of cubes of {:.6g} m\n", printable_line(options.surface.stem().string()),
+             (grid.most[0] - grid.least[0]) / grid.cells[0]);
+  fmt::print("  nodes               {}\n", cage.mesh.num_nodes());
+  fmt::print("  hexahedra           {}  ({} touched by the surface, {} enclosed)\n", cage.mesh.num_elements(),
+             cage.num_touched, cage.mesh.num_elements() - cage.num_touched);
+  fmt::print("  parts               {}\n", cage.num_parts);
+}
+
+}  // namespace
+
+void make_cage(const MeshCageOptions& options) {
+  if (options.out.extension() != ".vtu")
+    throw UsageError(fmt::format("--out {}: the name must end in .vtu", options.out.string()));
+  const ImportedMesh surface = load_mesh(options.surface);
+  const CageGrid grid = cubes_around(surface.positions, options.cells);
+  const Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, grid);
+  if (cage.num_parts > 1 && !options.allow_parts)
+    throw InputError(fmt::format(
+        "the cage falls into {} parts that share no face: take fewer cells, which are larger, or --allow-parts",
+        cage.num_parts));
+  if (cage.num_hinges > 0)
+    spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
+                 cage.num_hinges);
+
+  output::WholeFile file(output_place(options.out, InputFiles({options.surface})));
+  file.write(text_of(cage));
+  file.commit();
+  print_summary(options, cage, grid);
+}
+
+}  // namespace hexaplast::runner

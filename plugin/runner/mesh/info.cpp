@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/mesh/info.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "hexaplast/geometry/offset.hpp"
+#include "runner/mesh/file.hpp"
+#include "runner/standard_output.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What is found in a file.
+struct Findings {
+  ImportedMesh file;
+  Vec3 extent = Vec3::Zero();  // [m] of the box around all nodes
+  std::optional<HexMesh> mesh;
+  std::optional<QuadSurface> surface;  // of quads and nothing else, that can be offset
+  OffsetLimits limits;
+  std::string no_surface;  // why quads and triangles make none
+};
+
+Findings look_at(const std::filesystem::path& name) {
+  Findings found;
+  found.file = load_mesh(name);
+  const ImportedMesh& file = found.file;
+  if (file.positions.rows() > 0)
+    found.extent = (file.positions.colwise().maxCoeff() - file.positions.colwise().minCoeff()).transpose();
+  if (!file.hexahedra.empty()) {
+    found.mesh.emplace(file.positions, file.hexahedra);
+  } else if (!file.quads.empty() || !file.triangles.empty()) {
+    try {
+      ImportedMesh faces = file;  // as mesh offset takes them
+      faces.edges.clear();
+      remove_unused_nodes(faces);
+      found.surface = surface_of(faces);
+      found.limits = offset_limits(*found.surface, offset_directions(*found.surface));
+    } catch (const InputError& error) {
+      found.surface.reset();
+      found.no_surface = error.what();
+    }
+  }
+  return found;
+}
+
+int num_parts(const HexMesh& mesh) {
+  return connected_parts(mesh, std::vector<unsigned char>(static_cast<std::size_t>(mesh.num_elements()), 1)).count;
+}
+
+Json json_of(const HexMesh& mesh) {
+  const MeshQuality shape = quality(mesh);
+  return {{"parts", num_parts(mesh)},
+          {"volume", shape.volume},
+          {"unused_nodes", shape.num_unused_nodes},
+          {"boundary_faces", mesh.boundary_faces().size()},
+          {"least_scaled_jacobian", shape.least_scaled_jacobian},
+          {"worst_hexahedron", shape.worst_element},
+          {"shortest_edge", shape.shortest_edge},
+          {"longest_edge", shape.longest_edge}};
+}
+
+// JSON has no infinity: what is not limited is null.
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json json_of(const Findings& found) {
+  Json json = {{"nodes", found.file.positions.rows()},
+               {"edges", found.file.edges.size()},
+               {"triangles", found.file.triangles.size()},
+               {"quads", found.file.quads.size()},
+               {"hexahedra", found.file.hexahedra.size()},
+               {"skipped_cells", found.file.num_skipped},
+               {"extent", {found.extent.x(), found.extent.y(), found.extent.z()}},
+               {"body", found.mesh ? json_of(*found.mesh) : Json(nullptr)},
+               {"surface", nullptr}};
+  if (found.surface)
+    json["surface"] = {{"closed", found.surface->is_closed()},
+                       {"most_inward", number_or_null(found.limits.inward)},
+                       {"most_outward", number_or_null(found.limits.outward)}};
+  return json;
+}
+
+std::string limit(double value) { return std::isfinite(value) ? fmt::format("less than {:.4g} m", value) : "any way"; }
+
+void print(const Findings& found, const std::string& title) {
+  fmt::print("{}\n", printable_line(title));
+  fmt::print("  nodes               {}\n", found.file.positions.rows());
+  for (const auto& [name, count] :
+       {std::pair("edges", found.file.edges.size()), std::pair("triangles", found.file.triangles.size()),
+        std::pair("quads", found.file.quads.size())})
+    if (count > 0) fmt::print("  {:<20}{}\n", name, count);
+  if (found.mesh)
+    print_hexahedra(*found.mesh);
+  else
+    fmt::print("  size                {:.4g} x {:.4g} x {:.4g} m\n", found.extent.x(), found.extent.y(),
+               found.extent.z());
+  if (found.surface)
+    fmt::print("  surface             {}; can be offset {} inward, {} outward\n",
+               found.surface->is_closed() ? "closed" : "open", limit(found.limits.inward), limit(found.limits.outward));
+  if (!found.no_surface.empty()) fmt::print("  surface             cannot be offset: {}\n", found.no_surface);
+}
+
+void warn_of_skipped(const std::filesystem::path& file, const ImportedMesh& mesh) {
+  if (mesh.num_skipped > 0)
+    spdlog::warn("{}: warning: {} cells are left out: neither edges, triangles, quads nor hexahedra of first order",
+                 file.string(), mesh.num_skipped);
+}
+
+}  // namespace
+
+void print_hexahedra(const HexMesh& mesh) {
+  const MeshQuality shape = quality(mesh);
+  const Vec3 extent = (mesh.positions().colwise().maxCoeff() - mesh.positions().colwise().minCoeff()).transpose();
+  const int parts = num_parts(mesh);
+  fmt::print("  hexahedra           {} in {} part{}, {} faces outside\n", mesh.num_elements(), parts,
+             parts == 1 ? "" : "s", mesh.boundary_faces().size());
+  if (shape.num_unused_nodes > 0) fmt::print("  nodes of none       {}\n", shape.num_unused_nodes);
+  fmt::print("  size                {:.4g} x {:.4g} x {:.4g} m, {:.6g} m^3\n", extent.x(), extent.y(), extent.z(),
+             shape.volume);
+  fmt::print("  shape               least scaled Jacobian {:.3f} (hexahedron {}), edges {:.4g} to {:.4g} m\n",
+             shape.least_scaled_jacobian, shape.worst_element, shape.shortest_edge, shape.longest_edge);
+}
+
+void print_info(const MeshInfoOptions& options) {
+  const Findings found = look_at(options.file);
+  if (options.json)
+    fmt::print("{}\n", json_of(found).dump(2));
+  else
+    print(found, options.file.stem().string());
+  flush_standard_output();
+  warn_of_skipped(options.file, found.file);
+}
+
+void convert(const MeshConvertOptions& options) {
+  require_writable_format(options.out);
+  const ImportedMesh mesh = load_mesh(options.file);
+  warn_of_skipped(options.file, mesh);
+  save_mesh(options.out,
+            {.points = {mesh.positions.data(), static_cast<std::size_t>(mesh.positions.size())},
+             .edges = mesh.edges,
+             .triangles = mesh.triangles,
+             .quads = mesh.quads,
+             .hexahedra = mesh.hexahedra},
+            InputFiles({options.file}));
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/bench.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+
+#include "bench/bench.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/simd.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "record/recorder.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/simulation.hpp"
+#include "runner/standard_output.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+constexpr int kLargestSize = 2'000'000;  // what a machine of 8 GB holds
+constexpr long kSceneSteps = 100;        // of a scene that does not say how many
+constexpr long kSceneWarmUp = 3;         // first steps, which still allocate
+
+/// "800", "12.8k".
+int parse_size(const std::string& text) {
+  const bool thousands = text.ends_with('k');
+  double value = 0;
+  const char* end = text.data() + text.size() - (thousands ? 1 : 0);
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  const double size = thousands ? 1000 * value : value;
+  if (error != std::errc() || stop != end || !(size >= 1 && size <= kLargestSize))
+    throw UsageError(fmt::format("--sizes: '{}' is no number of hexahedra from 1 to {}k, such as 800 or 12.8k", text,
+                                 kLargestSize / 1000));
+  return static_cast<int>(size + 0.5);
+}
+
+void choose_simd(const std::string& target) {
+  try {
+    set_simd_target(target);
+  } catch (const InputError& error) {
+    throw UsageError(fmt::format("--simd: {}", error.what()));
+  }
+}
+
+scene::Component* find_linear_solver(scene::Scene& scene) {
+  for (scene::LinearSolver* solver : scene.root().all<scene::LinearSolver>()) return solver;
+  return nullptr;
+}
+
+/// The scene once, from its beginning, with one number of threads.
+bench::Record measure_scene(const BenchOptions& options, int threads) {
+  set_num_threads(threads);
+  SceneOptions scene = options.scene;
+  scene.output.writes = false;
+  Simulation simulation(scene);
+  if (!simulation.body())
+    throw scene::SceneError(
+        scene::format_error(simulation.scene().root().place(), "no body in the scene: nothing to measure"));
+  const Body& body = *simulation.body();
+  const long num_steps = std::max(1L, simulation.num_steps().value_or(kSceneSteps));
+
+  std::vector<double> ms;
+  int most_yielded = 0;
+  while (simulation.latest().step < num_steps) {
+    const output::StepRecord& latest = simulation.step();
+    if (latest.step > kSceneWarmUp || num_steps <= kSceneWarmUp) ms.push_back(latest.step_ms);
+    most_yielded = std::max(most_yielded, latest.flow.yielded);
+  }
+
+  const bench::StepTimes times(std::move(ms));
+  const scene::Component* solver = find_linear_solver(simulation.scene());
+  bench::Record record;
+  record.size = body.mesh().num_elements();
+  record.shape = options.scene.file.stem().string();
+  record.mode =
+      body.model().can_stretch || body.model().can_rotate ? (most_yielded > 0 ? "plastic" : "plastic_idle") : "elastic";
+  record.precision = body.model().settings.precision == Precision::kDouble ? "double" : "mixed";
+  record.solver = solver ? solver->class_name() : "none";
+  record.target = "scene";
+  record.threads = threads;
+  record.simd = simd_target();
+  record.processor = bench::MachineLimits::processor();
+  record.iterations = static_cast<double>(simulation.totals().iterations) / static_cast<double>(num_steps);
+  record.hex_per_ms = record.size / times.p50;  // steps of a scene differ: the fastest says little
+  record.p50_ms = times.p50;
+  record.p99_ms = times.p99;
+  record.ratio_to_dense_peer = bench::time_peer(body.model(), record.iterations) / times.p50;
+  record.residual = simulation.latest().residual;
+  record.yielded = static_cast<double>(simulation.latest().flow.yielded) / record.size;
+  record.state_hash =
+      output::state_hash(num_steps, simulation.state().positions(), simulation.state().velocities(), &body);
+  return record;
+}
+
+/// What is read, and so never written over.
+InputFiles inputs_of(const BenchOptions& options) {
+  InputFiles inputs;
+  if (!options.scene.file.empty()) {
+    SceneOptions scene_options = options.scene;
+    scene_options.output.writes = false;
+    scene::Scene scene = read_scene(scene_options);
+    scene.init();  // meshes are read then
+    inputs = scene.root().files().inputs;
+  }
+  if (options.baseline) inputs.add(*options.baseline);
+  return inputs;
+}
+
+bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
+  bench::Options wanted;
+  wanted.sizes.clear();
+  for (const std::string& size : options.sizes) wanted.sizes.push_back(parse_size(size));
+  wanted.threads = options.threads;
+  wanted.quick = options.quick;
+  wanted.young_modulus = options.young_modulus;
+  wanted.distorted = options.distorted;
+
+  const bench::MachineLimits limits(options.threads);
+  if (prints) {
+    fmt::print("{}, {}; best measured here and now:\n", bench::MachineLimits::processor(), simd_target());
+    for (const int threads : options.threads)
+      fmt::print(
+          "  {} thread{}: {:.0f} GFLOP/s double, {:.0f} single; reads {:.0f} GB/s in 1 MB, {:.0f} in 16 MB, "
+          "{:.0f} in 256 MB\n",
+          threads, threads == 1 ? "" : "s", limits.peak_gflops(Precision::kDouble, threads),
+          limits.peak_gflops(Precision::kMixed, threads), limits.read_gbs(1u << 20, threads),
+          limits.read_gbs(16u << 20, threads), limits.read_gbs(256u << 20, threads));
+  }
+  return bench::run(wanted, limits, [&](const std::vector<bench::Record>& records) {
+    if (!prints) return;
+    fmt::print("\n{}", bench::table_head());
+    for (const bench::Record& record : records) fmt::print("{}", printable(bench::table_row(record)));
+    std::fflush(stdout);
+  });
+}
+
+}  // namespace
+
+void bench(const BenchOptions& options) {
+  choose_simd(options.simd);
+  const bool prints = options.json != "-";
+  // both before the first step, so that a long run does not end in a file that cannot be read or written
+  std::vector<bench::Record> baseline;
+  if (options.baseline) baseline = bench::read_json(*options.baseline);
+  std::optional<output::WholeFile> json;
+  if (options.json && prints) json.emplace(output_place(*options.json, inputs_of(options)));
+
+  bench::Outcome outcome;
+  if (options.scene.file.empty()) {
+    outcome = measure_bars(options, prints);
+  } else {
+    for (const int threads : options.threads) outcome.records.push_back(measure_scene(options, threads));
+    outcome.failures = bench::differing_hashes(outcome.records);
+    if (prints) {
+      fmt::print("{}", bench::table_head());
+      for (const bench::Record& record : outcome.records) fmt::print("{}", printable(bench::table_row(record)));
+    }
+  }
+
+  const std::string text = bench::to_json(outcome.records);
+  if (json) {
+    json->write(text);
+    json->commit();
+  } else if (!prints) {
+    fmt::print("{}", text);
+  }
+  flush_standard_output();
+
+  if (options.baseline)
+    for (std::string& sentence : bench::compare(outcome.records, baseline, options.ratio))
+      outcome.failures.push_back(std::move(sentence));
+  if (!outcome.failures.empty()) throw NumericalError(fmt::format("{}", fmt::join(outcome.failures, "; ")));
+}
+
+}  // namespace hexaplast::runner

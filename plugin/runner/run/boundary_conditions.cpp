@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/boundary_conditions.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "runner/run/loads.hpp"
+#include "scene/load.hpp"
+#include "scene/visuals.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+/// Takes what a force field adds to the forces of a state [N].
+using TakeLoad = std::function<void(const scene::ForceField*, const PointArray& forces)>;
+
+/// Hands out what each load component of a state, or of one that follows it, adds to the state's forces, and the
+/// constant forces of the states as one more: take(null, forces).
+void for_each_load(double time, const scene::Node& root, scene::MechanicalState& state, const TakeLoad& take) {
+  const auto at_rest = [&] { return PointArray(PointArray::Zero(state.num_nodes(), 3)); };
+  PointArray constant = at_rest();
+  state.add_external_force(constant);
+  take(nullptr, constant);
+  for (const scene::ForceField* field : root.all<scene::ForceField>()) {
+    const auto* load = dynamic_cast<const scene::Load*>(field);
+    if (!load || !scene::acts_on(*field, state)) continue;
+    PointArray forces = at_rest();
+    load->add_load(time, state.positions(), state.velocities(), forces);
+    take(field, forces);
+  }
+  for (const scene::Mapping* mapping : root.all<scene::Mapping>()) {
+    if (!mapping->output() || mapping->input() != &state) continue;
+    for_each_load(time, root, *mapping->output(), [&](const scene::ForceField* field, const PointArray& below) {
+      PointArray forces = at_rest();
+      mapping->add_transposed(below, forces);
+      take(field, forces);
+    });
+  }
+}
+
+}  // namespace
+
+output::BoundaryConditions conditions_of(Simulation& simulation) {
+  const scene::Node& root = simulation.scene().root();
+  scene::MechanicalState& state = simulation.state();
+  const std::vector all = root.all<scene::Instrument>();
+  output::BoundaryConditions conditions;
+  conditions.fixed.assign(static_cast<std::size_t>(state.num_nodes()), 0);
+  for (const int node : fixed_nodes(simulation)) conditions.fixed[static_cast<std::size_t>(node)] = 1;
+
+  conditions.loads = PointArray::Zero(state.num_nodes(), 3);
+  for_each_load(simulation.load_time(), root, state, [&](const scene::ForceField* field, const PointArray& forces) {
+    conditions.loads += forces;
+    const auto* instrument = dynamic_cast<const scene::Instrument*>(field);
+    const std::optional<Vec3> place = instrument ? instrument->place(simulation.time()) : std::nullopt;
+    if (!place) return;
+    output::Instrument& shown = conditions.instruments.emplace_back();
+    shown.id = static_cast<int>(std::ranges::find(all, instrument) - all.begin());
+    shown.place = *place;
+    for (int node = 0; node < forces.rows(); ++node)
+      if (!forces.row(node).isZero(0)) shown.nodes.push_back(node);
+    shown.forces = forces(shown.nodes, Eigen::all);
+  });
+  return conditions;
+}
+
+std::vector<int> fixed_nodes(Simulation& simulation) {
+  const PointArray is_free = free_directions(simulation.scene(), simulation.state());
+  std::vector<int> fixed;
+  for (int node = 0; node < is_free.rows(); ++node)
+    if (is_free.row(node).isZero(0)) fixed.push_back(node);
+  return fixed;
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "picture/boundary_conditions.hpp"
+#include "runner/run/simulation.hpp"
+
+namespace hexaplast::runner {
+
+/// What holds and loads the state of a simulation: loads at its present positions, as they were at the beginning of the
+/// latest step, which is when steps take them; loads on states that follow are carried up to it. Without weight.
+output::BoundaryConditions conditions_of(Simulation& simulation);
+
+/// Nodes that are held or led in all three directions, ascending.
+std::vector<int> fixed_nodes(Simulation& simulation);
+
+}  // namespace hexaplast::runner

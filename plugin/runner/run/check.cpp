@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/check.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "hexaplast/formats/text.hpp"
+#include "hexaplast/survey.hpp"
+#include "runner/run/loads.hpp"
+#include "runner/run/output_options.hpp"
+#include "runner/standard_output.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr long kMostMoments = 200;  // of a run, at which loads are looked at
+
+/// What the report says of the scene around the body.
+struct Findings {
+  int num_nodes = 0;
+  long num_held = 0;         // nodes whose three directions are held
+  long num_partly_held = 0;  // nodes of which some directions are
+  double loads_time = 0;     // [s] at which the loads are greatest
+  long num_loaded = 0;       // nodes on which forces act then
+  Vec3 load = Vec3::Zero();  // [N] their sum
+  double load_size = 0;      // [N] the sum of their sizes
+  double dt = 0;             // [s]
+  std::optional<int> steps;  // of the scene's RunSettings
+  double memory = 0;         // [byte] most that the process has held
+  std::optional<Survey> body;
+  int num_hexahedra = 0;
+  std::vector<std::string> advice;  // but what the body itself has remarked, check_shapes
+  std::vector<std::string> writes;  // names of files
+};
+
+Findings look_at(scene::Scene& scene) {
+  scene::MechanicalState& state = only_state(scene);
+  only_solver(scene);
+  Findings found;
+  found.num_nodes = state.num_nodes();
+  found.writes = scene.root().files().claimed();
+  found.dt = scene.dt();
+  if (scene::Component* settings = find_settings(scene); settings && settings->is_given("steps"))
+    found.steps = settings->integer("steps");
+
+  const Eigen::ArrayXd directions = free_directions(scene, state).rowwise().sum();
+  found.num_held = (directions == 0).count();
+  found.num_partly_held = found.num_nodes - found.num_held - (directions == 3).count();
+
+  const long num_steps = std::max(found.steps.value_or(1), 1);
+  found.loads_time = time_of_greatest_loads(scene, state, num_steps, (num_steps + kMostMoments - 1) / kMostMoments);
+  const PointArray loads = loads_at(found.loads_time, scene, state);
+  found.num_loaded = (loads.rowwise().norm().array() > 0).count();
+  found.load = loads.colwise().sum().transpose();
+  found.load_size = loads.rowwise().norm().sum();
+
+  if (const scene::ForceField* field = find_body(scene)) {
+    std::vector<scene::Mass*> masses = scene.root().all<scene::Mass>();
+    std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, state); });
+    found.body = survey(*field->body(), scene::total_mass(masses, state), found.dt);
+    found.num_hexahedra = field->body()->mesh().num_elements();
+    found.advice = advice(*found.body);
+  }
+  const bool is_pushed = found.load.norm() > 1e-9 * found.load_size;  // more than rounding
+  if (is_pushed && found.num_held + found.num_partly_held == 0)
+    found.advice.push_back("nothing is held, and the loads do not balance: everything moves away");
+
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  found.memory = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  return found;
+}
+
+// JSON has no infinity: what never happens is null.
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json json_of(const Survey& body) {
+  return {{"parts", body.num_parts},
+          {"extent", json_of(body.extent)},
+          {"volume", body.volume},
+          {"least_scaled_jacobian", body.quality.least_scaled_jacobian},
+          {"inside_out", body.quality.num_inside_out},
+          {"worst_hexahedron", body.quality.worst_element},
+          {"shortest_edge", body.quality.shortest_edge},
+          {"longest_edge", body.quality.longest_edge},
+          {"mass", body.mass},
+          {"density", body.density},
+          {"young_modulus", {body.least_young_modulus, body.greatest_young_modulus}},
+          {"poisson_ratio", {body.least_poisson_ratio, body.greatest_poisson_ratio}},
+          {"yield_stress", number_or_null(body.yield_stress)},
+          {"yield_strain", number_or_null(body.yield_strain)},
+          {"rotation_yield", number_or_null(body.rotation_yield)},
+          {"flow_per_step", body.flow_per_step},
+          {"rotation_flow_per_step", body.rotation_flow_per_step},
+          {"restitution_per_step", body.restitution_per_step},
+          {"wave_speed", body.wave_speed},
+          {"highest_frequency", body.highest_frequency},
+          {"edges_per_step", body.edges_per_step},
+          {"steps_across", body.steps_across}};
+}
+
+Json json_of(const Findings& found) {
+  std::vector<std::string> advice = found.advice;
+  if (found.body) std::ranges::copy(check_shapes(found.body->quality), std::back_inserter(advice));
+  return {{"nodes", found.num_nodes},
+          {"hexahedra", found.num_hexahedra},
+          {"held_nodes", found.num_held},
+          {"partly_held_nodes", found.num_partly_held},
+          {"loaded_nodes", found.num_loaded},
+          {"load", json_of(found.load)},
+          {"load_time", found.loads_time},
+          {"dt", found.dt},
+          {"steps", found.steps ? Json(*found.steps) : Json(nullptr)},
+          {"memory_bytes", found.memory},
+          {"body", found.body ? json_of(*found.body) : Json(nullptr)},
+          {"writes", found.writes},
+          {"advice", advice}};
+}
+
+std::string range(double least, double greatest) {
+  return least == greatest ? fmt::format("{:.6g}", least) : fmt::format("{:.6g} to {:.6g}", least, greatest);
+}
+
+void print(const Survey& body) {
+  fmt::print("  size                {:.4g} x {:.4g} x {:.4g} m, {:.4g} m^3, {} part{}\n", body.extent.x(),
+             body.extent.y(), body.extent.z(), body.volume, body.num_parts, body.num_parts == 1 ? "" : "s");
+  fmt::print("  shape               least scaled Jacobian {:.3f} (hexahedron {}), edges {} m\n",
+             body.quality.least_scaled_jacobian, body.quality.worst_element,
+             range(body.quality.shortest_edge, body.quality.longest_edge));
+  fmt::print("  material            E {} Pa, nu {}\n", range(body.least_young_modulus, body.greatest_young_modulus),
+             range(body.least_poisson_ratio, body.greatest_poisson_ratio));
+  const bool yields = std::isfinite(body.yield_stress), turns = std::isfinite(body.rotation_yield);
+  fmt::print("  yield               {}\n",
+             yields ? fmt::format("stress {:.6g} Pa, strain {:.4g}", body.yield_stress, body.yield_strain) : "never");
+  fmt::print("  rotation yield      {}\n", turns ? fmt::format("{:.4g} rad", body.rotation_yield) : "never");
+  if (yields || turns)
+    fmt::print("  rates times dt      flow {:.4g}, rotation flow {:.4g}, volume restitution {:.4g}\n",
+               body.flow_per_step, body.rotation_flow_per_step, body.restitution_per_step);
+  if (body.wave_speed > 0) {
+    fmt::print("  mass                {:.6g} kg, {:.6g} kg/m^3\n", body.mass, body.density);
+    fmt::print("  waves               {:.4g} m/s: {:.3g} edges per step, across the body in {:.3g} steps\n",
+               body.wave_speed, body.edges_per_step, body.steps_across);
+  }
+}
+
+void print(const Findings& found, const std::string& title) {
+  fmt::print("{}: can run\n", printable_line(title));
+  fmt::print("  nodes               {}, of which {} are held and {} in part\n", found.num_nodes, found.num_held,
+             found.num_partly_held);
+  fmt::print("  hexahedra           {}\n", found.num_hexahedra);
+  if (found.body) print(*found.body);
+  fmt::print("  loads               on {} nodes, together ({:.4g}, {:.4g}, {:.4g}) N at t = {:.4g} s\n",
+             found.num_loaded, found.load.x(), found.load.y(), found.load.z(), found.loads_time);
+  fmt::print("  steps               {} of {:.6g} s\n", found.steps ? std::to_string(*found.steps) : "as --steps says",
+             found.dt);
+  for (const std::string& file : found.writes) fmt::print("  writes              {}\n", printable_line(file));
+  fmt::print("  memory              {:.1f} MB\n", found.memory / 1e6);
+}
+
+}  // namespace
+
+void check(const CheckOptions& options) {
+  SceneOptions scene_options = options.scene;
+  scene_options.output =
+      rules_beside({options.out}, options.out.value_or(options.write_below.value_or(".")), options.scene.output);
+  scene::Scene scene = load_scene(scene_options);
+  const Findings found = look_at(scene);
+  const std::string file = options.scene.file.string();
+  if (options.json) {
+    fmt::print("{}\n", printable(json_of(found).dump(2)));
+  } else {
+    print(found, options.scene.file.stem().string());
+  }
+  flush_standard_output();
+  for (const std::string& sentence : found.advice)
+    spdlog::warn("{}", scene::format({scene::Severity::kWarning, {file, 0}, sentence}));
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/loads.hpp"
+
+namespace hexaplast::runner {
+
+PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& state) {
+  const PointArray& rest = state.rest_positions();
+  const PointArray at_rest = PointArray::Zero(rest.rows(), 3);
+  PointArray loads = at_rest;
+  state.add_external_force(loads);
+  for (const scene::Mass* mass : scene.root().all<scene::Mass>())
+    if (scene::acts_on(*mass, state)) mass->add_gravity(scene.root().clock().gravity, loads);
+  for (scene::ForceField* field : scene.root().all<scene::ForceField>())
+    if (!field->body() && scene::acts_on(*field, state)) field->add_force(time, rest, at_rest, loads);
+  return loads;
+}
+
+double time_of_greatest_loads(scene::Scene& scene, scene::MechanicalState& state, long num_steps, long stride) {
+  double greatest = -1, found = 0, time = 0;
+  for (long step = 0; step < num_steps; ++step, time += scene.dt()) {
+    if (step % stride != 0) continue;
+    const double size = loads_at(time, scene, state).rowwise().norm().sum();
+    // what is held is held within rounding
+    if (size <= greatest * (1 + 1e-12)) continue;
+    greatest = size;
+    found = time;
+  }
+  return found;
+}
+
+PointArray free_directions(scene::Scene& scene, scene::MechanicalState& state) {
+  PointArray is_free = PointArray::Ones(state.num_nodes(), 3);
+  for (const scene::ProjectiveConstraint* constraint : scene.root().all<scene::ProjectiveConstraint>())
+    constraint->project(is_free);
+  return is_free;
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/result_checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/base/error.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+constexpr double kManyInverted = 0.01;       // of the hexahedra: single ones may pass through and come back
+constexpr double kLargestUnexplained = 0.2;  // of the energy put in
+constexpr double kLargestGain = 100;         // times the energy put in
+
+void check_inversions(const Simulation& simulation, std::vector<std::string>& doubts) {
+  const int num_hexahedra = simulation.body()->mesh().num_elements();
+  const Totals& totals = simulation.totals();
+  const int at_end = simulation.latest().flow.inverted;
+  if (at_end > 0) doubts.push_back(fmt::format("{} of {} hexahedra are inside out at the end", at_end, num_hexahedra));
+  if (totals.most_inverted > std::max(1.0, kManyInverted * num_hexahedra))
+    doubts.push_back(fmt::format("{} of {} hexahedra were inside out in step {}", totals.most_inverted, num_hexahedra,
+                                 totals.most_inverted_in));
+}
+
+/// [J] what errors of energies are measured by.
+double energy_put_in(const Simulation& simulation) {
+  constexpr double kUnseenStrain = 1e-6;
+  double unseen = 0;
+  if (const Body* body = simulation.body())
+    for (int e = 0; e < body->mesh().num_elements(); ++e)
+      unseen += body->model().material(e).young_modulus * body->model().volume[static_cast<std::size_t>(e)] *
+                kUnseenStrain * kUnseenStrain / 2;
+  return std::max(simulation.totals().energy_put_in, unseen);
+}
+
+void check_energy(const EnergyBalance& energy, double put_in, std::vector<std::string>& doubts) {
+  const auto check = [&](double missed, const char* what, const char* remedy) {
+    if (missed > kLargestUnexplained * put_in)
+      doubts.push_back(fmt::format("{} {:.3g} J, {:.0f} % of the {:.3g} J that were put in: {}", what, missed,
+                                   100 * missed / put_in, put_in, remedy));
+  };
+  check(std::abs(energy.error()), "the energy balance misses",
+        "take a smaller time step, or a linear solver of a smaller tolerance");
+  check(-energy.numerical_loss, "the integrator has added", "take a smaller time step");
+}
+
+}  // namespace
+
+void require_supplied(const Simulation& simulation) {
+  const output::StepRecord& latest = simulation.latest();
+  if (!latest.energy) return;
+  const double energy = latest.energy->kinetic + latest.energy->elastic;
+  if (!std::isfinite(energy))
+    throw NumericalError(fmt::format("step {}: the kinetic and elastic energy is not finite", latest.step));
+  if (energy <= kLargestGain * simulation.totals().energy_put_in) return;
+  const double put_in = energy_put_in(simulation);
+  if (energy > kLargestGain * put_in)
+    throw NumericalError(
+        fmt::format("step {}: the kinetic and elastic energy, {:.3g} J, is more than {} times the {:.3g} J that loads, "
+                    "supports and the beginning have put in: the motion has blown up, take a smaller time step",
+                    latest.step, energy, kLargestGain, put_in));
+}
+
+std::vector<std::string> check_results(const Simulation& simulation) {
+  std::vector<std::string> doubts;
+  if (simulation.body()) check_inversions(simulation, doubts);
+  if (simulation.latest().energy) check_energy(*simulation.latest().energy, energy_put_in(simulation), doubts);
+  return doubts;
+}
+
+}  // namespace hexaplast::runner

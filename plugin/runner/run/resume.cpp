@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/resume.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/simd.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "record/checkpoint.hpp"
+#include "record/files.hpp"
+#include "record/recorder.hpp"
+#include "runner/run/directory_lock.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/output_options.hpp"
+#include "runner/run/run.hpp"
+#include "runner/run/scene_identity.hpp"
+#include "runner/run/simulation.hpp"
+#include "scene/diagnostics.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path newest_checkpoint(const fs::path& run) {
+  const std::vector<fs::path> all = output::checkpoints_in(run);
+  if (all.empty())
+    throw output::OutputError(
+        fmt::format("{}: holds no checkpoint (run --checkpoint every=N writes them)", run.string()));
+  return all.front();
+}
+
+/// The other checkpoint beside one that cannot be used.
+std::string hint_of(const fs::path& directory, const fs::path& damaged) {
+  for (const fs::path& other : output::checkpoints_in(directory))
+    if (other.filename() != damaged.filename()) return fmt::format("there is another one, {}", other.string());
+  return {};
+}
+
+// The messages of the files say which file it is: the directory need not stand before it once more.
+[[noreturn]] void refuse(const InputError& error, const std::string& hint = {}) {
+  throw scene::SceneError(scene::format_error({"hexaplast", 0}, error.what(), hint));
+}
+
+output::Checkpoint open(const fs::path& directory, const fs::path& file) {
+  try {
+    return output::Checkpoint(file);
+  } catch (const InputError& error) {
+    refuse(error, hint_of(directory, file));
+  }
+}
+
+/// A record may say anything: what the command line of a run would not be let pass is refused here too.
+void require_sound(const RunOptions& options, const fs::path& file) {
+  constexpr long kMostSteps = 1'000'000'000;
+  const bool is_sound = options.steps && *options.steps >= 0 && *options.steps <= kMostSteps &&
+                        (!options.frames || (*options.frames >= 0 && *options.frames <= 100'000)) &&
+                        (!options.checkpoint_every || (*options.checkpoint_every >= 1));
+  if (!is_sound)
+    throw InputError(fmt::format("{} is damaged: its steps, frames or checkpoints cannot be", file.string()));
+}
+
+/// All that can be found wrong before anything is loaded that the scene names.
+void require_ready(const output::Checkpoint& start, const RunRecord& record, const fs::path& directory) {
+  const std::string file = start.file().string();
+  for (const std::optional<fs::path>& named : {record.options.final_state, record.options.summary})
+    if (named)
+      output::WholeFile can_be_made(
+          output_place(*named, InputFiles({start.file(), record.options.scene.file}), {directory}));
+  const long step = Simulation::saved_step(start.section("scene"));
+  if (step >= *record.options.steps)
+    throw UsageError(fmt::format("{} has all {} steps of the run already: --steps gives more", file, step));
+  if (hash_scene_files(record.options.scene) != record.scene_files) throw another_scene(start);
+  Archive saved = start.section("output");
+  output::require_saved_files(directory, saved);
+}
+
+}  // namespace
+
+CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
+  CLI::App* resume = app.add_subcommand("resume", "Go on with a run from its newest checkpoint");
+  resume->add_option("run", options.run, "Directory of a run that wrote checkpoints, or one of them")
+      ->type_name("DIR|FILE")
+      ->required();
+  resume->add_option("--steps", options.steps, "Number of time steps of the whole run, if it is to be another one")
+      ->type_name("TOTAL")
+      ->check(CLI::Range(0L, 1'000'000'000L));
+  resume->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  resume->add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  resume->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
+  resume
+      ->add_option("--plugin-path", options.plugin_path,
+                   "Directory to look for plugins in, not below the run's; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  add_allow_outside(*resume, options.output);
+  resume->add_flag("--quiet", options.quiet, "Print nothing but errors");
+  resume->add_flag("--strict", options.strict, kStrictHelp);
+  return resume;
+}
+
+int resume(const ResumeOptions& options) {
+  std::error_code unknown;
+  const bool is_run = fs::is_directory(options.run, unknown);
+  if (!is_run) output::require_readable(options.run);
+  const fs::path directory = is_run                          ? options.run
+                             : options.run.has_parent_path() ? options.run.parent_path()
+                                                             : fs::path(".");
+  const DirectoryLock lock(directory);
+  const fs::path file = is_run ? newest_checkpoint(directory) : options.run;
+  const output::Checkpoint start = open(directory, file);
+
+  RunRecord record;
+  Archive archive = start.section("run");
+  try {
+    serialize(archive, record);
+    require_sound(record.options, file);
+    RunOptions& run_options = record.options;
+    run_options.out = fs::absolute(directory);
+    run_options.threads = options.threads;
+    run_options.quiet = options.quiet;
+    run_options.strict = options.strict;
+    run_options.command = options.command;
+    run_options.final_state = options.final_state;
+    run_options.summary = options.summary;
+    run_options.scene.plugin_path = options.plugin_path;
+    run_options.scene.output.allows_outside = options.output.allows_outside;
+    run_options.scene.untrusted = directory;
+    if (options.steps) run_options.steps = options.steps;
+    require_ready(start, record, directory);
+    if (record.simd != simd_target())
+      spdlog::warn("warning: the run was on {} and goes on on {}: its last bits will differ",
+                   printable_line(record.simd), simd_target());
+    return run(run_options, &start);
+  } catch (const InputError& error) {
+    refuse(error);
+  }
+}
+
+}  // namespace hexaplast::runner

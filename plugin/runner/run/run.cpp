@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/run.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/simd.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "page/plot.hpp"
+#include "record/recorder.hpp"
+#include "runner/run/boundary_conditions.hpp"
+#include "runner/run/directory_lock.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/interrupt.hpp"
+#include "runner/run/journal.hpp"
+#include "runner/run/kept_warnings.hpp"
+#include "runner/run/output_options.hpp"
+#include "runner/run/progress.hpp"
+#include "runner/look/render.hpp"
+#include "runner/run/result_checks.hpp"
+#include "runner/run/rounded.hpp"
+#include "runner/run/scene_identity.hpp"
+#include "runner/run/simulation.hpp"
+#include "runner/run/staging.hpp"
+#include "runner/standard_output.hpp"
+#include "runner/run/summary_file.hpp"
+#include "scene/visuals.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using std::filesystem::path;
+
+/// What its files and those of the scene's components lie below.
+path directory_of(const RunOptions& options) { return options.out.value_or(options.write_below.value_or(".")); }
+
+/// Where a file goes that the command line names.
+path place_of(const path& file, const RunOptions& options, const InputFiles& inputs) {
+  std::vector<path> below;
+  for (const std::optional<path>& directory : {options.out, options.write_below})
+    if (directory) below.push_back(*directory);
+  const path place = output_place(file, inputs, below);
+  if (OwnFiles{options.out}.has_in_run(place))
+    throw output::OutputError(file.string() + ": is written by the run itself");
+  return place;
+}
+
+/// The scene's options with the rules of what its components write.
+SceneOptions scene_of(const RunOptions& options, bool goes_on) {
+  SceneOptions scene = options.scene;
+  scene.output = rules_beside({options.out, {options.final_state, options.summary, options.video}},
+                              directory_of(options), scene.output);
+  scene.output.replaces |= goes_on;  // they are its own
+  return scene;
+}
+
+output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
+  output::RunPlan plan;
+  plan.title = options.scene.file.stem().string();
+  plan.num_steps = num_steps;
+  plan.dt = simulation.dt();
+  plan.has_energy_balance = simulation.latest().energy.has_value();
+  plan.output_every = simulation.output_every();
+  plan.num_frames = options.frames.value_or(plan.num_frames);
+  plan.force = options.scene.output.replaces;
+  plan.inputs = simulation.scene().root().files().inputs;
+
+  std::set<int> loaded;
+  for (const scene::ForceField* field : simulation.scene().root().all<scene::ForceField>())
+    if (scene::acts_on(*field, simulation.state()))
+      loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
+  plan.loaded_nodes.assign(loaded.begin(), loaded.end());
+  plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
+  plan.staging = staging_of(simulation);
+  plan.staging.quantity = quantity_named(options.field);
+  if (options.video) plan.video = place_of(*options.video, options, plan.inputs);
+  return plan;
+}
+
+/// What the checkpoints of a run know of it.
+RunRecord record_of(const RunOptions& options, long num_steps) {
+  RunRecord record{options, simd_target(), hash_scene_files(options.scene)};
+  record.options.steps = num_steps;
+  record.options.scene.file = std::filesystem::absolute(options.scene.file).lexically_normal();
+  return record;
+}
+
+void write_checkpoint(Simulation& simulation, output::Recorder& recorder, RunRecord& record) {
+  const output::CheckpointSection sections[] = {
+      {"run", [&](Archive& archive) { serialize(archive, record); }},
+      {"scene", [&](Archive& archive) { simulation.serialize(archive); }},
+      {"output", [&](Archive& archive) { recorder.save(archive); }},
+  };
+  output::write_checkpoint(*record.options.out, simulation.latest().step, simulation.scene_identity(), sections);
+}
+
+/// The curves over time, then the pictures, which take longest and may fail for want of a renderer.
+void complete(output::Recorder& recorder, Simulation& simulation, const RunOptions& options) {
+  output::write_plot(*options.out / "plot.svg", *options.out / "history.csv", options.scene.file.stem().string(),
+                     simulation.body()->mesh().num_elements());
+  for (const std::string& warning : recorder.finish()) spdlog::warn("warning: {}", warning);
+}
+
+// Steps until the end, a signal, or a failure. After a failure the files hold everything up to the last good step.
+void advance(Simulation& simulation, long num_steps, output::Recorder* recorder, const RunOptions& options,
+             RunRecord& kept, bool begins) {
+  const auto record = [&] {
+    if (recorder)
+      recorder->record(simulation.latest(), simulation.state().positions(), simulation.state().velocities(),
+                       conditions_of(simulation));
+  };
+  std::optional<long> saved;  // step of the newest checkpoint
+  if (!begins) saved = simulation.latest().step;
+  const auto save = [&] {
+    saved = simulation.latest().step;
+    write_checkpoint(simulation, *recorder, kept);
+  };
+  if (begins) record();
+
+  Progress progress(num_steps, !options.quiet);
+  while (simulation.latest().step < num_steps && requested_signal() == 0) {
+    try {
+      simulation.step();
+      record();
+      require_supplied(simulation);
+    } catch (const NumericalError&) {
+      if (recorder) complete(*recorder, simulation, options);
+      throw;
+    }
+    const output::StepRecord& latest = simulation.latest();
+    progress.show(latest.step, latest.time, latest.flow.yielded);
+    if (options.checkpoint_every && latest.step % *options.checkpoint_every == 0) save();
+  }
+  const bool is_ended_early = simulation.latest().step < num_steps;
+  if (recorder && (options.checkpoint_every || is_ended_early) && saved != simulation.latest().step) save();
+}
+
+/// Which hexahedra a body has lost, as far as a line holds them.
+std::string removed_line(const std::vector<int>& removed, const Totals& totals) {
+  constexpr std::size_t kMostNamed = 8;
+  const std::size_t named = std::min(removed.size(), kMostNamed);
+  return fmt::format("{} in steps {} to {}: {}{}", removed.size(), totals.first_removal, totals.latest_removal,
+                     fmt::join(removed.begin(), removed.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                     named < removed.size() ? ", ..." : "");
+}
+
+/// Which of a body's hexahedra were turned inside out.
+std::string inverted_line(int at_end, const Totals& totals) {
+  return fmt::format("{} at the end, at most {} in step {}", at_end, totals.most_inverted, totals.most_inverted_in);
+}
+
+/// Where the work went.
+std::string energy_line(const EnergyBalance& energy, double put_in) {
+  constexpr double kNoise = 1e-9;  // of the work: rounding in the shape that a scene begins with is no energy
+  const double work = energy.load_work + energy.support_work;
+  return fmt::format(
+      "work {:.4g} J{} = in the body {:.4g} + flow {:.4g} + damping {:.4g} + integrator {:.4g} + unexplained {:.2g} "
+      "({:.2g} %)",
+      work, energy.initial > kNoise * std::abs(work) ? fmt::format(" and {:.4g} J at first", energy.initial) : "",
+      energy.kinetic + energy.elastic, energy.flow_loss, energy.damping_loss, energy.numerical_loss, energy.error(),
+      put_in > 0 ? 100 * energy.error() / put_in : 0);
+}
+
+/// Brings a simulation to where a checkpoint of its scene was written.
+void restore(Simulation& simulation, const output::Checkpoint& start) {
+  const std::string file = start.file().string();
+  if (start.scene_hash() != simulation.scene_identity()) throw another_scene(start);
+  Archive archive = start.section("scene");
+  try {
+    simulation.serialize(archive);
+    if (archive.rest() != 0) throw InputError(fmt::format("{} bytes are left", archive.rest()));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{} cannot be gone on with: {}", file, error.what()));
+  }
+}
+
+std::string hash_of(Simulation& simulation) {
+  return output::state_hash(simulation.latest().step, simulation.state().positions(), simulation.state().velocities(),
+                            simulation.body());
+}
+
+std::vector<output::Figure> summary_of(Simulation& simulation) {
+  std::vector<output::Figure> figures;
+  const auto add = [&](const char* label, std::string value) { figures.push_back({label, std::move(value)}); };
+  // of a run that fails, the latest step may have been beyond all numbers already
+  const auto add_finite = [&](const char* label, std::initializer_list<double> numbers, std::string value) {
+    if (std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); })) add(label, std::move(value));
+  };
+  const Totals& totals = simulation.totals();
+  const long num_steps = simulation.latest().step;
+  const double per_step = totals.step_ms / static_cast<double>(std::max(num_steps, 1L));
+  add("nodes", fmt::format("{}", simulation.state().num_nodes()));
+  if (const Body* body = simulation.body()) {
+    const output::Summary summary = output::summarise(*body, simulation.state().positions());
+    add("hexahedra", fmt::format("{}", body->mesh().num_elements()));
+    if (!body->history().removed.empty()) {
+      add("removed", removed_line(body->history().removed, totals));
+      add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
+    }
+    if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
+    add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
+               fmt::format("{:+.3f} %  (world {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
+                           rounded(100 * summary.world_elongation, 1e-3)));
+    add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
+               fmt::format("{:+.3f} deg  (world {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
+                           rounded(summary.world_twist_deg, 1e-3)));
+    add_finite(
+        "volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
+        fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
+                    rounded(100 * (summary.material_volume_ratio - 1), 1e-4), 100 * summary.worst_element_volume_error,
+                    rounded(100 * (summary.world_volume_ratio - 1), 1e-4)));
+    const PointArray& x = simulation.state().positions();
+    const double size = (x.colwise().maxCoeff() - x.colwise().minCoeff()).matrix().norm();
+    const auto add_largest = [&](const char* label, const char* words, const output::Largest& largest) {
+      const Vec3 place = largest.place.unaryExpr([&](double number) { return rounded(number, 1e-6 * size); });
+      if (largest.hexahedron >= 0 && largest.value > 0)
+        add_finite(label, {largest.value, place.sum()},
+                   fmt::format("{:.4f} {} hexahedron {} at ({:.4g}, {:.4g}, {:.4g}) m", largest.value, words,
+                               largest.hexahedron, place.x(), place.y(), place.z()));
+    };
+    add_largest("largest strain", "in", summary.strain);
+    add_largest("plastic strain", "at most, in", summary.plastic_strain);
+    if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
+  }
+  if (const std::optional<EnergyBalance>& energy = simulation.latest().energy)
+    add_finite("energy", {energy->error()}, energy_line(*energy, totals.energy_put_in));
+  if (num_steps > 0)
+    add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
+                            static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
+  if (std::string line = preconditioner_line(totals); !line.empty()) add("preconditioner", std::move(line));
+  add("instruction set", simd_target());
+  add("state hash", hash_of(simulation));
+  return figures;
+}
+
+void print_summary(Simulation& simulation, const path& scene_file) {
+  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(scene_file.stem().string()),
+             simulation.latest().step, simulation.dt(), simulation.time());
+  for (const output::Figure& figure : summary_of(simulation)) fmt::print("  {:<18}  {}\n", figure.label, figure.value);
+}
+
+void warn_of_stalls(const Simulation& simulation) {
+  const auto warn = [&](long steps, const char* what) {
+    if (steps > 0)
+      spdlog::warn("warning: {} stopped before its tolerance in {} of {} steps", what, steps, simulation.latest().step);
+  };
+  warn(simulation.totals().stalled_solves, "the linear solver");
+  warn(simulation.totals().stalled_averaging, "the rest-to-material averaging");
+}
+
+/// What a run writes; absent: not asked for.
+struct Files {
+  std::optional<output::Recorder> recorder;
+  std::optional<output::WholeFile> final_state, summary;
+  std::optional<Journal> journal;
+};
+
+output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {
+  output::Manifest manifest = describe_run(simulation.scene());
+  manifest.command = options.command;
+  manifest.title = options.scene.file.stem().string();
+  manifest.scene_file = options.scene.file.string();
+  manifest.overrides = options.scene.overrides;
+  manifest.steps_asked = num_steps;
+  return manifest;
+}
+
+// Steps, completes the files and says what came out.
+void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOptions& options, RunRecord& kept,
+               bool begins) {
+  advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, options, kept, begins);
+
+  if (files.recorder) complete(*files.recorder, simulation, options);
+  if (files.final_state)
+    output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
+                        simulation.state().velocities(), *simulation.body());
+  if (files.summary) {
+    files.summary->write(summary_json(simulation).dump(1) + "\n");
+    files.summary->commit();
+  }
+  if (!options.quiet) print_summary(simulation, options.scene.file);
+  flush_standard_output();
+  log_warnings(simulation.scene());
+  warn_of_stalls(simulation);
+  const std::vector<std::string> doubts = check_results(simulation);
+  for (const std::string& doubt : doubts) spdlog::warn("warning: {}", doubt);
+  if (options.strict && !doubts.empty() && requested_signal() == 0)
+    throw NumericalError(fmt::format("{}", fmt::join(doubts, "; ")));
+}
+
+// Of several failures the first one counts: where a disk is full, this cannot be written either.
+void note_failure(Journal& journal, const char* reason) {
+  try {
+    journal.close(output::RunState::kFailed, reason);
+  } catch (const output::OutputError& error) {
+    spdlog::warn("warning: {}", error.what());
+  }
+}
+
+}  // namespace
+
+InputError another_scene(const output::Checkpoint& start) {
+  return InputError(fmt::format("{} is of another scene: the files that it came from have changed, or its options",
+                                start.file().string()));
+}
+
+void serialize(Archive& archive, RunRecord& record) {
+  RunOptions& options = record.options;
+  const auto pass = [&]<class T>(std::optional<T>& value) {
+    bool is_given = value.has_value();
+    archive(is_given);
+    if (!is_given) return value.reset();
+    if (archive.reads()) value.emplace();
+    archive(*value);
+  };
+  std::string scene = options.scene.file.string();
+  archive(scene);
+  options.scene.file = scene;
+  archive(options.scene.overrides, options.scene.plugins, options.scene.sofa_compat, options.field);
+  pass(options.steps);
+  pass(options.frames);
+  pass(options.checkpoint_every);
+  archive(record.simd, record.scene_files);
+}
+
+int run(const RunOptions& options, const output::Checkpoint* start) {
+  if (options.threads) set_num_threads(*options.threads);
+  watch_signals();
+
+  const KeptWarnings warnings;
+  Simulation simulation(scene_of(options, start != nullptr));
+  const Body* body = simulation.body();
+  if (!body && (options.out || options.final_state || options.summary))
+    throw scene::SceneError(scene::format_error(
+        simulation.scene().root().place(), "no body in the scene: --out, --final and --summary have nothing to write"));
+  const long num_steps = required_steps(simulation, options.steps);
+  RunRecord kept;
+  if (options.out) kept = record_of(options, num_steps);
+  // of the scene as it begins
+  output::Manifest manifest = manifest_of(simulation, num_steps, options);
+  output::RunPlan plan;
+  simulation.keep_energy_balance();
+  if (options.out) plan = plan_of(simulation, num_steps, options);
+  manifest.pictures = record_of(plan.staging);
+  if (start) restore(simulation, *start);
+
+  std::optional<DirectoryLock> lock;
+  if (const path directory = directory_of(options);
+      options.out || writes_into(simulation.scene().root().files(), directory)) {
+    output::make_directory(directory);
+    if (!start) lock.emplace(directory);
+  }
+
+  // Opened before the first step, so that a long run does not end in a file that cannot be written; the recorder last,
+  // because it takes an earlier run's files away.
+  Files files;
+  const InputFiles& inputs = simulation.scene().root().files().inputs;
+  if (options.final_state) files.final_state.emplace(place_of(*options.final_state, options, inputs));
+  if (options.summary) files.summary.emplace(place_of(*options.summary, options, inputs));
+  if (options.out && start) {
+    Archive saved = start->section("output");
+    files.recorder.emplace(*options.out, *body, std::move(plan), saved);
+  } else if (options.out) {
+    files.recorder.emplace(*options.out, *body, std::move(plan));
+  }
+  if (options.out) {
+    for (const std::string& file : files.recorder->lost_states())
+      spdlog::warn("warning: {} is gone: its .pvd file no longer names it", (*options.out / file).string());
+    files.journal.emplace(*options.out, std::move(manifest));
+  }
+
+  // also of a run that fails: what it had come to in its latest accepted step
+  const auto note_result = [&] {
+    output::Manifest& result = files.journal->manifest();
+    result.steps_done = simulation.latest().step;
+    result.warnings = warnings.texts();
+    result.state_hash = hash_of(simulation);
+    result.summary = summary_of(simulation);
+  };
+  try {
+    carry_out(simulation, num_steps, files, options, kept, !start);
+  } catch (const std::exception& error) {
+    if (files.journal) {
+      note_result();
+      note_failure(*files.journal, error.what());
+    }
+    throw;
+  }
+
+  const int signal = requested_signal();
+  if (signal != 0)
+    spdlog::warn("warning: ended by signal {} after step {} of {}{}", signal, simulation.latest().step, num_steps,
+                 options.out && simulation.latest().step < num_steps
+                     ? fmt::format("; hexaplast resume {} goes on", options.out->string())
+                     : "");
+  if (files.journal) {
+    note_result();
+    files.journal->close(signal == 0 ? output::RunState::kFinished : output::RunState::kInterrupted,
+                         signal == 0 ? "All steps done" : fmt::format("Ended by signal {}", signal));
+  }
+  return signal == 0 ? kOk : kSignalled + signal;
+}
+
+}  // namespace hexaplast::runner

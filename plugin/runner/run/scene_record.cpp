@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/scene_record.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "attributes/stock.hpp"
+#include "hexaplast/base/hash.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using attributes::Access;
+using attributes::Attribute;
+
+constexpr std::size_t kMostText = 240;  // [byte] longer values are described
+
+/// As a scene would write it; numbers come back with all their bits.
+std::string text_of(const scene::Value& value) {
+  struct Writer {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(bool is) const { return is ? "true" : "false"; }
+    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
+    std::string operator()(double number) const { return fmt::format("{}", number); }
+    std::string operator()(const std::string& text) const { return text; }
+    std::string operator()(const std::vector<std::int64_t>& numbers) const {
+      return fmt::format("{}", fmt::join(numbers, " "));
+    }
+    std::string operator()(const std::vector<double>& numbers) const {
+      return fmt::format("{}", fmt::join(numbers, " "));
+    }
+  };
+  return std::visit(Writer(), value);
+}
+
+std::string text_of(scene::Data& data) { return data.link().empty() ? text_of(data.value()) : data.link(); }
+
+std::string hash_of(std::string_view text) {
+  StateHash hash;
+  hash.add(text.data(), text.size());
+  return hash.text();
+}
+
+std::string shortened(const std::string& text) {
+  if (text.size() <= kMostText) return text;
+  return fmt::format("{} ... ({} values, XXH64 {})", text.substr(0, text.rfind(' ', kMostText / 3)),
+                     scene::split_words(text).size(), hash_of(text));
+}
+
+bool is_worth_recording(const scene::Data& data) {
+  const Attribute& attribute = data.attribute();
+  return data.is_given() && attribute.access != Access::kIgnored && attribute.access != Access::kOutput &&
+         attribute.name != "name";
+}
+
+bool has_default_value(scene::Data& data) {
+  const Attribute& attribute = data.attribute();
+  return data.link().empty() && !attribute.initial.empty() &&
+         data.value() == scene::read_value(attribute, attribute.initial);
+}
+
+/// Calls visit(path, object) for a node, its components, and what is below.
+template <class Visit>
+void for_each_object(scene::Node& node, const Visit& visit) {
+  const std::string path = node.path();
+  visit(path, static_cast<scene::Object&>(node));
+  for (const auto& component : node.components())
+    visit((path == "/" ? "" : path) + "/" + component->name(), static_cast<scene::Object&>(*component));
+  for (const auto& child : node.children()) for_each_object(*child, visit);
+}
+
+}  // namespace
+
+std::vector<output::ComponentRecord> record_scene(scene::Scene& scene) {
+  std::vector<output::ComponentRecord> records;
+  for_each_object(scene.root(), [&](const std::string& path, scene::Object& object) {
+    if (object.class_name() == attributes::kRequiredPlugin.class_name) return;
+    output::ComponentRecord record{path, std::string(object.class_name()), std::string(object.description().help), {}};
+    for (const auto& data : object.all_data()) {
+      if (!is_worth_recording(*data) || has_default_value(*data)) continue;
+      const Attribute& attribute = data->attribute();
+      record.attributes.push_back({std::string(attribute.name), shortened(text_of(*data)), std::string(attribute.unit),
+                                   std::string(attribute.help)});
+    }
+    records.push_back(std::move(record));
+  });
+  return records;
+}
+
+std::string hash_scene(scene::Scene& scene) {
+  StateHash hash;
+  // with its length, so that no two different scenes run together into one text
+  const auto add = [&](std::string_view text) {
+    const std::uint64_t size = text.size();
+    hash.add(&size, sizeof size);
+    hash.add(text.data(), text.size());
+  };
+  for_each_object(scene.root(), [&](const std::string& path, scene::Object& object) {
+    add(path);
+    add(object.class_name());
+    for (const auto& data : object.all_data()) {
+      if (!is_worth_recording(*data)) continue;
+      add(data->attribute().name);
+      add(text_of(*data));
+    }
+  });
+  return hash.text();
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "hexaplast/base/error.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/scene_identity.hpp"
+
+namespace hexaplast::runner {
+
+Simulation::Simulation(const SceneOptions& options)
+    : scene_(load_scene(options)),
+      state_(&only_state(scene_)),
+      solver_(&only_solver(scene_)),
+      field_(find_body(scene_)),
+      scene_identity_(identity_of(scene_)) {
+  if (scene::Component* settings = find_settings(scene_)) {
+    output_every_ = settings->integer("outputEvery");
+    if (settings->is_given("steps")) num_steps_ = settings->integer("steps");
+  }
+  latest_ = record_of(0, {}, 0);
+  load_time_ = scene_.time();
+}
+
+const output::StepRecord& Simulation::step() {
+  const long step = latest_.step + 1;
+  const auto begin = std::chrono::steady_clock::now();
+  const double load_time = scene_.time();
+  SolveReport solve;
+  try {
+    solve = scene_.step();
+  } catch (const NumericalError& error) {
+    throw NumericalError(fmt::format("step {} (from t = {:.6g} s): {}", step, load_time, error.what()));
+  }
+  const double step_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+
+  latest_ = record_of(step, solve, step_ms);
+  load_time_ = load_time;
+  totals_.step_ms += step_ms;
+  totals_.iterations += solve.iterations;
+  if (solve.iterations > 0) ++totals_.steps_by_preconditioner[static_cast<std::size_t>(solve.preconditioner)];
+  totals_.stalled_solves += !solve.converged;
+  totals_.stalled_averaging += !latest_.flow.averaging.converged;
+  if (latest_.flow.removed > 0) {
+    if (totals_.first_removal == 0) totals_.first_removal = step;
+    totals_.latest_removal = step;
+  }
+  if (latest_.flow.inverted > totals_.most_inverted) {
+    totals_.most_inverted = latest_.flow.inverted;
+    totals_.most_inverted_in = step;
+  }
+  note_energy();
+  return latest_;
+}
+
+void Simulation::keep_energy_balance() {
+  solver_->keep_energy_balance();
+  latest_ = record_of(0, {}, 0);
+  note_energy();
+}
+
+void Simulation::reset() {
+  scene_.reset();
+  latest_ = record_of(0, {}, 0);
+  load_time_ = scene_.time();
+  totals_ = {};
+  note_energy();
+}
+
+void Simulation::serialize(Archive& archive) {
+  long step = latest_.step;
+  SolveReport solve{.iterations = latest_.solver_iterations, .residual = latest_.residual};
+  double step_ms = latest_.step_ms;
+  archive(step, solve.iterations, solve.residual, step_ms, totals_.step_ms, totals_.iterations, totals_.stalled_solves,
+          totals_.stalled_averaging, totals_.first_removal, totals_.latest_removal, totals_.most_inverted,
+          totals_.most_inverted_in, totals_.energy_put_in);
+  for (long& steps : totals_.steps_by_preconditioner) archive(steps);
+  scene_.serialize(archive);
+  if (archive.reads()) latest_ = record_of(step, solve, step_ms);
+}
+
+long Simulation::saved_step(Archive archive) {
+  long step = 0;
+  archive(step);
+  return step;
+}
+
+void Simulation::note_energy() {
+  if (const std::optional<EnergyBalance>& energy = latest_.energy)
+    totals_.energy_put_in = std::max(totals_.energy_put_in, energy->initial + energy->load_work + energy->support_work);
+}
+
+output::StepRecord Simulation::record_of(long step, const SolveReport& solve, double step_ms) {
+  output::StepRecord record;
+  record.step = step;
+  record.time = scene_.time();
+  record.kinetic_energy = solver_->kinetic_energy();
+  if (const EnergyBalance* balance = solver_->energy_balance()) record.energy = *balance;
+  if (field_) record.flow = *field_->flow_report();
+  record.solver_iterations = solve.iterations;
+  record.residual = solve.residual;
+  record.step_ms = step_ms;
+  return record;
+}
+
+std::string preconditioner_line(const Totals& totals) {
+  std::vector<std::string> names, counts;
+  for (std::size_t i = 0; i < kPreconditionerNames.size(); ++i) {
+    const long steps = totals.steps_by_preconditioner[i];
+    if (steps == 0) continue;
+    names.emplace_back(kPreconditionerNames[i]);
+    counts.push_back(fmt::format("{} in {} {}", kPreconditionerNames[i], steps, steps == 1 ? "step" : "steps"));
+  }
+  return fmt::format("{}", fmt::join(names.size() == 1 ? names : counts, ", "));
+}
+
+long required_steps(const Simulation& simulation, std::optional<long> given) {
+  if (given) return *given;
+  if (simulation.num_steps()) return *simulation.num_steps();
+  throw UsageError("the number of steps is not given: neither --steps nor RunSettings.steps in the scene");
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "hexaplast/body.hpp"
+#include "record/recorder.hpp"
+#include "runner/run/scene_file.hpp"
+
+namespace hexaplast::runner {
+
+/// What the accepted steps of a simulation add up to.
+struct Totals {
+  double step_ms = 0;   ///< wall time of all steps, without output
+  long iterations = 0;  ///< of all linear solves
+  std::array<long, kPreconditionerNames.size()> steps_by_preconditioner = {};  ///< that had something to solve
+  long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
+  long stalled_averaging = 0;  ///< steps whose rest-to-material averaging did
+  long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
+  long latest_removal = 0;
+  int most_inverted = 0;      ///< hexahedra that were inside out in one step
+  long most_inverted_in = 0;  ///< the first such step
+  double energy_put_in = 0;   ///< [J] that it began with, and work of loads and supports: the most so far
+};
+
+/// A scene in motion, step by step: what all commands share that run one. The scene moves one mechanical state, by one
+/// solver of motion, with at most one body.
+class Simulation {
+ public:
+  /// Reads and initialises the scene, and logs its warnings. Throws what load_scene throws, and SceneError where there
+  /// is not exactly one state and solver, or a second body.
+  explicit Simulation(const SceneOptions& options);
+
+  /// One time step. Throws what Scene::step throws, a NumericalError with the step's number. Positions and velocities
+  /// are then those of the latest accepted step, so that they can be reported, but only reset leads on.
+  const output::StepRecord& step();
+
+  /// Records of steps hold the balance of energy from now on, where the solver of motion keeps one; at the beginning.
+  /// It costs a step about two products.
+  void keep_energy_balance();
+
+  /// Back to the beginning.
+  void reset();
+
+  /// Where it stands, into a checkpoint between two steps, or from one right after construction: it goes on bit for
+  /// bit. Throws InputError when it was another scene's (Scene::serialize).
+  void serialize(Archive& archive);
+
+  /// The step after which a checkpoint was written, without reading the rest.
+  static long saved_step(Archive archive);
+
+  /// Of the scene as it is carried out (identity_of).
+  std::uint64_t scene_identity() const { return scene_identity_; }
+
+  const output::StepRecord& latest() const { return latest_; }  ///< that of step 0 before the first step
+  const Totals& totals() const { return totals_; }
+
+  /// Those that RunSettings tells.
+  std::optional<long> num_steps() const { return num_steps_; }
+  int output_every() const { return output_every_; }
+
+  double dt() { return scene_.dt(); }      ///< [s]
+  double time() { return scene_.time(); }  ///< [s] a running sum
+
+  /// [s] at which the latest step took its loads, its beginning; before the first step, that of the first.
+  double load_time() const { return load_time_; }
+  scene::Scene& scene() { return scene_; }
+  scene::MechanicalState& state() { return *state_; }
+  const Body* body() const { return field_ ? field_->body() : nullptr; }  ///< null: only masses
+
+ private:
+  output::StepRecord record_of(long step, const SolveReport& solve, double step_ms);
+  void note_energy();
+
+  scene::Scene scene_;
+  scene::MechanicalState* state_;
+  scene::OdeSolver* solver_;
+  const scene::ForceField* field_;  // that has the body
+  std::uint64_t scene_identity_;
+  std::optional<long> num_steps_;
+  int output_every_ = 25;
+  output::StepRecord latest_;
+  double load_time_ = 0;  // [s]
+  Totals totals_;
+};
+
+/// By what the linear solver was preconditioned, and in how many steps where that changed; empty where nothing was
+/// solved.
+std::string preconditioner_line(const Totals& totals);
+
+/// How many steps a run has: as many as the command line gives, otherwise as the scene's RunSettings say. Throws
+/// UsageError where neither does.
+long required_steps(const Simulation& simulation, std::optional<long> given);
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/staging.hpp"
+
+#include <optional>
+
+#include "scene/visuals.hpp"
+
+namespace hexaplast::runner {
+
+namespace {
+
+std::optional<output::Viewpoint> viewpoint_of(const scene::Camera& camera) {
+  const std::optional<scene::Viewpoint>& said = camera.viewpoint();
+  if (!said) return std::nullopt;
+  output::Viewpoint viewpoint{said->towards, said->up, {}};
+  if (said->eye)
+    viewpoint.eye = output::Viewpoint::Eye{said->eye->position, said->eye->looks_at, said->eye->field_of_view,
+                                           said->eye->is_perspective};
+  return viewpoint;
+}
+
+/// Whether arrows are wanted: of the words about force fields the last one counts.
+bool shows_loads(scene::VisualStyle& style) {
+  bool is_shown = true;
+  for (const std::string_view flag : scene::split_words(style.text("displayFlags"))) {
+    if (flag == "showForceFields" || flag == "showBehavior" || flag == "showAll") is_shown = true;
+    if (flag == "hideForceFields" || flag == "hideBehavior" || flag == "hideAll") is_shown = false;
+  }
+  return is_shown;
+}
+
+}  // namespace
+
+output::Staging staging_of(Simulation& simulation) {
+  scene::Scene& scene = simulation.scene();
+  scene::Node& root = scene.root();
+  output::Staging staging;
+  std::optional<bool> shows_skins, shows_hexahedra;
+  if (const std::vector styles = root.all<scene::VisualStyle>(); !styles.empty()) {
+    shows_skins = styles.front()->shows_visual_models();
+    shows_hexahedra = styles.front()->shows_behaviour_models();
+    staging.is_wireframe = styles.front()->shows_wireframe();
+    staging.shows_loads = shows_loads(*styles.front());
+  }
+  for (const scene::VisualModel* model : root.all<scene::VisualModel>())
+    if (model->is_carried() && model->points().rows() > 0 && shows_skins.value_or(true))
+      staging.skins.push_back({model->points(), model->triangles(), model->quads()});
+  staging.shows_hexahedra = shows_hexahedra.value_or(staging.skins.empty());
+
+  staging.gravity = root.clock().gravity;
+  if (const std::vector cameras = root.all<scene::Camera>(); !cameras.empty())
+    staging.viewpoint = viewpoint_of(*cameras.front());
+  return staging;
+}
+
+output::PictureRecord record_of(const output::Staging& staging) {
+  return {.shows_hexahedra = staging.shows_hexahedra,
+          .is_wireframe = staging.is_wireframe,
+          .shows_loads = staging.shows_loads,
+          .viewpoint = staging.viewpoint,
+          .gravity = staging.gravity};
+}
+
+void restore(const output::PictureRecord& record, output::Staging& staging) {
+  staging.shows_hexahedra = record.shows_hexahedra;
+  staging.is_wireframe = record.is_wireframe;
+  staging.shows_loads = record.shows_loads;
+  staging.viewpoint = record.viewpoint;
+  staging.gravity = record.gravity;
+}
+
+}  // namespace hexaplast::runner

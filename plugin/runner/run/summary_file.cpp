@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/run/summary_file.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "hexaplast/mesh/quality.hpp"
+#include "runner/run/result_checks.hpp"
+
+namespace hexaplast::runner {
+
+using Json = nlohmann::ordered_json;
+
+Json summary_json(Simulation& simulation) {
+  const Body& body = *simulation.body();
+  const PointArray& x = simulation.state().positions();
+  const output::StepRecord& latest = simulation.latest();
+  const Totals& totals = simulation.totals();
+  const output::Summary summary = output::summarise(body, x);
+  const output::Largest& plastic = summary.plastic_strain;
+
+  return {{"state_hash", output::state_hash(latest.step, x, simulation.state().velocities(), &body)},
+          {"steps", latest.step},
+          {"time", simulation.time()},
+          {"step_ms", totals.step_ms / static_cast<double>(std::max(latest.step, 1L))},
+          {"solver_iterations", totals.iterations},
+          {"preconditioner", preconditioner_line(totals)},
+          {"stalled_solves", totals.stalled_solves},
+          {"stalled_averaging", totals.stalled_averaging},
+          {"nodes", simulation.state().num_nodes()},
+          {"hexahedra", body.mesh().num_elements()},
+          {"removed", body.history().removed.size()},
+          {"connected_parts", summary.num_pieces},
+          {"least_scaled_jacobian", quality(body.mesh()).least_scaled_jacobian},
+          {"inverted", latest.flow.inverted},
+          {"most_inverted", totals.most_inverted},
+          {"plastic_elongation", summary.plastic_elongation},
+          {"plastic_twist_deg", summary.plastic_twist_deg},
+          {"world_elongation", summary.world_elongation},
+          {"world_twist_deg", summary.world_twist_deg},
+          {"material_volume_ratio", summary.material_volume_ratio},
+          {"volume_error", summary.material_volume_ratio - 1},
+          {"world_volume_ratio", summary.world_volume_ratio},
+          {"worst_element_volume_error", summary.worst_element_volume_error},
+          {"largest_plastic_strain", plastic.value},
+          {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
+          {"kinetic_energy", latest.kinetic_energy},
+          {"elastic_energy", body.energy(x)},
+          {"dissipated_energy", body.history().dissipated_energy},
+          {"energy_error", latest.energy ? Json(latest.energy->error()) : Json(nullptr)},
+          {"doubts", check_results(simulation)}};
+}
+
+}  // namespace hexaplast::runner

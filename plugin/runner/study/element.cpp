@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/study/element.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/inspect.hpp"
+#include "scene/reader.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// ---- input ----------------------------------------------------------------------------------------------------------
+
+/// Short keys of reference files and the names they stand for.
+constexpr std::array<std::pair<const char*, const char*>, 18> kShortKeys{{
+    {"X0", "original"},
+    {"x", "material"},
+    {"y", "rest"},
+    {"xh", "world"},
+    {"Pi", "rotationMap"},
+    {"tau", "yieldStress"},
+    {"tauR", "rotationYield"},
+    {"params", "parameters"},
+    {"E", "youngModulus"},
+    {"nu", "poissonRatio"},
+    {"flow", "plasticFlowRate"},
+    {"norm", "yieldNorm"},
+    {"flowR", "rotationFlowRate"},
+    {"kappa", "hardening"},
+    {"scheme", "gradient"},
+    {"volrate", "volumeRestitution"},
+    {"guard_F", "inversionThreshold"},
+    {"gauge", "rotationFrame"},
+}};
+
+/// Words of reference files and the ones they stand for.
+constexpr std::array<std::pair<const char*, const char*>, 8> kShortWords{{
+    {"fro", "frobenius"},
+    {"vm", "vonMises"},
+    {"mises", "vonMises"},
+    {"spec", "spectral"},
+    {"blendfix", "blended"},
+    {"none", "world"},
+    {"best", "bestFit"},
+    {"gn", "gaussNewton"},
+}};
+
+const char* long_key(const std::string& key) {
+  for (const auto& [brief, name] : kShortKeys)
+    if (key == brief) return name;
+  return nullptr;
+}
+
+/// Renames the short keys of an object, so that the rest of the program knows one vocabulary.
+Json with_long_keys(const Json& given) {
+  Json renamed = Json::object();
+  for (const auto& [key, value] : given.items()) renamed[long_key(key) ? long_key(key) : key] = value;
+  return renamed;
+}
+
+[[noreturn]] void reject(const std::string& key, const Json& value, const std::string& allowed) {
+  std::string shown = value.dump();
+  if (shown.size() > 60) shown = shown.substr(0, 57) + "...";
+  throw InputError(fmt::format("{}: {}: must be {}", key, shown, allowed));
+}
+
+double number(const std::string& key, const Json& value, bool null_is_infinite = false) {
+  if (null_is_infinite && value.is_null()) return std::numeric_limits<double>::infinity();
+  if (!value.is_number() || !std::isfinite(value.get<double>())) reject(key, value, "a finite number");
+  return value.get<double>();
+}
+
+ElementPoints points(const std::string& key, const Json& value) {
+  ElementPoints x;
+  const bool shape =
+      value.is_array() && value.size() == kCorners &&
+      std::all_of(value.begin(), value.end(), [](const Json& row) { return row.is_array() && row.size() == 3; });
+  if (!shape) reject(key, value, "eight rows of three numbers");
+  for (int a = 0; a < kCorners; ++a)
+    for (int d = 0; d < 3; ++d) x(a, d) = number(key, value[a][d]);
+  return x;
+}
+
+Mat3 matrix(const std::string& key, const Json& value) {
+  Mat3 m;
+  const bool shape =
+      value.is_array() && value.size() == 3 &&
+      std::all_of(value.begin(), value.end(), [](const Json& row) { return row.is_array() && row.size() == 3; });
+  if (!shape) reject(key, value, "three rows of three numbers");
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m(i, j) = number(key, value[i][j]);
+  return m;
+}
+
+CornerValues corner_values(const std::string& key, const Json& value) {
+  CornerValues values;
+  if (!value.is_array()) {
+    values.fill(number(key, value, true));
+    return values;
+  }
+  if (value.size() != kCorners) reject(key, value, "one number, or one per corner (8)");
+  for (int i = 0; i < kCorners; ++i) values[i] = number(key, value[i], true);
+  return values;
+}
+
+CornerTensors rotation_maps(const Json& value) {
+  CornerTensors maps;
+  if (value.is_array() && value.size() == kCorners) {
+    for (int i = 0; i < kCorners; ++i) maps[i] = matrix("rotationMap", value[i]);
+  } else {
+    maps.fill(matrix("rotationMap", value));
+  }
+  for (const Mat3& map : maps)
+    if ((map.transpose() * map - Mat3::Identity()).norm() > 1e-6 || map.determinant() < 0)
+      reject("rotationMap", value, "a rotation matrix, or eight");
+  return maps;
+}
+
+/// What the input describes.
+struct Element {
+  HexahedronState state;
+  Material constants;
+  Settings settings;
+  double dt = 0.01;
+  bool names_modes = false;  // a reference file: its own mode is answered with a block for each of three
+};
+
+template <class Enum>
+Enum word(const std::string& key, const Json& value, std::initializer_list<std::pair<const char*, Enum>> words) {
+  std::string allowed, given = value.is_string() ? value.get<std::string>() : "";
+  for (const auto& [brief, name] : kShortWords)
+    if (given == brief && std::none_of(words.begin(), words.end(), [&](const auto& w) { return given == w.first; }))
+      given = name;
+  for (const auto& [name, enumerator] : words) {
+    if (given == name) return enumerator;
+    allowed += (allowed.empty() ? "" : ", ") + std::string(name);
+  }
+  reject(key, value, "one of " + allowed);
+}
+
+void read_parameter(const std::string& key, const Json& value, Element& element) {
+  Material& m = element.constants;
+  Settings& s = element.settings;
+  const std::string name = "parameters." + key;
+  if (key == "youngModulus")
+    m.young_modulus = number(name, value);
+  else if (key == "poissonRatio")
+    m.poisson_ratio = number(name, value);
+  else if (key == "yieldStress")
+    m.yield_stress = number(name, value, true);
+  else if (key == "plasticFlowRate")
+    m.flow_rate = number(name, value);
+  else if (key == "rotationYield")
+    m.rotation_yield = number(name, value);
+  else if (key == "rotationFlowRate")
+    m.rotation_flow_rate = number(name, value);
+  else if (key == "hardening")
+    m.hardening = number(name, value);
+  else if (key == "volumeRestitution")
+    s.volume_restitution = number(name, value);
+  else if (key == "inversionThreshold")
+    s.inversion_threshold = number(name, value);
+  else if (key == "fractureStress")
+    m.fracture_stress = number(name, value, true);
+  else if (key == "fractureStretch")
+    m.fracture_stretch = number(name, value, true);
+  else if (key == "averagingSteps") {
+    if (!value.is_number_integer()) reject(name, value, "a whole number");
+    s.averaging_steps = value.get<int>();
+  } else if (key == "dt")
+    element.dt = number(name, value);
+  else if (key == "yieldNorm")
+    s.yield_norm = word<YieldNorm>(
+        name, value,
+        {{"vonMises", YieldNorm::kVonMises}, {"frobenius", YieldNorm::kFrobenius}, {"spectral", YieldNorm::kSpectral}});
+  else if (key == "gradient")
+    s.gradient = word<GradientScheme>(name, value,
+                                      {{"blended", GradientScheme::kBlended},
+                                       {"vertex", GradientScheme::kVertex},
+                                       {"centre", GradientScheme::kCentre}});
+  else if (key == "rotationPlasticity")
+    s.rotation = word<RotationPlasticity>(name, value,
+                                          {{"objective", RotationPlasticity::kObjective},
+                                           {"vertex", RotationPlasticity::kVertex},
+                                           {"centre", RotationPlasticity::kCentre},
+                                           {"none", RotationPlasticity::kNone}});
+  else if (key == "averaging")
+    s.averaging = word<AveragingMethod>(name, value,
+                                        {{"gaussNewton", AveragingMethod::kGaussNewton},
+                                         {"gaussNewtonIsolated", AveragingMethod::kGaussNewtonIsolated},
+                                         {"localGlobal", AveragingMethod::kLocalGlobal},
+                                         {"jacobi", AveragingMethod::kJacobi}});
+  else if (key == "rotationFrame")
+    s.rotation_frame =
+        word<RotationFrame>(name, value, {{"bestFit", RotationFrame::kBestFit}, {"world", RotationFrame::kWorld}});
+  else if (!element.names_modes)
+    throw InputError(fmt::format("parameters: no parameter is called {}", key));
+}
+
+Element read_element(const Json& given) {
+  if (!given.is_object()) throw InputError("the input must be one JSON object");
+  const Json json = with_long_keys(given);
+  if (!json.contains("original")) throw InputError("\"original\" (or X0) is missing: eight corners");
+
+  Element element;
+  element.names_modes = given.contains("X0");
+  static const std::set<std::string> known{"original",    "material",    "rest",          "world",
+                                           "rotationMap", "yieldStress", "rotationYield", "parameters"};
+  if (!element.names_modes)
+    for (const auto& [key, value] : json.items())
+      if (!known.contains(key)) throw InputError(fmt::format("no key is called {}", key));
+
+  const auto optional_points = [&](const char* key, const ElementPoints& otherwise) {
+    return json.contains(key) ? points(key, json[key]) : otherwise;
+  };
+  if (json.contains("parameters")) {
+    if (!json["parameters"].is_object()) reject("parameters", json["parameters"], "an object");
+    const Json parameters = with_long_keys(json["parameters"]);
+    for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
+  }
+  HexahedronState& state = element.state;
+  state = virgin_hexahedron(points("original", json["original"]), element.constants);
+  state.material = optional_points("material", state.original);
+  state.world = optional_points("world", state.material);
+  state.history.rest_shape = optional_points("rest", state.material.rowwise() - state.material.colwise().mean());
+  if (json.contains("rotationMap")) state.history.rotation_map = rotation_maps(json["rotationMap"]);
+  if (json.contains("yieldStress")) state.history.yield_stress = corner_values("yieldStress", json["yieldStress"]);
+  if (json.contains("rotationYield"))
+    state.history.rotation_yield = corner_values("rotationYield", json["rotationYield"]);
+  return element;
+}
+
+// ---- output ---------------------------------------------------------------------------------------------------------
+
+Json to_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+template <class Derived>
+Json to_json(const Eigen::MatrixBase<Derived>& m) {
+  Json rows = Json::array();
+  for (int i = 0; i < m.rows(); ++i) {
+    Json row = Json::array();
+    for (int j = 0; j < m.cols(); ++j) row.push_back(to_json(m(i, j)));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// One entry per corner.
+template <class Value>
+Json to_json(const std::array<Value, kCorners>& values) {
+  Json list = Json::array();
+  for (const Value& value : values) list.push_back(to_json(value));
+  return list;
+}
+
+Json elastic_block(const Element& element) {
+  const HexahedronElasticity found = inspect_elasticity(element.state, element.constants, element.settings);
+  CornerValues sample_volumes;
+  sample_volumes.fill(found.sample_volume);
+  return {{"volume_x", found.volume},
+          {"J_i", to_json(found.corner_jacobian)},
+          {"J_o", to_json(found.centre_jacobian)},
+          {"G_mean", to_json(found.mean_gradient)},
+          {"G_quadrature", to_json(found.sample_gradient)},
+          {"w", to_json(sample_volumes)},
+          {"energy", found.energy},
+          {"force", to_json(found.force)},
+          {"stiffness", to_json(found.stiffness)}};
+}
+
+Json step_block(const Element& element, RotationPlasticity mode) {
+  Settings settings = element.settings;
+  settings.rotation = mode;
+  const HexahedronStep found = inspect_step(element.state, element.constants, settings, element.dt);
+  return {{"F_i", to_json(found.F_corner)},
+          {"F_o", to_json(found.F_centre)},
+          {"Fbar_plain", to_json(found.F_blended)},
+          {"Fbar", to_json(found.F)},
+          {"R", to_json(found.R)},
+          {"S", to_json(found.S)},
+          {"R_o", to_json(found.R_centre)},
+          {"Q", to_json(found.Q)},
+          {"phi", to_json(found.phi)},
+          {"eps", to_json(found.strain)},
+          {"sigma", to_json(found.stress)},
+          {"sigma_norm", to_json(found.stress_norm)},
+          {"gamma", to_json(found.stretch_share)},
+          {"Sp", to_json(found.stretch_increment)},
+          {"eta", to_json(found.rotation_share)},
+          {"Rp", to_json(found.rotation_increment)},
+          {"beta", found.volume_ratio},
+          {"plasticity_off", found.guarded},
+          {"y_new", to_json(found.history.rest_shape)},
+          {"volume_y_new", found.rest_volume},
+          {"tau_new", to_json(found.history.yield_stress)},
+          {"tauR_new", to_json(found.history.rotation_yield)},
+          {"Pi_new", to_json(found.history.rotation_map)},
+          {"x_new", to_json(found.material)},
+          {"volume_x_new", found.material_volume}};
+}
+
+Json all_blocks(const Element& element) {
+  Json out{{"elastic", elastic_block(element)}};
+  const auto add = [&](const char* name, RotationPlasticity mode) { out[name] = step_block(element, mode); };
+  const RotationPlasticity mode = element.settings.rotation;
+  if (element.names_modes || mode == RotationPlasticity::kObjective) add("objective", RotationPlasticity::kObjective);
+  if (element.names_modes || mode == RotationPlasticity::kVertex) add("paper_vertex", RotationPlasticity::kVertex);
+  if (element.names_modes || mode == RotationPlasticity::kCentre) add("paper_centre", RotationPlasticity::kCentre);
+  if (!element.names_modes && mode == RotationPlasticity::kNone) add("none", RotationPlasticity::kNone);
+  return out;
+}
+
+// ---- path -----------------------------------------------------------------------------------------------------------
+
+std::vector<PathPoint> read_path(const std::filesystem::path& file) {
+  scene::require_readable(file);
+  std::ifstream in(file);
+  std::vector<PathPoint> rows;
+  std::string line;
+  for (int line_number = 1; std::getline(in, line); ++line_number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty() || line[0] == '#' || (line_number == 1 && line.starts_with("time"))) continue;
+    std::array<double, 10> values;
+    const char *at = line.data(), *end = line.data() + line.size();
+    for (int k = 0; k < 10; ++k) {
+      while (at != end && *at == ' ') ++at;
+      const auto [next, error] = std::from_chars(at, end, values[k]);
+      const bool separated = k == 9 ? next == end : next != end && *next == ',';
+      if (error != std::errc() || !separated || !std::isfinite(values[k]))
+        throw InputError(
+            fmt::format("{}:{}: \"{}\": must be ten numbers time,F11,F12,F13,F21,...,F33 separated by commas",
+                        file.string(), line_number, line));
+      at = k == 9 ? next : next + 1;
+    }
+    if (!rows.empty() && values[0] <= rows.back().time)
+      throw InputError(fmt::format("{}:{}: time {} does not come after {}", file.string(), line_number, values[0],
+                                   rows.back().time));
+    Mat3 F;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) F(i, j) = values[1 + 3 * i + j];
+    rows.push_back({values[0], F});
+  }
+  if (rows.size() < 2) throw InputError(fmt::format("{}: at least two rows needed", file.string()));
+  return rows;
+}
+
+/// One CSV line per moment of the path.
+void write_path(const Element& element, const std::vector<PathPoint>& path, std::ostream& out) {
+  out << "time,F11,F22,F33,P11,P12,P13,P21,P22,P23,P31,P32,P33,stress_norm,plastic_strain,yield_stress,volume_ratio,"
+         "energy,dissipated_energy\n";
+  follow_path(element.state.original, element.constants, element.settings, element.dt, path,
+              [&](const PathResponse& at) {
+                out << fmt::format("{},{},{},{}", at.time, at.F(0, 0), at.F(1, 1), at.F(2, 2));
+                for (int i = 0; i < 3; ++i)
+                  for (int j = 0; j < 3; ++j) out << fmt::format(",{}", at.P(i, j));
+                out << fmt::format(",{},{},{},{},{},{}\n", at.stress_norm, at.plastic_strain, at.yield_stress,
+                                   at.volume_ratio, at.energy, at.dissipated_energy);
+              });
+}
+
+}  // namespace
+
+void run_element(const ElementOptions& options) {
+  Json json;
+  try {
+    if (options.file == "-") {
+      json = Json::parse(std::cin);
+    } else {
+      scene::require_readable(options.file);
+      std::ifstream in(options.file);
+      json = Json::parse(in);
+    }
+  } catch (const Json::exception& error) {
+    const std::string text = error.what();  // "[json.exception.parse_error.101] parse error at line ..."
+    throw InputError(text.substr(text.find("] ") + 2));
+  }
+  const Element element = read_element(json);
+  if (options.path)
+    write_path(element, read_path(*options.path), std::cout);
+  else
+    std::cout << all_blocks(element).dump(1) << '\n';
+}
+
+}  // namespace hexaplast::runner

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/study/experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "hexaplast/geometry/axial_pull.hpp"
+#include "record/measures.hpp"
+#include "runner/run/interrupt.hpp"
+#include "runner/run/loads.hpp"
+#include "runner/run/simulation.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+constexpr double kSameMoment = 1e-6;  // of a step: the running time is rounded
+
+const Body& required_body(Simulation& simulation) {
+  if (!simulation.body())
+    throw scene::SceneError(
+        scene::format_error(simulation.scene().root().place(), "no body in the scene: there is nothing to fit"));
+  return *simulation.body();
+}
+
+/// Reads off a body in motion what a curve compares.
+class Gauge {
+ public:
+  explicit Gauge(Simulation& simulation)
+      : simulation_(simulation), body_(required_body(simulation)), ruler_(body_), ends_(end_sections(body_.mesh())) {}
+
+  std::vector<double> read(const std::vector<TargetCurve::Column>& columns) {
+    const output::Measures measures = ruler_.measure(simulation_.state().positions());
+    std::vector<double> values;
+    for (const TargetCurve::Column& column : columns) values.push_back(value_of(column.quantity, measures));
+    return values;
+  }
+
+ private:
+  double value_of(Quantity quantity, const output::Measures& measures) {
+    switch (quantity) {
+      case Quantity::kElongation:
+        return measures.world_elongation;
+      case Quantity::kPlasticElongation:
+        return measures.plastic_elongation;
+      case Quantity::kTwist:
+        return measures.world_twist_deg;
+      case Quantity::kPlasticTwist:
+        return measures.plastic_twist_deg;
+      case Quantity::kForce:
+        return carried_force();
+    }
+    return 0;
+  }
+
+  // Axial force [N] that the middle of the body carries.
+  double carried_force() {
+    scene::MechanicalState& state = simulation_.state();
+    PointArray forces = PointArray::Zero(state.num_nodes(), 3);
+    for (scene::ForceField* field : simulation_.scene().root().all<scene::ForceField>())
+      if (field->body()) field->add_force(simulation_.time(), state.positions(), state.velocities(), forces);
+    return axial_pull(body_.mesh(), ends_, -forces);
+  }
+
+  Simulation& simulation_;
+  const Body& body_;
+  output::Ruler ruler_;
+  EndSections ends_;
+};
+
+/// Pull [N] of the loads per step: what led to the state after it. None led to the first state.
+std::vector<double> pulls_of(Simulation& simulation, long num_steps) {
+  const HexMesh& mesh = required_body(simulation).mesh();
+  const EndSections ends = end_sections(mesh);
+  std::vector<double> pulls = {0};
+  for (long step = 0; step < num_steps; ++step)
+    pulls.push_back(axial_pull(
+        mesh, ends, loads_at(static_cast<double>(step) * simulation.dt(), simulation.scene(), simulation.state())));
+  return pulls;
+}
+
+/// The moments [s] of a curve over force.
+std::vector<double> moments_of(const TargetCurve& target, const std::vector<double>& pulls, double dt) {
+  constexpr double kSame = 1e-9;  // of the greatest pull
+  const auto [lowest, highest] = std::ranges::minmax(pulls);
+  const double slack = kSame * std::max(std::abs(lowest), std::abs(highest));
+  std::vector<double> moments;
+  double from = 0;  // in steps
+  for (std::size_t row = 0; row < target.num_rows(); ++row) {
+    const double force = target.forces[row];
+    std::optional<double> found;
+    for (std::size_t step = static_cast<std::size_t>(from); !found && step + 1 < pulls.size(); ++step) {
+      const double begin = pulls[step], end = pulls[step + 1];
+      if (force < std::min(begin, end) - slack || force > std::max(begin, end) + slack) continue;
+      const double share = std::abs(end - begin) > slack ? std::clamp((force - begin) / (end - begin), 0.0, 1.0) : 0;
+      const double at = static_cast<double>(step) + share;
+      if (at >= from - kSameMoment)
+        found = std::max(at, from);
+      else if (std::abs(end - begin) <= slack)
+        found = from;  // it is held, and has been for a while
+    }
+    if (!found)
+      throw scene::SceneError(scene::format_error(
+          {target.file.string(), target.lines[row]},
+          fmt::format("force {} N: the loads of the scene do not have this pull at {:.6g} s or later; in {} steps of "
+                      "{:.6g} s it lies between {:.6g} and {:.6g} N",
+                      force, from * dt, pulls.size() - 1, dt, lowest, highest)));
+    from = *found;
+    moments.push_back(from * dt);
+  }
+  return moments;
+}
+
+}  // namespace
+
+Experiment::Experiment(SceneOptions scene, TargetCurve target, std::optional<long> steps,
+                       const std::vector<std::string>& assignments)
+    : scene_(std::move(scene)), target_(std::move(target)), moments_(target_.times) {
+  scene_.output.writes = false;  // hundreds of runs that are only tried
+  Simulation simulation(with(assignments));
+  required_body(simulation);
+  inputs_ = simulation.scene().root().files().inputs;
+  inputs_.add(target_.file);
+  if (moments_.empty())
+    moments_ = moments_of(target_, pulls_of(simulation, required_steps(simulation, steps)), simulation.dt());
+  for (const TargetCurve::Column& column : target_.columns)
+    greatest_.push_back(std::abs(std::ranges::max(column.values, {}, [](double value) { return std::abs(value); })));
+}
+
+SceneOptions Experiment::with(const std::vector<std::string>& assignments) const {
+  SceneOptions scene = scene_;
+  scene.overrides.insert(scene.overrides.end(), assignments.begin(), assignments.end());
+  return scene;
+}
+
+std::vector<std::vector<double>> Experiment::run(const std::vector<std::string>& assignments) const {
+  Simulation simulation(with(assignments));
+  Gauge gauge(simulation);
+  const std::size_t num_columns = target_.columns.size();
+  std::vector<std::vector<double>> found(num_columns);
+
+  double before = simulation.time(), now = before;
+  std::vector<double> values_before = gauge.read(target_.columns), values = values_before;
+  for (std::size_t row = 0; row < moments_.size();) {
+    if (moments_[row] > now + kSameMoment * simulation.dt()) {
+      if (requested_signal() != 0) throw Interrupted();
+      simulation.step();
+      before = std::exchange(now, simulation.time());
+      values_before = std::exchange(values, gauge.read(target_.columns));
+      continue;
+    }
+    const double share = now > before ? std::clamp((moments_[row] - before) / (now - before), 0.0, 1.0) : 1;
+    for (std::size_t c = 0; c < num_columns; ++c) found[c].push_back(std::lerp(values_before[c], values[c], share));
+    ++row;
+  }
+  return found;
+}
+
+std::vector<double> Experiment::residuals(const std::vector<std::vector<double>>& values) const {
+  std::vector<double> residuals;
+  for (std::size_t c = 0; c < values.size(); ++c)
+    for (std::size_t row = 0; row < values[c].size(); ++row)
+      residuals.push_back((values[c][row] - target_.columns[c].values[row]) / greatest_[c]);
+  return residuals;
+}
+
+}  // namespace hexaplast::runner

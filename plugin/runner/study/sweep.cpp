@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/study/sweep.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <list>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "hexaplast/formats/text.hpp"
+#include "record/files.hpp"
+#include "record/json_file.hpp"
+#include "runner/run/directory_lock.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/run/interrupt.hpp"
+#include "runner/study/process.hpp"
+#include "runner/run/progress.hpp"
+#include "runner/run/rounded.hpp"
+#include "runner/run/run.hpp"
+#include "runner/run/scene_record.hpp"
+#include "runner/standard_output.hpp"
+#include "runner/study/sweep_picture.hpp"
+#include "runner/study/sweep_table.hpp"
+#include "scene/reader.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostRuns = 100'000;
+constexpr auto kPatience = std::chrono::milliseconds(5);  // between two looks at the processes
+
+std::vector<Factor> read_factors(const std::vector<std::string>& texts) {
+  std::vector<Factor> factors;
+  std::size_t num_runs = 1;
+  for (const std::string& text : texts) {
+    Factor factor = parse_factor(text);
+    for (const Factor& other : factors)
+      if (other.attribute == factor.attribute)
+        throw UsageError(fmt::format("--vary {}: this attribute is varied already", text));
+    num_runs *= factor.values.size();
+    if (num_runs > kMostRuns) throw UsageError(fmt::format("more than {} runs", kMostRuns));
+    factors.push_back(std::move(factor));
+  }
+  return factors;
+}
+
+// What makes two sweeps the same. Checks every value against its attribute, so that no run is spent on a mistyped one.
+Json plan_of(const SweepOptions& options, scene::Scene& scene, const std::vector<Factor>& factors,
+             std::vector<std::string>& labels) {
+  scene.diagnostics().throw_errors();
+  scene::Component* settings = find_settings(scene);
+  if (!options.steps && !(settings && settings->is_given("steps")))
+    throw UsageError("the number of steps is not given: neither --steps nor RunSettings.steps in the scene");
+
+  Json plan = {{"scene", options.scene.file.string()},
+               {"scene_hash", hash_scene(scene)},
+               {"steps", nullptr},
+               {"strict", options.strict}};
+  if (options.steps) plan["steps"] = *options.steps;
+  for (const Factor& factor : factors) {
+    for (const std::string& value : factor.values)
+      scene::override_attribute(scene, fmt::format("{}={}", factor.attribute, value), "--vary");
+    const std::string_view unit = scene::named_attribute(scene, factor.attribute, "--vary").attribute().unit;
+    labels.push_back(unit.empty() ? factor.attribute : fmt::format("{} [{}]", factor.attribute, unit));
+    plan["vary"].push_back({{"attribute", factor.attribute}, {"values", factor.values}});
+  }
+  return plan;
+}
+
+/// The directory of a sweep.
+struct Place {
+  fs::path directory;
+  fs::path plan() const { return directory / "sweep.json"; }
+  fs::path table() const { return directory / "sweep.csv"; }
+  fs::path picture() const { return directory / "sweep.svg"; }
+  fs::path messages(long run) const { return directory / fmt::format("messages_{}.txt", run + 1); }
+  fs::path files(long run) const { return directory / fmt::format("run_{}", run + 1); }
+  fs::path summary(long run) const { return files(run) / "summary.json"; }
+
+  /// All that stands in it, plan and table first.
+  std::vector<fs::path> contents(long num_runs) const {
+    std::vector<fs::path> all = {plan(), table(), picture()};
+    for (long run = 0; run < num_runs; ++run) all.insert(all.end(), {messages(run), files(run)});
+    return all;
+  }
+};
+
+void refuse_another_sweep(const Place& place, const Json& plan) {
+  Json found;
+  try {
+    found = output::read_json(place.plan());
+  } catch (const Json::exception&) {
+    throw output::OutputError(fmt::format("{}: is no plan of a sweep; --force begins anew", place.plan().string()));
+  }
+  for (const auto& [key, difference] : {std::pair{"vary", "the varied attributes or their values differ"},
+                                        {"steps", "the number of steps differs"},
+                                        {"strict", "--strict is given to one of them only"},
+                                        {"scene_hash", "the scene, or what --set makes of it, differs"}})
+    if (!found.is_object() || !found.contains(key) || found[key] != plan[key])
+      throw output::OutputError(
+          fmt::format("{}: holds another sweep: {}; --force replaces it", place.directory.string(), difference));
+}
+
+// Takes up a sweep that is there, or begins one. The directory is there, and ours alone.
+void open(const Place& place, const Json& plan, bool force, const InputFiles& inputs, SweepTable& table) {
+  const auto require_no_input = [&](const fs::path& file) {
+    if (const fs::path input = inputs.replaced_by(file); !input.empty())
+      throw output::OutputError(input.string() + ": is an input of this sweep");
+  };
+  const std::vector<fs::path> contents = place.contents(table.num_runs());
+  for (const fs::path& file : contents) {
+    if (fs::is_symlink(file)) throw output::OutputError(file.string() + kIsLink);
+    require_no_input(file);
+  }
+  for (long run = 0; run < table.num_runs(); ++run) require_no_input(place.summary(run));
+  if (fs::exists(place.plan()) && !force) {
+    refuse_another_sweep(place, plan);
+    if (fs::exists(place.table())) table.read(place.table());
+    return;
+  }
+  for (const fs::path& file : contents)
+    if (fs::exists(file) && !force)
+      throw output::OutputError(fmt::format("{}: is there without a plan; --force replaces it", file.string()));
+  // in this order, so that a table never stands beside the plan of another one; runs replace their own files
+  for (const fs::path& file : contents)
+    if (!fs::is_directory(file)) fs::remove(file);
+  output::WholeFile file(place.plan());
+  file.write(plan.dump(1) + "\n");
+  file.commit();
+}
+
+std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTable& table, long run,
+                                      const Place& place) {
+  std::vector<std::string> words = {"run",           "--quiet",
+                                    "--threads",     std::to_string(options.threads),
+                                    "--summary",     place.summary(run).string(),
+                                    "--write-below", place.files(run).string(),
+                                    "--force"};
+  const auto add = [&](const char* option, const std::string& value) {
+    words.emplace_back(option);
+    words.push_back(value);
+  };
+  if (options.steps) add("--steps", std::to_string(*options.steps));
+  for (const std::string& assignment : options.scene.overrides) add("--set", assignment);
+  for (const std::string& assignment : table.assignments(run)) add("--set", assignment);
+  for (const std::string& plugin : options.scene.plugins) add("--plugin", plugin);
+  for (const fs::path& directory : options.scene.plugin_path) add("--plugin-path", directory.string());
+  if (options.strict) words.emplace_back("--strict");
+  if (options.scene.sofa_compat) words.emplace_back("--sofa-compat");
+  add("--", options.scene.file.string());
+  return words;
+}
+
+/// The file that a run has written for the table goes, and its folder where the scene writes nothing.
+void clear_up(const fs::path& summary_file) {
+  std::error_code has_more;
+  fs::remove(summary_file);
+  fs::remove(summary_file.parent_path(), has_more);
+}
+
+/// What a run that has ended says for the table, null where it failed.
+Json collect(int exit_code, const fs::path& summary_file) {
+  Json summary;
+  if (exit_code == kOk) {
+    summary = output::read_json(summary_file);
+  }
+  clear_up(summary_file);
+  return summary;
+}
+
+std::string first_line(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+/// The runs of a sweep on their way.
+class Runs {
+ public:
+  Runs(const SweepOptions& options, const Place& place, SweepTable& table)
+      : options_(options),
+        place_(place),
+        table_(table),
+        most_(static_cast<std::size_t>(options.jobs)),
+        is_terminal_(isatty(STDERR_FILENO) != 0),
+        progress_(table.num_runs(), true) {}
+
+  /// Carries out what is not finished, until all is done or a signal asks to end.
+  void carry_out() {
+    long next = 0;
+    const auto skip_finished = [&] {
+      while (next < table_.num_runs() && table_.is_finished(next)) ++next;
+    };
+    for (skip_finished(); requested_signal() == 0 && (next < table_.num_runs() || !under_way_.empty());
+         skip_finished()) {
+      while (under_way_.size() < most_ && next < table_.num_runs()) {
+        output::make_directory(place_.files(next));
+        under_way_.push_back({next, Process(arguments_of(options_, table_, next, place_), place_.messages(next))});
+        ++next;
+        skip_finished();
+      }
+      if (!take_finished()) std::this_thread::sleep_for(kPatience);
+      progress_.show(table_.num_finished(),
+                     fmt::format("{} failed  {} under way", table_.num_failed(), under_way_.size()));
+    }
+    end_all();
+    progress_.clear();
+  }
+
+ private:
+  struct Run {
+    long number;
+    Process process;
+  };
+
+  bool take_finished() {
+    bool has_any = false;
+    // those that a signal to all of us has ended have no result
+    for (auto run = under_way_.begin(); run != under_way_.end() && requested_signal() == 0;) {
+      const std::optional<int> code = run->process.exit_code();
+      if (code) {
+        take(run->number, *code);
+        has_any = true;
+      }
+      run = code ? under_way_.erase(run) : std::next(run);
+    }
+    return has_any;
+  }
+
+  void take(long run, int exit_code) {
+    const Json summary = collect(exit_code, place_.summary(run));
+    table_.set(run, SweepRow::of(exit_code, summary));
+    table_.write(place_.table());
+    const std::string which =
+        fmt::format("run {} of {}: {}", run + 1, table_.num_runs(), fmt::join(table_.assignments(run), " "));
+    const SweepRow& row = *table_.row(run);
+    if (exit_code != kOk) {
+      progress_.clear();
+      spdlog::warn("warning: {}: ended with {}: {}", which, exit_code, first_line(place_.messages(run)));
+    } else {
+      fs::remove(place_.messages(run));
+      for (const Json& doubt : summary.at("doubts")) {
+        progress_.clear();
+        spdlog::warn("warning: {}: {}", which, doubt.get<std::string>());
+      }
+      if (!is_terminal_)
+        fmt::print("{}: plastic elongation {:+.3f} %, twist {:+.3f} deg, {:.3f} ms per step\n", printable_line(which),
+                   rounded(100 * row.number("plastic_elongation"), 1e-3),
+                   rounded(row.number("plastic_twist_deg"), 1e-3), row.number("step_ms"));
+      std::fflush(stdout);
+    }
+  }
+
+  // Each completes its step; what it has written by then is not kept.
+  void end_all() {
+    for (Run& run : under_way_) run.process.send(SIGTERM);
+    while (!under_way_.empty()) {
+      const long number = under_way_.back().number;
+      under_way_.pop_back();  // waits for it
+      clear_up(place_.summary(number));
+      fs::remove(place_.messages(number));
+    }
+  }
+
+  const SweepOptions& options_;
+  const Place& place_;
+  SweepTable& table_;
+  std::size_t most_;
+  bool is_terminal_;
+  Progress progress_;
+  std::list<Run> under_way_;
+};
+
+}  // namespace
+
+CLI::App* add_sweep(CLI::App& app, SweepOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("sweep", "Run a scene for every combination of attribute values; continues what was begun");
+  command
+      ->add_option(
+          "--vary", options.vary,
+          "Values of an attribute: n from a to b, the same in equal factors (:log), or a list; may be repeated")
+      ->type_name("PATH.attribute=a:b:n|a:b:n:log|v1,v2,...")
+      ->allow_extra_args(false)
+      ->required();
+  command->add_option("--out", options.out, "Directory of sweep.csv, sweep.svg and sweep.json")
+      ->type_name("DIR")
+      ->required();
+  command->add_option("--steps", options.steps, "Number of time steps; otherwise the scene's RunSettings say it")
+      ->type_name("N")
+      ->check(CLI::Range(0L, 1'000'000'000L));
+  command->add_option("--jobs", options.jobs, "Runs at a time; otherwise as many as there are processors")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--threads", options.threads, "Threads of each run. Default 1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--strict", options.strict, kStrictHelp);
+  command->add_flag("--force", options.force, "Begin anew in a directory that holds a sweep");
+  return command;
+}
+
+int sweep(const SweepOptions& given) {
+  watch_signals();
+  SweepOptions options = given;
+  if (options.jobs == 0)
+    options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / options.threads);
+
+  SweepTable table(read_factors(options.vary));
+  std::vector<std::string> labels;
+  scene::Scene scene = read_scene(options.scene);
+  const Json plan = plan_of(options, scene, table.factors(), labels);
+  const Place place{options.out};
+  output::make_directory(place.directory);
+  const DirectoryLock lock(place.directory);
+  open(place, plan, options.force, scene.root().files().inputs, table);
+  if (const long done = table.num_finished(); done > 0)
+    fmt::print("{} of {} runs are done already\n", done, table.num_runs());
+  table.write(place.table());
+  Runs(options, place, table).carry_out();
+
+  const std::string title = options.scene.file.stem().string();
+  for (const std::string& warning : draw_sweep(place.picture(), title, table, labels))
+    spdlog::warn("warning: {}", warning);
+  const long num_failed = table.num_failed();
+  fmt::print("{}: {} of {} runs done, {} failed: {}\n", printable_line(title), table.num_finished(), table.num_runs(),
+             num_failed, printable_line(place.table().string()));
+  flush_standard_output();
+  if (const int signal = requested_signal(); signal != 0) {
+    spdlog::warn("warning: ended by signal {}; the same command goes on from here", signal);
+    return kSignalled + signal;
+  }
+  if (num_failed > 0) spdlog::error("{}: error: {} of {} runs failed", title, num_failed, table.num_runs());
+  return table.exit_code();
+}
+
+}  // namespace hexaplast::runner
