@@ -49,8 +49,8 @@ const std::map<std::string, int> kHeight{
     {"calculix", 14},
 };
 
-/// Module that a path below include/hexaplast, src, formats, plugin or benchmarks belongs to: its first folder, or body for the
-/// file of that name.
+/// Module that a path below include/hexaplast, src, formats, plugin or benchmarks belongs to: its first folder, or body
+/// for the file of that name.
 std::optional<std::string> module_of(const fs::path& path) {
   if (path.empty()) return std::nullopt;
   const std::string first = path.begin()->stem().string();

@@ -17,11 +17,11 @@
 #include <string>
 
 #include "hexaplast/body.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/corotated.hpp"
-#include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
-#include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/plastic/point_flow.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"

@@ -3,9 +3,9 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/geometry/offset.hpp"
 #include "hexaplast/geometry/placement.hpp"
+#include "hexaplast/mesh/faces.hpp"
 
 namespace hexaplast::components {
 namespace {

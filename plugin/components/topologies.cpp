@@ -11,10 +11,10 @@
 #include "components/components.hpp"
 #include "components/made_topology.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/geometry/cage.hpp"
-#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
+#include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/mesh/faces.hpp"
 
 namespace hexaplast::components {
 namespace {

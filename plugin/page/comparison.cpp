@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "hexaplast/base/error.hpp"
-#include "record/files.hpp"
 #include "page/history_panels.hpp"
-#include "record/history_table.hpp"
 #include "page/html.hpp"
+#include "record/files.hpp"
+#include "record/history_table.hpp"
 #include "record/recorded_run.hpp"
 
 namespace hexaplast::output {

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "record/files.hpp"
 #include "page/history_panels.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::output {
 namespace {

@@ -10,9 +10,9 @@
 #include <map>
 #include <sstream>
 
-#include "record/files.hpp"
 #include "page/history_panels.hpp"
 #include "page/html.hpp"
+#include "record/files.hpp"
 
 namespace hexaplast::output {
 namespace fs = std::filesystem;

@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "picture/axis.hpp"
 #include "page/chart.hpp"
+#include "picture/axis.hpp"
 #include "record/files.hpp"
 
 namespace hexaplast::output {

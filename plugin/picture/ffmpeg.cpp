@@ -15,7 +15,6 @@
 #include <ctime>
 #include <vector>
 
-
 namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/geometry/sections.hpp"
+#include "hexaplast/mesh/faces.hpp"
 #include "picture/picture_cut.hpp"
 
 namespace hexaplast::output {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "hexaplast/geometry/embed.hpp"
-#include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/geometry/plane_cut.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
 #include "picture/arrow.hpp"
 #include "picture/boundary_conditions.hpp"
 #include "picture/camera.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/geometry/plane_cut.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast::output {
 

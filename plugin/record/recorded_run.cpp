@@ -9,9 +9,9 @@
 #include <cmath>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/formats/readable_file.hpp"
 #include "hexaplast/formats/xml.hpp"
-#include "hexaplast/formats/mesh_import.hpp"
 #include "record/files.hpp"
 #include "record/instruments_vtu.hpp"
 #include "record/state_arrays.hpp"

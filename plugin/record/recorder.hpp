@@ -10,10 +10,10 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "picture/boundary_conditions.hpp"
-#include "record/files.hpp"
 #include "picture/gallery.hpp"
-#include "record/measures.hpp"
 #include "picture/renderer.hpp"
+#include "record/files.hpp"
+#include "record/measures.hpp"
 
 namespace hexaplast::output {
 

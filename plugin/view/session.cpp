@@ -10,8 +10,8 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/geometry/pick.hpp"
+#include "hexaplast/mesh/faces.hpp"
 #include "scene/parts.hpp"
 
 namespace hexaplast::view {

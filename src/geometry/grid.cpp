@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "hexaplast/base/error.hpp"
 #include "geometry/lattice.hpp"
+#include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 

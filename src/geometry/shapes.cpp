@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "hexaplast/base/error.hpp"
 #include "geometry/lattice.hpp"
+#include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 namespace {

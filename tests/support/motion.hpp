@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/geometry/sections.hpp"
+#include "hexaplast/kinematics/polar.hpp"
 
 namespace hexaplast::support {
 

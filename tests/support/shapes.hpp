@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/kinematics/polar.hpp"
 #include "support/random.hpp"
 
 namespace hexaplast::support {

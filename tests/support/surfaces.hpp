@@ -6,8 +6,8 @@
 #include <map>
 #include <numbers>
 
-#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/geometry/quad_surface.hpp"
+#include "hexaplast/mesh/faces.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast::support {

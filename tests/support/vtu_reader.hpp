@@ -8,7 +8,7 @@
 
 #include <map>
 
-#include "output_support.hpp"
+#include "support/output.hpp"
 
 namespace hexaplast::support {
 

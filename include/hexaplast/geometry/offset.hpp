@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/geometry/quad_surface.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/mesh/quality.hpp"
 
 namespace hexaplast {

@@ -12,8 +12,8 @@
 
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
-#include "runner/look/component_page.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/look/component_page.hpp"
 #include "runner/run/scene_file.hpp"
 #include "scene/factory.hpp"
 

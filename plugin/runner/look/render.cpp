@@ -8,12 +8,12 @@
 #include <charconv>
 #include <cmath>
 
-#include "record/files.hpp"
 #include "picture/film.hpp"
 #include "picture/gallery.hpp"
 #include "picture/png_file.hpp"
-#include "record/recorded_run.hpp"
 #include "picture/section_page.hpp"
+#include "record/files.hpp"
+#include "record/recorded_run.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/staging.hpp"
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
 #include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/cage.hpp"
-#include "hexaplast/formats/mesh_export.hpp"
 #include "record/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/mesh/file.hpp"

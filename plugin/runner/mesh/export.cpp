@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/mesh/export.hpp"
 
-#include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 #include "record/abaqus_deck.hpp"
 #include "record/vtu.hpp"
 #include "runner/run/loads.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
+#include "hexaplast/formats/whole_file.hpp"
 
 namespace hexaplast::runner {
 

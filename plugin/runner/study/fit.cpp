@@ -14,19 +14,18 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/formats/text.hpp"
-#include "record/files.hpp"
 #include "page/history_panels.hpp"
 #include "page/xy_plot.hpp"
-#include "runner/study/calibration.hpp"
 #include "record/files.hpp"
-#include "runner/run/directory_lock.hpp"
 #include "runner/exit_code.hpp"
-#include "runner/study/experiment.hpp"
-#include "runner/study/free_attribute.hpp"
+#include "runner/run/directory_lock.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/progress.hpp"
 #include "runner/run/scene_record.hpp"
 #include "runner/standard_output.hpp"
+#include "runner/study/calibration.hpp"
+#include "runner/study/experiment.hpp"
+#include "runner/study/free_attribute.hpp"
 
 namespace hexaplast::runner {
 namespace {

@@ -247,9 +247,9 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   Recorder recorder(scratch / "run", body, run);
   support::record_stretch(recorder, body, 2);
   recorder.finish();
-  const std::vector<std::string> after{"frames",          "frames/mine.png", "history.csv",   "mesh.pvd",
-                                       "mesh_000000.vtu", "mesh_000002.vtu", "mesh_fine.vtu", "notes.txt",
-                                       "removed.csv"};
+  const std::vector<std::string> after{"frames",        "frames/mine.png", "history.csv",
+                                       "mesh.pvd",      "mesh_000000.vtu", "mesh_000002.vtu",
+                                       "mesh_fine.vtu", "notes.txt",       "removed.csv"};
   EXPECT_EQ(names_in(scratch / "run"), after);
   EXPECT_EQ(content(scratch / "run/notes.txt"), "earlier");
 }

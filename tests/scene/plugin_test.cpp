@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "scene/plugin.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -6,8 +8,6 @@
 #include <fstream>
 #include <iterator>
 #include <string>
-
-#include "scene/plugin.hpp"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "record/recorder.hpp"
-#include "output_support.hpp"
 #include "support/german_locale.hpp"
+#include "support/output.hpp"
 #include "support/scene.hpp"
 
 namespace hexaplast {

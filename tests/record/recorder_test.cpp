@@ -6,7 +6,7 @@
 
 #include "page/plot.hpp"
 #include "picture/axis.hpp"
-#include "output_support.hpp"
+#include "support/output.hpp"
 
 namespace hexaplast {
 namespace {

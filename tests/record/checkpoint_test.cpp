@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "record/checkpoint.hpp"
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -8,7 +10,6 @@
 #include <sstream>
 
 #include "hexaplast/base/error.hpp"
-#include "record/checkpoint.hpp"
 #include "record/files.hpp"
 #include "record/time_series.hpp"
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "page/html.hpp"
 #include "page/thinning.hpp"
 #include "record/history_table.hpp"
-#include "page/html.hpp"
 #include "record/manifest.hpp"
-#include "output_support.hpp"
+#include "support/output.hpp"
 
 namespace hexaplast {
 namespace {

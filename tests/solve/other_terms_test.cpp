@@ -8,9 +8,9 @@
 
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/consistent_mass.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/mesh/consistent_mass.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/compare.hpp"

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/geometry/axial_pull.hpp"
+#include "hexaplast/kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

@@ -3,8 +3,8 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/mesh/faces.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

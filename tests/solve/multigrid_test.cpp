@@ -5,8 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "hexaplast/layout/coarsening.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/layout/coarsening.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/compare.hpp"

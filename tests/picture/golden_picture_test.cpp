@@ -9,7 +9,7 @@
 #include "picture/gallery.hpp"
 #include "picture/png_file.hpp"
 #include "picture/section_page.hpp"
-#include "output_support.hpp"
+#include "support/output.hpp"
 
 namespace hexaplast {
 namespace {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "hexaplast/mesh/consistent_mass.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/mesh/consistent_mass.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "picture/axis.hpp"
-#include "output_support.hpp"
+#include "support/output.hpp"
 
 namespace hexaplast::output {
 namespace {

@@ -9,8 +9,8 @@
 #include <cstring>
 
 #include "hexaplast/base/error.hpp"
-#include "output_support.hpp"
 #include "support/compare.hpp"
+#include "support/output.hpp"
 
 namespace hexaplast {
 namespace {

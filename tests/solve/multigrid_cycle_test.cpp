@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/geometry/shapes.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
 #include "solve/multigrid.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <string>
 
-#include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "support/command.hpp"
 
 namespace {

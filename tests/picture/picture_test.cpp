@@ -8,7 +8,7 @@
 #include "picture/gallery.hpp"
 #include "picture/lighting.hpp"
 #include "picture/png_file.hpp"
-#include "output_support.hpp"
+#include "support/output.hpp"
 
 /// OSMesa keeps a few bytes of every drawing context to the end; the leak checker of sanitized builds is told.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so"; }
