@@ -7,6 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "exported_cells.hpp"
 #include "mesh_source.hpp"
 
 // Abaqus input decks, of which the nodes and elements of the first order are read: keyword lines begin with a star,
@@ -173,6 +174,14 @@ class AbaqusFile {
   bool has_nodes_ = false, has_elements_ = false;
 };
 
+/// As many digits as fit into what CalculiX reads of a number.
+std::string short_number(double value) {
+  constexpr std::size_t kLongest = 20;
+  std::string text = fmt::format("{}", value);
+  for (int digits = 16; text.size() > kLongest; --digits) text = fmt::format("{:.{}g}", value, digits);
+  return text;
+}
+
 }  // namespace
 
 ImportedMesh parse_abaqus(std::string_view content, const std::string& name) {
@@ -180,5 +189,24 @@ ImportedMesh parse_abaqus(std::string_view content, const std::string& name) {
 }
 
 ImportedMesh read_abaqus(const std::filesystem::path& file) { return parse_abaqus(whole_file(file), file.string()); }
+
+std::string abaqus_text(const ExportedMesh& mesh) {
+  std::string text;
+  text += fmt::format("*NODE, NSET=ALL\n");
+  for (std::size_t n = 0; n < mesh.points.size() / 3; ++n)
+    text += fmt::format("{}, {}, {}, {}\n", n + 1, short_number(mesh.points[3 * n]),
+                        short_number(mesh.points[3 * n + 1]), short_number(mesh.points[3 * n + 2]));
+  std::size_t number = 0;
+  for_each_kind(mesh, [&](const auto& cells, std::uint8_t kind) {
+    if (cells.empty()) return;
+    const auto [type, set] = kind == kVtkLine       ? std::pair("T3D2", "EDGES")
+                             : kind == kVtkTriangle ? std::pair("S3", "TRIANGLES")
+                             : kind == kVtkQuad     ? std::pair("S4", "QUADS")
+                                                    : std::pair("C3D8", "BODY");
+    text += fmt::format("*ELEMENT, TYPE={}, ELSET={}\n", type, set);
+    for (const auto& cell : cells) text += fmt::format("{}, {}\n", ++number, joined_from_1(cell, ", "));
+  });
+  return text;
+}
 
 }  // namespace hexaplast

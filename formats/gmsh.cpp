@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "exported_cells.hpp"
 #include "mesh_source.hpp"
 
 // Gmsh's file format, as its reference manual describes it: sections between $Name and $EndName; nodes carry tags of
@@ -256,5 +257,25 @@ class GmshFile {
 ImportedMesh parse_gmsh(std::string_view content, const std::string& name) { return GmshFile(content, name).read(); }
 
 ImportedMesh read_gmsh(const std::filesystem::path& file) { return parse_gmsh(whole_file(file), file.string()); }
+
+std::string gmsh_text(const ExportedMesh& mesh) {
+  std::string text;
+  text += fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.points.size() / 3);
+  for (std::size_t n = 0; n < mesh.points.size() / 3; ++n)
+    text += fmt::format("{} {} {} {}\n", n + 1, mesh.points[3 * n], mesh.points[3 * n + 1], mesh.points[3 * n + 2]);
+
+  std::size_t num_cells = 0;
+  for_each_kind(mesh, [&](const auto& cells, std::uint8_t) { num_cells += cells.size(); });
+  text += fmt::format("$EndNodes\n$Elements\n{}\n", num_cells);
+  std::size_t number = 0;
+  for_each_kind(mesh, [&](const auto& cells, std::uint8_t kind) {
+    const int type = kind == kVtkLine ? 1 : kind == kVtkTriangle ? 2 : kind == kVtkQuad ? 3 : 5;
+    // two tags, as Gmsh demands: physical and elementary entity, one of each for a kind of cell
+    for (const auto& cell : cells)
+      text += fmt::format("{} {} 2 {} {} {}\n", ++number, type, type, type, joined_from_1(cell, " "));
+  });
+  text += fmt::format("$EndElements\n");
+  return text;
+}
 
 }  // namespace hexaplast

@@ -11,12 +11,6 @@
 namespace hexaplast {
 namespace {
 
-template <class Cell>
-Cell sorted(Cell cell) {
-  std::ranges::sort(cell);
-  return cell;
-}
-
 /// Adds cells that are not there yet, whatever the order of their nodes.
 template <class Cell>
 class WithoutTwins {
@@ -71,7 +65,7 @@ void triangulate(ImportedMesh& mesh) {
 void add_boundaries_of_cells(ImportedMesh& mesh) {
   WithoutTwins<Quad> quads(mesh.quads);
   for (const Hexahedron& hexahedron : mesh.hexahedra)
-    for (const auto& [a, b, c, d] : kFaces) quads.add({hexahedron[a], hexahedron[b], hexahedron[c], hexahedron[d]});
+    for (const Quad& face : kFaces) quads.add(face_of(hexahedron, face));
 
   WithoutTwins<Edge> edges(mesh.edges);
   for (const Quad& quad : mesh.quads) add_edges_of(quad, edges);

@@ -8,8 +8,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
+#include "exported_cells.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/base64.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
+#include "hexaplast/formats/vtu_grid.hpp"
 #include "hexaplast/formats/xml.hpp"
 #include "mesh_source.hpp"
 
@@ -327,25 +332,15 @@ class VtuFile {
     };
     if (is_raw) return std::string(cut(begin, size));
     const auto encoded = [](std::size_t bytes) { return (bytes / 3 + (bytes % 3 != 0)) * 4; };
-    std::string bytes = from_base64(at, cut(encoded(begin), encoded(size)));
+    std::string bytes = decoded(at, cut(encoded(begin), encoded(size)));
     bytes.resize(size);
     return bytes;
   }
 
-  std::string from_base64(const XMLElement& at, std::string_view text) const {
-    static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string bytes;
-    bytes.reserve(text.size() / 4 * 3);
-    for (std::size_t i = 0; i < text.size(); i += 4) {
-      unsigned group = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::size_t digit = text[i + k] == '=' ? 0 : kDigits.find(text[i + k]);
-        if (digit == kDigits.npos) refuse(at, "holds something that is not base64");
-        group = group << 6 | static_cast<unsigned>(digit);
-      }
-      for (const int shift : {16, 8, 0}) bytes.push_back(static_cast<char>(group >> shift & 0xFF));
-    }
-    return bytes;
+  std::string decoded(const XMLElement& at, std::string_view text) const {
+    std::optional<std::string> bytes = from_base64(text);
+    if (!bytes) refuse(at, "holds something that is not base64");
+    return std::move(*bytes);
   }
 
   std::uint64_t header(std::string_view bytes, std::size_t entry) const {
@@ -430,6 +425,21 @@ ImportedState parse_vtu_state(std::string_view content, const std::string& name)
 
 ImportedState read_vtu_state(const std::filesystem::path& file) {
   return parse_vtu_state(whole_file(file), file.string());
+}
+
+std::string vtu_text(const ExportedMesh& mesh) {
+  VtuGrid grid{.points = mesh.points};
+  std::vector<std::int32_t> connectivity;
+  for_each_kind(mesh, [&]<std::size_t N>(std::span<const std::array<int, N>> cells, std::uint8_t kind) {
+    grid.add_cells(cells.size(), kind, N);
+    for (const auto& cell : cells) connectivity.insert(connectivity.end(), cell.begin(), cell.end());
+  });
+  grid.connectivity = std::as_bytes(std::span(connectivity));
+  for (const ExportedField& field : mesh.point_fields)
+    grid.point_data.push_back(reals(field.name, field.components, field.values));
+  for (const ExportedField& field : mesh.cell_fields)
+    grid.cell_data.push_back(reals(field.name, field.components, field.values));
+  return grid.text();
 }
 
 }  // namespace hexaplast

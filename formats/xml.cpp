@@ -237,4 +237,23 @@ int parse_xml(std::string_view text, const XmlLimits& limits, tinyxml2::XMLDocum
   return num_elements;
 }
 
+std::string escaped(std::string_view words) {
+  std::string text;
+  for (const char c : words) {
+    if (c == '&')
+      text += "&amp;";
+    else if (c == '<')
+      text += "&lt;";
+    else if (c == '>')
+      text += "&gt;";
+    else if (c == '"')
+      text += "&quot;";
+    else if (c == '\'')
+      text += "&#39;";
+    else if (static_cast<unsigned char>(c) >= 0x20)
+      text += c;
+  }
+  return text;
+}
+
 }  // namespace hexaplast

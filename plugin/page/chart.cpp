@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "hexaplast/formats/xml.hpp"
 #include "picture/axis.hpp"
 
 namespace hexaplast::output {
@@ -95,25 +96,6 @@ PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
     line(frame.left, y_of(level.value), right, y_of(level.value), level.colour,
          R"( stroke-width="1.4" stroke-dasharray="6 4")");
   return {across.least, across.most, upwards.least, upwards.most};
-}
-
-std::string escaped(std::string_view words) {
-  std::string text;
-  for (const char c : words) {
-    if (c == '&')
-      text += "&amp;";
-    else if (c == '<')
-      text += "&lt;";
-    else if (c == '>')
-      text += "&gt;";
-    else if (c == '"')
-      text += "&quot;";
-    else if (c == '\'')
-      text += "&#39;";
-    else if (static_cast<unsigned char>(c) >= 0x20)
-      text += c;
-  }
-  return text;
 }
 
 }  // namespace hexaplast::output

@@ -79,7 +79,4 @@ class SvgText {
   std::string text_;
 };
 
-/// Words as text or attribute value of XML and HTML; control characters, which have no place there, are left out.
-std::string escaped(std::string_view words);
-
 }  // namespace hexaplast::output

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "hexaplast/formats/base64.hpp"
+#include "hexaplast/formats/xml.hpp"
 #include "page/page_parts.hpp"
 
 namespace hexaplast::output {
@@ -140,16 +142,7 @@ std::string HtmlPage::finish() && {
 }
 
 std::string data_uri(std::string_view media_type, std::string_view bytes) {
-  static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text = fmt::format("data:{};base64,", media_type);
-  text.reserve(text.size() + (bytes.size() + 2) / 3 * 4);
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    const std::size_t left = std::min<std::size_t>(bytes.size() - at, 3);
-    std::uint32_t three = 0;
-    for (std::size_t i = 0; i < 3; ++i) three = three << 8 | (i < left ? static_cast<unsigned char>(bytes[at + i]) : 0);
-    for (std::size_t i = 0; i < 4; ++i) text += i <= left ? kDigits[three >> (18 - 6 * i) & 63] : '=';
-  }
-  return text;
+  return fmt::format("data:{};base64,{}", media_type, to_base64(bytes));
 }
 
 std::string shell_line(const std::vector<std::string>& words) {

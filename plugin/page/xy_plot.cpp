@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "hexaplast/formats/xml.hpp"
 #include "page/chart.hpp"
 #include "picture/axis.hpp"
 #include "record/files.hpp"

@@ -4,7 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
-#include <numeric>
+
+#include "hexaplast/base/disjoint_sets.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -17,30 +18,13 @@ int corner_at(const Surface::Face& face, int point) {
   return static_cast<int>(std::ranges::find(face, point) - face.begin());
 }
 
-/// Sets that grow together; every member is at first alone.
-class Union {
- public:
-  explicit Union(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int root(int member) {
-    while (parent_[member] != member) member = parent_[member] = parent_[parent_[member]];
-    return member;
-  }
-  void join(int a, int b) {
-    const int one = root(a), other = root(b);
-    parent_[std::max(one, other)] = std::min(one, other);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
 }  // namespace
 
 Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces)
     : original_(std::move(original)), faces_(std::move(faces)) {
   const int num_faces = static_cast<int>(faces_.size());
   std::map<Edge, std::vector<int>> faces_of_edge;
-  Union corners(4 * num_faces);
+  DisjointSets corners(4 * num_faces);
   for (int f = 0; f < num_faces; ++f) {
     if (is_triangle(faces_[f])) corners.join(4 * f + 2, 4 * f + 3);
     for (int k = 0; k < 4; ++k) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "hexaplast/formats/mesh_export.hpp"
 #include "record/files.hpp"
 
 namespace hexaplast::output {
@@ -25,21 +26,6 @@ std::string list(const std::vector<int>& indices) {
     const auto from = indices.begin() + static_cast<std::ptrdiff_t>(begin);
     const auto to = from + static_cast<std::ptrdiff_t>(std::min(kNumbersPerLine, indices.size() - begin));
     lines += fmt::format("{}\n", fmt::join(from, to, ", "));
-  }
-  return lines;
-}
-
-std::string mesh_lines(const HexMesh& mesh) {
-  std::string lines = "*NODE, NSET=ALL\n";
-  for (int n = 0; n < mesh.num_nodes(); ++n) {
-    const auto x = mesh.positions().row(n);
-    lines += fmt::format("{}, {}, {}, {}\n", n + 1, number(x[0]), number(x[1]), number(x[2]));
-  }
-  lines += "*ELEMENT, TYPE=C3D8, ELSET=BODY\n";
-  for (int e = 0; e < mesh.num_elements(); ++e) {
-    Hexahedron corners = mesh.hexahedra()[e];
-    for (int& corner : corners) ++corner;
-    lines += fmt::format("{}, {}\n", e + 1, fmt::join(corners, ", "));
   }
   return lines;
 }
@@ -96,7 +82,9 @@ std::string load_lines(const AbaqusDeck& deck) {
 void write_abaqus_deck(const std::filesystem::path& file, const Body& body, const AbaqusDeck& deck) {
   WholeFile out(file);
   out.write(fmt::format("*HEADING\n{}\n", deck.title));
-  out.write(mesh_lines(body.mesh()));
+  const PointArray& x = body.mesh().positions();
+  out.write(
+      abaqus_text({.points = {x.data(), static_cast<std::size_t>(x.size())}, .hexahedra = body.mesh().hexahedra()}));
   out.write(material_lines(body));
   out.write(boundary_lines(deck.is_free));
   // the first increment is a tenth of the load; the program shortens it where it has to

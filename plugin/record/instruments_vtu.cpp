@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/vtu_grid.hpp"
 #include "record/state_arrays.hpp"
-#include "record/vtu_grid.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -21,7 +21,7 @@ void write_instruments(const std::filesystem::path& file, std::span<const Instru
   PointArray points(static_cast<Eigen::Index>(num_points), 3), force = points;
   std::vector<std::int32_t> ids, nodes, connectivity;
 
-  VtuGrid grid{.points = points, .shown_first = {}};
+  VtuGrid grid{.points = {points.data(), static_cast<std::size_t>(points.size())}, .shown_first = {}};
   for (const Instrument& instrument : instruments) {
     const auto tool = static_cast<std::int32_t>(ids.size());
     const auto num_held = static_cast<Eigen::Index>(instrument.nodes.size());

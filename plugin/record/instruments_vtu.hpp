@@ -9,8 +9,8 @@
 
 namespace hexaplast::output {
 
-/// Writes instruments as a VTK unstructured grid (vtu_grid.hpp): for each of them a vertex where the tool is, and a
-/// line from there to each node that it pulls at. positions: num_nodes x 3 [m].
+/// Writes instruments as a VTK unstructured grid (formats/vtu_grid.hpp): for each of them a vertex where the tool is,
+/// and a line from there to each node that it pulls at. positions: num_nodes x 3 [m].
 ///
 ///   point data: id (of the instrument), node (-1 for the tool), force [N] (pull on a node; at the tool that of all)
 ///

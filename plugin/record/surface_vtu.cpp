@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/vtu_grid.hpp"
 #include "record/state_arrays.hpp"
-#include "record/vtu_grid.hpp"
 
 namespace hexaplast::output {
 
@@ -37,7 +37,7 @@ void CarriedSkins::write(const std::filesystem::path& file, ConstPoints position
   for (std::size_t p = 0; p < surface.size(); ++p)
     plastic_strain[p] = std::clamp(blended(static_cast<Eigen::Index>(p), 0), least, most);
 
-  VtuGrid grid{.points = points, .shown_first = {}};
+  VtuGrid grid{.points = {points.data(), static_cast<std::size_t>(points.size())}, .shown_first = {}};
   const auto add_faces = [&](const auto& faces, std::size_t s, std::uint8_t type) {
     for (const auto& face : faces) {
       if (!is_carried(face, embeddings_[s], alive)) continue;

@@ -17,8 +17,8 @@ class CarriedSkins {
 
   bool empty() const { return skins_.empty(); }
 
-  /// Writes all skins as one VTK unstructured grid of triangles and quads (vtu_grid.hpp), whose points move with the
-  /// nodes at `positions` [m]:
+  /// Writes all skins as one VTK unstructured grid of triangles and quads (formats/vtu_grid.hpp), whose points move
+  /// with the nodes at `positions` [m]:
   ///
   ///   point data: displacement [m], surface (number of the skin), plastic_strain [-]
   ///

@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "record/vtu_grid.hpp"
+#include "hexaplast/formats/vtu_grid.hpp"
 
 namespace hexaplast::output {
 
@@ -34,7 +34,9 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
   std::vector<std::int32_t> part(hexahedra.size());
   for (std::size_t e = 0; e < part.size(); ++e) part[e] = parts.part_of_node[hexahedra[e][0]];
 
-  VtuGrid grid{.points = world, .connectivity = std::as_bytes(std::span(hexahedra)), .shown_first = "plastic_strain"};
+  VtuGrid grid{.points = {world.data(), static_cast<std::size_t>(world.size())},
+               .connectivity = std::as_bytes(std::span(hexahedra)),
+               .shown_first = "plastic_strain"};
   grid.add_cells(hexahedra.size(), kVtkHexahedron, kCorners);
   grid.point_data = {vectors("displacement", displacement), vectors("material_position", body.history().material),
                      vectors("velocity", velocity)};

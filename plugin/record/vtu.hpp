@@ -8,7 +8,7 @@
 
 namespace hexaplast::output {
 
-/// Writes one state of a body as a VTK unstructured grid of hexahedra (vtu_grid.hpp). The points are the world
+/// Writes one state of a body as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the world
 /// positions [m].
 ///
 ///   point data: displacement [m], material_position [m], velocity [m/s], and as far as they are given fixed (0 or 1)

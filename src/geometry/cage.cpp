@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "hexaplast/base/disjoint_sets.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
@@ -161,29 +162,6 @@ HexMesh mesh_of(const std::vector<GridCell>& kept, const CageGrid& grid) {
   }
   return HexMesh(std::move(positions), std::move(hexahedra));
 }
-
-/// Sets that grow together.
-class DisjointSets {
- public:
-  explicit DisjointSets(int count) : parent_(static_cast<std::size_t>(count)), num_sets_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  void join(int a, int b) {
-    const int of_a = representative(a), of_b = representative(b);
-    if (of_a == of_b) return;
-    parent_[of_b] = of_a;
-    --num_sets_;
-  }
-  int num_sets() const { return num_sets_; }
-
- private:
-  int representative(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  std::vector<int> parent_;
-  int num_sets_;
-};
 
 bool share_a_face(const Hexahedron& a, const Hexahedron& b) {
   return std::ranges::count_if(a, [&](int node) { return std::ranges::count(b, node) > 0; }) == 4;

@@ -91,11 +91,6 @@ class Crossings {
   std::array<std::array<int, kNumPlaces>, kNumPlaces> point_;
 };
 
-Quad sorted(Quad face) {
-  std::ranges::sort(face);
-  return face;
-}
-
 }  // namespace
 
 PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const Plane& plane,
@@ -181,8 +176,7 @@ PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const P
     for (const Cell& cell : cells) add_cell(cell, corners, corner_height, lines);
     for (int f = 0; f < kNumFaces; ++f) {
       if (lines[f].empty()) continue;
-      const Quad face =
-          sorted({corners[kFaces[f][0]], corners[kFaces[f][1]], corners[kFaces[f][2]], corners[kFaces[f][3]]});
+      const Quad face = sorted(face_of(corners, kFaces[f]));
       const auto [found, is_new] = cut_faces.try_emplace(face);
       if (is_new) {
         order.push_back(face);

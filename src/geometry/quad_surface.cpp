@@ -45,10 +45,9 @@ QuadSurface::QuadSurface(PointArray positions, std::vector<Quad> quads)
   not_finite.refuse("vertices with a coordinate that is not finite", "coordinates must be finite numbers");
 
   for (int q = 0; q < num_quads(); ++q) {
-    Quad sorted = quads_[q];
-    std::ranges::sort(sorted);
-    if (sorted.front() < 0 || sorted.back() >= num_vertices()) out_of_range.add(q);
-    if (std::ranges::adjacent_find(sorted) != sorted.end()) repeated.add(q);
+    const Quad vertices = sorted(quads_[q]);
+    if (vertices.front() < 0 || vertices.back() >= num_vertices()) out_of_range.add(q);
+    if (std::ranges::adjacent_find(vertices) != vertices.end()) repeated.add(q);
   }
   out_of_range.refuse("quads with a vertex out of range",
                       fmt::format("indices must lie in [0, {})", num_vertices()).c_str());

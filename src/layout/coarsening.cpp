@@ -54,18 +54,13 @@ Lattice least(const std::array<Lattice, kCorners>& corners) {
 /// Charts::across.
 std::vector<std::array<int, 6>> neighbours(const std::vector<Hexahedron>& hexahedra) {
   struct Face {
-    std::array<int, 4> nodes;
+    Quad nodes;  // sorted
     int element, side;
   };
   std::vector<Face> faces;
   faces.reserve(hexahedra.size() * 6);
   for (int e = 0; e < static_cast<int>(hexahedra.size()); ++e)
-    for (int side = 0; side < 6; ++side) {
-      Face face{{}, e, side};
-      for (int k = 0; k < 4; ++k) face.nodes[k] = hexahedra[e][kFaces[side][k]];
-      std::sort(face.nodes.begin(), face.nodes.end());
-      faces.push_back(face);
-    }
+    for (int side = 0; side < 6; ++side) faces.push_back({sorted(face_of(hexahedra[e], kFaces[side])), e, side});
   std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
     return a.nodes != b.nodes ? a.nodes < b.nodes : a.element < b.element;
   });

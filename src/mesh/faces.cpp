@@ -11,11 +11,8 @@ std::vector<Quad> faces_of(std::span<const Hexahedron> hexahedra) {
   std::set<Quad> known;  // by sorted nodes
   for (const Hexahedron& corners : hexahedra) {
     for (const auto& local : kFaces) {
-      Quad face;
-      for (int k = 0; k < 4; ++k) face[k] = corners[local[k]];
-      Quad sorted = face;
-      std::sort(sorted.begin(), sorted.end());
-      if (!known.insert(sorted).second) continue;
+      Quad face = face_of(corners, local);
+      if (!known.insert(sorted(face)).second) continue;
       std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
       faces.push_back(face);
     }
@@ -28,7 +25,7 @@ std::vector<Edge> edges_of(std::span<const Hexahedron> hexahedra) {
   std::set<Edge> known;
   for (const Hexahedron& corners : hexahedra) {
     for (const auto& [a, b] : kEdges) {
-      const Edge edge{std::min(corners[a], corners[b]), std::max(corners[a], corners[b])};
+      const Edge edge = sorted(Edge{corners[a], corners[b]});
       if (known.insert(edge).second) edges.push_back(edge);
     }
   }

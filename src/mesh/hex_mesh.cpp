@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
+#include "hexaplast/base/disjoint_sets.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
@@ -31,12 +31,6 @@ bool is_sound(const ElementPoints& x) {
   return true;
 }
 
-/// Representative of a node's set in a disjoint-set forest, shortening the path on the way.
-int representative(std::vector<int>& parent, int node) {
-  while (parent[node] != node) node = parent[node] = parent[parent[node]];
-  return node;
-}
-
 }  // namespace
 
 HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
@@ -47,10 +41,9 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
   not_finite.refuse("nodes with a coordinate that is not finite", "coordinates must be finite numbers");
 
   for (int e = 0; e < num_elements(); ++e) {
-    Hexahedron sorted = hexahedra_[e];
-    std::sort(sorted.begin(), sorted.end());
-    if (sorted.front() < 0 || sorted.back() >= num_nodes()) out_of_range.add(e);
-    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) repeated.add(e);
+    const Hexahedron nodes = sorted(hexahedra_[e]);
+    if (nodes.front() < 0 || nodes.back() >= num_nodes()) out_of_range.add(e);
+    if (std::ranges::adjacent_find(nodes) != nodes.end()) repeated.add(e);
   }
   out_of_range.refuse("hexahedra with a node index out of range",
                       fmt::format("indices must lie in [0, {})", num_nodes()).c_str());
@@ -74,40 +67,36 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
     for (int a = 0; a < kCorners; ++a) incidence_[next[hexahedra_[e][a]]++] = {e, a};
 }
 
-std::vector<std::array<int, 4>> HexMesh::boundary_faces(std::span<const unsigned char> alive) const {
+std::vector<Quad> HexMesh::boundary_faces(std::span<const unsigned char> alive) const {
   struct Face {
-    std::array<int, 4> corners;
+    Quad corners;
     int count = 0;
   };
-  std::map<std::array<int, 4>, Face> faces;  // by sorted corners
+  std::map<Quad, Face> faces;  // by sorted corners
   for (int e = 0; e < num_elements(); ++e) {
     if (!alive.empty() && !alive[e]) continue;
     const Hexahedron& hexahedron = hexahedra_[e];
     for (const auto& local : kFaces) {
-      std::array<int, 4> corners, key;
-      for (int k = 0; k < 4; ++k) corners[k] = hexahedron[local[k]];
-      key = corners;
-      std::sort(key.begin(), key.end());
-      Face& face = faces[key];
+      const Quad corners = face_of(hexahedron, local);
+      Face& face = faces[sorted(corners)];
       face.corners = corners;
       ++face.count;
     }
   }
-  std::vector<std::array<int, 4>> boundary;
+  std::vector<Quad> boundary;
   for (const auto& [key, face] : faces)
     if (face.count == 1) boundary.push_back(face.corners);
   return boundary;
 }
 
 ConnectedParts connected_parts(const HexMesh& mesh, std::span<const unsigned char> alive) {
-  std::vector<int> parent(mesh.num_nodes());
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets sets(mesh.num_nodes());
   std::vector<bool> has_element(mesh.num_nodes(), false);
   for (int e = 0; e < mesh.num_elements(); ++e) {
     if (!alive[e]) continue;
     const Hexahedron& corners = mesh.hexahedra()[e];
     for (const int node : corners) {
-      parent[representative(parent, node)] = representative(parent, corners[0]);
+      sets.join(corners[0], node);
       has_element[node] = true;
     }
   }
@@ -116,7 +105,7 @@ ConnectedParts connected_parts(const HexMesh& mesh, std::span<const unsigned cha
   std::vector<int> number(mesh.num_nodes(), -1);
   for (int n = 0; n < mesh.num_nodes(); ++n) {
     if (!has_element[n]) continue;
-    int& part = number[representative(parent, n)];
+    int& part = number[sets.root(n)];
     if (part < 0) part = parts.count++;
     parts.part_of_node[n] = part;
   }

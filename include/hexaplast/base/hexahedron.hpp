@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 
 namespace hexaplast {
 
@@ -35,5 +37,17 @@ using Hexahedron = std::array<int, kCorners>;
 using Quad = std::array<int, 4>;
 using Triangle = std::array<int, 3>;
 using Edge = std::array<int, 2>;
+
+/// Nodes of a face of a hexahedron; face: one of kFaces.
+inline Quad face_of(const Hexahedron& nodes, const Quad& face) {
+  return {nodes[face[0]], nodes[face[1]], nodes[face[2]], nodes[face[3]]};
+}
+
+/// The same for all cells of the same nodes, whatever their order.
+template <std::size_t N>
+std::array<int, N> sorted(std::array<int, N> nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  return nodes;
+}
 
 }  // namespace hexaplast

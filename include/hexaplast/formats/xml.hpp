@@ -40,4 +40,7 @@ class XmlError : public InputError {
 /// without elements leaves the document without a root. Returns the number of elements.
 int parse_xml(std::string_view text, const XmlLimits& limits, tinyxml2::XMLDocument& document);
 
+/// Words as text or attribute value of XML and HTML; control characters, which have no place there, are left out.
+std::string escaped(std::string_view words);
+
 }  // namespace hexaplast

@@ -37,7 +37,7 @@ class HexMesh {
 
   /// Faces that belong to one element only, counter-clockwise seen from outside: the surface of the body.
   /// `alive`, if not empty, has one entry per element: only elements with a non-zero entry count.
-  std::vector<std::array<int, 4>> boundary_faces(std::span<const unsigned char> alive = {}) const;
+  std::vector<Quad> boundary_faces(std::span<const unsigned char> alive = {}) const;
 
  private:
   PointArray positions_;

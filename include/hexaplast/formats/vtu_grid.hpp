@@ -5,17 +5,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
 
-namespace hexaplast::output {
+namespace hexaplast {
 
 /// One array of a .vtu file: how its header describes it, and its bytes, which stay where they are until they are
 /// written.
 struct VtuArray {
-  std::string_view type;
+  std::string_view type;  ///< Float64, Int64, Int32 or UInt8
   std::string_view name;
   int components;
   std::span<const std::byte> bytes;
@@ -26,14 +27,14 @@ VtuArray scalars(std::string_view type, std::string_view name, const std::vector
   return {type, name, 1, std::as_bytes(std::span(values))};
 }
 
+VtuArray reals(std::string_view name, int components, std::span<const double> values);
 VtuArray vectors(std::string_view name, const PointArray& field);
 
 inline constexpr std::uint8_t kVtkVertex = 1, kVtkLine = 3, kVtkTriangle = 5, kVtkQuad = 9, kVtkHexahedron = 12;
 
-/// An unstructured grid of VTK as XML with raw appended binary, little-endian, 64-bit headers: every number with all
-/// its bits.
+/// An unstructured grid of VTK (.vtu), every number with all its bits. Names are escaped where XML demands it.
 struct VtuGrid {
-  const PointArray& points;                      ///< [m]
+  std::span<const double> points;                ///< [m] three per point
   std::span<const std::byte> connectivity = {};  ///< 32-bit point numbers of all cells
   std::vector<std::int64_t> ends = {};           ///< of each cell in the connectivity
   std::vector<std::uint8_t> types = {};          ///< of each cell
@@ -41,7 +42,10 @@ struct VtuGrid {
   std::string_view shown_first = {};  ///< cell data that programs show at once; empty: none
 
   void add_cells(std::size_t count, std::uint8_t type, int corners);  ///< cells of one type
-  void write(const std::filesystem::path& file) const;                ///< Throws OutputError.
+
+  /// As XML with raw appended binary, little-endian, 64-bit headers. Throws OutputError.
+  void write(const std::filesystem::path& file) const;
+  std::string text() const;  ///< as XML alone: numbers with as many digits as it takes to read them back
 };
 
-}  // namespace hexaplast::output
+}  // namespace hexaplast

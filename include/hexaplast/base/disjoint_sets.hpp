@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+namespace hexaplast {
+
+/// Sets of the numbers [0, count) that grow together (union-find); every number is at first alone.
+class DisjointSets {
+ public:
+  explicit DisjointSets(int count) : parent_(static_cast<std::size_t>(count)), num_sets_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  /// The set of `b` joins that of `a`, whose root stays.
+  void join(int a, int b) {
+    const int of_a = root(a), of_b = root(b);
+    if (of_a == of_b) return;
+    parent_[static_cast<std::size_t>(of_b)] = of_a;
+    --num_sets_;
+  }
+
+  /// One member of the set that stands for it.
+  int root(int member) {
+    auto at = static_cast<std::size_t>(member);
+    while (parent_[at] != static_cast<int>(at))
+      at = static_cast<std::size_t>(parent_[at] = parent_[static_cast<std::size_t>(parent_[at])]);
+    return static_cast<int>(at);
+  }
+
+  int num_sets() const { return num_sets_; }
+
+ private:
+  std::vector<int> parent_;
+  int num_sets_;
+};
+
+}  // namespace hexaplast
