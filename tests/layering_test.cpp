@@ -1,26 +1,30 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <regex>
+#include <set>
 #include <string>
+#include <vector>
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Height of each module in the order of the data flow: an include may only point down, or stay in its own module.
-/// Modules of equal height are siblings and do not include one another.
+/// Height of each room in the order of the data flow: what a room uses lies below it, or in it. Rooms of equal height
+/// are siblings and do not use one another.
 const std::map<std::string, int> kHeight{
     {"base", 0},
     {"mesh", 1},
     {"material", 1},
     {"layout", 2},
     {"geometry", 2},
+    {"formats", 3},
     {"kinematics", 3},
     {"state", 4},
     {"elastic", 5},
@@ -30,7 +34,6 @@ const std::map<std::string, int> kHeight{
     {"inspect", 7},
     {"survey", 7},
     {"moving_body", 7},
-    {"formats", 3},
     {"attributes", 8},
     {"scene", 9},
     {"components", 10},
@@ -40,6 +43,7 @@ const std::map<std::string, int> kHeight{
     {"view", 13},
     {"runner", 14},
     {"sofa", 14},
+    {"python", 14},
     // below benchmarks/
     {"baselines", 7},
     {"bench", 8},
@@ -49,49 +53,88 @@ const std::map<std::string, int> kHeight{
     {"calculix", 14},
 };
 
-/// Module that a path below include/hexaplast, src, formats, plugin or benchmarks belongs to: its first folder, or body
-/// for the file of that name.
-std::optional<std::string> module_of(const fs::path& path) {
+/// Room that a path below a folder of sources belongs to: its first folder, or the file of that name.
+std::optional<std::string> room_of(const fs::path& path) {
   if (path.empty()) return std::nullopt;
   const std::string first = path.begin()->stem().string();
   if (kHeight.count(first)) return first;
   return std::nullopt;
 }
 
-/// Module that the text between the quotes of an include refers to.
-std::optional<std::string> module_of_include(const std::string& text) {
-  for (const char* root : {"hexaplast/", "plugin/"}) {
-    if (text.rfind(root, 0) == 0) return module_of(fs::path(text.substr(std::string(root).size())));
+/// Room that an include refers to, in quotes or angle brackets.
+std::optional<std::string> room_of_include(const std::string& text) {
+  for (const std::string root : {"hexaplast/plugin/", "hexaplast/", "plugin/"}) {
+    if (text.starts_with(root)) return room_of(fs::path(text.substr(root.size())));
   }
-  return module_of(fs::path(text));
+  return text.find('/') == text.npos ? std::nullopt : room_of(fs::path(text));  // else a file next to the including one
 }
 
-TEST(Layering, IncludesPointDown) {
-  const fs::path root(HEXAPLAST_SOURCE_DIR);
-  const std::regex include("^\\s*#include\\s+\"([^\"]+)\".*");
-  int num_includes = 0;
+struct SourceFile {
+  fs::path path;
+  std::string room;
+  std::vector<std::string> lines;
+};
 
-  for (const char* folder : {"include/hexaplast", "src", "formats", "plugin", "benchmarks"}) {
+/// All files of C++ but the tests.
+std::vector<SourceFile> sources() {
+  const fs::path root(HEXAPLAST_SOURCE_DIR);
+  std::vector<SourceFile> files;
+  for (const char* folder : {"include/hexaplast", "src", "formats", "plugin", "python", "benchmarks"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       const fs::path extension = entry.path().extension();
       if (extension != ".hpp" && extension != ".cpp" && extension != ".h") continue;
       const fs::path below = fs::relative(entry.path(), root / folder);
-      const auto from = module_of(kHeight.count(folder) ? folder / below : below);
-      ASSERT_TRUE(from) << entry.path() << " belongs to no module: name it in this test, at its height";
-
-      std::ifstream file(entry.path());
-      std::smatch match;
-      for (std::string line; std::getline(file, line);) {
-        if (!std::regex_match(line, match, include)) continue;
-        const auto to = module_of_include(match[1]);
-        if (!to) continue;  // a file next to the including one
-        ++num_includes;
-        EXPECT_TRUE(*from == *to || kHeight.at(*to) < kHeight.at(*from))
-            << entry.path() << ": " << *from << " includes " << *to << ", which does not lie below it";
-      }
+      const auto room = room_of(kHeight.count(folder) ? folder / below : below);
+      EXPECT_TRUE(room) << entry.path() << " belongs to no room: name it in this test, at its height";
+      SourceFile& file = files.emplace_back(entry.path(), room.value_or(""));
+      std::ifstream in(entry.path());
+      for (std::string line; std::getline(in, line);) file.lines.push_back(line);
     }
   }
-  EXPECT_GT(num_includes, 50) << "the search has lost its object";
+  return files;
+}
+
+bool may_use(const std::string& from, const std::string& to) { return from == to || kHeight.at(to) < kHeight.at(from); }
+
+TEST(Layering, IncludesPointDown) {
+  const std::regex include("^\\s*#include\\s+[\"<]([^\">]+)[\">].*");
+  int num_includes = 0;
+  for (const SourceFile& file : sources()) {
+    std::smatch match;
+    for (const std::string& line : file.lines) {
+      if (!std::regex_match(line, match, include)) continue;
+      const auto to = room_of_include(match[1]);
+      if (!to) continue;
+      ++num_includes;
+      EXPECT_TRUE(may_use(file.room, *to))
+          << file.path << ": " << file.room << " includes " << *to << ", which does not lie below it";
+    }
+  }
+  EXPECT_GT(num_includes, 1000) << "the search has lost its object";
+}
+
+// A class that is only announced is used all the same.
+TEST(Layering, ForwardDeclarationsPointDown) {
+  const std::regex definition("^(?:class|struct) (\\w+)(?: final)?(?: :.*| \\{.*|)$");
+  const std::regex declaration("^(?:class|struct) (\\w+);.*");
+  const std::vector<SourceFile> files = sources();
+  std::map<std::string, std::set<std::string>> rooms_of;  // in which a class of that name is defined
+  std::smatch match;
+  for (const SourceFile& file : files)
+    for (const std::string& line : file.lines)
+      if (std::regex_match(line, match, definition)) rooms_of[match[1]].insert(file.room);
+
+  int num_declarations = 0;
+  for (const SourceFile& file : files)
+    for (const std::string& line : file.lines) {
+      if (!std::regex_match(line, match, declaration)) continue;
+      const auto rooms = rooms_of.find(match[1]);
+      if (rooms == rooms_of.end()) continue;  // a class of a library
+      ++num_declarations;
+      EXPECT_TRUE(std::ranges::any_of(rooms->second, [&](const std::string& to) { return may_use(file.room, to); }))
+          << file.path << ": " << file.room << " announces " << match[1] << ", which is not of a room below it";
+    }
+  EXPECT_GT(num_declarations, 3) << "the search has lost its object";
 }
 
 TEST(Layering, OnlyItsPluginKnowsSofa) {

@@ -9,7 +9,7 @@
 
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "scene/node.hpp"
 

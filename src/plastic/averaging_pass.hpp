@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/base/chunked_operator.hpp"
+#include "hexaplast/layout/chunked_operator.hpp"
 #include "hexaplast/plastic/averaging.hpp"
 
 namespace hexaplast {

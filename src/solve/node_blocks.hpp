@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/layout/partition.hpp"
 
 namespace hexaplast {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "hexaplast/base/chunked_operator.hpp"
+#include "hexaplast/layout/chunked_operator.hpp"
 #include "hexaplast/layout/coarse_mesh.hpp"
 #include "hexaplast/state/linearization.hpp"
 

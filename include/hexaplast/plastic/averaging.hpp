@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/state/history.hpp"
 
 namespace hexaplast {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/layout/linear_system.hpp"
 
 namespace hexaplast {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "hexaplast/base/chunked_operator.hpp"
+#include "hexaplast/layout/chunked_operator.hpp"
 #include "hexaplast/layout/partition.hpp"
 
 namespace hexaplast {

@@ -11,7 +11,7 @@
 #include <cmath>
 
 #include "attributes/hexaplast.hpp"
-#include "hexaplast/base/linear_system.hpp"
+#include "hexaplast/layout/linear_system.hpp"
 
 namespace hexaplast::sofa_plugin
 {

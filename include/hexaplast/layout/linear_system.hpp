@@ -8,9 +8,9 @@
 
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/chunked_operator.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/base/types.hpp"
+#include "hexaplast/layout/chunked_operator.hpp"
 
 namespace hexaplast {
 
