@@ -10,6 +10,7 @@
 #include <string>
 
 #include "bench/bar.hpp"
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
@@ -43,7 +44,7 @@ void carry_out(const std::string& name, int count) {
   body.linearize(x);
   KernelSystem system;
   body.to_kernels(-1, system);
-  const std::size_t size = 4 * static_cast<std::size_t>(body.model().partition->num_slots);
+  const std::size_t size = 4 * static_cast<std::size_t>(body.state().model.partition->num_slots);
   AlignedVector<double> p(size, 1.0), Ap(size, 0.0);
   AlignedVector<float> single_p(size, 1.0F), single_Ap(size, 0.0F);
 

@@ -10,6 +10,8 @@
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/layout/linear_system.hpp"
+#include "layout/partition.hpp"
 
 namespace {
 

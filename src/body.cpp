@@ -10,14 +10,16 @@
 #include <istream>
 #include <ostream>
 
+#include "base/finite.hpp"
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/material/corotated.hpp"
-#include "hexaplast/plastic/point_flow.hpp"
+#include "kinematics/gradients.hpp"
+#include "kinematics/polar.hpp"
+#include "material/corotated.hpp"
+#include "plastic/point_flow.hpp"
+#include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
 
@@ -82,106 +84,138 @@ PreconditionedConjugateGradients averaging_solver(const Model& model) {
   return {model.settings.averaging_residual(), kAveragingIterations, Preconditioner::kMultigrid};
 }
 
+Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings settings)
+    : model(std::move(mesh), std::move(materials), settings),
+      history(model),
+      at(model),
+      averaging_solver(hexaplast::averaging_solver(model)) {
+  if (model.can_flow()) flow.emplace(model, history);
+}
+
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
-    : model_(std::move(mesh), std::move(materials), settings),
-      history_(model_),
-      at_(model_),
-      averaging_solver_(averaging_solver(model_)) {
-  if (model_.can_flow()) flow_.emplace(model_, history_);
+    : state_(std::make_unique<State>(std::move(mesh), std::move(materials), settings)) {}
+Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {}
+Body::Body(Body&& other) noexcept = default;
+Body& Body::operator=(Body other) noexcept {
+  state_.swap(other.state_);
+  return *this;
+}
+Body::~Body() = default;
+
+const HexMesh& Body::mesh() const { return state_->model.mesh; }
+const std::vector<Material>& Body::materials() const { return state_->model.materials; }
+const Material& Body::material(int hexahedron) const { return state_->model.material(hexahedron); }
+const Settings& Body::settings() const { return state_->model.settings; }
+bool Body::can_flow() const { return state_->model.can_flow(); }
+
+const PointArray& Body::plastic_rest_positions() const { return state_->history.material; }
+std::span<const unsigned char> Body::alive() const { return state_->history.alive; }
+std::span<const int> Body::removed() const { return state_->history.removed; }
+std::span<const CornerValues> Body::yield_stress() const { return state_->history.yield_stress; }
+std::span<const CornerValues> Body::plastic_strain() const { return state_->history.plastic_strain; }
+double Body::dissipated_energy() const { return state_->history.dissipated_energy; }
+
+ElementPoints Body::element_rest_shape(int hexahedron) const {
+  const ElementHistory element = state_->history.element(hexahedron);
+  ElementPoints shape;
+  for (int a = 0; a < kCorners; ++a)
+    shape.row(a) = (element.rotation_map[a] * element.rest_shape.row(a).transpose()).transpose();
+  return about_mean(shape);
 }
 
-void Body::require_field(const char* call, const char* name, ConstPoints field) const {
-  require_rows(call, name, field, model_.mesh.num_nodes());
+void Body::State::require_field(const char* call, const char* name, ConstPoints field) const {
+  require_rows(call, name, field, model.mesh.num_nodes());
 }
 
-void Body::require_linearized(const char* call) const {
-  if (not_linearized_since_)
+void Body::State::require_linearized(const char* call) const {
+  if (not_linearized_since)
     throw InputError(
-        fmt::format("{}: linearize must be called first, which it was not since {}", call, not_linearized_since_));
+        fmt::format("{}: linearize must be called first, which it was not since {}", call, not_linearized_since));
 }
 
 void Body::linearize(ConstPoints x) {
-  require_field("linearize", "x", x);
-  hexaplast::linearize(model_, history_, x, at_);
-  not_linearized_since_ = nullptr;
+  state_->require_field("linearize", "x", x);
+  hexaplast::linearize(state_->model, state_->history, x, state_->at);
+  state_->not_linearized_since = nullptr;
 }
 
 void Body::add_force(Points f) const {
-  require_linearized("add_force");
-  require_field("add_force", "f", f);
-  hexaplast::add_force(model_, at_, f);
+  state_->require_linearized("add_force");
+  state_->require_field("add_force", "f", f);
+  hexaplast::add_force(state_->model, state_->at, f);
 }
 
 void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
-  require_linearized("add_stiffness_product");
-  require_field("add_stiffness_product", "dx", dx);
-  require_field("add_stiffness_product", "df", df);
-  hexaplast::add_stiffness_product(model_, at_, factor, dx, product_, df);
+  state_->require_linearized("add_stiffness_product");
+  state_->require_field("add_stiffness_product", "dx", dx);
+  state_->require_field("add_stiffness_product", "df", df);
+  hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->product, df);
 }
 
 void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
-  require_linearized("add_stiffness_blocks");
-  require_count("add_stiffness_blocks", "K", K.num_nodes(), model_.mesh.num_nodes());
-  hexaplast::add_stiffness_blocks(model_, at_, factor, K);
+  state_->require_linearized("add_stiffness_blocks");
+  require_count("add_stiffness_blocks", "K", K.num_nodes(), state_->model.mesh.num_nodes());
+  hexaplast::add_stiffness_blocks(state_->model, state_->at, factor, K);
 }
 
 void Body::to_kernels(double factor, KernelSystem& system) const {
-  require_linearized("to_kernels");
+  state_->require_linearized("to_kernels");
   KernelBody& body = system.bodies.emplace_back();
   body.factor = -factor;  // L = - df/dx
-  body.double_operator = std::get_if<ElementOperator<double, double>>(&at_.op);
-  if (const auto* half = std::get_if<ElementOperator<float, Half>>(&at_.op)) body.single_operator = half;
-  if (const auto* single = std::get_if<ElementOperator<float, float>>(&at_.op)) body.single_operator = single;
+  body.double_operator = std::get_if<ElementOperator<double, double>>(&state_->at.op);
+  if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
+  if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;
   if (body.single_operator) {
-    exact_.refer_to(model_, at_);
-    body.exact_operator = &exact_;
+    state_->exact.refer_to(state_->model, state_->at);
+    body.exact_operator = &state_->exact;
   }
   if (!system.wants_coarse) return;
-  if (!hierarchy_) hierarchy_.emplace(model_);
-  body.coarse = hierarchy_->update(model_, at_);
+  if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
+  body.coarse = state_->hierarchy->update(state_->model, state_->at);
 }
 
 double Body::energy(ConstPoints x) const {
-  require_field("energy", "x", x);
-  return hexaplast::energy(model_, history_, x, product_);
+  state_->require_field("energy", "x", x);
+  return hexaplast::energy(state_->model, state_->history, x, state_->product);
 }
 
 FlowReport Body::flow(ConstPoints x, double dt) {
-  require_field("flow", "x", x);
-  if (dt != checked_dt_) {
+  state_->require_field("flow", "x", x);
+  if (dt != state_->checked_dt) {
     if (!(dt > 0) || !std::isfinite(dt)) throw InputError(fmt::format("dt = {} s: must be in (0, inf)", dt));
     // a body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it
-    if (model_.can_flow()) check_time_step(model_.materials, model_.settings, dt);
-    checked_dt_ = dt;
+    if (state_->model.can_flow()) check_time_step(state_->model.materials, state_->model.settings, dt);
+    state_->checked_dt = dt;
   }
   require_finite(x, "position");
-  not_linearized_since_ = "flow";
-  if (mostly_flows_)
-    set_positions(model_, history_, x, at_);
+  state_->not_linearized_since = "flow";
+  if (state_->mostly_flows)
+    set_positions(state_->model, state_->history, x, state_->at);
   else
-    hexaplast::linearize(model_, history_, x, at_);
-  if (!flow_) return count_inverted(model_, at_);
-  const FlowReport report = hexaplast::flow(model_, at_, dt, averaging_solver_, history_, *flow_);
-  mostly_flows_ = 2 * report.yielded > model_.mesh.num_elements();
+    hexaplast::linearize(state_->model, state_->history, x, state_->at);
+  if (!state_->flow) return count_inverted(state_->model, state_->at);
+  const FlowReport report =
+      hexaplast::flow(state_->model, state_->at, dt, state_->averaging_solver, state_->history, *state_->flow);
+  state_->mostly_flows = 2 * report.yielded > state_->model.mesh.num_elements();
   return report;
 }
 
 void Body::remove(std::span<const int> elements) {
   for (const int e : elements)
-    if (e < 0 || e >= model_.mesh.num_elements())
-      throw InputError(fmt::format("hexahedron {} must lie in [0, {})", e, model_.mesh.num_elements()));
-  not_linearized_since_ = "remove";
+    if (e < 0 || e >= state_->model.mesh.num_elements())
+      throw InputError(fmt::format("hexahedron {} must lie in [0, {})", e, state_->model.mesh.num_elements()));
+  state_->not_linearized_since = "remove";
   for (const int e : elements) {
-    if (!history_.alive[e]) continue;
-    history_.alive[e] = 0;
-    history_.removed.push_back(e);
+    if (!state_->history.alive[e]) continue;
+    state_->history.alive[e] = 0;
+    state_->history.removed.push_back(e);
   }
-  ++history_.version;
+  ++state_->history.version;
 }
 
 void Body::set_materials(std::vector<Material> materials) {
-  Model changed(model_, std::move(materials));
-  History history = history_;
+  Model changed(state_->model, std::move(materials));
+  History history = state_->history;
   if (changed.tracks_plastic_stretch && history.plastic_stretch.empty())
     history.plastic_stretch = History(changed).plastic_stretch;
   else if (!changed.tracks_plastic_stretch)
@@ -189,50 +223,50 @@ void Body::set_materials(std::vector<Material> materials) {
   const bool could_rotate = !history.rotation_yield.empty();
   if (changed.can_rotate && !could_rotate) history.rotation_yield = History(changed).rotation_yield;
   for (int e = 0; e < changed.mesh.num_elements(); ++e) {
-    const Material &before = model_.material(e), &now = changed.material(e);
+    const Material &before = state_->model.material(e), &now = changed.material(e);
     for (int i = 0; i < kCorners; ++i) {
       history.yield_stress[e][i] = moved(history.yield_stress[e][i], before.yield_stress, now.yield_stress);
       if (could_rotate)
         history.rotation_yield[e][i] = moved(history.rotation_yield[e][i], before.rotation_yield, now.rotation_yield);
     }
   }
-  take(std::move(changed), std::move(history), "set_materials");
+  state_->take(std::move(changed), std::move(history), "set_materials");
 }
 
-void Body::take(Model model, History history, const char* call) {
-  const long version = history_.version;
-  model_ = std::move(model);
-  history_ = std::move(history);
-  history_.version = version + 1;  // what was derived from the old history is old
-  at_ = Linearization(model_);
-  not_linearized_since_ = call;
-  flow_.reset();
-  if (model_.can_flow()) flow_.emplace(model_, history_);
-  mostly_flows_ = false;
-  checked_dt_ = 0;
-  hierarchy_.reset();
+void Body::State::take(Model changed, History changed_history, const char* call) {
+  const long version = history.version;
+  model = std::move(changed);
+  history = std::move(changed_history);
+  history.version = version + 1;  // what was derived from the old history is old
+  at = Linearization(model);
+  not_linearized_since = call;
+  flow.reset();
+  if (model.can_flow()) flow.emplace(model, history);
+  mostly_flows = false;
+  checked_dt = 0;
+  hierarchy.reset();
 }
 
-void Body::write(Archive& archive) const {
-  std::vector<Material> materials = model_.materials;
+void Body::State::write(Archive& archive) const {
+  std::vector<Material> materials = model.materials;
   serialize_materials(archive, materials);
-  const_cast<History&>(history_).serialize(archive);  // which writes, and changes nothing
+  const_cast<History&>(history).serialize(archive);  // which writes, and changes nothing
 }
 
-std::pair<Model, History> Body::read(Archive& archive) const {
+std::pair<Model, History> Body::State::read(Archive& archive) const {
   std::vector<Material> materials;
   serialize_materials(archive, materials);
-  Model model(model_, std::move(materials));
-  History history(model);
-  history.serialize(archive);
-  validate(model, history);
-  return {std::move(model), std::move(history)};
+  Model read_model(model, std::move(materials));
+  History read_history(read_model);
+  read_history.serialize(archive);
+  validate(read_model, read_history);
+  return {std::move(read_model), std::move(read_history)};
 }
 
 void Body::serialize(Archive& archive) {
-  if (!archive.reads()) return write(archive);
-  auto [model, history] = read(archive);
-  take(std::move(model), std::move(history), "serialize");
+  if (!archive.reads()) return state_->write(archive);
+  auto [model, history] = state_->read(archive);
+  state_->take(std::move(model), std::move(history), "serialize");
 }
 
 void Body::save(std::ostream& out) const {
@@ -243,9 +277,10 @@ void Body::save(std::ostream& out) const {
   });
   std::array<char, 8> magic = kSavedMagic;
   std::uint32_t version = kSavedVersion;
-  std::uint64_t identity = identity_of(model_), size = serialized_size([&](Archive&counting) { write(counting); });
+  std::uint64_t identity = identity_of(state_->model),
+                size = serialized_size([&](Archive&counting) { state_->write(counting); });
   archive(magic, version, identity, size);
-  write(archive);
+  state_->write(archive);
   std::uint64_t checksum = hash.value();
   archive(checksum);
   if (!out) throw InputError("the stream does not take a saved body");
@@ -262,8 +297,8 @@ void Body::load(std::istream& in) {
   if (magic != kSavedMagic) throw InputError("this is no saved body");
   if (version != kSavedVersion)
     throw InputError(fmt::format("the saved body has format version {}, must be {}", version, kSavedVersion));
-  if (identity != identity_of(model_)) throw InputError("the saved body has another mesh or other settings");
-  if (size > greatest_saved_size(model_, history_))
+  if (identity != identity_of(state_->model)) throw InputError("the saved body has another mesh or other settings");
+  if (size > greatest_saved_size(state_->model, state_->history))
     throw InputError(fmt::format("the saved body is damaged: {} bytes are announced", size));
 
   std::vector<std::byte> bytes(size);
@@ -275,40 +310,40 @@ void Body::load(std::istream& in) {
   if (hash.value() != checksum) throw InputError("the saved body is damaged: its checksum does not fit");
 
   Archive contents{std::span<const std::byte>(bytes)};
-  auto [model, history] = read(contents);
+  auto [model, history] = state_->read(contents);
   if (contents.rest() != 0) throw InputError(fmt::format("the saved body has {} bytes too many", contents.rest()));
-  take(std::move(model), std::move(history), "load");
+  state_->take(std::move(model), std::move(history), "load");
 }
 
 void Body::reset() {
-  const long version = history_.version;
-  history_ = History(model_);
-  history_.version = version + 1;  // what was derived from the old history is old
-  not_linearized_since_ = "reset";
-  if (flow_) flow_.emplace(model_, history_);
+  const long version = state_->history.version;
+  state_->history = History(state_->model);
+  state_->history.version = version + 1;  // what was derived from the old history is old
+  state_->not_linearized_since = "reset";
+  if (state_->flow) state_->flow.emplace(state_->model, state_->history);
 }
 
 ElementFields Body::fields(ConstPoints x) const {
-  require_field("fields", "x", x);
-  const int num_elements = model_.mesh.num_elements();
+  state_->require_field("fields", "x", x);
+  const int num_elements = state_->model.mesh.num_elements();
   ElementFields out;
   for (auto* field : {&out.plastic_strain, &out.yield_stress, &out.volume_ratio, &out.stress_norm, &out.strain})
     field->resize(num_elements);
 
   parallel_for(num_elements, [&](int e) {
-    const auto& plastic_strain = history_.plastic_strain[e];
-    const auto& yield_stress = history_.yield_stress[e];
+    const auto& plastic_strain = state_->history.plastic_strain[e];
+    const auto& yield_stress = state_->history.yield_stress[e];
     for (const double strain : plastic_strain) out.plastic_strain[e] += strain / kCorners;
     out.yield_stress[e] = *std::max_element(yield_stress.begin(), yield_stress.end());
-    if (!history_.alive[e]) return;
+    if (!state_->history.alive[e]) return;
 
-    const Hexahedron& corners = model_.mesh.hexahedra()[e];
-    const RestOperator rest = rest_operator(gather(history_.material, corners), model_.settings.gradient);
-    out.volume_ratio[e] = rest.volume / model_.volume[e];
+    const Hexahedron& corners = state_->model.mesh.hexahedra()[e];
+    const RestOperator rest = rest_operator(gather(state_->history.material, corners), state_->model.settings.gradient);
+    out.volume_ratio[e] = rest.volume / state_->model.volume[e];
     for (const Mat3& F : deformation_gradients(rest, gather(x, corners))) {
       const SignedSvd svd = signed_svd(F);
-      out.stress_norm[e] =
-          std::max(out.stress_norm[e], stress_norm(stress(polar(svd).S, model_.lame[e]), model_.settings.yield_norm));
+      out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(stress(polar(svd).S, state_->model.lame[e]),
+                                                                    state_->model.settings.yield_norm));
       out.strain[e] = std::max(out.strain[e], (svd.d.array() - 1).abs().maxCoeff());
     }
   });
@@ -316,32 +351,34 @@ ElementFields Body::fields(ConstPoints x) const {
 }
 
 double Body::volume(ConstPoints x) const {
-  require_field("volume", "x", x);
+  state_->require_field("volume", "x", x);
   double sum = 0;
-  for (int e = 0; e < model_.mesh.num_elements(); ++e)
-    if (history_.alive[e]) sum += hexaplast::volume(gather(x, model_.mesh.hexahedra()[e]));
+  for (int e = 0; e < state_->model.mesh.num_elements(); ++e)
+    if (state_->history.alive[e]) sum += hexaplast::volume(gather(x, state_->model.mesh.hexahedra()[e]));
   return sum;
 }
 
 double Body::original_volume() const {
   double sum = 0;
-  for (int e = 0; e < model_.mesh.num_elements(); ++e)
-    if (history_.alive[e]) sum += model_.volume[e];
+  for (int e = 0; e < state_->model.mesh.num_elements(); ++e)
+    if (state_->history.alive[e]) sum += state_->model.volume[e];
   return sum;
 }
 
+double Body::original_volume(int hexahedron) const { return state_->model.volume[hexahedron]; }
+
 void Body::add_to(StateHash& hash) const {
-  add_array(hash, history_.rest_shape);
-  add_array(hash, history_.rotation_map);
-  add_array(hash, history_.yield_stress);
-  add_array(hash, history_.rotation_yield);
-  hash.add(history_.material.data(), history_.material.size() * sizeof(double));
-  add_array(hash, history_.plastic_strain);
-  add_array(hash, history_.plastic_stretch);
-  hash.add(&history_.dissipated_energy, sizeof(double));
-  add_array(hash, history_.alive);
-  add_array(hash, history_.removed);
-  hash.add(history_.averaging_increment.data(), history_.averaging_increment.size() * sizeof(double));
+  add_array(hash, state_->history.rest_shape);
+  add_array(hash, state_->history.rotation_map);
+  add_array(hash, state_->history.yield_stress);
+  add_array(hash, state_->history.rotation_yield);
+  hash.add(state_->history.material.data(), state_->history.material.size() * sizeof(double));
+  add_array(hash, state_->history.plastic_strain);
+  add_array(hash, state_->history.plastic_stretch);
+  hash.add(&state_->history.dissipated_energy, sizeof(double));
+  add_array(hash, state_->history.alive);
+  add_array(hash, state_->history.removed);
+  hash.add(state_->history.averaging_increment.data(), state_->history.averaging_increment.size() * sizeof(double));
 }
 
 }  // namespace hexaplast

@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/elastic/operators.hpp"
-#include "hexaplast/material/corotated.hpp"
-#include "hexaplast/plastic/element_flow.hpp"
-#include "hexaplast/plastic/rest_shape.hpp"
+#include "material/corotated.hpp"
+#include "plastic/element_flow.hpp"
+#include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
 
@@ -155,7 +154,7 @@ void follow_path(const ElementPoints& original, const Material& material, const 
             .yield_stress = fields.yield_stress[0],
             .volume_ratio = fields.volume_ratio[0],
             .energy = body.energy(x),
-            .dissipated_energy = body.history().dissipated_energy});
+            .dissipated_energy = body.dissipated_energy()});
   };
 
   respond(path.front().time, path.front().F);

@@ -13,16 +13,16 @@
 
 namespace hexaplast {
 
-std::vector<double> lumped_masses(const Model& model, double density) {
-  std::vector<double> mass(model.mesh.num_nodes(), 0.0);
-  for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    for (const int n : model.mesh.hexahedra()[e]) mass[n] += density * model.volume[e] / kCorners;
+std::vector<double> lumped_masses(const Body& body, double density) {
+  std::vector<double> mass(body.mesh().num_nodes(), 0.0);
+  for (int e = 0; e < body.mesh().num_elements(); ++e) {
+    for (const int n : body.mesh().hexahedra()[e]) mass[n] += density * body.original_volume(e) / kCorners;
   }
   return mass;
 }
 
 LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load)
-    : body_(body), mass_(std::move(mass)), load_(std::move(load)) {
+    : body_(&body), mass_(std::move(mass)), load_(std::move(load)) {
   require_count("LoadedBody", "mass", std::ssize(mass_), num_nodes());
   fix(std::move(fixed));
 }
@@ -33,9 +33,9 @@ void LoadedBody::fix(std::vector<int> nodes) {
 }
 
 void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
-  body_.linearize(x);
+  body_->linearize(x);
   f.setZero();
-  body_.add_force(f);
+  body_->add_force(f);
   add_load(time, x, v, f);
 }
 
@@ -47,19 +47,19 @@ void LoadedBody::add_product(const OperatorFactors& factors, ConstPoints dx, Poi
   require_rows("LoadedBody::add_product", "dx", dx, num_nodes());
   require_rows("LoadedBody::add_product", "df", df, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) df.row(n) += factors.mass * mass_[n] * dx.row(n);
-  if (factors.stiffness != 0) body_.add_stiffness_product(factors.stiffness, dx, df);
+  if (factors.stiffness != 0) body_->add_stiffness_product(factors.stiffness, dx, df);
 }
 
 void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
   require_count("LoadedBody::add_blocks", "A", A.num_nodes(), num_nodes());
   for (int n = 0; n < num_nodes(); ++n) A.add(n, n, factors.mass * mass_[n] * Mat3::Identity());
-  body_.add_stiffness_blocks(factors.stiffness, A);
+  body_->add_stiffness_blocks(factors.stiffness, A);
 }
 
 bool LoadedBody::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
   require_rows("LoadedBody::to_kernels", "diagonal", system.diagonal, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).array() += factors.mass * mass_[n];
-  body_.to_kernels(factors.stiffness, system);
+  body_->to_kernels(factors.stiffness, system);
   return true;
 }
 
@@ -86,7 +86,7 @@ void check(const Motion& motion, const Body& body) {
                                     std::pair{"rayleigh_stiffness", motion.euler.rayleigh_stiffness}})
     if (!(value >= 0 && std::isfinite(value)))
       throw InputError(fmt::format("{} = {}: must be a finite number not below 0", name, value));
-  if (body.model().can_flow()) check_time_step(body.model().materials, body.model().settings, motion.dt);
+  if (body.can_flow()) check_time_step(body.materials(), body.settings(), motion.dt);
 }
 
 /// The load and the weight of the nodes.
@@ -98,18 +98,23 @@ NodalLoad with_gravity(const Motion& motion, const std::vector<double>& mass) {
   };
 }
 
+LoadedBody loaded(Body& body, const Motion& motion) {
+  std::vector<double> mass = lumped_masses(body, motion.density);
+  NodalLoad load = with_gravity(motion, mass);
+  return {body, std::move(mass), {}, std::move(load)};
+}
+
 }  // namespace
 
 MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> solver)
     : body(std::move(made)),
-      mass(lumped_masses(body.model(), motion.density)),
       x(body.mesh().positions()),
       v(PointArray::Zero(x.rows(), 3)),
-      system_(body, mass, {}, with_gravity(motion, mass)),
+      system_(loaded(body, motion)),
       euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
       dt_(motion.dt),
-      is_fixed_(mass.size(), 0) {
+      is_fixed_(static_cast<std::size_t>(x.rows()), 0) {
   check(motion, body);
   fix(motion.fixed);
 }
@@ -123,6 +128,7 @@ FlowReport MovingBody::step() {
     solver_before_.insert(solver_before_.end(), bytes, bytes + size);
   });
   solver_->serialize(keeping);
+  system_.refer_to(body);  // which may have moved together with this
   try {
     const SolveReport solved = euler_.step(system_, *solver_, time(), dt_, x, v);
     const FlowReport flowed = body.flow(x, dt_);
@@ -213,7 +219,7 @@ void MovingBody::reset() {
 void MovingBody::tell_fixed() {
   std::vector<int> fixed;
   for (int n = 0; n < body.mesh().num_nodes(); ++n)
-    if (is_fixed_[n] || mass[n] == 0) fixed.push_back(n);
+    if (is_fixed_[n] || mass()[n] == 0) fixed.push_back(n);
   system_.fix(std::move(fixed));
 }
 

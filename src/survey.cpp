@@ -7,7 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "hexaplast/kinematics/gradients.hpp"
+#include "body_state.hpp"
+#include "kinematics/gradients.hpp"
 
 namespace hexaplast {
 namespace {
@@ -18,10 +19,10 @@ constexpr double kLargeYieldStrain = 0.5;
 }  // namespace
 
 Survey survey(const Body& body, double mass, double dt) {
-  const Model& model = body.model();
+  const Model& model = body.state().model;
   const HexMesh& mesh = body.mesh();
   Survey found;
-  found.num_parts = connected_parts(mesh, body.history().alive).count;
+  found.num_parts = connected_parts(mesh, body.alive()).count;
   if (mesh.num_nodes() > 0)
     found.extent = (mesh.positions().colwise().maxCoeff() - mesh.positions().colwise().minCoeff()).transpose();
   found.volume = body.original_volume();

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 
 namespace hexaplast::baselines {
 

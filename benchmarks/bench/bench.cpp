@@ -13,6 +13,7 @@
 #include "baselines/dense_peer.hpp"
 #include "bench/bar.hpp"
 #include "bench/stages.hpp"
+#include "body_state.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
@@ -59,12 +60,12 @@ double bytes_in_use() {
 /// The dense peer on the same bar, timed again and again in between; the fastest counts.
 class Peer {
  public:
-  explicit Peer(const Model& model)
-      : masses_(1000 * nodal_volumes(model.mesh.positions(), model.mesh.hexahedra())),
-        peer_(model.mesh, model.lame, masses_, clamped(model.mesh)),
-        x_(model.mesh.positions()),
+  explicit Peer(const Body& body)
+      : masses_(1000 * nodal_volumes(body.mesh().positions(), body.mesh().hexahedra())),
+        peer_(body.mesh(), body.state().model.lame, masses_, clamped(body.mesh())),
+        x_(body.mesh().positions()),
         v_(PointArray::Zero(x_.rows(), 3)),
-        num_elements_(model.mesh.num_elements()) {}
+        num_elements_(body.mesh().num_elements()) {}
 
   void time() {
     // short runs, so that a busy machine leaves some of them alone
@@ -132,7 +133,7 @@ class SizeRun {
   SizeRun(int size, const Options& options, const MachineLimits& limits)
       : options_(options), limits_(limits), size_(size), elastic_(settings(Mode::kElastic, Precision::kDouble)) {
     set_num_threads(1);
-    peer_.emplace(elastic_.body().model());
+    peer_.emplace(elastic_.body());
     PreconditionedConjugateGradients solver(kTight, kEnoughIterations);
     for (int step = 0; step < kWarmUpSteps; ++step) elastic_.step(solver);
     peer_->count_iterations(elastic_);
@@ -304,8 +305,8 @@ StepTimes::StepTimes(std::vector<double> ms) {
   p99 = ms[static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(ms.size()))) - 1];
 }
 
-double time_peer(const Model& model, double iterations) {
-  Peer peer(model);
+double time_peer(const Body& body, double iterations) {
+  Peer peer(body);
   peer.time();
   return peer.ms(iterations);
 }

@@ -7,7 +7,7 @@
 
 #include "bench/machine.hpp"
 #include "bench/record.hpp"
-#include "hexaplast/state/model.hpp"
+#include "hexaplast/body.hpp"
 
 namespace hexaplast::bench {
 
@@ -37,7 +37,7 @@ struct StepTimes {
 };
 
 /// [ms] of a step of the dense peer on a body of that mesh and elasticity, under gravity, with so many iterations.
-double time_peer(const Model& model, double iterations);
+double time_peer(const Body& body, double iterations);
 
 /// A sentence for each record whose state hash differs from that of the same body with another number of threads.
 std::vector<std::string> differing_hashes(const std::vector<Record>& records);

@@ -63,7 +63,7 @@ HWY_AFTER_NAMESPACE();
 #include <chrono>
 #include <fstream>
 
-#include "hexaplast/base/blocks.hpp"
+#include "base/blocks.hpp"
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast::bench {

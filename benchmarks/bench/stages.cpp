@@ -7,9 +7,8 @@
 #include <limits>
 #include <variant>
 
+#include "body_state.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/plastic/averaging.hpp"
-#include "hexaplast/plastic/flow.hpp"
 
 namespace hexaplast::bench {
 
@@ -69,23 +68,24 @@ double time_iteration(Bar& bar, int repetitions) {
 
 /// Flow and averaging on copies of the history, so that every repetition starts from the same one.
 void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
-  const Model& model = bar.body().model();
-  Linearization at = bar.body().linearization();
+  const Body::State& body = bar.body().state();
+  const Model& model = body.model;
+  Linearization at = body.at;
   PreconditionedConjugateGradients solver = averaging_solver(model);
-  FlowWorkspace work(model, bar.body().history());
+  FlowWorkspace work(model, body.history);
   Averaging averaging(model);
 
   double flow_seconds = std::numeric_limits<double>::infinity(), averaging_seconds = flow_seconds;
   bool flows = false;
   for (int repetition = 0; repetition < repetitions; ++repetition) {
-    History history = bar.body().history();
+    History history = body.history;
     linearize(model, history, bar.positions(), at);
     flow_seconds =
         std::min(flow_seconds,
                  least_seconds(1, [&](int) { flows = flow(model, at, kBarDt, solver, history, work).yielded > 0; }));
     // the rest shapes have flowed; the averaging starts again from the positions before
-    history.material = bar.body().history().material;
-    history.averaging_increment = bar.body().history().averaging_increment;
+    history.material = body.history.material;
+    history.averaging_increment = body.history.averaging_increment;
     ++history.version;
     averaging_seconds =
         std::min(averaging_seconds, least_seconds(1, [&](int) { averaging.advance(model, solver, history); }));
@@ -112,9 +112,9 @@ Stages measure_stages(Bar& bar, int repetitions) {
         describe_operator(op, bar.num_elements(), stages);
         stages.operator_ns = ns * time_product(op, 5 * repetitions);
       },
-      bar.body().linearization().op);
+      bar.body().state().at.op);
   stages.vectors_ns = std::max(0.0, ns * time_iteration(bar, repetitions) - stages.operator_ns);
-  if (bar.body().model().can_stretch) time_flow(bar, repetitions, ns, stages);
+  if (bar.body().state().model.can_stretch) time_flow(bar, repetitions, ns, stages);
   return stages;
 }
 

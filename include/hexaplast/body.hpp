@@ -2,19 +2,21 @@
 #pragma once
 
 #include <iosfwd>
-#include <optional>
+#include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
+#include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/hash.hpp"
-#include "hexaplast/elastic/hierarchy.hpp"
-#include "hexaplast/elastic/operators.hpp"
-#include "hexaplast/plastic/flow.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "hexaplast/material/material.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/plastic/flow_report.hpp"
+#include "hexaplast/state/element_history.hpp"
 
 namespace hexaplast {
+
+struct KernelSystem;
 
 /// What a picture or a table shows of a body: one value per hexahedron. A removed element keeps its plastic strain and
 /// yield stress; its other values are 0.
@@ -26,11 +28,9 @@ struct ElementFields {
   std::vector<double> strain;          ///< [-] greatest |D - 1| of the corners
 };
 
-/// What a body solves its averaging with.
-PreconditionedConjugateGradients averaging_solver(const Model& model);
-
 /// A deformable, plastically flowing body: Model, History and Linearization behind a few verbs. The one place that
-/// knows the order of the stages (docs/architecture.md).
+/// knows the order of the stages (docs/architecture.md). A copy goes on by itself; a body that has been moved from may
+/// only be assigned to or destroyed.
 ///
 /// linearize, add_*, energy and fields evaluate: they never change the plastic history, and may be called at any
 /// positions, any number of times. flow is called once per accepted time step.
@@ -46,6 +46,10 @@ class Body {
  public:
   /// Throws InputError for materials or settings outside their ranges (material.hpp).
   Body(HexMesh mesh, std::vector<Material> materials, Settings settings = {});
+  Body(const Body& other);
+  Body(Body&& other) noexcept;
+  Body& operator=(Body other) noexcept;
+  ~Body();
 
   /// Fixes the positions that add_force, the stiffness verbs and to_kernels refer to.
   void linearize(ConstPoints x);
@@ -106,10 +110,20 @@ class Body {
   /// that it is undamaged. Throws InputError when they cannot be this body's; it is then as before.
   void serialize(Archive& archive);
 
-  const Model& model() const { return model_; }
-  const HexMesh& mesh() const { return model_.mesh; }
-  const History& history() const { return history_; }
-  const Linearization& linearization() const { return at_; }
+  const HexMesh& mesh() const;
+  const std::vector<Material>& materials() const;  ///< one, or one per hexahedron
+  const Material& material(int hexahedron) const;
+  const Settings& settings() const;
+  bool can_flow() const;  ///< some hexahedron has what it takes: a yield stress and a rate, or a rotation's rate
+
+  /// What has become of the body. Views are of the present state: the next call that changes the history ends them.
+  const PointArray& plastic_rest_positions() const;        ///< [m] num_nodes x 3: where nodes would be without forces
+  std::span<const unsigned char> alive() const;            ///< per hexahedron: 0 once it is removed
+  std::span<const int> removed() const;                    ///< in the order of their removal
+  std::span<const CornerValues> yield_stress() const;      ///< [Pa] per hexahedron; infinite where it never yields
+  std::span<const CornerValues> plastic_strain() const;    ///< [-] per hexahedron, accumulated
+  double dissipated_energy() const;                        ///< [J] accumulated plastic work
+  ElementPoints element_rest_shape(int hexahedron) const;  ///< [m] its isolated one, Pi y, about its mean
 
   ElementFields fields(ConstPoints x) const;
 
@@ -117,28 +131,18 @@ class Body {
   /// shape.
   double volume(ConstPoints x) const;
   double original_volume() const;
+  double original_volume(int hexahedron) const;  ///< also of one that is gone
 
   /// Adds every History array, in declaration order, as raw little-endian bytes.
   void add_to(StateHash& hash) const;
 
- private:
-  void write(Archive& archive) const;
-  std::pair<Model, History> read(Archive& archive) const;
-  void take(Model model, History history, const char* call);  // in place of the present ones
-  void require_field(const char* call, const char* name, ConstPoints field) const;
-  void require_linearized(const char* call) const;
+  /// Model, History and Linearization themselves, for the library's own tests and measurements (src/body_state.hpp).
+  struct State;
+  State& state() { return *state_; }
+  const State& state() const { return *state_; }
 
-  Model model_;
-  History history_;
-  Linearization at_;
-  const char* not_linearized_since_ = "the body was made";  // null while `at_` is what the caller linearized
-  std::optional<FlowWorkspace> flow_;                       // of bodies that can flow
-  PreconditionedConjugateGradients averaging_solver_;
-  bool mostly_flows_ = false;                          // in the latest plastic step: looking first would be in vain
-  double checked_dt_ = 0;                              // time step that passed check_time_step
-  mutable ProductWorkspace product_;                   // of add_stiffness_product
-  mutable ExactOperator exact_;                        // of mixed precision
-  mutable std::optional<ElementHierarchy> hierarchy_;  // made when a solver first asks for coarse operators
+ private:
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace hexaplast

@@ -4,7 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "hexaplast/state/history.hpp"
+#include "hexaplast/material/material.hpp"
+#include "hexaplast/state/element_history.hpp"
 
 namespace hexaplast {
 

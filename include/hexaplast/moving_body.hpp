@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hexaplast/body.hpp"
+#include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
 
 namespace hexaplast {
@@ -19,7 +20,7 @@ namespace hexaplast {
 using NodalLoad = std::function<void(double time, ConstPoints x, Points f)>;
 
 /// density times the volume of each hexahedron, an eighth to each of its corners [kg]; one mass per node.
-std::vector<double> lumped_masses(const Model& model, double density);
+std::vector<double> lumped_masses(const Body& body, double density);
 
 /// A body with nodal masses, fixed nodes and a load, as a time integrator sees it.
 class LoadedBody : public MechanicalSystem {
@@ -31,7 +32,12 @@ class LoadedBody : public MechanicalSystem {
   /// Fixes other nodes from now on. Throws InputError for nodes that do not exist.
   void fix(std::vector<int> nodes);
 
-  int num_nodes() const override { return body_.mesh().num_nodes(); }
+  /// The same body in another place.
+  void refer_to(Body& body) { body_ = &body; }
+
+  const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
+
+  int num_nodes() const override { return body_->mesh().num_nodes(); }
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
@@ -41,7 +47,7 @@ class LoadedBody : public MechanicalSystem {
   void pin(BlockMatrix& A) const override;
 
  private:
-  Body& body_;
+  Body* body_;
   std::vector<double> mass_;
   std::vector<int> fixed_;
   NodalLoad load_;
@@ -68,16 +74,13 @@ struct RunReport {
 };
 
 /// A body by itself in time, for programs that have no scene: an implicit step of the world, then one plastic flow at
-/// the accepted positions. Nodes without hexahedron have no mass and stay where they are.
+/// the accepted positions. Nodes without hexahedron have no mass and stay where they are. May be moved, not copied.
 class MovingBody {
  public:
   /// Starts at the body's original positions, at rest, at time 0. solver: sparse Cholesky when null, which is exact and
   /// suits up to about a thousand hexahedra; PreconditionedConjugateGradients beyond. Throws InputError where a fixed
   /// node does not exist, or a number of `motion` is not positive, or a rate of the material too great for dt.
   MovingBody(Body body, Motion motion, std::unique_ptr<LinearSolver> solver = nullptr);
-
-  MovingBody(const MovingBody&) = delete;  // the system refers to the body
-  MovingBody& operator=(const MovingBody&) = delete;
 
   /// One time step. Throws NumericalError naming the first node or element that left the finite numbers, and what the
   /// load throws; everything is then as before the step, time, nodes that are led and the memory of the solver
@@ -108,10 +111,11 @@ class MovingBody {
   /// XXH64, as 16 hexadecimal digits, over positions, velocities and everything plastic.
   std::string state_hash() const;
 
+  const std::vector<double>& mass() const { return system_.mass(); }  ///< [kg] per node
+
   Body body;
-  std::vector<double> mass;  ///< [kg] per node
-  PointArray x;              ///< [m] num_nodes x 3
-  PointArray v;              ///< [m/s] num_nodes x 3
+  PointArray x;  ///< [m] num_nodes x 3
+  PointArray v;  ///< [m/s] num_nodes x 3
 
  private:
   void tell_fixed();  // the system, what is_fixed_ says

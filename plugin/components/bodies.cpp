@@ -49,7 +49,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
 
   // The material may change during a run: what flowed stays.
   void refresh() override {
-    if (!(given_settings() == body_->model().settings))
+    if (!(given_settings() == body_->settings()))
       reject("only youngModulus, poissonRatio, yieldStress, the rates, limits and damping may change during a run");
     body_->set_materials(given_materials(static_cast<std::size_t>(body_->mesh().num_elements())));
     rayleigh_stiffness_ = real("rayleighStiffness");
@@ -66,7 +66,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     archive(report_.yielded, report_.inverted, report_.guarded, report_.repaired, report_.removed,
             report_.worst_volume_error, report_.averaging.skipped, report_.averaging.fell_back,
             report_.averaging.iterations, report_.averaging.residual, report_.averaging.converged);
-    num_announced_ = body_->history().removed.size();
+    num_announced_ = body_->removed().size();
   }
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
@@ -112,7 +112,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
  private:
   /// Tells the scene which hexahedra have gone since it was told last.
   void announce() {
-    const std::span<const int> gone = std::span(body_->history().removed).subspan(num_announced_);
+    const std::span<const int> gone = body_->removed().subspan(num_announced_);
     num_announced_ += gone.size();
     if (!gone.empty()) scene::announce_removed(*this, gone);
   }
@@ -152,11 +152,10 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
   void provide(scene::Data& output) override {
     if (!body()) return;
     const std::string_view name = output.attribute().name;
-    const History& history = body()->history();
     if (name == "materialPositions") {
-      output.set(flattened(history.material));
+      output.set(flattened(body()->plastic_rest_positions()));
     } else if (name == "removed") {
-      output.set(std::vector<std::int64_t>(history.removed.begin(), history.removed.end()));
+      output.set(std::vector<std::int64_t>(body()->removed().begin(), body()->removed().end()));
     } else if (name == "plasticStrain" || name == "presentYieldStress" || name == "volumeRatio") {
       const ElementFields fields = body()->fields(positions());
       output.set(name == "plasticStrain"        ? fields.plastic_strain

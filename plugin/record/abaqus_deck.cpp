@@ -33,7 +33,7 @@ std::string list(const std::vector<int>& indices) {
 std::string material_lines(const Body& body) {
   std::map<std::pair<double, double>, std::vector<int>> elements_of;  // by Young's modulus and Poisson's ratio
   for (int e = 0; e < body.mesh().num_elements(); ++e) {
-    const Material& m = body.model().material(e);
+    const Material& m = body.material(e);
     elements_of[{m.young_modulus, m.poisson_ratio}].push_back(e + 1);
   }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "hexaplast/plastic/rest_shape.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 
@@ -31,16 +30,10 @@ void write_values(WholeFile& out, std::string_view name, const std::vector<doubl
   out.write("],\n");
 }
 
-/// The isolated rest shapes of all elements in the material frame: Pi_i y_i about their mean.
-void write_isolated_shapes(WholeFile& out, const History& history) {
+void write_isolated_shapes(WholeFile& out, const Body& body) {
   out.write("  \"isolated_shapes\": [");
-  for (std::size_t e = 0; e < history.rest_shape.size(); ++e) {
-    const ElementHistory element = history.element(static_cast<int>(e));
-    ElementPoints shape;
-    for (int a = 0; a < kCorners; ++a)
-      shape.row(a) = (element.rotation_map[a] * element.rest_shape.row(a).transpose()).transpose();
-    shape = about_mean(shape);
-
+  for (int e = 0; e < body.mesh().num_elements(); ++e) {
+    const ElementPoints shape = body.element_rest_shape(e);
     out.write(e == 0 ? "\n    [" : ",\n    [");
     for (int a = 0; a < kCorners; ++a)
       out.write(fmt::format("{}[{}, {}, {}]", a == 0 ? "" : ", ", exact(shape(a, 0)), exact(shape(a, 1)),
@@ -75,11 +68,11 @@ void write_final(WholeFile& out, long step, double time, ConstPoints positions, 
   out.write(fmt::format("{{\n  \"time\": {},\n", exact(time)));
   write_points(out, "positions", positions);
   write_points(out, "velocities", velocities);
-  write_points(out, "material_positions", body.history().material);
-  write_isolated_shapes(out, body.history());
+  write_points(out, "material_positions", body.plastic_rest_positions());
+  write_isolated_shapes(out, body);
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);
-  out.write(fmt::format("  \"removed\": [{}],\n", fmt::join(body.history().removed, ", ")));
+  out.write(fmt::format("  \"removed\": [{}],\n", fmt::join(body.removed(), ", ")));
   out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", state_hash(step, positions, velocities, &body)));
   out.commit();
 }

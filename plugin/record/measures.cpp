@@ -9,7 +9,7 @@ Ruler::Ruler(const Body& body) : body_(body), ends_(end_sections(body.mesh())) {
 
 Measures Ruler::measure(ConstPoints positions) const {
   constexpr double kDegrees = 180 / std::numbers::pi;
-  const PointArray& material = body_.history().material;
+  const PointArray& material = body_.plastic_rest_positions();
 
   Measures found;
   found.plastic_elongation = elongation(ends_, material);

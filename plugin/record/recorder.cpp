@@ -231,7 +231,7 @@ std::vector<std::string> Recorder::finish() {
 
 // All rows of a step at once: thousands of hexahedra may go together.
 void Recorder::Files::append_removed(const StepRecord& record) {
-  const std::vector<int>& all = body.history().removed;
+  const std::span<const int> all = body.removed();
   std::string rows;
   for (; num_removed < all.size(); ++num_removed)
     rows += fmt::format("{}{},{},{}", rows.empty() ? "" : "\n", record.step, record.time, all[num_removed]);
@@ -242,11 +242,11 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
   const Measures measures = ruler.measure(positions);
   const std::string row = fmt::format(
       "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time, record.kinetic_energy,
-      record.energy ? record.energy->elastic : body.energy(positions), body.history().dissipated_energy,
+      record.energy ? record.energy->elastic : body.energy(positions), body.dissipated_energy(),
       measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
       measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
-      record.flow.yielded, record.flow.inverted, body.history().removed.size(), record.solver_iterations,
-      record.residual, record.step_ms, measures.world_elongation, measures.world_twist_deg,
+      record.flow.yielded, record.flow.inverted, body.removed().size(), record.solver_iterations, record.residual,
+      record.step_ms, measures.world_elongation, measures.world_twist_deg,
       plan.has_energy_balance ? balance_columns(*record.energy) : "");
   require_finite(row, record.step);
   return row;
@@ -255,7 +255,7 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
 // The mesh last: whatever mesh.pvd names has its companions.
 void Recorder::Files::write_state() {
   ElementFields fields = body.fields(latest_positions);
-  const std::vector<unsigned char>& alive = body.history().alive;
+  const std::span<const unsigned char> alive = body.alive();
   const auto write = [&](TimeSeries& series, std::string_view prefix, const auto& write_file) {
     const std::string name = vtu_name(prefix, latest.step);
     write_file(directory / name);
@@ -276,7 +276,7 @@ void Recorder::Files::write_state() {
 
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions,
-               values_of(plan.staging.quantity, body, latest_positions, latest_velocities), body.history().alive,
+               values_of(plan.staging.quantity, body, latest_positions, latest_velocities), body.alive(),
                latest_conditions);
 }
 
@@ -310,7 +310,7 @@ void require_saved_files(const fs::path& directory, Archive& saved) {
 Summary summarise(const Body& body, ConstPoints positions) {
   const ElementFields fields = body.fields(positions);
   Summary summary{Ruler(body).measure(positions)};
-  const std::vector<unsigned char>& alive = body.history().alive;
+  const std::span<const unsigned char> alive = body.alive();
   summary.num_pieces = connected_parts(body.mesh(), alive).count;
   for (std::size_t e = 0; e < alive.size(); ++e)
     if (alive[e])

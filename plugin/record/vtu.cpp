@@ -21,7 +21,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
   const auto keep_alive = [&](auto& values) {
     std::size_t kept = 0;
     for (std::size_t e = 0; e < values.size(); ++e)
-      if (body.history().alive[e]) values[kept++] = values[e];
+      if (body.alive()[e]) values[kept++] = values[e];
     values.resize(kept);
   };
   keep_alive(hexahedra);
@@ -30,7 +30,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
        {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
     keep_alive(*values);
 
-  const ConnectedParts parts = connected_parts(mesh, body.history().alive);
+  const ConnectedParts parts = connected_parts(mesh, body.alive());
   std::vector<std::int32_t> part(hexahedra.size());
   for (std::size_t e = 0; e < part.size(); ++e) part[e] = parts.part_of_node[hexahedra[e][0]];
 
@@ -38,7 +38,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
                .connectivity = std::as_bytes(std::span(hexahedra)),
                .shown_first = "plastic_strain"};
   grid.add_cells(hexahedra.size(), kVtkHexahedron, kCorners);
-  grid.point_data = {vectors("displacement", displacement), vectors("material_position", body.history().material),
+  grid.point_data = {vectors("displacement", displacement), vectors("material_position", body.plastic_rest_positions()),
                      vectors("velocity", velocity)};
   if (!conditions.fixed.empty()) grid.point_data.push_back(scalars("UInt8", "fixed", conditions.fixed));
   if (conditions.loads.rows() > 0) grid.point_data.push_back(vectors("load", conditions.loads));

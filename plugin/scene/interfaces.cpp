@@ -43,8 +43,8 @@ Remains::Remains(MechanicalState& state) {
 }
 
 bool Remains::has(std::span<const int> cell) const {
-  const bool is_held = std::ranges::all_of(
-      bodies_, [&](const Body* body) { return hold_together(body->mesh(), body->history().alive, cell); });
+  const bool is_held =
+      std::ranges::all_of(bodies_, [&](const Body* body) { return hold_together(body->mesh(), body->alive(), cell); });
   return is_held && (!mapping_ || mapping_->is_left(cell, *above_));
 }
 

@@ -64,7 +64,7 @@ std::optional<double> value_of(scene::Data& data, const Knob& knob) {
 /// is wise for the time step.
 Knob knob_of(scene::Data& data, const Body& body, double dt) {
   const Attribute& attribute = data.attribute();
-  const Material& material = body.model().materials.front();
+  const Material& material = body.materials().front();
   Knob knob{.attribute = &attribute, .value = first_value(data), .may_be_none = attribute.initial.empty()};
   const auto* reals = std::get_if<std::vector<double>>(&data.value());
   const double fastest = kAdvisedFlowPerStep / dt;
@@ -112,7 +112,7 @@ Session::Session(Subject subject, std::unique_ptr<scene::Component> hand)
 
   // a hand that is about as strong as a cube of the same matter, and holds a handful of nodes
   const double size = std::cbrt(body().original_volume());
-  const double young = body().model().materials.front().young_modulus;
+  const double young = body().materials().front().young_modulus;
   suggested_hand_ = {.radius = 1.8 * std::cbrt(body().original_volume() / mesh().num_elements()),
                      .stiffness = young * size,
                      .most_force = young * size * size / 2,
@@ -199,7 +199,7 @@ void Session::grab(const Vec3& place, const HandSettings& settings) {
   post([this, place, settings] {
     open_hand();
     std::vector<int> surface;
-    for (const Quad& face : mesh().boundary_faces(body().history().alive))
+    for (const Quad& face : mesh().boundary_faces(body().alive()))
       surface.insert(surface.end(), face.begin(), face.end());
     std::ranges::sort(surface);
     surface.erase(std::unique(surface.begin(), surface.end()), surface.end());
@@ -331,7 +331,7 @@ void Session::open_hand() {
 
 std::vector<double> Session::values_of(Quantity quantity, const ElementFields& fields) const {
   const auto nodal = [&](const std::vector<double>& of_hexahedra) {
-    return nodal_means(mesh(), of_hexahedra, body().history().alive);
+    return nodal_means(mesh(), of_hexahedra, body().alive());
   };
   switch (quantity) {
     case Quantity::kPlasticStrain:
@@ -352,15 +352,14 @@ std::vector<double> Session::values_of(Quantity quantity, const ElementFields& f
 
 void Session::publish() {
   const PointArray& x = state_->positions();
-  const History& history = body().history();
   const ElementFields fields = body().fields(x);
   back_.step = latest_.step;
   back_.is_running = is_running_ || steps_asked_ > 0;
   back_.failure = failure_;
   back_.messages = std::exchange(messages_, {});
   back_.positions = x;
-  back_.material = history.material;
-  back_.alive = history.alive;
+  back_.material = body().plastic_rest_positions();
+  back_.alive.assign(body().alive().begin(), body().alive().end());
   back_.quantity = quantity_;
   back_.values = values_of(quantity_, fields);
   back_.knob_values.clear();
@@ -373,7 +372,7 @@ void Session::publish() {
                   .greatest_plastic_strain = std::ranges::max(fields.plastic_strain),
                   .kinetic_energy = latest_.kinetic_energy,
                   .elastic_energy = body().energy(x),
-                  .dissipated_energy = history.dissipated_energy};
+                  .dissipated_energy = body().dissipated_energy()};
   back_.step_ms = std::exchange(step_ms_, {});
   has_changed_ = false;
 

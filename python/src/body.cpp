@@ -14,16 +14,22 @@
 namespace hexaplast::python {
 namespace {
 
+/// Copies, within the memory that is there while the sizes stay.
+void copy(const PointArray& from, PointArray& to) { to = from; }
 template <class T>
-const T& kept(std::optional<T>& place, const T& present) {
-  if (!place) place = present;
+void copy(std::span<const T> from, std::vector<T>& to) {
+  to.assign(from.begin(), from.end());
+}
+
+template <class T, class View>
+const T& kept(std::optional<T>& place, const View& present) {
+  if (!place) copy(present, place.emplace());
   return *place;
 }
 
-/// Copies within the memory that is there: the sizes never change.
-template <class T>
-void fill(std::optional<T>& place, const T& present) {
-  if (place) *place = present;
+template <class T, class View>
+void fill(std::optional<T>& place, const View& present) {
+  if (place) copy(present, *place);
 }
 
 py::array corner_view(const std::vector<CornerValues>& values, py::handle owner) {
@@ -227,10 +233,11 @@ void add_body_state(py::module_& module) {
           },
           "(m,) bool: False where a hexahedron is gone")
       .def_property_readonly(
-          "removed", [](const BodyState& b) { return b.body().history().removed; },
+          "removed",
+          [](const BodyState& b) { return std::vector<int>(b.body().removed().begin(), b.body().removed().end()); },
           "hexahedra that are gone, in the order of their removal")
       .def_property_readonly(
-          "dissipated_energy", [](const BodyState& b) { return b.body().history().dissipated_energy; },
+          "dissipated_energy", [](const BodyState& b) { return b.body().dissipated_energy(); },
           "[J] plastic work so far")
       .def_property_readonly(
           "original_volume", [](const BodyState& b) { return b.body().original_volume(); },
@@ -371,21 +378,16 @@ py::capsule BodyState::keeper() const {
   return py::capsule(new Kept(body_), [](void* memory) { delete static_cast<Kept*>(memory); });
 }
 
-const PointArray& BodyState::material() { return kept(material_, body_->history().material); }
-const std::vector<CornerValues>& BodyState::plastic_strain() {
-  return kept(plastic_strain_, body_->history().plastic_strain);
-}
-const std::vector<CornerValues>& BodyState::yield_stress() {
-  return kept(yield_stress_, body_->history().yield_stress);
-}
-const std::vector<unsigned char>& BodyState::alive() { return kept(alive_, body_->history().alive); }
+const PointArray& BodyState::material() { return kept(material_, body_->plastic_rest_positions()); }
+const std::vector<CornerValues>& BodyState::plastic_strain() { return kept(plastic_strain_, body_->plastic_strain()); }
+const std::vector<CornerValues>& BodyState::yield_stress() { return kept(yield_stress_, body_->yield_stress()); }
+const std::vector<unsigned char>& BodyState::alive() { return kept(alive_, body_->alive()); }
 
 void BodyState::refresh() {
-  const History& history = body_->history();
-  fill(material_, history.material);
-  fill(plastic_strain_, history.plastic_strain);
-  fill(yield_stress_, history.yield_stress);
-  fill(alive_, history.alive);
+  fill(material_, body_->plastic_rest_positions());
+  fill(plastic_strain_, body_->plastic_strain());
+  fill(yield_stress_, body_->yield_stress());
+  fill(alive_, body_->alive());
 }
 
 void add_body(py::module_& module) {

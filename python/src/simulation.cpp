@@ -126,7 +126,7 @@ void add_simulation(py::module_& module) {
       .def_property_readonly(
           "velocities", [](py::object self) { return view(self.cast<Simulation&>().get().v, self); }, "(n, 3) [m/s]")
       .def_property_readonly(
-          "masses", [](py::object self) { return view(self.cast<Simulation&>().get().mass, self); },
+          "masses", [](py::object self) { return view(self.cast<Simulation&>().get().mass(), self); },
           "(n,) [kg] of the nodes")
       .def_property_readonly(
           "dt", [](Simulation& s) { return s.get().dt(); }, "[s]")
@@ -138,7 +138,7 @@ void add_simulation(py::module_& module) {
           "kinetic_energy",
           [](Simulation& s) {
             const Turn turn(s.taken());
-            const std::vector<double>& mass = s.get().mass;
+            const std::vector<double>& mass = s.get().mass();
             const auto size = static_cast<Eigen::Index>(mass.size());
             return kinetic_energy(Eigen::Map<const Eigen::VectorXd>(mass.data(), size), s.get().v);
           },

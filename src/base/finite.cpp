@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/base/finite.hpp"
+#include "base/finite.hpp"
 
 #include <fmt/format.h>
 

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "hexaplast/base/blocks.hpp"
+#include "base/blocks.hpp"
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();

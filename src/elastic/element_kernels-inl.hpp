@@ -7,8 +7,8 @@
 #define HEXAPLAST_ELASTIC_ELEMENT_KERNELS_INL
 #endif
 
-#include "hexaplast/state/element_operator.hpp"
 #include "kinematics/gradients-inl.hpp"
+#include "state/element_operator.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/state/linearization.hpp"
+#include "state/linearization.hpp"
 
 namespace hexaplast {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/elastic/hierarchy.hpp"
+#include "elastic/hierarchy.hpp"
 
 #include <type_traits>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/elastic/operators.hpp"
+#include "elastic/operators.hpp"
 
 #include <algorithm>
 #include <numeric>
 
 #include "elastic/element_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/gradients.hpp"
+#include "kinematics/polar.hpp"
 
 namespace hexaplast {
 

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "base/finite.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"

@@ -8,7 +8,7 @@
 #endif
 
 #include "base/lanes-inl.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

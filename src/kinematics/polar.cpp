@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>

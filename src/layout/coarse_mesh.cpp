@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/layout/coarse_mesh.hpp"
+#include "layout/coarse_mesh.hpp"
 
 #include "hexaplast/base/parallel.hpp"
 

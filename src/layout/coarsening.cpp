@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/layout/coarsening.hpp"
+#include "layout/coarsening.hpp"
 
 #include <algorithm>
 #include <cstdint>

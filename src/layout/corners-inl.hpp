@@ -10,7 +10,7 @@
 
 #include "base/lanes-inl.hpp"
 #include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/layout/partition.hpp"
+#include "layout/partition.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

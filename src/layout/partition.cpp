@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/layout/partition.hpp"
+#include "layout/partition.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "hexaplast/base/blocks.hpp"
+#include "base/blocks.hpp"
 
 namespace hexaplast {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/material/corotated.hpp"
+#include "material/corotated.hpp"
 
 namespace hexaplast {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/plastic/averaging.hpp"
+#include "plastic/averaging.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hexaplast/layout/chunked_operator.hpp"
-#include "hexaplast/plastic/averaging.hpp"
+#include "plastic/averaging.hpp"
 
 namespace hexaplast {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/plastic/element_flow.hpp"
+#include "plastic/element_flow.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "hexaplast/plastic/rest_shape.hpp"
+#include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/plastic/flow.hpp"
+#include "plastic/flow.hpp"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/plastic/element_flow.hpp"
-#include "hexaplast/plastic/rest_shape.hpp"
+#include "plastic/element_flow.hpp"
 #include "plastic/flow_pass.hpp"
+#include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
 

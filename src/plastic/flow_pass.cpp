@@ -9,11 +9,11 @@
 #include <limits>
 
 #include "base/transpose-inl.hpp"
-#include "hexaplast/plastic/rest_shape.hpp"
 #include "kinematics/gradients-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
 #include "material/corotated-inl.hpp"
 #include "plastic/flow_pass.hpp"
+#include "plastic/rest_shape.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/plastic/point_flow.hpp"
+#include "plastic/point_flow.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
-#include "hexaplast/material/corotated.hpp"
+#include "material/corotated.hpp"
 
 namespace hexaplast {
 

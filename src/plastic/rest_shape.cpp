@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/plastic/rest_shape.hpp"
+#include "plastic/rest_shape.hpp"
 
 #include <algorithm>
 
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 
 namespace hexaplast {
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-
 #include <cmath>
 #include <type_traits>
 
 #include "hexaplast/layout/linear_system.hpp"
-#include "hexaplast/layout/partition.hpp"
+#include "layout/partition.hpp"
 #include "solve/node_blocks.hpp"
 
 namespace hexaplast {

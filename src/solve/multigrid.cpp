@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/layout/coarse_mesh.hpp"
+#include "layout/coarse_mesh.hpp"
 #include "solve/slot_kernels.hpp"
 
 namespace hexaplast {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "hexaplast/layout/coarse_mesh.hpp"
+#include "layout/coarse_mesh.hpp"
 #include "solve/cg_space.hpp"
 #include "solve/node_blocks.hpp"
 

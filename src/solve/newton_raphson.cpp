@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hexaplast/base/finite.hpp"
+#include "base/finite.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "solve/constrained_operator.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hexaplast/layout/linear_system.hpp"
-#include "hexaplast/layout/partition.hpp"
+#include "layout/partition.hpp"
 
 namespace hexaplast {
 

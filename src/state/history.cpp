@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/state/history.hpp"
+#include "state/history.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/state/linearization.hpp"
+#include "state/linearization.hpp"
 
 #include "hexaplast/base/simd.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/state/model.hpp"
+#include "state/model.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
+#include "kinematics/gradients.hpp"
 
 namespace hexaplast {
 

@@ -9,6 +9,7 @@
 
 #include "bench/bar.hpp"
 #include "bench/stages.hpp"
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 
@@ -36,7 +37,7 @@ TEST(BenchBar, DistortionLeavesNoParallelepiped) {
   for (const bool distorted : {false, true}) {
     Bar bar({.size = 300, .distorted = distorted});
     bar.body().linearize(bar.positions());
-    for (const unsigned char is_general : bar.body().linearization().is_general) EXPECT_EQ(is_general != 0, distorted);
+    for (const unsigned char is_general : bar.body().state().at.is_general) EXPECT_EQ(is_general != 0, distorted);
   }
 }
 

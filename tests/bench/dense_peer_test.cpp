@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
@@ -25,7 +26,7 @@ struct DensePeerTest : testing::Test {
   Body body{shaken_mesh(), {Material{.young_modulus = 700, .poisson_ratio = .3}}};
   const PointArray& X = body.mesh().positions();
   Eigen::VectorXd masses = 3 * nodal_volumes(X, body.mesh().hexahedra());
-  baselines::DensePeer peer{body.mesh(), body.model().lame, masses, {0, 1, 2}};
+  baselines::DensePeer peer{body.mesh(), body.state().model.lame, masses, {0, 1, 2}};
   PointArray zero = PointArray::Zero(X.rows(), 3);
 
   PointArray affine() const {

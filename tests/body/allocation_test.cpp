@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/scene.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
@@ -119,7 +120,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Allocations, KeepingAccountsOfEnergyHasNone) {
   Body body(support::block({4, 4, 8}, 0.01), {Material{.young_modulus = 5000, .yield_stress = 1e-3, .flow_rate = 2}});
-  LoadedBody system(body, lumped_masses(body.model(), 1000), support::nodes_at(body.mesh(), 2, 0),
+  LoadedBody system(body, lumped_masses(body, 1000), support::nodes_at(body.mesh(), 2, 0),
                     [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; });
   ImplicitEuler euler({.rayleigh_stiffness = 0.01, .velocity_damping = 0.1});
   euler.measure_energy();

@@ -3,6 +3,7 @@
 // halves alike.
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/geometry/sections.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
@@ -34,7 +35,7 @@ class Bar : public testing::TestWithParam<BarCase> {
   const HexMesh& mesh = simulation.body.mesh();
   const EndSections ends = end_sections(mesh);
 
-  const PointArray& material() const { return simulation.body.history().material; }
+  const PointArray& material() const { return simulation.body.state().history.material; }
   bool is_stretched() const { return GetParam().load == BarLoad::kStretch; }
 
   /// Permanent elongation [-] or twist [degrees] of the whole bar.
@@ -100,7 +101,7 @@ TEST(BarResult, DoesNotDependMuchOnTheTimeStep) {
   const auto permanent = [](double dt) {
     support::Simulation bar = support::bar(BarLoad::kStretch, "high", std::numeric_limits<double>::infinity(), dt);
     bar.run(static_cast<int>(std::lround(2.5 / dt)));
-    return elongation(end_sections(bar.body.mesh()), bar.body.history().material);
+    return elongation(end_sections(bar.body.mesh()), bar.body.state().history.material);
   };
   const double small = permanent(0.00125);
   EXPECT_GT(small, 0.6);

@@ -2,6 +2,7 @@
 // A body's history through a stream, as host applications keep it.
 #include <sstream>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
@@ -67,12 +68,12 @@ TEST(SavedBody, GoesOnBitForBit) {
     }
     load(second, saved(first));
     EXPECT_EQ(hash_of(second), hash_of(first));
-    EXPECT_EQ(second.history().removed, first.history().removed);
+    EXPECT_EQ(second.state().history.removed, first.state().history.removed);
 
     flow(straight, 7, 12);
     flow(second, 7, 12);
     EXPECT_EQ(hash_of(second), hash_of(straight));
-    EXPECT_GT(straight.history().removed.size(), 1u) << "the case is to tear";
+    EXPECT_GT(straight.state().history.removed.size(), 1u) << "the case is to tear";
   }
 }
 
@@ -96,7 +97,7 @@ TEST(SavedBody, BringsTheMaterialsThatItsThresholdsBelongTo) {
   body.set_materials({stiff});
   flow(body, 3, 5);
   load(other, saved(body));
-  EXPECT_EQ(other.model().material(0).young_modulus, stiff.young_modulus);
+  EXPECT_EQ(other.state().model.material(0).young_modulus, stiff.young_modulus);
   const PointArray x = 1.1 * body.mesh().positions();
   EXPECT_EQ(other.energy(x), body.energy(x));
 }

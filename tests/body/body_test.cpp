@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -95,7 +96,7 @@ TEST_F(YieldingBody, FlowsAtTheGivenPositionsWhateverWasLinearizedBefore) {
 
 TEST_F(YieldingBody, IsVirginAgainAfterReset) {
   Body virgin(body.mesh(), {kYielding});
-  EXPECT_GT(support::max_abs(body.history().material - virgin.history().material), 1e-6);
+  EXPECT_GT(support::max_abs(body.state().history.material - virgin.state().history.material), 1e-6);
   body.reset();
   StateHash a, b;
   body.add_to(a);
@@ -144,9 +145,9 @@ TEST_F(YieldingBody, RefusesAnOverflowAndKeepsItsHistory) {
 
 TEST_F(YieldingBody, LosesNoEnergyIntoNothing) {
   // what the elastic energy loses in a plastic step at held positions is dissipated, to first order in the flow
-  const double energy = body.energy(world), dissipated = body.history().dissipated_energy;
+  const double energy = body.energy(world), dissipated = body.state().history.dissipated_energy;
   body.flow(world, kStep / 100);
-  EXPECT_GT(body.history().dissipated_energy, dissipated);
+  EXPECT_GT(body.state().history.dissipated_energy, dissipated);
   EXPECT_LT(body.energy(world), energy);
 }
 
@@ -154,12 +155,12 @@ TEST_F(YieldingBody, ShowsWhatItIs) {
   const ElementFields fields = body.fields(world);
   for (int e = 0; e < body.mesh().num_elements(); ++e) {
     const Hexahedron& corners = body.mesh().hexahedra()[e];
-    EXPECT_NEAR(fields.volume_ratio[e], volume(gather(body.history().material, corners)) / body.model().volume[e],
-                1e-13);
+    EXPECT_NEAR(fields.volume_ratio[e],
+                volume(gather(body.state().history.material, corners)) / body.state().model.volume[e], 1e-13);
     double most = 0, mean = 0;
     for (int a = 0; a < kCorners; ++a) {
-      most = std::max(most, body.history().yield_stress[e][a]);
-      mean += body.history().plastic_strain[e][a] / 8;
+      most = std::max(most, body.state().history.yield_stress[e][a]);
+      mean += body.state().history.plastic_strain[e][a] / 8;
     }
     EXPECT_EQ(fields.yield_stress[e], most);
     EXPECT_NEAR(fields.plastic_strain[e], mean, 1e-15);
@@ -167,7 +168,7 @@ TEST_F(YieldingBody, ShowsWhatItIs) {
     EXPECT_GT(fields.strain[e], 0);
   }
   double sum = 0;
-  for (const double V : body.model().volume) sum += V;
+  for (const double V : body.state().model.volume) sum += V;
   EXPECT_DOUBLE_EQ(body.original_volume(), sum);
   EXPECT_NEAR(body.volume(body.mesh().positions()), sum, 1e-14);
 }
@@ -181,7 +182,7 @@ TEST(Body, HasTheSameBitsForAnyThreadCount) {
     bar.run(60);
     if (expected.empty()) expected = bar.state_hash();
     EXPECT_EQ(bar.state_hash(), expected) << threads << " threads";
-    EXPECT_GT(bar.body.history().dissipated_energy, 0);
+    EXPECT_GT(bar.body.state().history.dissipated_energy, 0);
   }
   set_num_threads(before);
 }
@@ -208,12 +209,12 @@ TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
   Body loose(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {kYielding});
   PointArray world = support::mapped(positions, Vec3(1.1, 1, 1).asDiagonal());
   EXPECT_EQ(loose.flow(world, kStep).yielded, 1);
-  EXPECT_EQ(loose.history().material.row(8), positions.row(8));
+  EXPECT_EQ(loose.state().history.material.row(8), positions.row(8));
 }
 
 TEST(Body, WithoutPlasticityReportsInvertedElementsAndKeepsItsHistory) {
   Body body(support::block({2, 1, 1}, 0.1), {Material{}}, Settings{});
-  const long version = body.history().version;
+  const long version = body.state().history.version;
   EXPECT_EQ(body.flow(body.mesh().positions(), 0.01).inverted, 0);
   PointArray x = body.mesh().positions();
   for (int n = 0; n < x.rows(); ++n)
@@ -222,8 +223,8 @@ TEST(Body, WithoutPlasticityReportsInvertedElementsAndKeepsItsHistory) {
   EXPECT_EQ(report.inverted, 1);
   EXPECT_EQ(report.guarded, 1);
   EXPECT_EQ(report.yielded, 0);
-  EXPECT_EQ(body.history().version, version);
-  EXPECT_EQ(body.history().material, body.mesh().positions());
+  EXPECT_EQ(body.state().history.version, version);
+  EXPECT_EQ(body.state().history.material, body.mesh().positions());
 }
 
 TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
@@ -234,7 +235,7 @@ TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
   left.erase(left.begin() + 1);
   Body body(whole, {kYielding}), smaller(HexMesh(whole.positions(), left), {kYielding});
   body.remove(gone);
-  EXPECT_EQ(body.history().removed, (std::vector<int>{1, 7}));
+  EXPECT_EQ(body.state().history.removed, (std::vector<int>{1, 7}));
   EXPECT_THROW(body.remove(std::vector<int>{12}), InputError);
   EXPECT_THROW(body.remove(std::vector<int>{-1}), InputError);
 
@@ -248,7 +249,7 @@ TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
   body.add_force(f);
   smaller.linearize(x);
   smaller.add_force(expected);
-  EXPECT_GT(support::max_abs(body.history().material - whole.positions()), 1e-4);
+  EXPECT_GT(support::max_abs(body.state().history.material - whole.positions()), 1e-4);
   EXPECT_LE(support::max_abs(f - expected), 1e-10 * support::max_abs(expected));
   EXPECT_NEAR(body.volume(x), smaller.volume(x), 1e-15);
 }
@@ -262,7 +263,7 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   Body body(mesh, {soft});
   const PointArray x = support::stretched_and_twisted(mesh, 1.3, 0.4);
   for (int step = 0; step < 5; ++step) body.flow(x, support::kStep);
-  const History before = body.history();
+  const History before = body.state().history;
   EXPECT_THROW(body.set_materials({soft, hard}), InputError);
   body.linearize(x);
   PointArray f = PointArray::Zero(x.rows(), 3), f_hard = f;
@@ -272,27 +273,27 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   body.linearize(x);
   body.add_force(f_hard);
   EXPECT_LE(support::max_abs(f_hard - 3 * f), 1e-9 * support::max_abs(f_hard)) << "the force is linear in E";
-  EXPECT_EQ(body.history().material, before.material);
-  EXPECT_EQ(body.history().plastic_strain, before.plastic_strain);
+  EXPECT_EQ(body.state().history.material, before.material);
+  EXPECT_EQ(body.state().history.plastic_strain, before.plastic_strain);
   for (int e = 0; e < mesh.num_elements(); ++e)
     for (int i = 0; i < kCorners; ++i)
-      EXPECT_DOUBLE_EQ(body.history().yield_stress[e][i], before.yield_stress[e][i] + 100);
+      EXPECT_DOUBLE_EQ(body.state().history.yield_stress[e][i], before.yield_stress[e][i] + 100);
 
   hard.yield_stress = std::numeric_limits<double>::infinity();
   hard.rotation_flow_rate = 0;
   body.set_materials({hard});
-  const PointArray shape = body.history().material;
+  const PointArray shape = body.state().history.material;
   body.flow(x, support::kStep);
-  EXPECT_EQ(body.history().material, shape) << "an elastic body does not flow";
+  EXPECT_EQ(body.state().history.material, shape) << "an elastic body does not flow";
 
   body.set_materials({soft});
-  EXPECT_EQ(body.history().yield_stress[0][0], soft.yield_stress);
+  EXPECT_EQ(body.state().history.yield_stress[0][0], soft.yield_stress);
   EXPECT_GT(body.flow(x, support::kStep).yielded, 0);
   body.reset();
   Body fresh(mesh, {soft});
   fresh.flow(x, support::kStep);
   body.flow(x, support::kStep);
-  EXPECT_EQ(body.history().material, fresh.history().material);
+  EXPECT_EQ(body.state().history.material, fresh.state().history.material);
 }
 
 TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
@@ -305,12 +306,12 @@ TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
   const PointArray x = support::stretched_and_twisted(mesh, 1.1, 0.6);
   Body body(mesh, {stiff});
   body.flow(x, support::kStep);
-  EXPECT_TRUE(body.history().rotation_yield.empty()) << "nothing is kept for what cannot turn";
+  EXPECT_TRUE(body.state().history.rotation_yield.empty()) << "nothing is kept for what cannot turn";
 
   body.set_materials({turning});
-  EXPECT_EQ(body.history().rotation_yield[0][0], 0.02);
+  EXPECT_EQ(body.state().history.rotation_yield[0][0], 0.02);
   for (int step = 0; step < 5; ++step) body.flow(x, support::kStep);
-  const std::vector<CornerValues> hardened = body.history().rotation_yield;
+  const std::vector<CornerValues> hardened = body.state().history.rotation_yield;
   EXPECT_GT(hardened[0][0], 0.02);
   body.set_materials({stiff});
   body.flow(x, support::kStep);
@@ -318,7 +319,7 @@ TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
   body.set_materials({turning});
   for (int e = 0; e < mesh.num_elements(); ++e)
     for (int i = 0; i < kCorners; ++i)
-      EXPECT_DOUBLE_EQ(body.history().rotation_yield[e][i], hardened[e][i] - 0.02 + 0.03) << "element " << e;
+      EXPECT_DOUBLE_EQ(body.state().history.rotation_yield[e][i], hardened[e][i] - 0.02 + 0.03) << "element " << e;
 
   body.set_materials({stiff});
   body.reset();
@@ -338,9 +339,9 @@ TEST(Body, RemembersPlasticStretchFromTheMaterialThatBreaksByIt) {
   body.flow(x, support::kStep);
   m.fracture_stretch = 1.001;
   body.set_materials({m});
-  EXPECT_TRUE(body.history().removed.empty());
+  EXPECT_TRUE(body.state().history.removed.empty());
   for (int step = 0; step < 20; ++step) body.flow(x, support::kStep);
-  EXPECT_EQ(body.history().removed.size(), 8u);
+  EXPECT_EQ(body.state().history.removed.size(), 8u);
 }
 
 }  // namespace

@@ -3,8 +3,9 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/plastic/point_flow.hpp"
+#include "plastic/point_flow.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/motion.hpp"
@@ -46,7 +47,7 @@ TEST(Simulation, StaysFiniteForEveryTimeStepAndStiffness) {
         support::Simulation bar = bent_bar(E, dt, yield_share);
         for (int k = 0; k < 50; ++k) {
           bar.step();
-          ASSERT_TRUE(bar.x.allFinite() && bar.v.allFinite() && bar.body.history().material.allFinite())
+          ASSERT_TRUE(bar.x.allFinite() && bar.v.allFinite() && bar.body.state().history.material.allFinite())
               << "E " << E << " dt " << dt << " step " << k;
         }
         ASSERT_LE(support::max_abs(bar.x), 10) << "E " << E << " dt " << dt;
@@ -99,12 +100,12 @@ TEST(Body, KeepsItsVolumeAfterRandomPlasticMotions) {
     Random random(222 + seed);
     Body body(support::distorted_block({2, 2, 3}, kEdge, 0.1, 226), {kSoft});
     for (int k = 0; k < 300; ++k) {
-      const PointArray world = body.history().material + random.field(body.mesh().num_nodes(), 0.3 * kEdge);
+      const PointArray world = body.state().history.material + random.field(body.mesh().num_nodes(), 0.3 * kEdge);
       body.flow(world, 0.01);
     }
-    EXPECT_GT(body.history().dissipated_energy, 0);
-    for (int k = 0; k < 300; ++k) body.flow(body.history().material, 0.01);  // unloaded
-    EXPECT_NEAR(body.volume(body.history().material) / body.original_volume(), 1, 1e-3) << "seed " << seed;
+    EXPECT_GT(body.state().history.dissipated_energy, 0);
+    for (int k = 0; k < 300; ++k) body.flow(body.state().history.material, 0.01);  // unloaded
+    EXPECT_NEAR(body.volume(body.state().history.material) / body.original_volume(), 1, 1e-3) << "seed " << seed;
   }
 }
 

@@ -2,13 +2,14 @@
 #include <string>
 #include <tuple>
 
+#include "elastic/operators.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/elastic/operators.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/material/corotated.hpp"
-#include "hexaplast/plastic/element_flow.hpp"
-#include "hexaplast/plastic/flow.hpp"
-#include "hexaplast/plastic/rest_shape.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "kinematics/gradients.hpp"
+#include "material/corotated.hpp"
+#include "plastic/element_flow.hpp"
+#include "plastic/flow.hpp"
+#include "plastic/rest_shape.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/golden.hpp"

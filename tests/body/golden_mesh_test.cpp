@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "body_state.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"
 #include "support/shapes.hpp"
@@ -28,7 +29,7 @@ TEST_P(GoldenMesh, ThreePlasticStepsAtHeldPositions) {
     const std::vector<double> beta = body.fields(world).volume_ratio;
     body.flow(world, params["dt"]);
 
-    const History& history = body.history();
+    const History& history = body.state().history;
     EXPECT_TRUE(agrees(history.material, matrix(step["x"]), tolerance));
     for (int e = 0; e < body.mesh().num_elements(); ++e) {
       EXPECT_TRUE(agrees(beta[e], step["beta"][e].get<double>(), tolerance));
@@ -67,7 +68,7 @@ TEST_P(GoldenMesh, TwentyDynamicSteps) {
   EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step5"]), tolerance));
   simulation.run(15);
   EXPECT_TRUE(agrees(simulation.x, matrix(dynamic["xh_step20"]), tolerance));
-  EXPECT_TRUE(agrees(simulation.body.history().material, matrix(dynamic["x_step20"]), tolerance));
+  EXPECT_TRUE(agrees(simulation.body.state().history.material, matrix(dynamic["x_step20"]), tolerance));
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, GoldenMesh, testing::Values("objective", "paper_vertex", "paper_centre"),

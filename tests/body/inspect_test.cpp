@@ -3,6 +3,7 @@
 // (runner/element_test.cpp), which prints them; here with difference quotients, the body and hand values.
 #include "hexaplast/inspect.hpp"
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
@@ -62,8 +63,8 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
 
     Body body(support::single_element(state.original), {kFlowing}, settings);
     body.flow(state.world, 0.01);
-    const ElementHistory expected = body.history().element(0);
-    EXPECT_EQ(step.material, ElementPoints(body.history().material));
+    const ElementHistory expected = body.state().history.element(0);
+    EXPECT_EQ(step.material, ElementPoints(body.state().history.material));
     EXPECT_EQ(step.history.rest_shape, expected.rest_shape);
     EXPECT_EQ(step.history.rotation_map, expected.rotation_map);
     EXPECT_EQ(step.history.yield_stress, expected.yield_stress);

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <thread>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
@@ -20,7 +21,7 @@ using support::refuses;
 // Implicit Euler under constant acceleration: v_k = k h g, x_k = h^2 g k (k + 1) / 2.
 TEST(MovingBody, FallsFreely) {
   MovingBody body(Body(support::distorted_block({2, 2, 3}, 0.1, 0.1, 201), {Material{}}), {.density = 500});
-  const std::vector<double> mass = body.mass;
+  const std::vector<double> mass = body.mass();
   Motion motion{.density = 500, .dt = 0.02, .load = [&](double, ConstPoints, Points f) {
                   for (int n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
                 }};
@@ -133,7 +134,7 @@ TEST(MovingBody, RepeatsItsBitsAfterReset) {
   const double* memory = moving.x.data();
   moving.run(40);
   const std::string once = moving.state_hash();
-  EXPECT_GT(moving.body.history().dissipated_energy, 0);
+  EXPECT_GT(moving.body.state().history.dissipated_energy, 0);
   moving.reset();
   EXPECT_EQ(moving.steps(), 0);
   EXPECT_EQ(moving.x, moving.body.mesh().positions());
@@ -237,7 +238,7 @@ TEST(MovingBody, IsAsBeforeWhereAStepThrows) {
         go_on(*of, 5);
       }
       EXPECT_TRUE(MotionState(moving) == MotionState(untroubled)) << trouble.what;
-      EXPECT_GT(moving.body.history().dissipated_energy + (first_steps % 2), 0);
+      EXPECT_GT(moving.body.state().history.dissipated_energy + (first_steps % 2), 0);
     }
 }
 

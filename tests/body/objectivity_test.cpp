@@ -2,8 +2,9 @@
 // What must not matter: where the body is, how it is turned, which hand it is seen in.
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
@@ -43,10 +44,10 @@ class DrivenBar {
   }
 
   void expect_equal_history(const Body& body, double tolerance) const {
-    EXPECT_LE(support::incongruence(body.history().material, reference_.history().material), tolerance);
+    EXPECT_LE(support::incongruence(body.state().history.material, reference_.state().history.material), tolerance);
     double shape_error = 0, threshold_error = 0;
     for (int e = 0; e < mesh_.num_elements(); ++e) {
-      const ElementHistory actual = body.history().element(e), expected = reference_.history().element(e);
+      const ElementHistory actual = body.state().history.element(e), expected = reference_.state().history.element(e);
       shape_error = std::max(shape_error, support::max_abs(actual.rest_shape - expected.rest_shape));
       for (int a = 0; a < kCorners; ++a) {
         threshold_error =
@@ -58,7 +59,7 @@ class DrivenBar {
   }
 
   const HexMesh& mesh() const { return mesh_; }
-  const PointArray& reference_material() const { return reference_.history().material; }
+  const PointArray& reference_material() const { return reference_.state().history.material; }
 
  private:
   HexMesh mesh_;
@@ -95,7 +96,7 @@ TEST_F(Objectivity, TurningTheWholeSceneTurnsTheResult) {
   const Mat3 R = random.rotation();
   Body body = yielding_bar(mapped(mesh.positions(), R), mesh);
   bar.drive(body, [&](int, const PointArray& x) { return mapped(x, R); });
-  EXPECT_LE(support::incongruence(body.history().material, bar.reference_material()), 1e-10 * kEdge);
+  EXPECT_LE(support::incongruence(body.state().history.material, bar.reference_material()), 1e-10 * kEdge);
 }
 
 TEST_F(Objectivity, MovingTheWholeSceneMovesTheResult) {
@@ -103,7 +104,7 @@ TEST_F(Objectivity, MovingTheWholeSceneMovesTheResult) {
     const Vec3 shift(far, -0.5 * far, 0.3 * far);
     Body body = yielding_bar(mapped(mesh.positions(), Mat3::Identity(), shift), mesh);
     bar.drive(body, [&](int, const PointArray& x) { return mapped(x, Mat3::Identity(), shift); });
-    EXPECT_LE(support::incongruence(body.history().material, bar.reference_material()), far > 1 ? 1e-7 : 1e-10);
+    EXPECT_LE(support::incongruence(body.state().history.material, bar.reference_material()), far > 1 ? 1e-7 : 1e-10);
   }
 }
 
@@ -116,7 +117,7 @@ TEST_F(Objectivity, TheMirroredSceneHasTheMirroredResult) {
   const HexMesh mirrored(mapped(mesh.positions(), mirror), hexahedra);
   Body body = yielding_bar(mirrored.positions(), mirrored);
   bar.drive(body, [&](int, const PointArray& x) { return mapped(x, mirror); });
-  EXPECT_LE(support::incongruence(mapped(body.history().material, mirror), bar.reference_material()), 1e-10);
+  EXPECT_LE(support::incongruence(mapped(body.state().history.material, mirror), bar.reference_material()), 1e-10);
 }
 
 TEST(ObjectivityOfDistortedCells, ThePoseInTheWorldDoesNotMatter) {
@@ -141,7 +142,7 @@ PointArray loaded_bar(const Mat3& R, const Vec3& shift) {
   };
   support::Simulation bar(yielding_bar(mapped(mesh.positions(), R, shift), mesh), std::move(setup));
   bar.run(100);
-  EXPECT_GT(bar.body.history().dissipated_energy, 0);
+  EXPECT_GT(bar.body.state().history.dissipated_energy, 0);
   return mapped(mapped(bar.x, Mat3::Identity(), -shift), R.transpose());
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/motion.hpp"
@@ -31,7 +32,7 @@ Permanent permanent_shape(int cells_across, double dt, AveragingMethod averaging
     body.flow(support::stretched_and_twisted(mesh, 1 + 0.3 * share, 2 * share), dt);
   }
   const EndSections ends = end_sections(mesh);
-  return {elongation(ends, body.history().material), twist(mesh, ends, body.history().material)};
+  return {elongation(ends, body.state().history.material), twist(mesh, ends, body.state().history.material)};
 }
 
 TEST(PlasticResult, DoesNotDependMuchOnTheMesh) {

@@ -111,7 +111,7 @@ double fastest_vibration(Body& body, const Divide& divide) {
 }
 
 double fastest_with_lumped_masses(Body& body, double density) {
-  const std::vector<double> mass = lumped_masses(body.model(), density);
+  const std::vector<double> mass = lumped_masses(body, density);
   return fastest_vibration(body, [&](PointArray& f) {
     for (Eigen::Index n = 0; n < f.rows(); ++n) f.row(n) /= mass[static_cast<std::size_t>(n)];
   });

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 #include "hexaplast/solve/cholesky.hpp"
@@ -86,8 +87,8 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
     std::vector<Material> materials;
     for (int e = 0; e < mesh.num_elements(); ++e) materials.push_back(tearing(random.uniform(301, 480)));
     Body body(mesh, std::move(materials));
-    const History& history = body.history();
-    const std::vector<double> mass = lumped_masses(body.model(), 1000);
+    const History& history = body.state().history;
+    const std::vector<double> mass = lumped_masses(body, 1000);
     CholeskySolver solver;
     for (int k = 0; k < 100 && history.removed.size() < volume_of.size(); ++k) {
       // now and then one anywhere, as a host takes it; the others when they break
@@ -172,7 +173,7 @@ Crack crack_of(double share, double pull) {
   const HexMesh mesh = notched_sheet(share);
   bool is_pulled = true;
   support::Simulation sheet = pulled_sheet(mesh, pull, is_pulled);
-  const History& history = sheet.body.history();
+  const History& history = sheet.body.state().history;
   for (int k = 0; k < 200; ++k) {
     if (sheet.step().removed == 0 || connected_parts(mesh, history.alive).count == 1) continue;
     Crack crack;
@@ -210,12 +211,12 @@ TEST(Tearing, LeavesEachPieceItsMomentum) {
     std::vector<Vec3> of_part(parts.count + 1, Vec3::Zero());  // the last one: nodes without hexahedron
     for (int n = 0; n < mesh.num_nodes(); ++n)
       of_part[parts.part_of_node[n] < 0 ? parts.count : parts.part_of_node[n]] +=
-          sheet.mass[n] * sheet.v.row(n).transpose();
+          sheet.mass()[n] * sheet.v.row(n).transpose();
     return of_part;
   };
   for (int k = 0; k < 200 && parts.count == 1; ++k) {
     sheet.step();
-    parts = connected_parts(mesh, sheet.body.history().alive);
+    parts = connected_parts(mesh, sheet.body.state().history.alive);
   }
   ASSERT_EQ(parts.count, 2);
 

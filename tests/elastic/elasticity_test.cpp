@@ -2,10 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body_state.hpp"
+#include "elastic/operators.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/elastic/operators.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/gradients.hpp"
+#include "kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/materials.hpp"
@@ -49,7 +50,7 @@ Eigen::MatrixXd stiffness_at(Body& body, const PointArray& x) {
 bool is_smooth_at(const Body& body, const PointArray& x) {
   for (const Hexahedron& corners : body.mesh().hexahedra()) {
     for (const Mat3& F :
-         deformation_gradients(rest_operator(gather(body.history().material, corners)), gather(x, corners))) {
+         deformation_gradients(rest_operator(gather(body.state().history.material, corners)), gather(x, corners))) {
       const Vec3 d = signed_svd(F).d;
       if (d[1] + d[2] < 0.02) return false;
     }
@@ -61,7 +62,7 @@ int count_inverted(const Body& body, const PointArray& x) {
   int count = 0;
   for (const Hexahedron& corners : body.mesh().hexahedra()) {
     for (const Mat3& F :
-         deformation_gradients(rest_operator(gather(body.history().material, corners)), gather(x, corners))) {
+         deformation_gradients(rest_operator(gather(body.state().history.material, corners)), gather(x, corners))) {
       count += F.determinant() < 0;
     }
   }
@@ -250,17 +251,17 @@ TEST(FreeBody, KeepsItsMomentumWhileSpinning) {
     bar.v.row(n) = (drift + omega.cross(Vec3(bar.x.row(n)) - centre)).transpose();
   }
   double mass = 0;
-  for (const double m : bar.mass) mass += m;
+  for (const double m : bar.mass()) mass += m;
   const auto momentum = [&] {
     Vec3 sum = Vec3::Zero();
-    for (int n = 0; n < bar.x.rows(); ++n) sum += bar.mass[n] * bar.v.row(n).transpose();
+    for (int n = 0; n < bar.x.rows(); ++n) sum += bar.mass()[n] * bar.v.row(n).transpose();
     return sum;
   };
   const auto angular_momentum = [&] {
     Vec3 first = Vec3::Zero(), sum = Vec3::Zero();
-    for (int n = 0; n < bar.x.rows(); ++n) first += bar.mass[n] / mass * bar.x.row(n).transpose();
+    for (int n = 0; n < bar.x.rows(); ++n) first += bar.mass()[n] / mass * bar.x.row(n).transpose();
     for (int n = 0; n < bar.x.rows(); ++n) {
-      sum += bar.mass[n] * (Vec3(bar.x.row(n)) - first).cross(Vec3(bar.v.row(n)) - drift);
+      sum += bar.mass()[n] * (Vec3(bar.x.row(n)) - first).cross(Vec3(bar.v.row(n)) - drift);
     }
     return sum;
   };

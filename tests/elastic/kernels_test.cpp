@@ -4,14 +4,15 @@
 
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/material/corotated.hpp"
-#include "hexaplast/plastic/element_flow.hpp"
+#include "kinematics/gradients.hpp"
+#include "kinematics/polar.hpp"
+#include "material/corotated.hpp"
+#include "plastic/element_flow.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/shapes.hpp"
@@ -123,7 +124,7 @@ TEST_P(OnEverySet, ForceProductAndEnergyAreThoseOfTheElements) {
       for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
         settings.precision = precision;
         Body body(mesh, {Material{}}, settings);
-        const Plain expected = plainly(body.model(), x, p);
+        const Plain expected = plainly(body.state().model, x, p);
         body.linearize(x);
         PointArray f = PointArray::Zero(x.rows(), 3), k = f;
         body.add_force(f);
@@ -155,7 +156,7 @@ Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm) {
 TEST_P(OnEverySet, FlowIsThatOfTheElements) {
   for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius}) {
     const Body body = flown({3, 2, 3}, 0.15, norm);
-    const History virgin(body.model());
+    const History virgin(body.state().model);
     const PointArray X = body.mesh().positions();
     Random random(94);
     const PointArray x = X + random.field(body.mesh().num_nodes(), 0.1 * kEdge);
@@ -164,19 +165,19 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
       const Hexahedron& corners = body.mesh().hexahedra()[e];
       const ElementPoints material = gather(X, corners), world = gather(x, corners);
       const RestOperator rest = rest_operator(material);
-      const ElementStep step = flow_element({.material = body.model().material(e),
-                                             .lame = body.model().lame[e],
-                                             .settings = body.model().settings,
-                                             .original_shape = body.model().original_shape(e),
-                                             .corner_jacobian = body.model().corner_jacobian(e),
-                                             .original_volume = body.model().volume[e],
+      const ElementStep step = flow_element({.material = body.state().model.material(e),
+                                             .lame = body.state().model.lame[e],
+                                             .settings = body.state().model.settings,
+                                             .original_shape = body.state().model.original_shape(e),
+                                             .corner_jacobian = body.state().model.corner_jacobian(e),
+                                             .original_volume = body.state().model.volume[e],
                                              .x = material,
                                              .rest = rest,
                                              .world = world,
                                              .frame = axes},
                                             virgin.element(e), 0.01);
       ASSERT_TRUE(step.yielded);
-      const ElementHistory found = body.history().element(e);
+      const ElementHistory found = body.state().history.element(e);
       EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);
       for (int i = 0; i < kCorners; ++i) {
         EXPECT_NEAR(found.yield_stress[i], step.next.yield_stress[i], 1e-11 * found.yield_stress[i]);

@@ -4,10 +4,10 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/material/corotated.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "kinematics/gradients.hpp"
+#include "kinematics/polar.hpp"
+#include "material/corotated.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

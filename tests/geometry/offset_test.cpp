@@ -6,7 +6,7 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/layout/coarsening.hpp"
+#include "layout/coarsening.hpp"
 #include "support/compare.hpp"
 #include "support/surfaces.hpp"
 

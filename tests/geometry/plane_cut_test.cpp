@@ -189,7 +189,8 @@ TEST(PlaneCut, AlmostAlongALayerOfFacesShowsTheirEdges) {
     EXPECT_NEAR(length(along.outline(), points), 1.6, 1e-9) << parts;
     EXPECT_LE((points.col(0).array() - 2 * kCell).abs().maxCoeff(), kOff) << parts;
     for (const std::vector<Edge>* lines : {&along.inner_lines(), &along.outline()})
-      for (const auto& [a, b] : *lines) {
+      for (const Edge& line : *lines) {
+        const int a = line[0], b = line[1];
         const auto is_along_edges = [&](int across) {
           const double cells = points(a, across) / kCell;
           return std::abs(points(a, across) - points(b, across)) < 1e-15 && std::abs(cells - std::round(cells)) < 1e-12;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hexaplast/geometry/axial_pull.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/layout/coarsening.hpp"
 #include "hexaplast/mesh/quality.hpp"
+#include "layout/coarsening.hpp"
 #include "support/compare.hpp"
 
 namespace hexaplast {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/kinematics/gradients.hpp"
+#include "kinematics/gradients.hpp"
 
 #include <cmath>
 

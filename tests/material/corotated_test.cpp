@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/material/corotated.hpp"
+#include "material/corotated.hpp"
 
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/plastic/averaging.hpp"
+#include "plastic/averaging.hpp"
 
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/sections.hpp"
-#include "hexaplast/plastic/rest_shape.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "plastic/rest_shape.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/motion.hpp"
@@ -189,9 +190,9 @@ TEST(Averaging, LeavesConnectedPartsThatDoNotFlowBitForBit) {
       EXPECT_GT(body.flow(world, 0.01).yielded, 0);
       alone.flow(bent, 0.01);
     }
-    EXPECT_EQ(body.history().material.bottomRows(one.num_nodes()), mesh.positions().bottomRows(one.num_nodes()));
-    const PointArray flowed = body.history().material.topRows(one.num_nodes());
-    EXPECT_LE(support::max_abs(flowed - alone.history().material), 1e-6 * kEdge);
+    EXPECT_EQ(body.state().history.material.bottomRows(one.num_nodes()), mesh.positions().bottomRows(one.num_nodes()));
+    const PointArray flowed = body.state().history.material.topRows(one.num_nodes());
+    EXPECT_LE(support::max_abs(flowed - alone.state().history.material), 1e-6 * kEdge);
     EXPECT_GT(support::max_abs(flowed - one.positions()), 1e-2 * kEdge);
   }
 }
@@ -249,14 +250,14 @@ double permanent_twist(int averaging_steps) {
     const PointArray world = support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 2 * share);
     body.flow(world, 0.01);
   }
-  return twist(body.mesh(), end_sections(body.mesh()), body.history().material);
+  return twist(body.mesh(), end_sections(body.mesh()), body.state().history.material);
 }
 
 // What is left of one step is taken up by the next, and nothing grows; on a mesh without symmetry, of which no solver
 // could take advantage.
 TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
   Body body(support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150), {twistable(0.0025)});
-  const Model& model = body.model();
+  const Model& model = body.state().model;
   History history(model);
   Linearization at(model);
   FlowWorkspace work(model, history);
@@ -268,7 +269,7 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
     linearize(model, history, world, at);
     flow(model, at, 0.01, exact, history, work);
   }
-  EXPECT_LE(support::max_abs(body.history().material - history.material), 1e-6 * kEdge);
+  EXPECT_LE(support::max_abs(body.state().history.material - history.material), 1e-6 * kEdge);
 }
 
 /// Angle between the original and the material shape of a distorted bar after it was stretched and twisted [rad].
@@ -280,7 +281,7 @@ double tilt_after_a_twist(AveragingMethod method) {
     const double share = std::min(1.0, k / 40.0);
     body.flow(support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 1.5 * share), 0.01);
   }
-  const PointArray before = body.mesh().positions(), after = body.history().material;
+  const PointArray before = body.mesh().positions(), after = body.state().history.material;
   const Mat3 covariance =
       (after.rowwise() - after.colwise().mean()).transpose() * (before.rowwise() - before.colwise().mean());
   return rotation_log(polar(covariance).R).norm();

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/plastic/flow.hpp"
+#include "plastic/flow.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/kinematics/polar.hpp"
-#include "hexaplast/material/corotated.hpp"
-#include "hexaplast/plastic/point_flow.hpp"
+#include "kinematics/gradients.hpp"
+#include "kinematics/polar.hpp"
+#include "material/corotated.hpp"
+#include "plastic/point_flow.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
@@ -54,7 +55,7 @@ TEST(Flow, ChangesNothingAtRest) {
   const PointArray rest = body.mesh().positions();
   for (int k = 0; k < 1000; ++k) body.flow(rest, kStep);
   // without any threshold rounding itself may flow, but it must not add up
-  EXPECT_LE(support::max_abs(body.history().material - rest), 1e-15);
+  EXPECT_LE(support::max_abs(body.state().history.material - rest), 1e-15);
 }
 
 TEST(Flow, OfRigidMotionsIsNothing) {
@@ -93,12 +94,13 @@ TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
         tau += kSoft.hardening * gamma * n;
         body.flow(world, dt);
 
-        for (const double actual : body.history().yield_stress[0])
+        for (const double actual : body.state().history.yield_stress[0])
           ASSERT_NEAR(actual, tau, 1e-9 * tau) << "step " << step;
         // the material shape is free to turn, so compare Fp^T Fp
         const Mat3 U = uniaxial(std::log(stretch) - elastic);
         for (int a = 0; a < kCorners; ++a) {
-          const Mat3 Fp = corner_jacobian(ElementPoints(body.history().material), a) * corner_jacobian(X, a).inverse();
+          const Mat3 Fp =
+              corner_jacobian(ElementPoints(body.state().history.material), a) * corner_jacobian(X, a).inverse();
           ASSERT_LE((Fp.transpose() * Fp - U * U).cwiseAbs().maxCoeff(), 1e-10) << "step " << step;
         }
       }
@@ -147,8 +149,8 @@ TEST(Flow, OfAPureVolumeChangeMovesNothing) {
     Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 157), {kSoft}, settings);
     const PointArray X = body.mesh().positions(), world = mapped(X, 1.05 * Mat3::Identity());
     for (int k = 0; k < 50; ++k) body.flow(world, kStep);
-    EXPECT_LE(support::max_abs(body.history().material - X), 1e-12);
-    for (const auto& corners : body.history().yield_stress) {
+    EXPECT_LE(support::max_abs(body.state().history.material - X), 1e-12);
+    for (const auto& corners : body.state().history.yield_stress) {
       for (const double tau : corners) {
         if (norm == YieldNorm::kVonMises) {
           EXPECT_EQ(tau, 300);
@@ -164,8 +166,8 @@ TEST(Flow, OfAVolumePreservingStretchKeepsTheVolume) {
   Body body(support::block({2, 2, 4}, kEdge), {kSoft});
   const PointArray world = support::stretched_and_twisted(body.mesh(), 1.3, 0);
   for (int k = 0; k < 200; ++k) body.flow(world, kStep);
-  EXPECT_GT(elongation(end_sections(body.mesh()), body.history().material), 0.1);
-  EXPECT_NEAR(body.volume(body.history().material) / body.original_volume(), 1, 1e-10);
+  EXPECT_GT(elongation(end_sections(body.mesh()), body.state().history.material), 0.1);
+  EXPECT_NEAR(body.volume(body.state().history.material) / body.original_volume(), 1, 1e-10);
 }
 
 /// Volume ratio of a body whose material shape starts 3 % too large, after some steps of volume restitution alone.
@@ -223,7 +225,7 @@ TEST(Flow, OfAHeldShapeDoesNotDriftInTenThousandSteps) {
   const HexMesh& mesh = body.mesh();
   const PointArray world = support::stretched_and_twisted(mesh, 1.3, 0);
   for (int k = 0; k < 10000; ++k) body.flow(world, kStep);
-  const PointArray& x = body.history().material;
+  const PointArray& x = body.state().history.material;
   EXPECT_GT(elongation(end_sections(mesh), x), 0.1);
   EXPECT_LE((x.colwise().mean() - mesh.positions().colwise().mean()).norm(), 1e-10);
   EXPECT_NEAR(body.volume(x) / body.original_volume(), 1, 1e-10);
@@ -245,7 +247,7 @@ TEST(Flow, KeepsPlasticTwistBelowTheTwistThatIsHeld) {
   double before = 0;
   for (int k = 0; k < 300; ++k) {
     body.flow(world, kStep);
-    const double now = twist(body.mesh(), ends, body.history().material);
+    const double now = twist(body.mesh(), ends, body.state().history.material);
     ASSERT_LE(now, 2) << "step " << k;
     ASSERT_GE(now, before - 1e-6) << "step " << k;
     before = now;
@@ -261,7 +263,7 @@ TEST(Guard, KeepsInvertedElementsElastic) {
   const FlowReport report = body.flow(world, kStep);
   EXPECT_EQ(report.inverted, 1);
   EXPECT_EQ(report.guarded, 1);
-  for (const double tau : body.history().yield_stress[1]) EXPECT_EQ(tau, 300);
+  for (const double tau : body.state().history.yield_stress[1]) EXPECT_EQ(tau, 300);
 
   // the same at a stretch below the threshold, though not inverted
   world = mapped(body.mesh().positions(), Vec3(1, 1, 0.05).asDiagonal());
@@ -361,13 +363,14 @@ TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
       bar.step();
       for (const Hexahedron& corners : bar.body.mesh().hexahedra()) {
         for (int a = 0; a < kCorners; ++a) {
-          ASSERT_GT(corner_jacobian(gather(bar.body.history().material, corners), a).determinant(), 0) << "step " << k;
+          ASSERT_GT(corner_jacobian(gather(bar.body.state().history.material, corners), a).determinant(), 0)
+              << "step " << k;
         }
       }
     }
     EXPECT_TRUE(bar.x.allFinite());
     // by a hundred throws 7.5 % at most, by all but three of them less than 5 %
-    EXPECT_NEAR(bar.body.volume(bar.body.history().material) / bar.body.original_volume(), 1, 0.1);
+    EXPECT_NEAR(bar.body.volume(bar.body.state().history.material) / bar.body.original_volume(), 1, 0.1);
   }
 }
 

@@ -2,8 +2,9 @@
 // What the alternatives of the method do, and that the defaults are better: the differences have to be there.
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/materials.hpp"
@@ -85,7 +86,7 @@ double permanent_share(const ElementPoints& X, const ElementPoints& u, bool stre
   settings.volume_restitution = 0;
   Body body(support::single_element(X), {m}, settings);
   body.flow(PointArray(X + u), kStep);
-  const ElementPoints moved = body.history().rest_shape[0] - X;
+  const ElementPoints moved = body.state().history.rest_shape[0] - X;
   return moved.cwiseProduct(u).sum() / u.squaredNorm();
 }
 
@@ -131,7 +132,7 @@ PointArray material_after(const HexMesh& mesh, const Settings& settings, const M
     const Mat3 pose = rotation_exp(k * kStep * spin) * R;
     body.flow(mapped(support::stretched_and_twisted(mesh, 1 + 0.3 * share, 1.5 * share), pose), kStep);
   }
-  return body.history().material;
+  return body.state().history.material;
 }
 
 class PaperMode : public testing::TestWithParam<RotationPlasticity> {};

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "body_state.hpp"
 #include "page/plot.hpp"
 #include "picture/axis.hpp"
 #include "support/output.hpp"
@@ -49,9 +50,9 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
   EXPECT_EQ(last[1], 6 * 0.01);
   EXPECT_EQ(last[2], 0.1 / 3);
   EXPECT_EQ(last[3], body.energy(x));
-  EXPECT_EQ(last[4], body.history().dissipated_energy);
+  EXPECT_EQ(last[4], body.dissipated_energy());
   EXPECT_EQ(last[5], body.volume(x) / body.original_volume());
-  EXPECT_EQ(last[6], body.volume(body.history().material) / body.original_volume());
+  EXPECT_EQ(last[6], body.volume(body.plastic_rest_positions()) / body.original_volume());
   EXPECT_EQ(last[7], summary.plastic_elongation);
   EXPECT_EQ(last[8], summary.plastic_twist_deg);
   EXPECT_EQ(last[9], ((x.row(3) - X.row(3)).norm() + (x.row(17) - X.row(17)).norm()) / 2);
@@ -101,7 +102,7 @@ TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
   recorder.finish();
 
   // with nothing left, all that is written are numbers still
-  EXPECT_EQ(body.history().removed.size(), std::size_t(kBars));
+  EXPECT_EQ(body.removed().size(), std::size_t(kBars));
   std::string header;
   const std::vector<double> last = rows_of(scratch / "run/history.csv", header).back();
   ASSERT_EQ(last.size(), 18u);
@@ -133,8 +134,8 @@ TEST(FinalState, ComesBackWithAllItsBits) {
   EXPECT_EQ(read["time"].get<double>(), 0.1 + 0.2);
   expect_points("positions", x);
   expect_points("velocities", v);
-  expect_points("material_positions", body.history().material);
-  const ElementHistory second = body.history().element(1);
+  expect_points("material_positions", body.plastic_rest_positions());
+  const ElementHistory second = body.state().history.element(1);
   ASSERT_EQ(read["isolated_shapes"].size(), static_cast<std::size_t>(body.mesh().num_elements()));
   for (int a = 0; a < kCorners; ++a) {
     const Vec3 corner = second.rotation_map[a] * second.rest_shape.row(a).transpose();
@@ -222,7 +223,7 @@ TEST(PlotFile, IsWellFormedXmlWhateverTheTitle) {
   Body body = support::yielding_block();
   Recorder recorder(scratch / "run", body, plan(6, 100));
   support::record_stretch(recorder, body, 6);
-  write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "pull & <hold> \"50 %\" \x01 {}", 1);
+  output::write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "pull & <hold> \"50 %\" \x01 {}", 1);
   tinyxml2::XMLDocument document;
   ASSERT_EQ(document.LoadFile((scratch / "run/plot.svg").c_str()), tinyxml2::XML_SUCCESS) << document.ErrorStr();
   EXPECT_STREQ(document.RootElement()->Name(), "svg");
@@ -237,7 +238,7 @@ TEST(PlotFile, StaysSmallForLongRuns) {
   Recorder recorder(scratch / "run", body, plan(5000, 100000));
   const PointArray x = body.mesh().positions();
   for (long step = 0; step <= 5000; ++step) recorder.record({.step = step, .time = 0.01 * step}, x, x);
-  write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "long", body.mesh().num_elements());
+  output::write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "long", body.mesh().num_elements());
   EXPECT_LT(fs::file_size(scratch / "run/plot.svg"), 250000u);
   EXPECT_NE(content(scratch / "run/plot.svg").find(">50<"), std::string::npos);  // the axis reaches the last time
 }

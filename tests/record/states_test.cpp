@@ -41,7 +41,7 @@ TEST(MeshFile, ComesBackBitForBitInAnIndependentReader) {
   EXPECT_EQ(read.at("cells"), std::string(reinterpret_cast<const char*>(body.mesh().hexahedra().data()),
                                           sizeof(Hexahedron) * body.mesh().hexahedra().size()));
   EXPECT_EQ(read.at("displacement"), bytes_of(displacement));
-  EXPECT_EQ(read.at("material_position"), bytes_of(body.history().material));
+  EXPECT_EQ(read.at("material_position"), bytes_of(body.plastic_rest_positions()));
   EXPECT_EQ(read.at("velocity"), bytes_of(support::some_velocities(body)));
   EXPECT_EQ(read.at("stress_norm"), bytes_of(fields.stress_norm));
   EXPECT_EQ(read.at("plastic_strain"), bytes_of(fields.plastic_strain));
@@ -65,7 +65,7 @@ TEST(MeshFile, LeavesRemovedHexahedraOut) {
     if (x(n, 2) > 0.35) x(n, 2) += 0.08;  // only the fourth layer of hexahedra is stretched
   body.linearize(x);
   const FlowReport report = body.flow(x, 0.01);
-  const std::size_t removed = body.history().removed.size();
+  const std::size_t removed = body.removed().size();
   ASSERT_GT(removed, 0u);
   ASSERT_LT(removed, 12u);
   recorder.record({.step = 1, .time = 0.01, .flow = report}, x, support::some_velocities(body));
@@ -74,7 +74,7 @@ TEST(MeshFile, LeavesRemovedHexahedraOut) {
   std::vector<Hexahedron> left;
   std::vector<std::int32_t> ids, parts;
   for (int e = 0; e < 12; ++e) {
-    if (!body.history().alive[e]) continue;
+    if (!body.alive()[e]) continue;
     left.push_back(body.mesh().hexahedra()[e]);
     ids.push_back(e);
     parts.push_back(e < 6 ? 0 : 1);

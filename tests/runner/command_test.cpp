@@ -199,7 +199,7 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
       {"just some text, longer than any header could be: " + std::string(200, '.'), "it is not a shared library"},
       {renamed("hexaplast_plugin_abi_tag"), "it carries no hexaplast_plugin_abi_tag of this program"},
       {renamed("hexaplast_register_components"), "it has no function hexaplast_register_components"},
-      {other_number, "it was built for another component interface: 99, must be 8"},
+      {other_number, "it was built for another component interface: 99, must be 9"},
   };
   write("other.scn", "<Node>\n<RequiredPlugin pluginName='Sofa.Component.Mass Other'/></Node>");
   for (const auto& [file, reason] : cases) {

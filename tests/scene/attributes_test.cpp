@@ -12,6 +12,7 @@
 
 #include "attributes/examples.hpp"
 #include "attributes/stock.hpp"
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/example_scene.hpp"
@@ -128,7 +129,7 @@ class ExampleScenes : public testing::Test {
     }
     for (scene::ForceField* field : scene.root().all<scene::ForceField>())
       if (const Body* body = field->body()) {
-        EXPECT_NO_THROW(validate(body->model(), body->history())) << value;
+        EXPECT_NO_THROW(validate(body->state().model, body->state().history)) << value;
       }
     return {};
   }

@@ -89,7 +89,7 @@ const std::string kHeld = "<FixedProjectiveConstraint indices='24-29'/>";
 TEST(SceneCheckpoint, PlasticFlowAndTearsGoOnBitForBit) {
   scene::Scene scene = read_and_init(tearing_bar(kHeld));
   run(scene, 30);
-  ASSERT_FALSE(at<scene::ForceField>(scene, "body").body()->history().removed.empty()) << "the case is to tear";
+  ASSERT_FALSE(at<scene::ForceField>(scene, "body").body()->removed().empty()) << "the case is to tear";
   expect_same_future(tearing_bar(kHeld), 30, {1, 8, 20});
 }
 

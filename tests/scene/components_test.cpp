@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/scene.hpp"
@@ -323,7 +324,7 @@ TEST(BodyField, HandsItsAttributesToTheBody) {
            "inversionThreshold='0.2'"));
   const Body* body = at<scene::ForceField>(scene, "body").body();
   ASSERT_TRUE(body);
-  const Model& model = body->model();
+  const Model& model = body->state().model;
   ASSERT_EQ(model.materials.size(), 2u);
   const Material& second = model.materials[1];
   EXPECT_EQ(model.materials[0].young_modulus, 1000);
@@ -346,7 +347,7 @@ TEST(BodyField, ShowsItsPlasticState) {
   auto& field = at<scene::ForceField>(scene, "body");
   at<scene::MechanicalState>(scene, "nodes").positions().col(0) *= 1.3;
   scene.step();
-  const History& history = field.body()->history();
+  const History& history = field.body()->state().history;
   EXPECT_GT(field.reals("plasticStrain")[1], 0);
   EXPECT_GT(field.reals("presentYieldStress")[0], 5);
   EXPECT_NEAR(field.reals("volumeRatio")[0], 1, 1e-3);
@@ -365,7 +366,7 @@ TEST(BodyField, MayBecomeOfAnotherMaterialDuringTheRun) {
   const double strain = field.reals("plasticStrain")[0];
   field.find_data("youngModulus")->give(std::vector<double>{1000, 3000}, {});
   scene.step();
-  EXPECT_EQ(field.body()->model().material(1).young_modulus, 3000);
+  EXPECT_EQ(field.body()->material(1).young_modulus, 3000);
   EXPECT_GE(field.reals("plasticStrain")[0], strain);
 
   EXPECT_THROW(field.find_data("youngModulus")->give(std::vector<double>{-1}, {}), InputError);
@@ -382,7 +383,7 @@ TEST(BodyField, IsElasticByDefault) {
     scene.step();
     EXPECT_EQ(field.flow_report()->yielded, 0);
   }
-  EXPECT_EQ(field.body()->history().material, field.body()->mesh().positions());
+  EXPECT_EQ(field.body()->plastic_rest_positions(), field.body()->mesh().positions());
 }
 
 TEST(BodyField, FlowsOnceAtTheEndOfEachStep) {
@@ -390,16 +391,16 @@ TEST(BodyField, FlowsOnceAtTheEndOfEachStep) {
       cube("yieldStress='10' plasticFlowRate='2'",
            "<ConstantForceField indices='2 5 8 11' forces='60 0 0'/><FixedProjectiveConstraint indices='0 3 6 9'/>"));
   const auto& field = at<scene::ForceField>(scene, "body");
-  const long before = field.body()->history().version;
+  const long before = field.body()->state().history.version;
   force_of(scene, "body", 0);
-  EXPECT_EQ(field.body()->history().version, before);
+  EXPECT_EQ(field.body()->state().history.version, before);
   for (int i = 0; i < 60; ++i) scene.step();
-  EXPECT_GT(field.body()->history().version, before);
+  EXPECT_GT(field.body()->state().history.version, before);
   EXPECT_EQ(field.flow_report()->yielded, 2);
-  EXPECT_GT(field.body()->history().material.col(0).maxCoeff(), 1.01);
+  EXPECT_GT(field.body()->plastic_rest_positions().col(0).maxCoeff(), 1.01);
 
   scene.reset();
-  EXPECT_EQ(field.body()->history().material, field.body()->mesh().positions());
+  EXPECT_EQ(field.body()->plastic_rest_positions(), field.body()->mesh().positions());
 }
 
 // The object's own damping enters the system matrix alone: A = M - h(h + s) K against M - h(h + r) K; the right-hand
@@ -502,7 +503,7 @@ TEST(Statics, FlowFollowsEquilibrium) {
   scene::Scene scene =
       read_and_init(static_bar(kNewton, kPull, "yieldStress='50' plasticFlowRate='2' rotationPlasticity='none'"));
   scene.step();
-  const PointArray& material = at<scene::ForceField>(scene, "body").body()->history().material;
+  const PointArray& material = at<scene::ForceField>(scene, "body").body()->plastic_rest_positions();
   EXPECT_NEAR(material(2, 0) - material(0, 0), std::pow(1.1, 0.02 * 2 / 3), 1e-9);
 }
 

@@ -110,7 +110,7 @@ TEST(EnergyOfAScene, APlasticCycleCloses) {
                   "damping='5' releaseTime='.5'/>",
                   dt));
     const EnergyBalance balance = after(scene, steps);
-    const double dissipated = at<scene::ForceField>(scene, "body").body()->history().dissipated_energy;
+    const double dissipated = at<scene::ForceField>(scene, "body").body()->dissipated_energy();
     EXPECT_GT(dissipated, 0.05 * balance.load_work);
     EXPECT_NEAR(balance.flow_loss, dissipated, 0.2 * dissipated);  // averaging has a part in it
     return balance;

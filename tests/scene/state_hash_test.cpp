@@ -82,8 +82,8 @@ std::string hash_after(const PinnedScene& pinned, int threads) {
   const Body* body = nullptr;
   for (const scene::ForceField* field : scene.root().all<scene::ForceField>())
     if (field->body()) body = field->body();
-  EXPECT_EQ(pinned.comes != Comes::kElastic, body->history().dissipated_energy > 0);
-  EXPECT_EQ(pinned.comes == Comes::kToTear, !body->history().removed.empty());
+  EXPECT_EQ(pinned.comes != Comes::kElastic, body->dissipated_energy() > 0);
+  EXPECT_EQ(pinned.comes == Comes::kToTear, !body->removed().empty());
   return output::state_hash(pinned.num_steps, state.positions(), state.velocities(), body);
 }
 

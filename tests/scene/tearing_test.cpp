@@ -35,7 +35,7 @@ class Listener final : public scene::Component {
     line << name() << ": " << field.name() << " lost";
     for (const int e : hexahedra) {
       line << " " << e;
-      EXPECT_FALSE(field.body()->history().alive[e]);
+      EXPECT_FALSE(field.body()->alive()[e]);
     }
     heard.push_back(line.str());
   }

@@ -178,7 +178,7 @@ TEST_F(Adapter, TheExporterWritesTheStateAfterItsStep) {
   for (int n = 0; n < mesh.num_nodes(); ++n)
     for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(json["positions"][n][i].get<double>(), stretched(n, i));
-      EXPECT_EQ(json["material_positions"][n][i].get<double>(), field.guest()->body()->history().material(n, i));
+      EXPECT_EQ(json["material_positions"][n][i].get<double>(), field.guest()->body()->plastic_rest_positions()(n, i));
     }
 
   BaseComponent& nameless = make("FinalStateExporter", {{"exportAtStep", "2"}});

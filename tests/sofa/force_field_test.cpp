@@ -117,7 +117,7 @@ TEST_F(Adapter, ShowsThePlasticStateWhenItIsRead) {
   EXPECT_GT(strain[0], 0);
   EXPECT_GT(data.getCounter(), counter);
   EXPECT_EQ(PointArray(view(value<DataTypes::VecCoord>(field, "materialPositions"))),
-            field.guest()->body()->history().material);
+            field.guest()->body()->plastic_rest_positions());
   EXPECT_TRUE(value<vector<sofa::Index>>(field, "removed").empty());
   field.reset();
   EXPECT_EQ(value<vector<SReal>>(field, "plasticStrain"), vector<SReal>(mesh.num_elements(), 0));
@@ -244,7 +244,7 @@ TEST_F(Adapter, HalfFullHexahedraOfASparseGridCarryHalf) {
   field.l_topology.set(&grid);
   field.init();
   ASSERT_FALSE(field.isComponentStateInvalid()) << said();
-  const auto& materials = field.guest()->body()->model().materials;
+  const auto& materials = field.guest()->body()->materials();
   ASSERT_EQ(materials.size(), grid.fill.size());
   EXPECT_EQ(materials[4].young_modulus, 7000);
   EXPECT_EQ(materials[5].young_modulus, 3500);

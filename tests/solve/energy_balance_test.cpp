@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "body_state.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "support/compare.hpp"
@@ -20,7 +21,7 @@ constexpr double kDensity = 1000, kYoungModulus = 5000;
 /// A block of cubes of kEdge with nu = 0 that moves on in time and keeps its accounts.
 struct Measured {
   Body body;
-  std::vector<double> mass = lumped_masses(body.model(), kDensity);
+  std::vector<double> mass = lumped_masses(body, kDensity);
   LoadedBody system;
   ImplicitEuler euler;
   double dt;
@@ -193,7 +194,7 @@ TEST(EnergyBalance, FlowTakesWhatItDissipates) {
       0.005);
   bar.begin();
   for (int n = 0; n < 200; ++n) bar.step();
-  const double dissipated = bar.body.history().dissipated_energy;
+  const double dissipated = bar.body.state().history.dissipated_energy;
   EXPECT_GT(dissipated, 0.05 * bar.balance.load_work);
   EXPECT_NEAR(bar.balance.flow_loss, dissipated, 0.05 * dissipated);
   EXPECT_NEAR(bar.balance.error(), 0, 1e-4 * bar.balance.load_work);  // nothing turns
@@ -219,7 +220,7 @@ TEST(EnergyBalance, MeasuringChangesNoBit) {
   }
   EXPECT_EQ(silent.x, measured.x);
   EXPECT_EQ(silent.v, measured.v);
-  EXPECT_EQ(silent.body.history().material, measured.body.history().material);
+  EXPECT_EQ(silent.body.state().history.material, measured.body.state().history.material);
 }
 
 }  // namespace

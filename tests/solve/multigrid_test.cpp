@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/layout/coarsening.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "layout/coarsening.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hexaplast/geometry/sections.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 
 namespace hexaplast::support {
 

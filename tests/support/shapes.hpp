@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/kinematics/polar.hpp"
+#include "kinematics/polar.hpp"
 #include "support/random.hpp"
 
 namespace hexaplast::support {

@@ -166,7 +166,7 @@ TEST(Session, MaterialsChangeWhileItMoves) {
   session.advance(1);
   const Snapshot at = wait_for_step(session, 1);
   session.stop();
-  const Material& material = played.body().model().materials.front();
+  const Material& material = played.body().materials().front();
   EXPECT_EQ(material.young_modulus, 8000);
   EXPECT_EQ(material.yield_stress, 90);
   EXPECT_EQ(material.poisson_ratio, 0.4);
@@ -224,7 +224,7 @@ TEST(Session, AttributesCanBeTakenAwayAndGivenAgain) {
   EXPECT_EQ(knob_value(with, "yieldStress"), 150);
   EXPECT_FALSE(knob_value(with, "fractureStress"));
   session.stop();
-  const Material& material = played.body().model().materials.front();
+  const Material& material = played.body().materials().front();
   EXPECT_EQ(material.yield_stress, 150);
   EXPECT_EQ(material.fracture_stress, Material().fracture_stress);
 }
@@ -245,8 +245,7 @@ TEST(Session, AFactorMovesTheValuesOfAllHexahedra) {
   EXPECT_NEAR(wait_for_step(session, 1).knob_values.front().value(), 3, 1e-12);
   session.stop();
   for (int e = 0; e < 24; ++e)
-    EXPECT_NEAR(played.body().model().materials.at(static_cast<std::size_t>(e)).young_modulus, 3 * (4000 + 100 * e),
-                1e-9);
+    EXPECT_NEAR(played.body().materials().at(static_cast<std::size_t>(e)).young_modulus, 3 * (4000 + 100 * e), 1e-9);
 }
 
 TEST(Session, KeepsRealTimeAndCanBePaused) {

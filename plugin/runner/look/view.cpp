@@ -62,7 +62,7 @@ void print_outcome(Simulation& simulation, const std::string& title) {
              rounded(100 * measures.world_elongation, 1e-3));
   fmt::print("  plastic strain      {:.4f} at most\n", std::ranges::max(body.fields(x).plastic_strain));
   fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
-  fmt::print("  dissipated energy   {:.4g} J\n", body.history().dissipated_energy);
+  fmt::print("  dissipated energy   {:.4g} J\n", body.dissipated_energy());
   fmt::print("  state hash          {}\n",
              output::state_hash(simulation.latest().step, x, simulation.state().velocities(), &body));
 }

@@ -75,9 +75,8 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   bench::Record record;
   record.size = body.mesh().num_elements();
   record.shape = options.scene.file.stem().string();
-  record.mode =
-      body.model().can_stretch || body.model().can_rotate ? (most_yielded > 0 ? "plastic" : "plastic_idle") : "elastic";
-  record.precision = body.model().settings.precision == Precision::kDouble ? "double" : "mixed";
+  record.mode = body.can_flow() ? (most_yielded > 0 ? "plastic" : "plastic_idle") : "elastic";
+  record.precision = body.settings().precision == Precision::kDouble ? "double" : "mixed";
   record.solver = solver ? solver->class_name() : "none";
   record.target = "scene";
   record.threads = threads;
@@ -87,7 +86,7 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   record.hex_per_ms = record.size / times.p50;  // steps of a scene differ: the fastest says little
   record.p50_ms = times.p50;
   record.p99_ms = times.p99;
-  record.ratio_to_dense_peer = bench::time_peer(body.model(), record.iterations) / times.p50;
+  record.ratio_to_dense_peer = bench::time_peer(body, record.iterations) / times.p50;
   record.residual = simulation.latest().residual;
   record.yielded = static_cast<double>(simulation.latest().flow.yielded) / record.size;
   record.state_hash =

@@ -31,8 +31,7 @@ double energy_put_in(const Simulation& simulation) {
   double unseen = 0;
   if (const Body* body = simulation.body())
     for (int e = 0; e < body->mesh().num_elements(); ++e)
-      unseen += body->model().material(e).young_modulus * body->model().volume[static_cast<std::size_t>(e)] *
-                kUnseenStrain * kUnseenStrain / 2;
+      unseen += body->material(e).young_modulus * body->original_volume(e) * kUnseenStrain * kUnseenStrain / 2;
   return std::max(simulation.totals().energy_put_in, unseen);
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -143,7 +144,7 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
 }
 
 /// Which hexahedra a body has lost, as far as a line holds them.
-std::string removed_line(const std::vector<int>& removed, const Totals& totals) {
+std::string removed_line(std::span<const int> removed, const Totals& totals) {
   constexpr std::size_t kMostNamed = 8;
   const std::size_t named = std::min(removed.size(), kMostNamed);
   return fmt::format("{} in steps {} to {}: {}{}", removed.size(), totals.first_removal, totals.latest_removal,
@@ -200,8 +201,8 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
   if (const Body* body = simulation.body()) {
     const output::Summary summary = output::summarise(*body, simulation.state().positions());
     add("hexahedra", fmt::format("{}", body->mesh().num_elements()));
-    if (!body->history().removed.empty()) {
-      add("removed", removed_line(body->history().removed, totals));
+    if (!body->removed().empty()) {
+      add("removed", removed_line(body->removed(), totals));
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
     if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));

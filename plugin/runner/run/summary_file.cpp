@@ -29,7 +29,7 @@ Json summary_json(Simulation& simulation) {
           {"stalled_averaging", totals.stalled_averaging},
           {"nodes", simulation.state().num_nodes()},
           {"hexahedra", body.mesh().num_elements()},
-          {"removed", body.history().removed.size()},
+          {"removed", body.removed().size()},
           {"connected_parts", summary.num_pieces},
           {"least_scaled_jacobian", quality(body.mesh()).least_scaled_jacobian},
           {"inverted", latest.flow.inverted},
@@ -46,7 +46,7 @@ Json summary_json(Simulation& simulation) {
           {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
           {"kinetic_energy", latest.kinetic_energy},
           {"elastic_energy", body.energy(x)},
-          {"dissipated_energy", body.history().dissipated_energy},
+          {"dissipated_energy", body.dissipated_energy()},
           {"energy_error", latest.energy ? Json(latest.energy->error()) : Json(nullptr)},
           {"doubts", check_results(simulation)}};
 }

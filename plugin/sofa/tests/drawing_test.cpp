@@ -93,7 +93,7 @@ TEST_F(Drawing, ShowsTheShapeWithoutForcesOnDemand)
     scene.field().findData("drawMaterialShape")->read("1");
     const RecordingDrawTool tool = draw();
     EXPECT_EQ(tool.ends.size(), 2 * 4 * (2 * (2 * 2) + 4 * (2 * 3))) << "four edges of each outer face";
-    const PointArray& material = scene.body().history().material;
+    const PointArray& material = scene.body().plastic_rest_positions();
     std::set<double> heights, expected;
     for (const auto& end : tool.ends) heights.insert(end[2]);
     for (int n = 0; n < material.rows(); ++n)

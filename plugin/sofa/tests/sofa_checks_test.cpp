@@ -88,7 +88,7 @@ TEST_F(SofasChecks, HoldWhereTheMaterialHasFlowed)
 
     const Body& body = *force->guest()->body();
     EXPECT_GT(body.fields(view(stretched(1.05))).plastic_strain[0], 1e-3);
-    Body same(body.mesh(), body.model().materials, body.model().settings);
+    Body same(body.mesh(), body.materials(), body.settings());
     same.flow(view(stretched(1.05)), 0.1);
     same.linearize(view(stretched(1.04)));
     VecDeriv expected(8);

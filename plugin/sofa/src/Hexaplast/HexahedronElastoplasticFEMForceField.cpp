@@ -99,7 +99,7 @@ void HexahedronElastoplasticFEMForceField::tearTopology()
                       << " would take nodes away with them: removeIsolated must be false. The topology stays whole.";
         return;
     }
-    const std::vector<unsigned char>& alive = guest()->body()->history().alive;
+    const std::span<const unsigned char> alive = guest()->body()->alive();
     sofa::type::vector<sofa::Index> gone;
     for (std::size_t i = 0; i < m_original.size(); ++i)
         if (!alive[m_original[i]]) gone.push_back(static_cast<sofa::Index>(i));
@@ -153,7 +153,7 @@ void HexahedronElastoplasticFEMForceField::draw(const sofa::core::visual::Visual
 
     const Body& body = *guest()->body();
     const auto x = view(mstate->readPositions().ref());
-    const std::vector<unsigned char>& alive = body.history().alive;
+    const std::span<const unsigned char> alive = body.alive();
     const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
     const double most = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
     static sofa::helper::ColorMap colours(256, "Blue to Red");
@@ -171,7 +171,7 @@ void HexahedronElastoplasticFEMForceField::draw(const sofa::core::visual::Visual
     tool->drawTriangles(corners, shades);
 
     if (!d_drawMaterialShape.getValue()) return;
-    const PointArray& material = body.history().material;
+    const PointArray& material = body.plastic_rest_positions();
     std::vector<sofa::type::Vec3> ends;
     for (const auto& face : faces)
         for (std::size_t k = 0; k < face.size(); ++k)

@@ -3,22 +3,12 @@
 
 #include <vector>
 
-#include "hexaplast/plastic/averaging.hpp"
-#include "hexaplast/state/history.hpp"
-#include "hexaplast/state/linearization.hpp"
+#include "hexaplast/plastic/flow_report.hpp"
+#include "plastic/averaging.hpp"
+#include "state/history.hpp"
+#include "state/linearization.hpp"
 
 namespace hexaplast {
-
-/// What happened in one plastic step. Counts are elements.
-struct FlowReport {
-  int yielded = 0;                ///< with flow of stretch or rotation at some corner
-  int inverted = 0;               ///< turned inside out at some corner (det F~ < 0)
-  int guarded = 0;                ///< kept elastic because they are inverted or nearly so
-  int repaired = 0;               ///< whose material shape was led back towards the original one
-  int removed = 0;                ///< broken in this step: the last ones of History::removed
-  double worst_volume_error = 0;  ///< greatest |material volume / original volume - 1| of an element, before the step
-  AveragingReport averaging;
-};
 
 /// What is left of an element's step once it is in the trial history.
 struct ElementFlow {

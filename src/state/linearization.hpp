@@ -3,8 +3,8 @@
 
 #include <variant>
 
-#include "hexaplast/state/element_operator.hpp"
-#include "hexaplast/state/history.hpp"
+#include "state/element_operator.hpp"
+#include "state/history.hpp"
 
 namespace hexaplast {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hexaplast/layout/chunked_operator.hpp"
-#include "hexaplast/layout/partition.hpp"
+#include "layout/partition.hpp"
 
 namespace hexaplast {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hexaplast/base/blocks.hpp"
+#include "base/blocks.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/state/linearization.hpp"
+#include "state/linearization.hpp"
 
 namespace hexaplast {
 

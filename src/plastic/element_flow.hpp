@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "hexaplast/kinematics/gradients.hpp"
-#include "hexaplast/plastic/point_flow.hpp"
-#include "hexaplast/state/history.hpp"
+#include "kinematics/gradients.hpp"
+#include "plastic/point_flow.hpp"
+#include "state/history.hpp"
 
 namespace hexaplast {
 

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "hexaplast/layout/chunked_operator.hpp"
-#include "hexaplast/layout/coarse_mesh.hpp"
-#include "hexaplast/state/linearization.hpp"
+#include "layout/coarse_mesh.hpp"
+#include "state/linearization.hpp"
 
 namespace hexaplast {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "hexaplast/layout/coarsening.hpp"
-#include "hexaplast/layout/partition.hpp"
+#include "layout/coarsening.hpp"
+#include "layout/partition.hpp"
 
 namespace hexaplast {
 

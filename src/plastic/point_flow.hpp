@@ -2,8 +2,8 @@
 #pragma once
 
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/kinematics/polar.hpp"
 #include "hexaplast/material/material.hpp"
+#include "kinematics/polar.hpp"
 
 namespace hexaplast {
 

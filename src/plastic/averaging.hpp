@@ -7,20 +7,13 @@
 #include <vector>
 
 #include "hexaplast/layout/linear_system.hpp"
-#include "hexaplast/state/history.hpp"
+#include "hexaplast/plastic/flow_report.hpp"
+#include "state/history.hpp"
 
 namespace hexaplast {
 
 inline constexpr int kAveragingIterations = 10000;  ///< of the linear solver, after which it gives up
 inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps turns of a connected part definite
-
-struct AveragingReport {
-  bool skipped = true;     ///< the rest shapes fitted already
-  bool fell_back = false;  ///< Gauss-Newton would have raised E; the local/global step was taken
-  int iterations = 0;      ///< of the linear solver
-  double residual = 0;     ///< relative residual it left
-  bool converged = true;   ///< false: the linear solver gave up before its tolerance
-};
 
 /// Rest-to-material averaging: the joined positions x that fit the isolated rest shapes y best (theory.md section 5.5).
 ///

@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/state/model.hpp"
+#include "hexaplast/state/element_history.hpp"
+#include "state/model.hpp"
 
 namespace hexaplast {
-
-using CornerValues = std::array<double, kCorners>;
-using CornerTensors = std::array<Mat3, kCorners>;
-
-/// The plastic history of one element, by value.
-struct ElementHistory {
-  ElementPoints rest_shape;       ///< [m] y: isolated rest shape, about the element's own mean
-  CornerTensors rotation_map;     ///< Pi: rest frame -> material frame; eight equal ones where the mode has one
-  CornerValues yield_stress;      ///< [Pa] tau; infinite where it never yields
-  CornerValues rotation_yield;    ///< [rad] tau^R
-  CornerValues plastic_strain;    ///< [-] accumulated sqrt(2/3) gamma |dev log D|_F
-  CornerTensors plastic_stretch;  ///< product of the S^p, in the rest frame; identity unless the model tracks it
-};
 
 /// Everything plastic; changes once per accepted time step, by flow(), and between two steps when the host takes
 /// elements out or changes the material (Body). A checkpoint saves exactly this.

@@ -6,9 +6,9 @@
 #include <mutex>
 #include <vector>
 
-#include "hexaplast/layout/coarse_mesh.hpp"
-#include "hexaplast/layout/partition.hpp"
 #include "hexaplast/material/material.hpp"
+#include "layout/coarse_mesh.hpp"
+#include "layout/partition.hpp"
 
 namespace hexaplast {
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace hexaplast {
+
+/// What became of the rest-to-material averaging in one plastic step.
+struct AveragingReport {
+  bool skipped = true;     ///< the rest shapes fitted already
+  bool fell_back = false;  ///< Gauss-Newton would have raised E; the local/global step was taken
+  int iterations = 0;      ///< of the linear solver
+  double residual = 0;     ///< relative residual it left
+  bool converged = true;   ///< false: the linear solver gave up before its tolerance
+};
+
+/// What happened in one plastic step. Counts are elements.
+struct FlowReport {
+  int yielded = 0;                ///< with flow of stretch or rotation at some corner
+  int inverted = 0;               ///< turned inside out at some corner (det F~ < 0)
+  int guarded = 0;                ///< kept elastic because they are inverted or nearly so
+  int repaired = 0;               ///< whose material shape was led back towards the original one
+  int removed = 0;                ///< broken in this step: the last ones of Body::removed
+  double worst_volume_error = 0;  ///< greatest |material volume / original volume - 1| of an element, before the step
+  AveragingReport averaging;
+};
+
+}  // namespace hexaplast

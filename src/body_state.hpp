@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "elastic/hierarchy.hpp"
+#include "elastic/operators.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "plastic/flow.hpp"
+
+namespace hexaplast {
+
+/// What a body solves its averaging with.
+PreconditionedConjugateGradients averaging_solver(const Model& model);
+
+/// All that a body is.
+struct Body::State {
+  State(HexMesh mesh, std::vector<Material> materials, Settings settings);
+
+  /// Puts these in place of the present ones. call: which has done so, for messages.
+  void take(Model changed, History changed_history, const char* call);
+
+  void write(Archive& archive) const;
+  std::pair<Model, History> read(Archive& archive) const;
+  void require_field(const char* call, const char* name, ConstPoints field) const;
+  void require_linearized(const char* call) const;
+
+  Model model;
+  History history;
+  Linearization at;
+  const char* not_linearized_since = "the body was made";  // null while `at` is what the caller linearized
+  std::optional<FlowWorkspace> flow;                       // of bodies that can flow
+  PreconditionedConjugateGradients averaging_solver;
+  bool mostly_flows = false;                  // in the latest plastic step: looking first would be in vain
+  double checked_dt = 0;                      // time step that passed check_time_step
+  ProductWorkspace product;                   // of add_stiffness_product
+  ExactOperator exact;                        // of mixed precision
+  std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
+};
+
+}  // namespace hexaplast
