@@ -33,8 +33,7 @@ class ConstrainedOperator final : public LinearSystem {
     system.diagonal.setZero(num_nodes(), 3);
     system.diagonal_version = 0;
     if (!system_.to_kernels(factors_, system)) return false;
-    system.free.setOnes(num_nodes(), 3);
-    system_.project(system.free);
+    system.find_free(num_nodes(), [&](Points field) { system_.project(field); });
     return true;
   }
 

@@ -580,6 +580,56 @@ TEST_P(KernelSolvers, RefuseNegativeCurvature) {
                                       {"not positive definite"}));
 }
 
+/// Nodes that keep to planes, which are those of no axis.
+class OnObliquePlane final : public LoadedBody {
+ public:
+  OnObliquePlane(Body& body, const std::vector<double>& mass, const Vec3& normal, std::vector<int> nodes)
+      : LoadedBody(body, mass, {},
+                   [mass](double, ConstPoints, Points f) {
+                     for (Eigen::Index n = 0; n < f.rows(); ++n) f.row(n) += mass[n] * Eigen::RowVector3d(9.81, 3, -5);
+                   }),
+        normal_(normal.normalized().transpose()),
+        nodes_(std::move(nodes)) {}
+  void project(Points field) const override {
+    for (const int n : nodes_) field.row(n) -= field.row(n).dot(normal_) * normal_;
+  }
+  /// How far they are from where their planes began.
+  double distance(const PointArray& moved) const {
+    double most = 0;
+    for (const int n : nodes_) most = std::max(most, std::abs(moved.row(n).dot(normal_)));
+    return most;
+  }
+
+ private:
+  Eigen::RowVector3d normal_;
+  std::vector<int> nodes_;
+};
+
+// A vector of ones does not see a plane of which it is a direction.
+TEST(ImplicitEuler, KeepsNodesOnObliquePlanesOfASystemOfOnesOwn) {
+  for (const Vec3& normal : {Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(1, 1, -2), Vec3(0, 0.6, 0.8)})
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+      for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
+        Body body(support::block({8, 8, 8}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
+                  {.precision = precision});
+        const PointArray rest = body.mesh().positions();
+        std::vector<int> side;
+        for (int n = 0; n < rest.rows(); ++n)
+          if (rest(n, 0) < 1e-9) side.push_back(n);
+        OnObliquePlane system(body, lumped_masses(body.model(), 1000), normal, side);
+        PreconditionedConjugateGradients solver(1e-8, 2000, preconditioner);
+        ConjugateGradients plain({.iterations = 5000, .tolerance = 1e-12, .threshold = 0});
+        PointArray x = rest, by_plain = rest, v = PointArray::Zero(rest.rows(), 3), v_plain = v;
+        for (int step = 0; step < 3; ++step) {
+          EXPECT_TRUE(ImplicitEuler({}).step(system, solver, 0, 0.01, x, v).converged);
+          ImplicitEuler({}).step(system, plain, 0, 0.01, by_plain, v_plain);
+        }
+        EXPECT_GT((x - rest).norm(), 1e-3);
+        EXPECT_LE(system.distance(x - rest), 1e-12);
+        EXPECT_TRUE(agrees(x - rest, by_plain - rest, precision == Precision::kDouble ? 1e-6 : 1e-2));
+      }
+}
+
 // Coarse meshes feel a plane of held nodes between their own.
 TEST(NewtonRaphson, TakesFewIterationsOfMultigridWhereverNodesAreHeld) {
   for (const int plane : {0, 1, 2, 3, 4, 7}) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,15 @@ class NodalOperator {
   virtual void add_product(ConstPoints p, Points Fp) const = 0;
 };
 
+/// Numbers in [0.5, 1.5) without any regularity, three per node: whatever acts on nodes leaves a trace of them.
+inline PointArray irregular_numbers(int num_nodes) {
+  constexpr double kGoldenRatio = 1.6180339887498949;  // its multiples fill [0, 1) without a pattern
+  PointArray numbers(num_nodes, 3);
+  for (Eigen::Index i = 0; i < numbers.size(); ++i)
+    numbers.data()[i] = 0.5 + std::fmod(static_cast<double>(i + 1) * kGoldenRatio, 1.0);
+  return numbers;
+}
+
 /// A linear system in the form that the kernels solve: A = P (diagonal + sum of factor L over the bodies + F) P, P
 /// zeroing the degrees of freedom that are not free.
 struct KernelSystem {
@@ -53,6 +63,28 @@ struct KernelSystem {
     couples_coordinates = false;
   }
   bool is_one_body() const { return bodies.size() == 1 && !others && !couples_coordinates; }
+
+  /// Finds `free` and couples_coordinates: each axis by itself, with a number of its own at every node, so that no
+  /// coupling is taken for freedom. project(field) makes P field of a field.
+  template <class Project>
+  void find_free(int num_nodes, const Project& project) {
+    if (numbers_.rows() != num_nodes) numbers_ = irregular_numbers(num_nodes);
+    free.setOnes(num_nodes, 3);
+    couples_coordinates = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      projected_.setZero(num_nodes, 3);
+      projected_.col(axis) = numbers_.col(axis);
+      project(projected_);
+      for (int n = 0; n < num_nodes; ++n) {
+        if (projected_(n, axis) == 0) free(n, axis) = 0;
+        projected_(n, axis) -= free(n, axis) * numbers_(n, axis);
+      }
+      couples_coordinates = couples_coordinates || !projected_.isZero(0);
+    }
+  }
+
+ private:
+  PointArray numbers_, projected_;
 };
 
 /// A symmetric positive definite system A x = b over nodal fields, seen by its solvers.
@@ -71,7 +103,8 @@ class LinearSystem {
   /// z = an approximation of A^-1 r, symmetric and positive definite; the default is none (z = r).
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
 
-  /// Writes the system down for the kernels; false where it does not have that form. `system` arrives cleared.
+  /// Writes the system down for the kernels; false where it does not have that form. `system` arrives cleared
+  /// (KernelSystem::clear), with what else was in it: diagonal, free and diagonal_version are to be set.
   /// Allocates nothing when it was filled before.
   virtual bool to_kernels(KernelSystem& /*system*/) const { return false; }
 

@@ -29,8 +29,8 @@ class MechanicalSystem {
   /// A += m M + b B + k K as blocks.
   virtual void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const = 0;
 
-  /// The same operator for the kernels: diagonal, operator and factor of `system`; what is free stays as it is. False
-  /// where the operator is no diagonal plus one elastic body.
+  /// The same operator for the kernels: bodies, others and what is added to the diagonal of `system`; what is free is
+  /// found from `project`. False where the kernels are not to be used.
   virtual bool to_kernels(const OperatorFactors& /*factors*/, KernelSystem& /*system*/) const { return false; }
 
   /// f += those forces of compute_force that are no body's elasticity, df += (b B + k K) dx of the same forces: what

@@ -8,7 +8,6 @@
 #include <sofa/simulation/MechanicalOperations.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "attributes/hexaplast.hpp"
 #include "hexaplast/layout/linear_system.hpp"
@@ -55,7 +54,7 @@ public:
     bool to_kernels(KernelSystem& system) const override
     {
         system.diagonal_version = 0;
-        system.couples_coordinates = !find_free(system.free);
+        system.find_free(num_nodes(), [&](Points field) { project(field); });
         m_mass_of_others = masses_are_lumped() ? 0 : m_A.mparams.mFactor();
         if (m_mass_of_others == 0)
             find_diagonal(system.diagonal);
@@ -106,7 +105,7 @@ public:
     /// Whether what the constraints leave of a vector is left by them once more.
     bool constraints_project() const
     {
-        PointArray once = irregular_field();
+        PointArray once = irregular_numbers(num_nodes());
         project(once);
         PointArray twice = once;
         project(twice);
@@ -151,7 +150,7 @@ private:
     bool others_act() const
     {
         PointArray product = PointArray::Zero(num_nodes(), 3);
-        add_product(irregular_field(), product);
+        add_product(irregular_numbers(num_nodes()), product);
         return !product.isZero(0);
     }
 
@@ -168,40 +167,6 @@ private:
                                const bool damps = mass->rayleighMass.getValue() != 0 && m_A.mparams.bFactor() != 0;
                                return mass->isDiagonal() && !damps && field && field->getMState() == &m_state;
                            });
-    }
-
-    /// 1 where a degree of freedom is free, 0 where it is fixed; false where constraints couple coordinates or nodes,
-    /// and project more than that. Each axis by itself, with a number of its own at every node, so that no coupling is
-    /// taken for freedom.
-    bool find_free(PointArray& free) const
-    {
-        free.setOnes(num_nodes(), 3);
-        bool by_coordinates = true;
-        const PointArray numbers = irregular_field();
-        PointArray field(num_nodes(), 3);
-        for (int axis = 0; axis < 3; ++axis)
-        {
-            field.setZero();
-            field.col(axis) = numbers.col(axis);
-            project(field);
-            for (int n = 0; n < num_nodes(); ++n)
-            {
-                if (field(n, axis) == 0) free(n, axis) = 0;
-                field(n, axis) -= free(n, axis) * numbers(n, axis);
-            }
-            by_coordinates = by_coordinates && field.isZero(0);
-        }
-        return by_coordinates;
-    }
-
-    /// Numbers in [0.5, 1.5) without any regularity.
-    PointArray irregular_field() const
-    {
-        constexpr double golden_ratio = 1.6180339887498949;  // its multiples fill [0, 1) without a pattern
-        PointArray field(num_nodes(), 3);
-        for (Eigen::Index i = 0; i < field.size(); ++i)
-            field.data()[i] = 0.5 + std::fmod(static_cast<double>(i + 1) * golden_ratio, 1.0);
-        return field;
     }
 
     /// Diagonal of m M, from the product with a vector of ones.
