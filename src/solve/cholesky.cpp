@@ -119,9 +119,11 @@ SolveReport CholeskySolver::solve_again(const LinearSystem& A, ConstPoints b, Po
   Factor& f = *factor_;
   if (!f.factor || matrix_.num_nodes() != A.num_nodes())
     throw InputError("Cholesky: setup must come before solve_again");
+  if (!b.allFinite()) throw NumericalError("Cholesky: the right-hand side is not finite");
   Eigen::Map<PointArray>(static_cast<double*>(f.right_hand_side->x), b.rows(), 3) = b;
-  cholmod_l_solve2(CHOLMOD_A, f.factor, f.right_hand_side, nullptr, &f.solution, nullptr, &f.work_y, &f.work_e,
-                   &f.common);
+  if (!cholmod_l_solve2(CHOLMOD_A, f.factor, f.right_hand_side, nullptr, &f.solution, nullptr, &f.work_y, &f.work_e,
+                        &f.common))
+    throw NumericalError(fmt::format("Cholesky: the solution failed ({})", f.common.status));
   x = Eigen::Map<const PointArray>(static_cast<const double*>(f.solution->x), b.rows(), 3);
   return {.iterations = 1, .residual = 0, .converged = true, .preconditioner = PreconditionedBy::kFactorisation};
 }

@@ -440,10 +440,12 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
   PointArray &r = spaces_->residual, &correction = spaces_->correction;
   if (refines) {
-    if (start)
-      x = *start;
-    else
+    if (start) {
+      x = start->cwiseProduct(spaces_->system.free);
+      if (spaces_->system.couples_coordinates) A.project(x);
+    } else {
       x.setZero();
+    }
   } else {
     run(space, b, start, norm_b, enough, iterations_, report);
     space.end(x);

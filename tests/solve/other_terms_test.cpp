@@ -266,6 +266,21 @@ TEST(OtherTerms, LeaveTheReportedResidualTrueAtAnyToleranceHoweverStiffTheyAre) 
         }
 }
 
+// A start that moves what is held is none of the answer.
+TEST(OtherTerms, AStartLeavesHeldNodesWhereTheyAre) {
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+    for (const double tolerance : {1e-2, 1e-6}) {
+      const Slab slab = one_body(1e6, precision);
+      PointArray b = PointArray::Constant(slab.num_nodes(), 3, 1), x(b.rows(), 3);
+      slab.project(b);
+      PreconditionedConjugateGradients solver(tolerance, 2000, Preconditioner::kMultigrid);
+      solver.solve(slab, b, x);
+      for (const int n : slab.held) x(n, 0) = 1e-6 * x.norm();
+      EXPECT_TRUE(solver.improve(slab, b, x).converged);
+      for (const int n : slab.held) EXPECT_TRUE(x.row(n).isZero(0));
+    }
+}
+
 /// The slab cut in two halves, each with nodes of its own; the other half's are nodes of no body.
 HexMesh two_halves() {
   const HexMesh whole = slab_mesh();

@@ -300,6 +300,15 @@ TEST_F(Solvers, RefuseAMatrixThatIsNotFinite) {
     }
 }
 
+TEST_F(Solvers, CholeskyRefusesARightHandSideThatIsNotFinite) {
+  for (const double spoil : {static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
+    PointArray spoiled = b, x(kNodes, 3);
+    spoiled(5, 1) = spoil;
+    EXPECT_TRUE(refuses<NumericalError>([&] { CholeskySolver().solve(DenseSystem(A), spoiled, x); },
+                                        {"right-hand side", "not finite"}));
+  }
+}
+
 // The same bits as those of a new solver, whatever was solved before.
 TEST_F(Solvers, DirectOnesRememberNothingThatAResultDependsOn) {
   Eigen::MatrixXd sparse = A;  // a chain: each node with the next
