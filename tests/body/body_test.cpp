@@ -173,6 +173,16 @@ TEST_F(YieldingBody, ShowsWhatItIs) {
   EXPECT_NEAR(body.volume(body.mesh().positions()), sum, 1e-14);
 }
 
+TEST_F(YieldingBody, IsCopiedWithAllThatItIs) {
+  Body copy(body), assigned(body.mesh(), {Material{}});
+  assigned = copy;
+  EXPECT_EQ(support::hash_of(copy), support::hash_of(body));
+  copy.flow(elsewhere, kStep);
+  EXPECT_NE(support::hash_of(copy), support::hash_of(body)) << "a copy goes on by itself";
+  EXPECT_EQ(support::hash_of(assigned), support::hash_of(body));
+  EXPECT_EQ(assigned.material(0).yield_stress, body.material(0).yield_stress);
+}
+
 TEST(Body, HasTheSameBitsForAnyThreadCount) {
   const int before = num_threads();
   std::string expected;

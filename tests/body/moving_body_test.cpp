@@ -129,6 +129,32 @@ TEST(MovingBody, LeavesNodesWithoutHexahedronWhereTheyAre) {
   }
 }
 
+TEST(MovingBody, GoesOnInAnotherPlaceWithTheSameBits) {
+  for (const bool is_iterative : {false, true}) {
+    const auto make = [&] {
+      return MovingBody(yielding_bar(), pulling(),
+                        is_iterative ? std::make_unique<PreconditionedConjugateGradients>(1e-8, 1000) : nullptr);
+    };
+    MovingBody straight = make(), first = make();
+    straight.run(40);
+    first.run(20);
+    const double* const material = first.body.plastic_rest_positions().data();
+    std::vector<MovingBody> moved;
+    moved.push_back(std::move(first));
+    moved.reserve(10);  // moves it once more
+    EXPECT_EQ(moved.front().body.plastic_rest_positions().data(), material) << "a move copies nothing";
+    moved.front().run(20);
+    EXPECT_EQ(moved.front().state_hash(), straight.state_hash());
+
+    MovingBody assigned = make();
+    assigned = std::move(moved.front());
+    EXPECT_EQ(assigned.state_hash(), straight.state_hash());
+    assigned.run(1);
+    straight.run(1);
+    EXPECT_EQ(assigned.state_hash(), straight.state_hash());
+  }
+}
+
 TEST(MovingBody, RepeatsItsBitsAfterReset) {
   MovingBody moving(yielding_bar(), pulling());
   const double* memory = moving.x.data();

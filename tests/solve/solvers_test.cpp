@@ -625,7 +625,7 @@ TEST(ImplicitEuler, KeepsNodesOnObliquePlanesOfASystemOfOnesOwn) {
         std::vector<int> side;
         for (int n = 0; n < rest.rows(); ++n)
           if (rest(n, 0) < 1e-9) side.push_back(n);
-        OnObliquePlane system(body, lumped_masses(body.model(), 1000), normal, side);
+        OnObliquePlane system(body, lumped_masses(body, 1000), normal, side);
         PreconditionedConjugateGradients solver(1e-8, 2000, preconditioner);
         ConjugateGradients plain({.iterations = 5000, .tolerance = 1e-12, .threshold = 0});
         PointArray x = rest, by_plain = rest, v = PointArray::Zero(rest.rows(), 3), v_plain = v;
@@ -647,7 +647,7 @@ TEST(NewtonRaphson, TakesFewIterationsOfMultigridWhereverNodesAreHeld) {
     std::vector<int> held;
     for (int n = 0; n < x.rows(); ++n)
       if (std::abs(x(n, 0) - 0.01 * plane) < 1e-9) held.push_back(n);
-    const std::vector<double> mass = lumped_masses(body.model(), 1000);
+    const std::vector<double> mass = lumped_masses(body, 1000);
     LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
       for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
     });
@@ -675,7 +675,7 @@ TEST(NewtonRaphson, FindsNoEquilibriumOfWhatNothingHolds) {
         for (int e = 108; is_half_held && e < 144; ++e) removed.push_back(e);
         body.remove(removed);
         for (int n = 0; is_half_held && n < 49; ++n) held.push_back(n);
-        const std::vector<double> mass = lumped_masses(body.model(), 1000);
+        const std::vector<double> mass = lumped_masses(body, 1000);
         LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
           for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
         });
