@@ -490,6 +490,29 @@ class KernelSolvers : public testing::TestWithParam<std::pair<Precision, Precond
   const PointArray X = body.mesh().positions();
 };
 
+// The operator of a mixed body has coefficients in half precision: what it leaves is not what the system leaves.
+TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
+  const HexMesh mesh = support::block({6, 6, 6}, 0.1);
+  const PointArray x = mesh.positions() + support::Random(31).field(mesh.num_nodes(), 0.01);
+  Body exact(mesh, {Material{}}), mixed(mesh, {Material{}}, {.precision = Precision::kMixed});
+  exact.linearize(x);
+  mixed.linearize(x);
+  const std::vector<double> mass(mesh.num_nodes(), 0.1);
+  const LoadedBody in_double(exact, mass, {0, 1, 2}, {}), in_single(mixed, mass, {0, 1, 2}, {});
+  const OperatorFactors factors{.mass = 1, .stiffness = -1e-2};
+  PointArray b = support::Random(32).field(mesh.num_nodes(), 1), answer(mesh.num_nodes(), 3), product = answer;
+  in_double.project(b);
+  for (const double tolerance : {1e-2, 1e-7}) {
+    ConjugateGradients cg({.iterations = 2000, .tolerance = tolerance, .threshold = 0});
+    const SolveReport report = cg.solve(BodySystem(in_single, factors), b, answer);
+    BodySystem(in_double, factors).apply(answer, product);
+    const double left = (b - product).norm() / b.norm();
+    EXPECT_NEAR(report.residual / left, 1, 1e-6);
+    EXPECT_EQ(report.converged, left <= tolerance);
+    EXPECT_EQ(report.converged, tolerance == 1e-2) << "the case is to leave more than its tolerance";
+  }
+}
+
 TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
   LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
   const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});

@@ -7,7 +7,9 @@
 
 namespace hexaplast {
 
-/// Conjugate gradients with the stopping rules of SOFA's CGLinearSolver (theory.md section 6).
+/// Conjugate gradients with the stopping rules of SOFA's CGLinearSolver (theory.md section 6). A solve that the
+/// threshold ends counts as converged, as in SOFA. With products in single precision the residual that is reported is
+/// that of the system in double, which is one product more; with tolerance 0 it is the iteration's own.
 struct ConjugateGradientSettings {
   int iterations = 25;
   double tolerance = 1e-5;  ///< on |r| / |b|
