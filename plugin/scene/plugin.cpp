@@ -153,7 +153,7 @@ void PluginLoader::load(const std::string& name) {
     throw PluginError(refusal("plugins are loaded by name (letters, digits, _ - .), never by path"));
 
   for (const std::filesystem::path& directory : directories_) {
-    for (const std::string& file_name : {"lib" + name + ".so", name + ".so"}) {
+    for (const std::string& file_name : {name + ".so", "lib" + name + ".so"}) {
       const std::filesystem::path file = directory / file_name;
       std::error_code unknown;
       if (!std::filesystem::is_regular_file(file, unknown)) continue;
@@ -169,7 +169,7 @@ void PluginLoader::load(const std::string& name) {
       return;
     }
   }
-  throw PluginMissing(refusal(fmt::format("there is no lib{}.so", name)));
+  throw PluginMissing(refusal(fmt::format("there is no {0}.so or lib{0}.so", name)));
 }
 
 }  // namespace hexaplast::scene

@@ -175,13 +175,14 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
   write("absent.scn", "<Node>\n<RequiredPlugin name='Absent'/></Node>");
   const Outcome absent = hexaplast("run absent.scn --plugin-path elsewhere");
   EXPECT_EQ(absent.code, 6);
-  EXPECT_EQ(absent.err.rfind("absent.scn:2: error: RequiredPlugin: plugin 'Absent': there is no libAbsent.so; "
-                             "search path: elsewhere:",
-                             0),
-            0u)
+  EXPECT_EQ(
+      absent.err.rfind("absent.scn:2: error: RequiredPlugin: plugin 'Absent': there is no Absent.so or libAbsent.so; "
+                       "search path: elsewhere:",
+                       0),
+      0u)
       << absent.err;
 
-  const fs::path real = fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "libHexaplast.so";
+  const fs::path real = fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "Hexaplast.so";
   const std::string bytes = content(real);
   ASSERT_FALSE(bytes.empty()) << real;
   const auto renamed = [&](const std::string& symbol) {
@@ -214,7 +215,7 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
 }
 
 TEST_F(Command, AScenesPluginIsANameNeverAPath) {
-  fs::copy_file(fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "libHexaplast.so",
+  fs::copy_file(fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "Hexaplast.so",
                 directory_ / "libOther.so");
   for (const std::string& name :
        {(directory_ / "libOther.so").string(), std::string("./Other"), std::string("../Other"), std::string(".")}) {
@@ -225,7 +226,7 @@ TEST_F(Command, AScenesPluginIsANameNeverAPath) {
   }
   // the directory of the scene is no place for plugins by itself
   write("here.scn", "<Node>\n<RequiredPlugin pluginName='Other'/></Node>");
-  EXPECT_NE(hexaplast("run here.scn").err.find("there is no libOther.so"), std::string::npos);
+  EXPECT_NE(hexaplast("run here.scn").err.find("there is no Other.so or libOther.so"), std::string::npos);
 }
 
 TEST_F(Command, ASignalEndsTheRunAfterTheStep) {

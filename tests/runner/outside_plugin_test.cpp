@@ -155,7 +155,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
                     headers = files("libhexaplast-dev"), tools = files("hexaplast-tools");
   EXPECT_TRUE(has(library, "/libhexaplast.so." HEXAPLAST_VERSION "\n")) << library;
   EXPECT_FALSE(has(library, "/libhexaplast.so\n") || has(library, ".hpp") || has(library, "/bin/")) << library;
-  EXPECT_TRUE(has(components, "/hexaplast/plugins/libHexaplast.so\n")) << components;
+  EXPECT_TRUE(has(components, "/hexaplast/plugins/Hexaplast.so\n")) << components;
   EXPECT_TRUE(has(headers, "/hexaplast/body.hpp\n") && has(headers, "/libhexaplast.so ->")) << headers;
   EXPECT_TRUE(has(headers, "/HexaplastConfig.cmake\n") && has(headers, "/pkgconfig/hexaplast.pc\n")) << headers;
   EXPECT_TRUE(has(tools, "/bin/hexaplast\n") && has(tools, "/man1/hexaplast.1")) << tools;

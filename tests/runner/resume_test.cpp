@@ -261,7 +261,7 @@ class ResumeOfAStranger : public Resume {
 // The run that the stranger carried out knew the plugin's folder and wrote files elsewhere: that was the stranger's
 // will.
 TEST_F(ResumeOfAStranger, LoadsNothingFromTheRunsDirectoryAndWritesNothingElsewhere) {
-  const std::string missing = "there is no libPlanted.so", below = "from which nothing is loaded";
+  const std::string missing = "there is no Planted.so or libPlanted.so", below = "from which nothing is loaded";
   expect_harmless(command_ + "resume theirs --steps 40", 6, missing);
   expect_harmless("cd theirs && " + command_ + "resume . --steps 40", 6, missing);
   for (const char* path : {"theirs", "theirs/plugins", "./mine/../theirs", "link", "mine/link"}) {

@@ -22,7 +22,7 @@ class PluginFiles : public testing::Test {
     directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_plugins_") + info->name());
     fs::remove_all(directory_);
     fs::create_directories(directory_);
-    std::ifstream file(fs::path(HEXAPLAST_TEST_PLUGINS) / "libHexaplast.so", std::ios::binary);
+    std::ifstream file(fs::path(HEXAPLAST_TEST_PLUGINS) / "Hexaplast.so", std::ios::binary);
     real_.assign(std::istreambuf_iterator<char>(file), {});
     ASSERT_FALSE(real_.empty());
   }
@@ -91,7 +91,7 @@ TEST_F(PluginFiles, APathIsNoName) {
 }
 
 TEST_F(PluginFiles, AMissingPluginNamesTheSearchPath) {
-  EXPECT_EQ(refusal_of_name("Absent"), "plugin 'Absent': there is no libAbsent.so" + search_path());
+  EXPECT_EQ(refusal_of_name("Absent"), "plugin 'Absent': there is no Absent.so or libAbsent.so" + search_path());
 }
 
 TEST_F(PluginFiles, OtherFilesAreNotLoaded) {
@@ -102,7 +102,7 @@ TEST_F(PluginFiles, OtherFilesAreNotLoaded) {
 
   fs::remove(directory_ / "libOther.so");
   fs::create_directory(directory_ / "libOther.so");
-  EXPECT_EQ(refusal_of_name("Other"), "plugin 'Other': there is no libOther.so" + search_path());
+  EXPECT_EQ(refusal_of_name("Other"), "plugin 'Other': there is no Other.so or libOther.so" + search_path());
 }
 
 // The bytes of the tag are changed in the file, and the refusal shows that they were read there.
