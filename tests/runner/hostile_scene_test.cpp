@@ -26,7 +26,7 @@ class HostileScene : public Command {
     write("hostile.scn", text);
     Cost cost = run("hostile.scn");
     // a shared machine's caches decide the last milliseconds: the quickest of a few runs counts
-    for (int again = 0; again < 4 && cost.seconds >= 0.05 * kSlower; ++again)
+    for (int again = 0; again < 20 && cost.seconds >= 0.05 * kSlower; ++again)
       cost.seconds = std::min(cost.seconds, run("hostile.scn").seconds);
     const std::string shown = content(directory_ / "err");
     EXPECT_EQ(cost.code, 3) << shown;
