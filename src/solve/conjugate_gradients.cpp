@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/irregular_field.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "solve/irregular_field.hpp"
 #include "solve/multigrid.hpp"
 #include "solve/several_bodies.hpp"
 

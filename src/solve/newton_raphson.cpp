@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "base/finite.hpp"
+#include "hexaplast/base/irregular_field.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "solve/constrained_operator.hpp"
-#include "solve/irregular_field.hpp"
 
 namespace hexaplast {
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/irregular_field.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/layout/chunked_operator.hpp"
@@ -37,10 +37,9 @@ class NodalOperator {
 
 /// Numbers in [0.5, 1.5) without any regularity, three per node: whatever acts on nodes leaves a trace of them.
 inline PointArray irregular_numbers(int num_nodes) {
-  constexpr double kGoldenRatio = 1.6180339887498949;  // its multiples fill [0, 1) without a pattern
   PointArray numbers(num_nodes, 3);
-  for (Eigen::Index i = 0; i < numbers.size(); ++i)
-    numbers.data()[i] = 0.5 + std::fmod(static_cast<double>(i + 1) * kGoldenRatio, 1.0);
+  fill_irregularly(numbers);
+  numbers.array() += 0.5;
   return numbers;
 }
 
