@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <cmath>
+#include <memory>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
+#include "hexaplast/moving_body.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "hexaplast/solve/newton_raphson.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::agrees;
+using support::refuses;
+
+/// m M + k K of a body, as the kernels see it.
+class BodySystem final : public LinearSystem {
+ public:
+  BodySystem(const LoadedBody& body, const OperatorFactors& factors) : body_(body), factors_(factors) {}
+  int num_nodes() const override { return body_.num_nodes(); }
+  void apply(ConstPoints p, Points Ap) const override {
+    Ap.setZero();
+    body_.add_product(factors_, p, Ap);
+    body_.project(Ap);
+  }
+  void assemble(BlockMatrix& A) const override {
+    body_.add_blocks(factors_, A);
+    body_.pin(A);
+  }
+  bool to_kernels(KernelSystem& system) const override {
+    system.diagonal.setZero(num_nodes(), 3);
+    body_.to_kernels(factors_, system);
+    system.free.setOnes(num_nodes(), 3);
+    body_.project(system.free);
+    return true;
+  }
+
+ private:
+  const LoadedBody& body_;
+  OperatorFactors factors_;
+};
+
+class KernelSolvers : public testing::TestWithParam<std::pair<Precision, Preconditioner>> {
+ protected:
+  static constexpr int kNodes = 9 * 9 * 9;  // large enough for coarse meshes
+  Body body{support::block({8, 8, 8}, 0.1), {Material{}}, {.precision = GetParam().first}};
+  PreconditionedConjugateGradients solver{1e-7, 2000, GetParam().second};
+  const PointArray X = body.mesh().positions();
+};
+
+// The operator of a mixed body has coefficients in half precision: what it leaves is not what the system leaves.
+TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
+  const HexMesh mesh = support::block({6, 6, 6}, 0.1);
+  const PointArray x = mesh.positions() + support::Random(31).field(mesh.num_nodes(), 0.01);
+  Body exact(mesh, {Material{}}), mixed(mesh, {Material{}}, {.precision = Precision::kMixed});
+  exact.linearize(x);
+  mixed.linearize(x);
+  const std::vector<double> mass(mesh.num_nodes(), 0.1);
+  const LoadedBody in_double(exact, mass, {0, 1, 2}, {}), in_single(mixed, mass, {0, 1, 2}, {});
+  const OperatorFactors factors{.mass = 1, .stiffness = -1e-2};
+  PointArray b = support::Random(32).field(mesh.num_nodes(), 1), answer(mesh.num_nodes(), 3), product = answer;
+  in_double.project(b);
+  for (const double tolerance : {1e-2, 1e-7}) {
+    ConjugateGradients cg({.iterations = 2000, .tolerance = tolerance, .threshold = 0});
+    const SolveReport report = cg.solve(BodySystem(in_single, factors), b, answer);
+    BodySystem(in_double, factors).apply(answer, product);
+    const double left = (b - product).norm() / b.norm();
+    EXPECT_NEAR(report.residual / left, 1, 1e-6);
+    EXPECT_EQ(report.converged, left <= tolerance);
+    EXPECT_EQ(report.converged, tolerance == 1e-2) << "the case is to leave more than its tolerance";
+  }
+}
+
+TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
+  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
+  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
+  const PointArray b = support::Random(8).field(kNodes, 1);
+  PointArray before(kNodes, 3), after(kNodes, 3), spoiled = X;
+  body.linearize(X);
+  ASSERT_TRUE(solver.solve(A, b, before).converged);
+
+  spoiled(300, 1) = NAN;
+  body.linearize(spoiled);
+  EXPECT_TRUE(refuses<NumericalError>([&] { solver.solve(A, b, after); }, {"not finite"}));
+  body.linearize(X);
+  EXPECT_TRUE(solver.solve(A, b, after).converged);
+  EXPECT_EQ(after, before);
+  after.setConstant(NAN);
+  EXPECT_TRUE(solver.improve(A, b, after).converged) << "a start that is no number is none";
+}
+
+// Squares of what is far from 1 are beyond single precision: the same bits, times the power of two.
+TEST_P(KernelSolvers, DoNotFeelTheSizeOfTheRightHandSide) {
+  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
+  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
+  const PointArray b = support::Random(8).field(kNodes, 1);
+  PointArray x(kNodes, 3), of_scaled(kNodes, 3);
+  body.linearize(X);
+  const SolveReport report = solver.solve(A, b, x);
+  ASSERT_TRUE(report.converged);
+  for (const int power : {-400, -150, -83, -1, 1, 66, 150, 400}) {
+    const double scale = std::ldexp(1.0, power);
+    const SolveReport scaled = solver.solve(A, scale * b, of_scaled);
+    EXPECT_TRUE(scaled.converged) << power;
+    EXPECT_EQ(scaled.iterations, report.iterations) << power;
+    EXPECT_EQ(scaled.residual, report.residual) << power;
+    EXPECT_EQ(of_scaled, scale * x) << power;
+    of_scaled = scale * x;
+    of_scaled(300, 1) *= 1.1;
+    EXPECT_TRUE(solver.improve(A, scale * b, of_scaled).converged) << power;
+  }
+}
+
+// A body that nothing holds, and no mass: rigid motions cost nothing.
+TEST_P(KernelSolvers, TakeABodyThatIsNotHeldForSemiDefinite) {
+  LoadedBody system(body, std::vector<double>(kNodes, 0), {}, {});
+  const BodySystem K(system, {.mass = 0, .stiffness = -1});
+  body.linearize(X);
+  PointArray pull = PointArray::Zero(kNodes, 3), x(kNodes, 3);
+  pull.topRows(81).col(2).array() = -1;
+  pull.bottomRows(81).col(2).array() = 1;
+  EXPECT_TRUE(solver.solve(K, pull, x).converged) << "in equilibrium with itself";
+
+  const PointArray weight = PointArray::Constant(kNodes, 3, 0.1);
+  for (const PointArray& b : {weight, PointArray(pull + weight), PointArray(pull + 1e-4 * weight)}) {
+    SolveReport report;
+    EXPECT_NO_THROW(report = solver.solve(K, b, x));
+    EXPECT_FALSE(report.converged);
+    EXPECT_LT(report.iterations, 300) << "goes on along what rounding makes of nothing";
+  }
+
+  // D^-1 b is a rigid motion: the very first direction is one
+  PointArray b(kNodes, 3);
+  const Eigen::VectorXd volumes = nodal_volumes(X, body.mesh().hexahedra());
+  for (int n = 0; n < kNodes; ++n) b.row(n) = Eigen::RowVector3d(0, 0, -1e-3 * volumes[n] / volumes[0]);
+  const SolveReport report = solver.solve(K, b, x);
+  EXPECT_FALSE(report.converged);
+  EXPECT_LT(report.iterations, 20);
+}
+
+// Bending of a long bar is what comes nearest to no stiffness at all: 1e-7 of the stiffest direction, and sound.
+TEST_P(KernelSolvers, TakeTheBendingOfALongBarForStiffness) {
+  Body bar(regular_grid({100, 2, 2}, Vec3::Zero(), Vec3(1, 0.02, 0.02)), {Material{}}, {.precision = GetParam().first});
+  const PointArray rest = bar.mesh().positions();
+  std::vector<int> end;
+  for (int n = 0; n < rest.rows(); ++n)
+    if (rest(n, 0) < 1e-9) end.push_back(n);
+  LoadedBody system(bar, std::vector<double>(rest.rows(), 0), end, {});
+  bar.linearize(rest);
+  PointArray b = PointArray::Zero(rest.rows(), 3), x(rest.rows(), 3);
+  b.col(2).setConstant(-1e-6);
+  system.project(b);
+  PreconditionedConjugateGradients patient(1e-6, 20000, GetParam().second);
+  EXPECT_TRUE(patient.solve(BodySystem(system, {.mass = 0, .stiffness = -1}), b, x).converged);
+}
+
+// Stiffness of the wrong sign beside a mass: the diagonal is positive, the matrix is not.
+TEST_P(KernelSolvers, RefuseNegativeCurvature) {
+  LoadedBody system(body, std::vector<double>(kNodes, 1), {}, {});
+  body.linearize(X);
+  BlockMatrix K(kNodes);
+  body.add_stiffness_blocks(-1, K);
+  double greatest = 0;
+  for (int n = 0; n < kNodes; ++n)
+    for (const BlockMatrix::Entry& entry : K.row(n))
+      if (entry.column == n) greatest = std::max(greatest, entry.block.diagonal().maxCoeff());
+  const BodySystem A(system, {.mass = 1, .stiffness = 0.7 / greatest});
+  PointArray x(kNodes, 3);
+  EXPECT_TRUE(refuses<NumericalError>([&] { solver.solve(A, support::Random(8).field(kNodes, 1), x); },
+                                      {"not positive definite"}));
+}
+
+/// Nodes that keep to planes, which are those of no axis.
+class OnObliquePlane final : public LoadedBody {
+ public:
+  OnObliquePlane(Body& body, const std::vector<double>& mass, const Vec3& normal, std::vector<int> nodes)
+      : LoadedBody(body, mass, {},
+                   [mass](double, ConstPoints, Points f) {
+                     for (Eigen::Index n = 0; n < f.rows(); ++n) f.row(n) += mass[n] * Eigen::RowVector3d(9.81, 3, -5);
+                   }),
+        normal_(normal.normalized().transpose()),
+        nodes_(std::move(nodes)) {}
+  void project(Points field) const override {
+    for (const int n : nodes_) field.row(n) -= field.row(n).dot(normal_) * normal_;
+  }
+  /// How far they are from where their planes began.
+  double distance(const PointArray& moved) const {
+    double most = 0;
+    for (const int n : nodes_) most = std::max(most, std::abs(moved.row(n).dot(normal_)));
+    return most;
+  }
+
+ private:
+  Eigen::RowVector3d normal_;
+  std::vector<int> nodes_;
+};
+
+// A vector of ones does not see a plane of which it is a direction.
+TEST(ImplicitEuler, KeepsNodesOnObliquePlanesOfASystemOfOnesOwn) {
+  for (const Vec3& normal : {Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(1, 1, -2), Vec3(0, 0.6, 0.8)})
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+      for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
+        Body body(support::block({8, 8, 8}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
+                  {.precision = precision});
+        const PointArray rest = body.mesh().positions();
+        std::vector<int> side;
+        for (int n = 0; n < rest.rows(); ++n)
+          if (rest(n, 0) < 1e-9) side.push_back(n);
+        OnObliquePlane system(body, lumped_masses(body, 1000), normal, side);
+        PreconditionedConjugateGradients solver(1e-8, 2000, preconditioner);
+        ConjugateGradients plain({.iterations = 5000, .tolerance = 1e-12, .threshold = 0});
+        PointArray x = rest, by_plain = rest, v = PointArray::Zero(rest.rows(), 3), v_plain = v;
+        for (int step = 0; step < 3; ++step) {
+          EXPECT_TRUE(ImplicitEuler({}).step(system, solver, 0, 0.01, x, v).converged);
+          ImplicitEuler({}).step(system, plain, 0, 0.01, by_plain, v_plain);
+        }
+        EXPECT_GT((x - rest).norm(), 1e-3);
+        EXPECT_LE(system.distance(x - rest), 1e-12);
+        EXPECT_TRUE(agrees(x - rest, by_plain - rest, precision == Precision::kDouble ? 1e-6 : 1e-2));
+      }
+}
+
+// Coarse meshes feel a plane of held nodes between their own.
+TEST(NewtonRaphson, TakesFewIterationsOfMultigridWhereverNodesAreHeld) {
+  for (const int plane : {0, 1, 2, 3, 4, 7}) {
+    Body body(support::block({16, 16, 16}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}}, {});
+    PointArray x = body.mesh().positions();
+    std::vector<int> held;
+    for (int n = 0; n < x.rows(); ++n)
+      if (std::abs(x(n, 0) - 0.01 * plane) < 1e-9) held.push_back(n);
+    const std::vector<double> mass = lumped_masses(body, 1000);
+    LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
+      for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
+    });
+    PreconditionedConjugateGradients solver(1e-6, 1000, Preconditioner::kMultigrid);
+    EXPECT_LE(NewtonRaphson({.iterations = 1}).solve(system, solver, 0, x).linear_iterations, 14) << plane;
+  }
+}
+
+// Nothing holds the body, or half of it: there is no equilibrium, however small a step becomes beside where it began.
+TEST(NewtonRaphson, FindsNoEquilibriumOfWhatNothingHolds) {
+  for (const bool is_half_held : {false, true})
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      std::vector<std::pair<std::string, std::unique_ptr<LinearSolver>>> solvers;
+      solvers.emplace_back("diagonal", std::make_unique<PreconditionedConjugateGradients>(1e-6, 500));
+      solvers.emplace_back("multigrid",
+                           std::make_unique<PreconditionedConjugateGradients>(1e-6, 500, Preconditioner::kMultigrid));
+      solvers.emplace_back("CG", std::make_unique<ConjugateGradients>(ConjugateGradientSettings{
+                                     .iterations = 500, .tolerance = 1e-6, .threshold = 1e-12}));
+      solvers.emplace_back("SOFA's PCG", std::make_unique<SolverPreconditionedConjugateGradients>(1e-12, 500, nullptr));
+      for (const auto& [name, solver] : solvers) {
+        Body body(support::block({6, 6, 6}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
+                  {.precision = precision});
+        const PointArray rest = body.mesh().positions();
+        std::vector<int> removed, held;
+        for (int e = 108; is_half_held && e < 144; ++e) removed.push_back(e);
+        body.remove(removed);
+        for (int n = 0; is_half_held && n < 49; ++n) held.push_back(n);
+        const std::vector<double> mass = lumped_masses(body, 1000);
+        LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
+          for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
+        });
+        NewtonRaphson newton({.iterations = 5, .relative_estimate = 1e-6, .absolute_estimate = 1e-6});
+        PointArray x = rest;
+        try {
+          EXPECT_EQ(newton.solve(system, *solver, 0, x).status, NewtonStatus::kNotConverged)
+              << name << (is_half_held ? ", half" : ", all");
+          if (name == "diagonal" || name == "multigrid") {
+            EXPECT_TRUE(support::agrees(x, rest, 1)) << name;
+          }
+        } catch (const NumericalError&) {  // says so too
+        }
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(InEachForm, KernelSolvers,
+                         testing::Values(std::pair(Precision::kDouble, Preconditioner::kDiagonal),
+                                         std::pair(Precision::kDouble, Preconditioner::kMultigrid),
+                                         std::pair(Precision::kMixed, Preconditioner::kDiagonal),
+                                         std::pair(Precision::kMixed, Preconditioner::kMultigrid)));
+
+}  // namespace
+}  // namespace hexaplast
