@@ -86,14 +86,17 @@ class Screen {
   bool is_at(std::string_view markup) const { return text_.substr(at_, markup.size()) == markup; }
 
   // First: what is no text has no tags to speak of.
-  void require_text() {
-    int line = 1;
-    for (std::size_t at = 0; at < text_.size();) {
+  void require_text() const {
+    const auto is_plain = [](char c) { return static_cast<signed char>(c) > 0; };  // ASCII, no NUL byte
+    const auto refuse_at = [&](std::size_t at, const char* what) {
+      refuse(1 + static_cast<int>(std::ranges::count(text_.substr(0, at), '\n')), what);
+    };
+    for (auto rest = text_.begin(); (rest = std::find_if_not(rest, text_.end(), is_plain)) != text_.end();) {
+      const auto at = static_cast<std::size_t>(rest - text_.begin());
       const std::size_t length = utf8_length(text_, at);
-      if (length == 0) refuse(line, "the file is not valid UTF-8");
-      if (text_[at] == '\0') refuse(line, "the file contains a NUL byte: must be text");
-      line += text_[at] == '\n';
-      at += length;
+      if (length == 0) refuse_at(at, "the file is not valid UTF-8");
+      if (text_[at] == '\0') refuse_at(at, "the file contains a NUL byte: must be text");
+      rest += static_cast<std::ptrdiff_t>(length);
     }
   }
 
