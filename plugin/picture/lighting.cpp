@@ -19,7 +19,7 @@ constexpr float kRim = 3;        // [texels] free around the bodies
 constexpr float kLift = 1.5f;    // [texels] that a place is looked at above its surface, so that it shades not itself
 constexpr float kSlack = 1.0f;   // [texels] by which something must be nearer to the lamp to cast a shadow
 constexpr float kSky = 0.45f;    // strength of the even sky; the rest gathers around the main lamp
-constexpr float kWidth = 0.45f;  // [rad] of the main lamp
+constexpr float kLampWidth = 0.45f;  // [rad] of the main lamp
 
 }  // namespace
 
@@ -38,7 +38,7 @@ Lighting::Lighting(const Vector3f& up, const Vector3f& towards) {
     lamp.towards = height * zenith + radius * (std::cos(angle) * first + std::sin(angle) * second);
     lamp.right = lamp.towards.unitOrthogonal();
     lamp.up = lamp.towards.cross(lamp.right);
-    const float from_main = std::acos(std::clamp(lamp.towards.dot(main), -1.0f, 1.0f)) / kWidth;
+    const float from_main = std::acos(std::clamp(lamp.towards.dot(main), -1.0f, 1.0f)) / kLampWidth;
     lamp.strength = kSky + 6 * (1 - kSky) * std::exp(-from_main * from_main);
     lamps_.push_back(std::move(lamp));
   }

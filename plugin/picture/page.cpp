@@ -12,7 +12,7 @@
 namespace hexaplast::output {
 namespace {
 
-constexpr float kWidth = 1280, kHeight = 720;  // the least size of a page
+constexpr float kPageWidth = 1280, kPageHeight = 720;  // the least size of a page
 constexpr float kMargin = 56, kTop = 92, kBottom = 128;
 constexpr float kTitleLine = 52;
 constexpr float kBarWidth = 460, kBarHeight = 14;
@@ -74,7 +74,7 @@ Colour Scale::colour(float value) const {
 }
 
 Page::Page(int width, int height)
-    : unit_(std::min(static_cast<float>(width) / kWidth, static_cast<float>(height) / kHeight)),
+    : unit_(std::min(static_cast<float>(width) / kPageWidth, static_cast<float>(height) / kPageHeight)),
       width_(static_cast<float>(width) / unit_),
       height_(static_cast<float>(height) / unit_),
       drawing_{.width = width, .height = height, .background = kPaper, .triangles = {}, .lines = {}, .texts = {}} {}
