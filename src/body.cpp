@@ -15,6 +15,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "kinematics/gradients.hpp"
 #include "kinematics/polar.hpp"
 #include "material/corotated.hpp"
@@ -37,7 +38,8 @@ double moved(double threshold, double before, double now) {
 }
 
 constexpr std::array<char, 8> kSavedMagic = {'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'};
-constexpr std::uint32_t kSavedVersion = 1;
+constexpr std::uint32_t kSavedVersion =  // 1 of 19 members, one more for each that has come since
+    1 + num_members<Material>() + num_members<Settings>() - 19;
 
 /// XXH64 of what a saved history belongs to.
 std::uint64_t identity_of(const Model& model) {
@@ -46,9 +48,8 @@ std::uint64_t identity_of(const Model& model) {
   PointArray positions = model.mesh.positions();
   std::vector<Hexahedron> hexahedra = model.mesh.hexahedra();
   Settings settings = model.settings;
-  archive(positions, hexahedra, settings.gradient, settings.yield_norm, settings.rotation, settings.rotation_frame,
-          settings.averaging, settings.averaging_steps, settings.averaging_tolerance, settings.precision,
-          settings.volume_restitution, settings.inversion_threshold);
+  archive(positions, hexahedra);
+  serialize(archive, settings_rows(), settings);
   return hash.value();
 }
 
@@ -59,9 +60,7 @@ void serialize_materials(Archive& archive, std::vector<Material>& materials) {
     if (count > archive.rest()) throw InputError(fmt::format("{} materials are announced", count));
     materials.resize(count);
   }
-  for (Material& m : materials)
-    archive(m.young_modulus, m.poisson_ratio, m.yield_stress, m.flow_rate, m.rotation_yield, m.rotation_flow_rate,
-            m.hardening, m.fracture_stress, m.fracture_stretch);
+  for (Material& material : materials) serialize(archive, material_rows(), material);
 }
 
 /// More than the saved materials and history of a model can take.

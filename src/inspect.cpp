@@ -70,12 +70,12 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   return found;
 }
 
-HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings,
-                            double dt) {
+HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings, double dt,
+                            Names names) {
   Settings exact = settings;
   exact.averaging_tolerance = kExactAveraging;
   const Model model(mesh_of(state.original), {material}, exact);
-  check_time_step(model.materials, settings, dt);
+  check_time_step(model.materials, settings, dt, names);
   const History before = history_of(model, state);
   Linearization at(model);
   linearize(model, before, state.world, at);
@@ -97,7 +97,7 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
     found.stress[i] = stress(decomposed.S, model.lame[0]);
     found.stress_norm[i] = stress_norm(found.stress[i], settings.yield_norm);
   }
-  if (settings.rotation == RotationPlasticity::kCentre)
+  if (settings.rotation_plasticity == RotationPlasticity::kCentre)
     found.phi.fill(*std::max_element(found.phi.begin(), found.phi.end()));
 
   // what flows, corner by corner
@@ -134,7 +134,8 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
 }
 
 void follow_path(const ElementPoints& original, const Material& material, const Settings& settings, double dt,
-                 const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report) {
+                 const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report,
+                 Names names) {
   if (path.empty()) throw InputError("a path needs at least one point");
   for (std::size_t k = 1; k < path.size(); ++k)
     if (!(path[k].time > path[k - 1].time))
@@ -161,6 +162,7 @@ void follow_path(const ElementPoints& original, const Material& material, const 
   for (std::size_t k = 1; k < path.size(); ++k) {
     const double span = path[k].time - path[k - 1].time;
     const int steps = std::max(1, static_cast<int>(std::ceil(span / dt * (1 - 1e-9))));
+    if (body.can_flow()) check_time_step({material}, settings, span / steps, names);
     for (int n = 1; n <= steps; ++n) {
       const double share = static_cast<double>(n) / steps;
       const Mat3 F = (1 - share) * path[k - 1].F + share * path[k].F;

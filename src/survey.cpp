@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "body_state.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "kinematics/gradients.hpp"
 
 namespace hexaplast {
@@ -70,7 +71,7 @@ Survey survey(const Body& body, double mass, double dt) {
   return found;
 }
 
-std::vector<std::string> advice(const Survey& survey) {
+std::vector<std::string> advice(const Survey& survey, Names names) {
   std::vector<std::string> sentences;
   const auto say = [&](bool is_unwise, const std::string& sentence) {
     if (is_unwise) sentences.push_back(sentence);
@@ -79,17 +80,17 @@ std::vector<std::string> advice(const Survey& survey) {
       fmt::format("{} nodes belong to no hexahedron", survey.quality.num_unused_nodes));
   say(survey.num_parts > 1, fmt::format("the body has {} parts that do not connect", survey.num_parts));
   say(survey.greatest_poisson_ratio > kNearlyIncompressible,
-      fmt::format("poissonRatio = {}: above {} bending comes out too stiff", survey.greatest_poisson_ratio,
-                  kNearlyIncompressible));
+      fmt::format("{} = {}: above {} bending comes out too stiff", called("poisson_ratio", names),
+                  survey.greatest_poisson_ratio, kNearlyIncompressible));
   say(std::isfinite(survey.yield_strain) && survey.yield_strain > kLargeYieldStrain,
-      fmt::format("yieldStress is reached at a strain of {:.3g} only", survey.yield_strain));
+      fmt::format("{} is reached at a strain of {:.3g} only", called("yield_stress", names), survey.yield_strain));
   say(survey.wave_speed > 0 && survey.steps_across < 1,
       fmt::format("waves cross the body in {:.3g} time steps: vibrations are damped away, only slow loads are followed",
                   survey.steps_across));
   return sentences;
 }
 
-std::vector<std::string> fracture_advice(const std::vector<Material>& materials) {
+std::vector<std::string> fracture_advice(const std::vector<Material>& materials, Names names) {
   const auto count = [&](auto condition) { return std::ranges::count_if(materials, condition); };
   const auto yields = [](const Material& m) { return std::isfinite(m.yield_stress); };
   const auto flows = [](const Material& m) { return m.flow_rate > 0; };
@@ -100,18 +101,20 @@ std::vector<std::string> fracture_advice(const std::vector<Material>& materials)
     return yields(m) && flows(m) && hardens(m) && m.yield_stress > m.fracture_stress;
   };
 
-  const char* missing = count(yields) == 0 ? "yieldStress" : count(flows) == 0 ? "plasticFlowRate" : nullptr;
+  const auto name = [&](const char* member) { return std::string(called(member, names)); };
+  std::string missing = count(yields) == 0 ? name("yield_stress") : count(flows) == 0 ? name("flow_rate") : "";
   std::vector<std::string> sentences;
-  if (missing && count(breaks_by_stretch) > 0)
-    sentences.push_back(fmt::format("fractureStretch tears nothing: without {} no stretch flows", missing));
-  if (!missing && count(hardens) == 0) missing = "a hardening above 0";
-  if (missing && count(breaks_by_stress) > 0)
-    sentences.push_back(fmt::format("fractureStress tears nothing: without {} no yield stress grows", missing));
-  if (!missing && count(begins_beyond) > 0)
+  if (!missing.empty() && count(breaks_by_stretch) > 0)
     sentences.push_back(
-        fmt::format("yieldStress lies above fractureStress in {} of {} hexahedra: they tear as soon as "
-                    "they flow",
-                    count(begins_beyond), materials.size()));
+        fmt::format("{} tears nothing: without {} no stretch flows", name("fracture_stretch"), missing));
+  if (missing.empty() && count(hardens) == 0) missing = "a " + name("hardening") + " above 0";
+  if (!missing.empty() && count(breaks_by_stress) > 0)
+    sentences.push_back(
+        fmt::format("{} tears nothing: without {} no yield stress grows", name("fracture_stress"), missing));
+  if (missing.empty() && count(begins_beyond) > 0)
+    sentences.push_back(fmt::format("{} lies above {} in {} of {} hexahedra: they tear as soon as they flow",
+                                    name("yield_stress"), name("fracture_stress"), count(begins_beyond),
+                                    materials.size()));
   return sentences;
 }
 

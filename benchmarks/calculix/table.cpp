@@ -39,7 +39,7 @@ BarCase plastic(double yield_stress, double flow_rate, EndLoad load, double forc
   BarCase bar{.material = support::calculix_material(yield_stress, flow_rate), .load = load};
   bar.force = force;
   bar.schedule = schedule;
-  bar.settings.rotation = RotationPlasticity::kNone;
+  bar.settings.rotation_plasticity = RotationPlasticity::kNone;
   return bar;
 }
 

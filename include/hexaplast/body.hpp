@@ -93,7 +93,7 @@ class Body {
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero
-  ///       4 | format version, 1
+  ///       4 | format version: 1, and one more for each member that Material and Settings have gained since
   ///       8 | XXH64 of mesh and settings
   ///       8 | size of what follows
   ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)

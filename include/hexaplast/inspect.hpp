@@ -65,8 +65,8 @@ struct HexahedronStep {
 
 /// One plastic step over dt [s], averaging included; what does not flow in the chosen mode is identity or 0. Throws
 /// InputError as inspect_elasticity does, and where nu dt, nu^R dt or c dt passes its limit.
-HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings,
-                            double dt);
+HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings, double dt,
+                            Names names = Names::kMembers);
 
 /// A deformation gradient of the whole hexahedron, relative to its original shape.
 struct PathPoint {
@@ -91,6 +91,7 @@ struct PathResponse {
 /// after each, and hands every moment to `report`. Throws as inspect_step does, and InputError where the path is empty
 /// or its times do not ascend.
 void follow_path(const ElementPoints& original, const Material& material, const Settings& settings, double dt,
-                 const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report);
+                 const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report,
+                 Names names = Names::kMembers);
 
 }  // namespace hexaplast

@@ -39,9 +39,9 @@ Survey survey(const Body& body, double mass, double dt);
 
 /// One sentence for each choice that is legal but unwise. What concerns rates and the time step check_time_step says,
 /// what concerns the mesh check_shapes.
-std::vector<std::string> advice(const Survey& survey);
+std::vector<std::string> advice(const Survey& survey, Names names = Names::kMembers);
 
 /// One sentence for each limit of fracture that nothing can reach, or beyond which elements begin.
-std::vector<std::string> fracture_advice(const std::vector<Material>& materials);
+std::vector<std::string> fracture_advice(const std::vector<Material>& materials, Names names = Names::kMembers);
 
 }  // namespace hexaplast

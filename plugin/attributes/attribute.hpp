@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <span>
 #include <string_view>
+
+#include "hexaplast/base/rows.hpp"
 
 /// The attribute table: what every component is called, what it takes, and within which limits. Plain data, written
 /// once; reading scenes, range checks, listings, documentation and every host use it, and nothing repeats it.
@@ -66,17 +67,7 @@ enum class Access {
   kIgnored  ///< accepted because scenes have it (visual or bookkeeping), without effect here
 };
 
-/// Admissible values of a number, or of each number of a list.
-struct Range {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-  bool without_least = false;  ///< `least` itself is not admissible
-  bool without_most = false;
-
-  constexpr bool contains(double value) const {
-    return (without_least ? value > least : value >= least) && (without_most ? value < most : value <= most);
-  }
-};
+using hexaplast::Range;
 
 inline constexpr Range kPositive{.least = 0, .without_least = true};
 inline constexpr Range kNotNegative{.least = 0};

@@ -85,6 +85,8 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   void end_step(double dt) override {
+    if (dt != dt_ && body_->can_flow()) check_time_step(body_->materials(), body_->settings(), dt, Names::kScenes);
+    dt_ = dt;
     report_ = body_->flow(state_->positions(), dt);
     announce();
   }
@@ -131,9 +133,12 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
       materials[e].yield_stress = yield[yield.size() == 1 ? 0 : e];
       if (!fill.empty()) materials[e] = filled(materials[e], fill[e]);
     }
-    for (const std::string& advice : check_time_step(materials, given_settings(), node().clock().dt))
+    validate(materials, Names::kScenes);
+    dt_ = node().clock().dt;
+    for (const std::string& advice : check_time_step(materials, given_settings(), dt_, Names::kScenes))
       remark(scene::Severity::kWarning, {}, advice);
-    for (const std::string& advice : fracture_advice(materials)) remark(scene::Severity::kWarning, {}, advice);
+    for (const std::string& advice : fracture_advice(materials, Names::kScenes))
+      remark(scene::Severity::kWarning, {}, advice);
     return materials;
   }
 
@@ -143,6 +148,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
   FlowReport report_;
   std::size_t num_announced_ = 0;  // of the hexahedra that have gone
   double rayleigh_stiffness_ = 0;
+  double dt_ = 0;  // [s] that the rates were checked with
 };
 
 class HexahedronElastoplasticFEMForceField final : public HexahedronField {
@@ -189,7 +195,7 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
     settings.yield_norm = chosen<YieldNorm>(
         text("yieldNorm"),
         {{"vonMises", YieldNorm::kVonMises}, {"frobenius", YieldNorm::kFrobenius}, {"spectral", YieldNorm::kSpectral}});
-    settings.rotation =
+    settings.rotation_plasticity =
         chosen<RotationPlasticity>(text("rotationPlasticity"), {{"objective", RotationPlasticity::kObjective},
                                                                 {"vertex", RotationPlasticity::kVertex},
                                                                 {"centre", RotationPlasticity::kCentre},

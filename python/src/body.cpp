@@ -54,7 +54,7 @@ std::string repr(const Settings& s) {
   return fmt::format(
       "Settings(gradient='{}', yield_norm='{}', rotation_plasticity='{}', rotation_frame='{}', averaging='{}', "
       "averaging_steps={}, averaging_tolerance={}, precision='{}', volume_restitution={}, inversion_threshold={})",
-      word(kGradients, s.gradient), word(kYieldNorms, s.yield_norm), word(kRotations, s.rotation),
+      word(kGradients, s.gradient), word(kYieldNorms, s.yield_norm), word(kRotations, s.rotation_plasticity),
       word(kFrames, s.rotation_frame), word(kAveragings, s.averaging), s.averaging_steps, s.averaging_tolerance,
       word(kPrecisions, s.precision), s.volume_restitution, s.inversion_threshold);
 }
@@ -113,7 +113,7 @@ void add_settings(py::module_& module) {
                        const std::string& precision, double volume_restitution, double inversion_threshold) {
              return Settings{.gradient = meaning(kGradients, "gradient", gradient),
                              .yield_norm = meaning(kYieldNorms, "yield_norm", yield_norm),
-                             .rotation = meaning(kRotations, "rotation_plasticity", rotation_plasticity),
+                             .rotation_plasticity = meaning(kRotations, "rotation_plasticity", rotation_plasticity),
                              .rotation_frame = meaning(kFrames, "rotation_frame", rotation_frame),
                              .averaging = meaning(kAveragings, "averaging", averaging),
                              .averaging_steps = averaging_steps,
@@ -124,7 +124,7 @@ void add_settings(py::module_& module) {
            }),
            py::kw_only(), py::arg("gradient") = word(kGradients, standard.gradient),
            py::arg("yield_norm") = word(kYieldNorms, standard.yield_norm),
-           py::arg("rotation_plasticity") = word(kRotations, standard.rotation),
+           py::arg("rotation_plasticity") = word(kRotations, standard.rotation_plasticity),
            py::arg("rotation_frame") = word(kFrames, standard.rotation_frame),
            py::arg("averaging") = word(kAveragings, standard.averaging),
            py::arg("averaging_steps") = standard.averaging_steps,
@@ -142,7 +142,8 @@ void add_settings(py::module_& module) {
       .def("__eq__", [](const Settings& s, const Settings& other) { return s == other; });
   add_word<&Settings::gradient>(settings, "gradient", kGradients, "blended, vertex or centre");
   add_word<&Settings::yield_norm>(settings, "yield_norm", kYieldNorms, "vonMises, frobenius or spectral");
-  add_word<&Settings::rotation>(settings, "rotation_plasticity", kRotations, "objective, vertex, centre or none");
+  add_word<&Settings::rotation_plasticity>(settings, "rotation_plasticity", kRotations,
+                                           "objective, vertex, centre or none");
   add_word<&Settings::rotation_frame>(settings, "rotation_frame", kFrames, "bestFit or world");
   add_word<&Settings::averaging>(settings, "averaging", kAveragings,
                                  "gaussNewton, gaussNewtonIsolated, localGlobal or jacobi");

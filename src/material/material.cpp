@@ -5,19 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/memory.hpp"
 #include "hexaplast/base/types.hpp"
+#include "hexaplast/material/rows.hpp"
 
 namespace hexaplast {
 
 namespace {
 
-void require(bool accepted, const char* name, double value, const std::string& where, const char* allowed) {
-  if (!accepted) throw InputError(fmt::format("{} = {}{}: must lie in {}", name, value, where, allowed));
+[[noreturn]] void refuse(std::string_view name, double value, const std::string& where, const std::string& condition) {
+  throw InputError(fmt::format("{} = {}{}: must {}", name, value, where, condition));
 }
 
 std::string place_of(std::size_t e, const std::vector<Material>& materials) {
@@ -25,21 +25,35 @@ std::string place_of(std::size_t e, const std::vector<Material>& materials) {
 }
 
 /// Where every element begins beyond its limit, hardening never carries one past it.
-void require_fracture_beyond_yield(const std::vector<Material>& materials) {
+void require_fracture_beyond_yield(const std::vector<Material>& materials, Names names) {
   const auto begins_beyond = [](const Material& m) {
     return std::isfinite(m.yield_stress) && m.yield_stress > m.fracture_stress;
   };
   if (materials.empty() || !std::ranges::all_of(materials, begins_beyond)) return;
   const auto least = std::ranges::min_element(materials, {}, &Material::yield_stress);
-  require(false, "fractureStress", least->fracture_stress,
-          place_of(static_cast<std::size_t>(least - materials.begin()), materials),
-          fmt::format("[{}, inf] Pa, from yieldStress on", least->yield_stress).c_str());
+  refuse(called("fracture_stress", names), least->fracture_stress,
+         place_of(static_cast<std::size_t>(least - materials.begin()), materials),
+         fmt::format("lie in [{}, inf] Pa, from {} on", least->yield_stress, called("yield_stress", names)));
 }
 
-double largest(const std::vector<Material>& materials, double Material::*rate) {
-  double most = 0;
-  for (const Material& material : materials) most = std::max(most, material.*rate);
-  return most;
+/// The rates among the members: their greatest products with the time step.
+template <class Options>
+void check_rates(std::span<const Row<Options>> rows, std::span<const Options> all, double dt, Names names,
+                 std::vector<std::string>& advice) {
+  for (const Row<Options>& row : rows) {
+    double rate = 0;
+    for (const Options& options : all) rate = std::max(rate, row.at.get(options));
+    const double product = rate * dt;
+    const auto sentence = [&](const std::string& judgement) {
+      return fmt::format("{} = {} {} times dt = {} s is {:.6g}: {}", row.called(names), rate, row.unit, dt, product,
+                         judgement);
+    };
+    if (!row.per_step.contains(product))
+      throw InputError(sentence(
+          fmt::format("must be {} {:.6g}", row.per_step.without_most ? "below" : "at most", row.per_step.most)));
+    if (product > row.advised_per_step)
+      advice.push_back(sentence(fmt::format("results lose accuracy above {}", row.advised_per_step)));
+  }
 }
 
 }  // namespace
@@ -49,31 +63,24 @@ Lame lame(double young_modulus, double poisson_ratio) {
   return {E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))};
 }
 
-void validate(const std::vector<Material>& materials) {
-  for (std::size_t e = 0; e < materials.size(); ++e) {
-    const Material& m = materials[e];
-    const std::string where = place_of(e, materials);
-    // a comparison with NaN is false, so every test is written to accept, never to refuse
-    require(m.young_modulus > 0 && std::isfinite(m.young_modulus), "youngModulus", m.young_modulus, where,
-            "(0, inf) Pa");
-    require(m.poisson_ratio >= 0 && m.poisson_ratio < 0.5, "poissonRatio", m.poisson_ratio, where, "[0, 0.5)");
-    require(m.yield_stress >= 0, "yieldStress", m.yield_stress, where, "[0, inf] Pa");
-    require(m.flow_rate >= 0 && std::isfinite(m.flow_rate), "plasticFlowRate", m.flow_rate, where, "[0, inf) 1/s");
-    require(m.rotation_yield >= 0 && m.rotation_yield <= std::numbers::pi, "rotationYield", m.rotation_yield, where,
-            "[0, pi] rad");
-    require(m.rotation_flow_rate >= 0 && std::isfinite(m.rotation_flow_rate), "rotationFlowRate", m.rotation_flow_rate,
-            where, "[0, inf) 1/s");
-    require(std::isfinite(m.hardening), "hardening", m.hardening, where, "(-inf, inf)");
-    require(m.fracture_stress >= 0, "fractureStress", m.fracture_stress, where, "[0, inf] Pa");
-    require(m.fracture_stretch > 1, "fractureStretch", m.fracture_stretch, where, "(1, inf]");
-  }
-  require_fracture_beyond_yield(materials);
+void validate(const std::vector<Material>& materials, Names names) {
+  for (std::size_t e = 0; e < materials.size(); ++e)
+    for (const Row<Material>& row : material_rows())
+      if (const double value = row.at.get(materials[e]); !row.admits(value))
+        refuse(row.called(names), value, place_of(e, materials), row.condition());
+  require_fracture_beyond_yield(materials, names);
+}
+
+void validate(const Settings& settings, Names names) {
+  for (const Row<Settings>& row : settings_rows())
+    if (const double value = row.at.get(settings); !row.admits(value))
+      refuse(row.called(names), value, "", row.condition());
 }
 
 bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
 
 bool can_rotate(const Material& material, const Settings& settings) {
-  return settings.rotation != RotationPlasticity::kNone && material.rotation_flow_rate > 0;
+  return settings.rotation_plasticity != RotationPlasticity::kNone && material.rotation_flow_rate > 0;
 }
 
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
@@ -81,8 +88,8 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
       materials, [&](const Material& material) { return can_stretch(material) || can_rotate(material, settings); });
   const bool tracks_stretch =
       std::ranges::any_of(materials, [](const Material& material) { return std::isfinite(material.fracture_stretch); });
-  const bool turns_at_corners =
-      settings.rotation == RotationPlasticity::kVertex || settings.rotation == RotationPlasticity::kCentre;
+  const bool turns_at_corners = settings.rotation_plasticity == RotationPlasticity::kVertex ||
+                                settings.rotation_plasticity == RotationPlasticity::kCentre;
   // what not every history has stands in the trial history of a step once more
   const double tensors = (tracks_stretch ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
   const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3);
@@ -90,32 +97,11 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
   return more + (flows ? 6200 : 3700);
 }
 
-void validate(const Settings& settings) {
-  require(settings.volume_restitution >= 0 && std::isfinite(settings.volume_restitution), "volumeRestitution",
-          settings.volume_restitution, "", "[0, inf) 1/s");
-  require(settings.inversion_threshold >= 0 && settings.inversion_threshold < 1, "inversionThreshold",
-          settings.inversion_threshold, "", "[0, 1)");
-  require(settings.averaging_steps >= 1, "averagingSteps", settings.averaging_steps, "", "[1, inf)");
-  require(settings.averaging_tolerance >= 0 && settings.averaging_tolerance <= 0.1, "averagingTolerance",
-          settings.averaging_tolerance, "", "[0, 0.1]");
-}
-
-std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt) {
+std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
+                                         Names names) {
   std::vector<std::string> advice;
-  const auto check = [&](const char* name, double rate, double limit, bool limit_allowed, double advised) {
-    const double product = rate * dt;
-    if (product > limit || (product == limit && !limit_allowed))
-      throw InputError(fmt::format("{} = {} 1/s times dt = {} s is {:.6g}: must be {} {:.6g}", name, rate, dt, product,
-                                   limit_allowed ? "at most" : "below", limit));
-    if (product > advised)
-      advice.push_back(fmt::format("{} = {} 1/s times dt = {} s is {:.6g}: results lose accuracy above {}", name, rate,
-                                   dt, product, advised));
-  };
-  check("plasticFlowRate", largest(materials, &Material::flow_rate), kLargestFlowPerStep, true, kAdvisedFlowPerStep);
-  check("rotationFlowRate", largest(materials, &Material::rotation_flow_rate), kLargestFlowPerStep, true,
-        kAdvisedFlowPerStep);
-  check("volumeRestitution", settings.volume_restitution, kLargestRestitutionPerStep, false,
-        kAdvisedRestitutionPerStep);
+  check_rates<Material>(material_rows(), materials, dt, names, advice);
+  check_rates<Settings>(settings_rows(), std::span(&settings, 1), dt, names, advice);
   return advice;
 }
 

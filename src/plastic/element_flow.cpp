@@ -39,7 +39,7 @@ void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
   for (int i = 0; i < kCorners; ++i) {
     RotationFlow& flow = step.rotation[i];
     const double threshold = step.next.rotation_yield[i], rate = at.material.rotation_flow_rate;
-    switch (at.settings.rotation) {
+    switch (at.settings.rotation_plasticity) {
       case RotationPlasticity::kObjective:
         flow = rotation_flow(step.R_centre.transpose() * step.polar[i].R, angle[i], 0, threshold, rate, dt);
         break;
@@ -60,7 +60,7 @@ void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
 
 /// Takes the increments into the rest shape; in the paper's modes rotation goes into the maps instead (eq. 35).
 void apply_increments(const ElementMoment& at, bool tracks_stretch, ElementStep& step) {
-  const bool objective = at.settings.rotation == RotationPlasticity::kObjective;
+  const bool objective = at.settings.rotation_plasticity == RotationPlasticity::kObjective;
   CornerTensors increments;
   for (int i = 0; i < kCorners; ++i) {
     increments[i] = step.stretch[i].increment;

@@ -38,7 +38,8 @@ struct Model {
 
   /// Rotation maps that each element carries: one, or one per corner in the paper's modes.
   int maps_per_element() const {
-    return settings.rotation == RotationPlasticity::kVertex || settings.rotation == RotationPlasticity::kCentre
+    return settings.rotation_plasticity == RotationPlasticity::kVertex ||
+                   settings.rotation_plasticity == RotationPlasticity::kCentre
                ? kCorners
                : 1;
   }

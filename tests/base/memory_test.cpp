@@ -28,7 +28,7 @@ TEST(Memory, ABodyThatDoesNotFitIsRefused) {
 TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2}, turns{.rotation_flow_rate = 1};
   const Settings in_double, mixed{.precision = Precision::kMixed},
-      stretches_alone{.rotation = RotationPlasticity::kNone};
+      stretches_alone{.rotation_plasticity = RotationPlasticity::kNone};
   for (const Settings& settings : {in_double, mixed}) {
     const double still = bytes_per_hexahedron({elastic}, settings);
     EXPECT_GT(bytes_per_hexahedron({yields}, settings), still);
@@ -47,8 +47,8 @@ TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
   tears.fracture_stretch = breaks.fracture_stretch = 2;
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
     const Settings plain{.precision = precision},
-        corners{.rotation = RotationPlasticity::kVertex, .precision = precision},
-        centre{.rotation = RotationPlasticity::kCentre, .precision = precision};
+        corners{.rotation_plasticity = RotationPlasticity::kVertex, .precision = precision},
+        centre{.rotation_plasticity = RotationPlasticity::kCentre, .precision = precision};
     const double still = bytes_per_hexahedron({elastic}, plain), flows = bytes_per_hexahedron({yields}, plain);
     EXPECT_EQ(bytes_per_hexahedron({breaks}, plain), still + 8 * 72);
     EXPECT_EQ(bytes_per_hexahedron({elastic}, corners), still + 7 * 72);

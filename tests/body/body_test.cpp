@@ -123,7 +123,7 @@ TEST_F(YieldingBody, RefusesPositionsThatAreNotNumbersAndKeepsItsHistory) {
 
 TEST_F(YieldingBody, RefusesATimeStepBeyondTheLimits) {
   const std::string before = history_hash();
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(world, 0.5); }, {"plasticFlowRate", "dt"}));
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(world, 0.5); }, {"flow_rate", "dt"}));
   EXPECT_EQ(history_hash(), before);
 }
 

@@ -137,7 +137,7 @@ TEST(CalculixBar, ElasticStretchLiesBetweenTwoLaws) {
 
 support::BarCase visco_bar(double yield_stress, double force) {
   support::BarCase bar{.material = support::calculix_material(yield_stress, 5), .force = force};
-  bar.settings.rotation = RotationPlasticity::kNone;
+  bar.settings.rotation_plasticity = RotationPlasticity::kNone;
   return bar;
 }
 
@@ -181,7 +181,7 @@ TEST(CalculixBar, FaceTwistUnderLoad) {
   support::BarCase bar{.material = support::calculix_material(100, 20), .load = support::EndLoad::kFaceTwist};
   bar.force = 0.06;
   bar.schedule = {.ramp = 2, .hold = 4, .release = 6, .end = 8};
-  bar.settings.rotation = RotationPlasticity::kNone;
+  bar.settings.rotation_plasticity = RotationPlasticity::kNone;
   const support::BarRun run = support::run_bar(bar);
   EXPECT_EQ(run.unsolved, 0);
   for (std::size_t layer = 0; layer < 11; ++layer) {
@@ -200,7 +200,7 @@ TEST(CalculixBar, FaceStretchIsCloserToTheRefinedAnswer) {
   support::BarCase bar{.material = support::calculix_material(250, 20), .load = support::EndLoad::kFaceStretch};
   bar.force = 0.3;
   bar.schedule = {.ramp = 2, .hold = 5, .release = 6, .end = 8};
-  bar.settings.rotation = RotationPlasticity::kNone;
+  bar.settings.rotation_plasticity = RotationPlasticity::kNone;
   const support::BarRun run = support::run_bar(bar);
   EXPECT_EQ(run.unsolved, 0);
   for (const auto& [ours, when] :

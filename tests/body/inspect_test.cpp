@@ -57,7 +57,7 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
   for (const RotationPlasticity rotation : {RotationPlasticity::kObjective, RotationPlasticity::kVertex,
                                             RotationPlasticity::kCentre, RotationPlasticity::kNone}) {
     Settings settings;
-    settings.rotation = rotation;
+    settings.rotation_plasticity = rotation;
     const HexahedronState state = deformed(kFlowing);
     const HexahedronStep step = inspect_step(state, kFlowing, settings, 0.01);
 

@@ -170,16 +170,18 @@ TEST(FractureAdvice, NamesWhatIsMissingForALimitToBeReached) {
   };
   for (const double hardening : {0.0, -0.1})
     EXPECT_EQ(changed(&Material::hardening, hardening),
-              Sentences{"fractureStress tears nothing: without a hardening above 0 no yield stress grows"});
+              Sentences{"fracture_stress tears nothing: without a hardening above 0 no yield stress grows"});
   EXPECT_EQ(changed(&Material::yield_stress, std::numeric_limits<double>::infinity()),
-            (Sentences{"fractureStretch tears nothing: without yieldStress no stretch flows",
-                       "fractureStress tears nothing: without yieldStress no yield stress grows"}));
+            (Sentences{"fracture_stretch tears nothing: without yield_stress no stretch flows",
+                       "fracture_stress tears nothing: without yield_stress no yield stress grows"}));
   EXPECT_EQ(changed(&Material::flow_rate, 0),
-            (Sentences{"fractureStretch tears nothing: without plasticFlowRate no stretch flows",
-                       "fractureStress tears nothing: without plasticFlowRate no yield stress grows"}));
+            (Sentences{"fracture_stretch tears nothing: without flow_rate no stretch flows",
+                       "fracture_stress tears nothing: without flow_rate no yield stress grows"}));
   Material wall = tears;
   wall.yield_stress = 1e9;
   EXPECT_EQ(fracture_advice({tears, wall, tears}),
+            Sentences{"yield_stress lies above fracture_stress in 1 of 3 hexahedra: they tear as soon as they flow"});
+  EXPECT_EQ(fracture_advice({tears, wall, tears}, Names::kScenes),
             Sentences{"yieldStress lies above fractureStress in 1 of 3 hexahedra: they tear as soon as they flow"});
   wall.hardening = 0;
   EXPECT_TRUE(fracture_advice({tears, wall, tears}).empty());

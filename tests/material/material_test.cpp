@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/material/material.hpp"
 
+#include <fmt/format.h>
+
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
@@ -17,27 +19,32 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 struct Bad {
-  const char* name;
-  double Material::*member;
+  const char *member, *name;
+  double Material::*at;
   std::vector<double> values;
+  const char* bounds;
 };
 
 TEST(Material, RefusesValuesOutsideTheirRangesAndNamesTheElement) {
   const std::vector<Bad> cases{
-      {"youngModulus", &Material::young_modulus, {0, -1, kNan, kInf}},
-      {"poissonRatio", &Material::poisson_ratio, {-0.1, 0.5, 1, kNan}},
-      {"yieldStress", &Material::yield_stress, {-1, kNan}},
-      {"plasticFlowRate", &Material::flow_rate, {-1, kNan, kInf}},
-      {"rotationYield", &Material::rotation_yield, {-0.1, 3.2, kNan}},
-      {"rotationFlowRate", &Material::rotation_flow_rate, {-1, kNan, kInf}},
-      {"hardening", &Material::hardening, {kNan, kInf}},
+      {"young_modulus", "youngModulus", &Material::young_modulus, {0, -1, kNan, kInf}, "(0, inf) Pa"},
+      {"poisson_ratio", "poissonRatio", &Material::poisson_ratio, {-0.1, 0.5, 1, kNan}, "[0, 0.5)"},
+      {"yield_stress", "yieldStress", &Material::yield_stress, {-1, kNan}, "[0, inf] Pa"},
+      {"flow_rate", "plasticFlowRate", &Material::flow_rate, {-1, kNan, kInf}, "[0, inf) 1/s"},
+      {"rotation_yield", "rotationYield", &Material::rotation_yield, {-0.1, 3.2, kNan}, "[0, 3.141592654] rad"},
+      {"rotation_flow_rate", "rotationFlowRate", &Material::rotation_flow_rate, {-1, kNan, kInf}, "[0, inf) 1/s"},
+      {"hardening", "hardening", &Material::hardening, {kNan, kInf, -kInf}, "(-inf, inf)"},
+      {"fracture_stress", "fractureStress", &Material::fracture_stress, {-1, kNan}, "[0, inf] Pa"},
+      {"fracture_stretch", "fractureStretch", &Material::fracture_stretch, {1, -1, kNan}, "(1, inf]"},
   };
   for (const Bad& bad : cases) {
     for (const double value : bad.values) {
       std::vector<Material> materials(8);
-      materials[5].*bad.member = value;
-      EXPECT_TRUE(refuses<InputError>([&] { validate(materials); }, {bad.name, "element 5", "must lie in"}))
-          << bad.name << " " << value;
+      materials[5].*bad.at = value;
+      for (const auto& [names, name] : {std::pair{Names::kMembers, bad.member}, std::pair{Names::kScenes, bad.name}})
+        EXPECT_TRUE(
+            refuses<InputError>([&] { validate(materials, names); },
+                                {fmt::format("{} = {} of element 5: must lie in {}", name, value, bad.bounds)}));
     }
   }
   EXPECT_NO_THROW(validate(std::vector<Material>(3)));
@@ -46,7 +53,7 @@ TEST(Material, RefusesValuesOutsideTheirRangesAndNamesTheElement) {
 TEST(Material, MessagesStateTheValue) {
   Material m;
   m.poisson_ratio = 0.625;
-  EXPECT_TRUE(refuses<InputError>([&] { validate({m}); }, {"poissonRatio", "0.625", "[0, 0.5)"}));
+  EXPECT_TRUE(refuses<InputError>([&] { validate({m}); }, {"poisson_ratio", "0.625", "[0, 0.5)"}));
 }
 
 // Of one material, and of a body of which no element can be carried past its limit. Where some can, it is theirs.
@@ -54,11 +61,12 @@ TEST(Material, RefusesAFractureStressBelowTheYieldStress) {
   Material m;
   m.yield_stress = 500;
   m.fracture_stress = 400;
-  EXPECT_TRUE(refuses<InputError>([&] { validate({m}); }, {"fractureStress = 400", "must lie in [500, inf] Pa"}));
+  EXPECT_TRUE(refuses<InputError>([&] { validate({m}); },
+                                  {"fracture_stress = 400: must lie in [500, inf] Pa, from yield_stress on"}));
   std::vector<Material> materials(3, m);
   materials[2].yield_stress = 450;
-  EXPECT_TRUE(
-      refuses<InputError>([&] { validate(materials); }, {"fractureStress = 400 of element 2", "[450, inf] Pa"}));
+  EXPECT_TRUE(refuses<InputError>([&] { validate(materials, Names::kScenes); },
+                                  {"fractureStress = 400 of element 2", "[450, inf] Pa, from yieldStress on"}));
   for (const double accepted : {400.0, 300.0, kInf}) {  // at the limit; below it; no yield, that is no growth
     materials[1].yield_stress = accepted;
     EXPECT_NO_THROW(validate(materials));
@@ -78,12 +86,23 @@ TEST(Settings, RefuseValuesOutsideTheirRanges) {
   for (const double bad : {-1.0, kNan, kInf}) {
     Settings settings;
     settings.volume_restitution = bad;
-    EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"volumeRestitution"}));
+    EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"volume_restitution"}));
   }
   for (const double bad : {-0.1, 1.0, kNan}) {
     Settings settings;
     settings.inversion_threshold = bad;
-    EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"inversionThreshold"}));
+    EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"inversion_threshold"}));
+  }
+}
+
+TEST(Settings, RefuseWhatIsNoEnumeratorAndNumbersOfStepsOutOfRange) {
+  Settings settings;
+  settings.precision = static_cast<Precision>(2);
+  EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"precision = 2: must be double or mixed"}));
+  for (const int bad : {0, -1, 1001}) {
+    settings = {.averaging_steps = bad};
+    EXPECT_TRUE(refuses<InputError>([&] { validate(settings, Names::kScenes); },
+                                    {fmt::format("averagingSteps = {}: must lie in [1, 1000]", bad)}));
   }
 }
 
@@ -94,17 +113,20 @@ TEST(CheckTimeStep, RefusesWhatIsUnstableAndAdvisesAgainstWhatIsInaccurate) {
   m.rotation_flow_rate = 2;
   EXPECT_TRUE(check_time_step({m}, settings, 0.01).empty());
   EXPECT_EQ(check_time_step({m}, settings, 0.02).size(), 1u);  // nu dt = .08
-  EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.3); }, {"plasticFlowRate", "1.2"}));
+  EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.3); },
+                                  {"flow_rate = 4 1/s times dt = 0.3 s is 1.2: must be at most 1"}));
 
   m.flow_rate = 0;
   m.rotation_flow_rate = 200;
-  EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.01); }, {"rotationFlowRate", "2"}));
+  EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.01, Names::kScenes); },
+                                  {"rotationFlowRate = 200 1/s", "is 2: must be at most 1"}));
 
   m.rotation_flow_rate = 0;
   settings.volume_restitution = 50;
   EXPECT_EQ(check_time_step({m}, settings, 0.01).size(), 1u);  // c dt = .5
   settings.volume_restitution = 100;
-  EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.01); }, {"volumeRestitution", "0.666667"}));
+  EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.01); },
+                                  {"volume_restitution", "must be below 0.666667"}));
 }
 
 }  // namespace

@@ -216,7 +216,7 @@ TEST(VolumeRestitution, RefusesUnstableRates) {
   settings.volume_restitution = 100;
   Body body(support::block({1, 1, 1}, kEdge), {kSoft}, settings);
   const std::string before = hash_of(body);
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(body.mesh().positions(), kStep); }, {"volumeRestitution"}));
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(body.mesh().positions(), kStep); }, {"volume_restitution"}));
   EXPECT_EQ(hash_of(body), before);
 }
 

@@ -69,7 +69,7 @@ TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
       materials[3].fracture_stress = yield_stress;  // one may be torn by stress, or the limit would be refused
       for (int e = 0; e < 3; ++e) materials[e].fracture_stress = 600;
       Settings settings;
-      settings.rotation = mode;
+      settings.rotation_plasticity = mode;
       if (mode != RotationPlasticity::kObjective) settings.averaging = AveragingMethod::kLocalGlobal;
       Body body(mesh, materials, settings);
       for (int k = 0; k < 50; ++k) ASSERT_EQ(body.flow(twisted, kStep).removed, 0) << "step " << k;

@@ -143,7 +143,7 @@ TEST_P(PaperMode, IsObjectiveAgainstTheBestFitAndNotAgainstTheAxes) {
   const Mat3 R = random.rotation();
   const Vec3 spin = 4 * random.direction(), still = Vec3::Zero();
   Settings settings;
-  settings.rotation = GetParam();
+  settings.rotation_plasticity = GetParam();
   for (const RotationFrame frame : {RotationFrame::kBestFit, RotationFrame::kWorld}) {
     settings.rotation_frame = frame;
     const PointArray expected = material_after(mesh, settings, Mat3::Identity(), still);
@@ -164,7 +164,7 @@ TEST_P(PaperMode, KeepsLessOfATwistThanTheObjectiveMode) {
   const EndSections ends = end_sections(mesh);
   const auto plastic_twist = [&](RotationPlasticity mode) {
     Settings settings;
-    settings.rotation = mode;
+    settings.rotation_plasticity = mode;
     return twist(mesh, ends, material_after(mesh, settings, Mat3::Identity(), Vec3::Zero()));
   };
   const double kept = plastic_twist(GetParam());

@@ -337,7 +337,7 @@ TEST(BodyField, HandsItsAttributesToTheBody) {
   EXPECT_EQ(second.rotation_flow_rate, 1.5);
   EXPECT_EQ(second.hardening, 0.3);
   EXPECT_EQ(model.settings.yield_norm, YieldNorm::kSpectral);
-  EXPECT_EQ(model.settings.rotation, RotationPlasticity::kNone);
+  EXPECT_EQ(model.settings.rotation_plasticity, RotationPlasticity::kNone);
   EXPECT_EQ(model.settings.volume_restitution, 4);
   EXPECT_EQ(model.settings.inversion_threshold, 0.2);
 }

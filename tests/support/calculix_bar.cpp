@@ -169,7 +169,7 @@ std::vector<double> uniaxial_stretch(const Material& material, double nominal_st
                                      const std::vector<double>& times) {
   constexpr double kStep = 0.01;  // [s]
   Settings settings;
-  settings.rotation = RotationPlasticity::kNone;
+  settings.rotation_plasticity = RotationPlasticity::kNone;
   Body body(block({1, 1, 1}, kCell), {material}, settings);
   const double force = nominal_stress * kCell * kCell;
   CorneredBody system(body, [&](double time, ConstPoints, Points f) {

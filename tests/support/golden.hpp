@@ -62,9 +62,9 @@ inline Settings settings(const Json& params, const std::string& mode, RotationFr
   if (params.at("norm") != "fro") throw std::runtime_error("golden data know the Frobenius norm only");
   Settings s;
   s.yield_norm = YieldNorm::kFrobenius;
-  s.rotation = mode == "paper_vertex"   ? RotationPlasticity::kVertex
-               : mode == "paper_centre" ? RotationPlasticity::kCentre
-                                        : RotationPlasticity::kObjective;
+  s.rotation_plasticity = mode == "paper_vertex"   ? RotationPlasticity::kVertex
+                          : mode == "paper_centre" ? RotationPlasticity::kCentre
+                                                   : RotationPlasticity::kObjective;
   s.rotation_frame = frame;
   s.averaging = AveragingMethod::kGaussNewtonIsolated;  // one step of it does not reach what every method ends at
   s.averaging_tolerance = 1e-12;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "hexaplast/base/rows.hpp"
+
 namespace hexaplast {
 
 /// Lame's constants [Pa].
@@ -16,7 +18,7 @@ struct Lame {
 /// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu)(1 - 2 nu)).                         theory.md eq. 10
 Lame lame(double young_modulus, double poisson_ratio);
 
-/// What one hexahedron is made of. The defaults make it purely elastic.
+/// What one hexahedron is made of. The defaults make it purely elastic. Each member has a row (material/rows.hpp).
 struct Material {
   double young_modulus = 5000;                                    ///< E [Pa], > 0
   double poisson_ratio = 0.45;                                    ///< [-], in [0, 0.5)
@@ -72,11 +74,11 @@ enum class Precision {
   kMixed  ///< products and the vectors of solvers in single precision, coefficients in half where the machine has it
 };
 
-/// What holds for a whole body.
+/// What holds for a whole body. Each member has a row (material/rows.hpp).
 struct Settings {
   GradientScheme gradient = GradientScheme::kBlended;
   YieldNorm yield_norm = YieldNorm::kVonMises;
-  RotationPlasticity rotation = RotationPlasticity::kObjective;
+  RotationPlasticity rotation_plasticity = RotationPlasticity::kObjective;
   RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre
   AveragingMethod averaging =
       AveragingMethod::kGaussNewton;  ///< kVertex and kCentre know kLocalGlobal and kJacobi only
@@ -105,8 +107,8 @@ bool can_rotate(const Material& material, const Settings& settings);
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings);
 
 /// Throws InputError naming the first value outside its range and the element it belongs to.
-void validate(const std::vector<Material>& materials);
-void validate(const Settings& settings);
+void validate(const std::vector<Material>& materials, Names names = Names::kMembers);
+void validate(const Settings& settings, Names names = Names::kMembers);
 
 /// Largest admissible products with the time step, and those above which results lose accuracy.
 inline constexpr double kLargestFlowPerStep = 1.0;               // more than all of the excess cannot flow
@@ -114,8 +116,9 @@ inline constexpr double kAdvisedFlowPerStep = 0.05;              // 2 % error of
 inline constexpr double kLargestRestitutionPerStep = 2.0 / 3.0;  // volume error is multiplied by 1 - 3 c dt per step
 inline constexpr double kAdvisedRestitutionPerStep = 0.3;
 
-/// Checks nu dt, nu^R dt and c dt. Throws InputError where a limit is passed, otherwise returns one sentence per
-/// advised limit that is passed.
-std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt);
+/// Checks nu dt, nu^R dt, c dt and those of any further rate. Throws InputError where a limit is passed, otherwise
+/// returns one sentence per advised limit that is passed.
+std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
+                                         Names names = Names::kMembers);
 
 }  // namespace hexaplast

@@ -68,7 +68,7 @@ Findings look_at(scene::Scene& scene) {
     std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, state); });
     found.body = survey(*field->body(), scene::total_mass(masses, state), found.dt);
     found.num_hexahedra = field->body()->mesh().num_elements();
-    found.advice = advice(*found.body);
+    found.advice = advice(*found.body, Names::kScenes);
   }
   const bool is_pushed = found.load.norm() > 1e-9 * found.load_size;  // more than rounding
   if (is_pushed && found.num_held + found.num_partly_held == 0)

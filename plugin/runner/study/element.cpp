@@ -191,11 +191,11 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
                                        {"vertex", GradientScheme::kVertex},
                                        {"centre", GradientScheme::kCentre}});
   else if (key == "rotationPlasticity")
-    s.rotation = word<RotationPlasticity>(name, value,
-                                          {{"objective", RotationPlasticity::kObjective},
-                                           {"vertex", RotationPlasticity::kVertex},
-                                           {"centre", RotationPlasticity::kCentre},
-                                           {"none", RotationPlasticity::kNone}});
+    s.rotation_plasticity = word<RotationPlasticity>(name, value,
+                                                     {{"objective", RotationPlasticity::kObjective},
+                                                      {"vertex", RotationPlasticity::kVertex},
+                                                      {"centre", RotationPlasticity::kCentre},
+                                                      {"none", RotationPlasticity::kNone}});
   else if (key == "averaging")
     s.averaging = word<AveragingMethod>(name, value,
                                         {{"gaussNewton", AveragingMethod::kGaussNewton},
@@ -230,6 +230,8 @@ Element read_element(const Json& given) {
     const Json parameters = with_long_keys(json["parameters"]);
     for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
   }
+  validate({element.constants}, Names::kScenes);
+  validate(element.settings, Names::kScenes);
   HexahedronState& state = element.state;
   state = virgin_hexahedron(points("original", json["original"]), element.constants);
   state.material = optional_points("material", state.original);
@@ -282,8 +284,8 @@ Json elastic_block(const Element& element) {
 
 Json step_block(const Element& element, RotationPlasticity mode) {
   Settings settings = element.settings;
-  settings.rotation = mode;
-  const HexahedronStep found = inspect_step(element.state, element.constants, settings, element.dt);
+  settings.rotation_plasticity = mode;
+  const HexahedronStep found = inspect_step(element.state, element.constants, settings, element.dt, Names::kScenes);
   return {{"F_i", to_json(found.F_corner)},
           {"F_o", to_json(found.F_centre)},
           {"Fbar_plain", to_json(found.F_blended)},
@@ -314,7 +316,7 @@ Json step_block(const Element& element, RotationPlasticity mode) {
 Json all_blocks(const Element& element) {
   Json out{{"elastic", elastic_block(element)}};
   const auto add = [&](const char* name, RotationPlasticity mode) { out[name] = step_block(element, mode); };
-  const RotationPlasticity mode = element.settings.rotation;
+  const RotationPlasticity mode = element.settings.rotation_plasticity;
   if (element.names_modes || mode == RotationPlasticity::kObjective) add("objective", RotationPlasticity::kObjective);
   if (element.names_modes || mode == RotationPlasticity::kVertex) add("paper_vertex", RotationPlasticity::kVertex);
   if (element.names_modes || mode == RotationPlasticity::kCentre) add("paper_centre", RotationPlasticity::kCentre);
@@ -360,14 +362,16 @@ std::vector<PathPoint> read_path(const std::filesystem::path& file) {
 void write_path(const Element& element, const std::vector<PathPoint>& path, std::ostream& out) {
   out << "time,F11,F22,F33,P11,P12,P13,P21,P22,P23,P31,P32,P33,stress_norm,plastic_strain,yield_stress,volume_ratio,"
          "energy,dissipated_energy\n";
-  follow_path(element.state.original, element.constants, element.settings, element.dt, path,
-              [&](const PathResponse& at) {
-                out << fmt::format("{},{},{},{}", at.time, at.F(0, 0), at.F(1, 1), at.F(2, 2));
-                for (int i = 0; i < 3; ++i)
-                  for (int j = 0; j < 3; ++j) out << fmt::format(",{}", at.P(i, j));
-                out << fmt::format(",{},{},{},{},{},{}\n", at.stress_norm, at.plastic_strain, at.yield_stress,
-                                   at.volume_ratio, at.energy, at.dissipated_energy);
-              });
+  follow_path(
+      element.state.original, element.constants, element.settings, element.dt, path,
+      [&](const PathResponse& at) {
+        out << fmt::format("{},{},{},{}", at.time, at.F(0, 0), at.F(1, 1), at.F(2, 2));
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) out << fmt::format(",{}", at.P(i, j));
+        out << fmt::format(",{},{},{},{},{},{}\n", at.stress_norm, at.plastic_strain, at.yield_stress, at.volume_ratio,
+                           at.energy, at.dissipated_energy);
+      },
+      Names::kScenes);
 }
 
 }  // namespace
