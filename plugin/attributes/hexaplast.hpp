@@ -1,127 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "attributes/attribute.hpp"
+#include "attributes/rows.hpp"
 
 /// Our own components, the same in every host.
 namespace hexaplast::attributes {
 
-inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
-    {.name = "youngModulus",
-     .type = Type::kReals,
-     .initial = "5000",
-     .unit = "Pa",
-     .range = kPositive,
-     .help = "Young's modulus: one value, or one per hexahedron."},
-    {.name = "poissonRatio",
-     .type = Type::kReals,
-     .initial = "0.45",
-     .range = {.least = 0, .most = 0.5, .without_most = true},
-     .help = "Poisson's ratio: one value, or one per hexahedron."},
-    {.name = "yieldStress",
-     .type = Type::kReals,
-     .unit = "Pa",
-     .range = kNotNegative,
-     .help = "Size of the stress at which plastic flow begins: one value, or one per hexahedron. Without it the body "
-             "never yields."},
-    {.name = "yieldNorm",
-     .type = Type::kWord,
-     .initial = "vonMises",
-     .words = "vonMises frobenius spectral",
-     .help = "Norm of the stress that is compared with yieldStress. vonMises does not feel pressure."},
-    {.name = "plasticFlowRate",
-     .type = Type::kReal,
-     .initial = "0",
-     .unit = "1/s",
-     .range = kNotNegative,
-     .help = "Share of the stretch in excess of yield that becomes permanent per second. Times dt: at most 1, wisely "
-             "at most 0.05."},
-    {.name = "rotationYield",
-     .type = Type::kReal,
-     .initial = "0",
-     .unit = "rad",
-     .range = {.least = 0, .most = 3.141592653589793},
-     .help = "Angle between a corner and its hexahedron at which rotation begins to flow. Scale it with the size of "
-             "the hexahedra."},
-    {.name = "rotationFlowRate",
-     .type = Type::kReal,
-     .initial = "0",
-     .unit = "1/s",
-     .range = kNotNegative,
-     .help = "Share of the rotation in excess of rotationYield that becomes permanent per second. Limits as for "
-             "plasticFlowRate."},
-    {.name = "rotationPlasticity",
-     .type = Type::kWord,
-     .initial = "objective",
-     .words = "objective vertex centre none",
-     .help = "How rotation within a hexahedron becomes permanent. objective: that of a corner relative to its "
-             "hexahedron; vertex and centre: the paper's two ways, for comparison; none: only stretch flows."},
-    {.name = "rotationFrame",
-     .type = Type::kWord,
-     .initial = "bestFit",
-     .words = "bestFit world",
-     .help = "What the rotations of vertex and centre are measured against: the rotation of the whole body, or the "
-             "axes as the paper prints it, which makes the result depend on the pose."},
-    {.name = "hardening",
-     .type = Type::kReal,
-     .initial = "0",
-     .help = "Growth of yieldStress and rotationYield with the flow; negative values soften, down to 0."},
-    {.name = "volumeRestitution",
-     .type = Type::kReal,
-     .initial = "1",
-     .unit = "1/s",
-     .range = kNotNegative,
-     .help = "Rate at which the rest shape is led back to its original volume: errors decay as exp(-3 c t). Times dt: "
-             "below 2/3, wisely at most 0.3."},
-    {.name = "inversionThreshold",
-     .type = Type::kReal,
-     .initial = "0.1",
-     .range = {.least = 0, .most = 1, .without_most = true},
-     .help = "Hexahedra squeezed below this share of their volume at some corner, or turned inside out, do not flow."},
-    {.name = "fractureStress",
-     .type = Type::kReal,
-     .unit = "Pa",
-     .range = kNotNegative,
-     .help = "A hexahedron is removed in the step in which hardening carries its yield stress past this value at some "
-             "corner: needs plasticFlowRate, hardening, and a yieldStress not above it. Where yieldStress has a value "
-             "for each hexahedron some may lie above: these tear as soon as they flow. Without it nothing tears by "
-             "stress."},
-    {.name = "fractureStretch",
-     .type = Type::kReal,
-     .range = {.least = 1, .without_least = true},
-     .help = "A hexahedron is removed when the largest principal plastic stretch at some corner passes this value. "
-             "Without it nothing tears by stretch."},
-    {.name = "gradient",
-     .type = Type::kWord,
-     .initial = "blended",
-     .words = "blended vertex centre",
-     .help = "Where deformation is sampled. blended: between corners and centre, exact for affine motions of any "
-             "hexahedron; vertex (too stiff) and centre (hourglass modes) for comparison."},
-    {.name = "averaging",
-     .type = Type::kWord,
-     .initial = "gaussNewton",
-     .words = "gaussNewton gaussNewtonIsolated localGlobal jacobi",
-     .help = "How the rest shapes of the hexahedra become one: a Gauss-Newton step that leaves rotations of hexahedra "
-             "free; for comparison gaussNewtonIsolated (leaves those of their isolated shapes free: bodies tilt), "
-             "localGlobal (lags in bending and twist) and jacobi (one sweep, depends on the mesh)."},
-    {.name = "averagingSteps",
-     .type = Type::kInteger,
-     .initial = "1",
-     .range = {.least = 1, .most = 1000},
-     .help = "Averaging steps per time step."},
-    {.name = "averagingTolerance",
-     .type = Type::kReal,
-     .initial = "0",
-     .range = {.least = 0, .most = 0.1},
-     .help = "Relative residual at which an averaging step is solved; the next one takes up what is left. 0: 1e-6, in "
-             "mixed precision 1e-2."},
-    {.name = "precision",
-     .type = Type::kWord,
-     .initial = "double",
-     .words = "double mixed",
-     .help = "Numbers that the stiffness product and the vectors of CGLinearSolver and MultigridCGLinearSolver are "
-             "computed with. mixed: single precision, twice as fast; positions, forces and everything plastic stay "
-             "double."},
+/// What a body has besides what it is made of.
+inline constexpr Attribute kBodyAttributes[] = {
     {.name = "rayleighStiffness",
      .type = Type::kReal,
      .initial = "0",
@@ -154,7 +40,8 @@ inline constexpr Attribute kHexahedronElastoplasticAttributes[] = {
      .access = Access::kOutput,
      .help = "Hexahedra that are gone, in the order of their removal."},
 };
-inline constexpr Description kHexahedronElastoplasticFEMForceField{
+inline const std::vector<Attribute> kHexahedronElastoplasticAttributes = joined(body_attributes(), kBodyAttributes);
+inline const Description kHexahedronElastoplasticFEMForceField{
     .class_name = "HexahedronElastoplasticFEMForceField",
     .category = "ForceField",
     .help =

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
-#include <limits>
 #include <optional>
 
 #include "attributes/hexaplast.hpp"
@@ -11,6 +10,7 @@
 #include "hexaplast/base/memory.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/filling.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "hexaplast/survey.hpp"
 #include "scene/potential.hpp"
@@ -18,16 +18,6 @@
 
 namespace hexaplast::components {
 namespace {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();  // a limit that is not given
-
-/// The enumerator that belongs to a word of the attribute table.
-template <class Enum>
-Enum chosen(const std::string& word, std::initializer_list<std::pair<std::string_view, Enum>> words) {
-  for (const auto& [name, value] : words)
-    if (name == word) return value;
-  return words.begin()->second;  // the table admits no other word
-}
 
 /// A body as a force field. What it does not say otherwise is elastic.
 class HexahedronField : public scene::ForceField, public scene::Potential {
@@ -100,16 +90,6 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
 
  protected:
   ConstPoints positions() const { return state_->positions(); }
-  virtual Material common_material() { return {}; }
-  virtual std::vector<double> yield_stresses(std::size_t /*num_elements*/) { return {kNever}; }
-  virtual Settings given_settings() { return {}; }
-
-  const std::vector<double>& one_or_per_element(std::string_view name, std::size_t num_elements) {
-    const std::vector<double>& values = reals(name);
-    if (values.size() != 1 && values.size() != num_elements)
-      reject(name, fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_elements));
-    return values;
-  }
 
  private:
   /// Tells the scene which hexahedra have gone since it was told last.
@@ -119,20 +99,55 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     if (!gone.empty()) scene::announce_removed(*this, gone);
   }
 
+  /// The number of a member; none where the component has no such attribute, or no value for it.
+  template <class Options>
+  std::optional<double> given(const Row<Options>& row) {
+    if (!find_data(row.name)) return std::nullopt;
+    switch (row.at.type) {
+      case MemberType::kWord:
+        return place_of_word(row, text(row.name));
+      case MemberType::kInteger:
+        return integer(row.name);
+      case MemberType::kReal:
+        break;
+    }
+    return real_if_given(row.name);
+  }
+
+  Settings given_settings() {
+    Settings settings;
+    for (const Row<Settings>& row : settings_rows())
+      if (const auto value = given(row)) row.at.set(settings, *value);
+    return settings;
+  }
+
+  /// The values of a member, one or one per hexahedron; none as above.
+  std::vector<double> given_values(const Row<Material>& row, std::size_t num_elements) {
+    if (!row.may_vary) {
+      const auto value = given(row);
+      return value ? std::vector{*value} : std::vector<double>();
+    }
+    const scene::Data* data = find_data(row.name);
+    if (!data || (!data->is_given() && data->attribute().initial.empty())) return {};
+    const std::vector<double>& values = reals(row.name);
+    if (values.size() != 1 && values.size() != num_elements)
+      reject(row.name,
+             fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_elements));
+    return values;
+  }
+
   /// One for all hexahedra, or one for each.
   std::vector<Material> given_materials(std::size_t num_elements) {
     const std::span<const double> fill = topology_->fill();
-    const std::vector<double>&young = one_or_per_element("youngModulus", num_elements),
-          &poisson = one_or_per_element("poissonRatio", num_elements);
-    const std::vector<double> yield = yield_stresses(num_elements);
-    std::vector<Material> materials(
-        std::max({young.size(), poisson.size(), yield.size(), fill.empty() ? 1 : fill.size()}), common_material());
-    for (std::size_t e = 0; e < materials.size(); ++e) {
-      materials[e].young_modulus = young[young.size() == 1 ? 0 : e];
-      materials[e].poisson_ratio = poisson[poisson.size() == 1 ? 0 : e];
-      materials[e].yield_stress = yield[yield.size() == 1 ? 0 : e];
-      if (!fill.empty()) materials[e] = filled(materials[e], fill[e]);
+    std::vector<Material> materials(fill.empty() ? 1 : fill.size());
+    for (const Row<Material>& row : material_rows()) {
+      const std::vector<double> values = given_values(row, num_elements);
+      if (values.empty()) continue;
+      if (values.size() > materials.size()) materials.resize(values.size(), Material(materials.front()));
+      for (std::size_t e = 0; e < materials.size(); ++e) row.at.set(materials[e], values[values.size() == 1 ? 0 : e]);
     }
+    if (!fill.empty())
+      for (std::size_t e = 0; e < materials.size(); ++e) materials[e] = filled(materials[e], fill[e]);
     validate(materials, Names::kScenes);
     dt_ = node().clock().dt;
     for (const std::string& advice : check_time_step(materials, given_settings(), dt_, Names::kScenes))
@@ -168,52 +183,6 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
                  : name == "presentYieldStress" ? fields.yield_stress
                                                 : fields.volume_ratio);
     }
-  }
-
- private:
-  Material common_material() override {
-    Material common;
-    common.flow_rate = real("plasticFlowRate");
-    common.rotation_yield = real("rotationYield");
-    common.rotation_flow_rate = real("rotationFlowRate");
-    common.hardening = real("hardening");
-    common.fracture_stress = real_if_given("fractureStress").value_or(kNever);
-    common.fracture_stretch = real_if_given("fractureStretch").value_or(kNever);
-    return common;
-  }
-
-  std::vector<double> yield_stresses(std::size_t num_elements) override {
-    if (!is_given("yieldStress")) return {kNever};
-    return one_or_per_element("yieldStress", num_elements);
-  }
-
-  Settings given_settings() override {
-    Settings settings;
-    settings.gradient = chosen<GradientScheme>(text("gradient"), {{"blended", GradientScheme::kBlended},
-                                                                  {"vertex", GradientScheme::kVertex},
-                                                                  {"centre", GradientScheme::kCentre}});
-    settings.yield_norm = chosen<YieldNorm>(
-        text("yieldNorm"),
-        {{"vonMises", YieldNorm::kVonMises}, {"frobenius", YieldNorm::kFrobenius}, {"spectral", YieldNorm::kSpectral}});
-    settings.rotation_plasticity =
-        chosen<RotationPlasticity>(text("rotationPlasticity"), {{"objective", RotationPlasticity::kObjective},
-                                                                {"vertex", RotationPlasticity::kVertex},
-                                                                {"centre", RotationPlasticity::kCentre},
-                                                                {"none", RotationPlasticity::kNone}});
-    settings.rotation_frame = chosen<RotationFrame>(
-        text("rotationFrame"), {{"bestFit", RotationFrame::kBestFit}, {"world", RotationFrame::kWorld}});
-    settings.averaging =
-        chosen<AveragingMethod>(text("averaging"), {{"gaussNewton", AveragingMethod::kGaussNewton},
-                                                    {"gaussNewtonIsolated", AveragingMethod::kGaussNewtonIsolated},
-                                                    {"localGlobal", AveragingMethod::kLocalGlobal},
-                                                    {"jacobi", AveragingMethod::kJacobi}});
-    settings.averaging_steps = integer("averagingSteps");
-    settings.averaging_tolerance = real("averagingTolerance");
-    settings.precision =
-        chosen<Precision>(text("precision"), {{"double", Precision::kDouble}, {"mixed", Precision::kMixed}});
-    settings.volume_restitution = real("volumeRestitution");
-    settings.inversion_threshold = real("inversionThreshold");
-    return settings;
   }
 };
 

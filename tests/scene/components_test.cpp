@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +8,8 @@
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/material/rows.hpp"
+#include "support/rows.hpp"
 #include "support/scene.hpp"
 
 namespace {
@@ -340,6 +343,27 @@ TEST(BodyField, HandsItsAttributesToTheBody) {
   EXPECT_EQ(model.settings.rotation_plasticity, RotationPlasticity::kNone);
   EXPECT_EQ(model.settings.volume_restitution, 4);
   EXPECT_EQ(model.settings.inversion_threshold, 0.2);
+}
+
+// Whatever rows the core has.
+TEST(BodyField, TakesEveryMemberOfMaterialAndSettings) {
+  const auto body_of = [](scene::Scene& scene) { return at<scene::ForceField>(scene, "body").body(); };
+  const auto text_of = [](const auto& row, double value) {
+    const auto place = static_cast<std::size_t>(value);
+    return row.at.type == MemberType::kWord ? std::string(row.words[place]) : fmt::format("{}", value);
+  };
+  for (const Row<Material>& row : material_rows()) {
+    const double value = support::another(row, row.at.get({}));
+    scene::Scene scene = read_and_init(cube(fmt::format("{}='{}'", row.name, text_of(row, value))));
+    for (const Row<Material>& other : material_rows())
+      EXPECT_EQ(other.at.get(body_of(scene)->material(0)), &other == &row ? value : other.at.get({})) << other.name;
+  }
+  for (const Row<Settings>& row : settings_rows()) {
+    Settings expected;
+    row.at.set(expected, support::another(row, row.at.get({})));
+    scene::Scene scene = read_and_init(cube(fmt::format("{}='{}'", row.name, text_of(row, row.at.get(expected)))));
+    EXPECT_EQ(body_of(scene)->settings(), expected) << row.name;
+  }
 }
 
 TEST(BodyField, ShowsItsPlasticState) {

@@ -1,24 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "attributes/attribute.hpp"
+#include "attributes/rows.hpp"
 #include "attributes/stock/ignored.hpp"
 
 /// SOFA's elastic bodies. See stock.hpp.
 namespace hexaplast::attributes {
 
-inline constexpr Attribute kHexahedronFEMAttributes[] = {
-    {.name = "youngModulus",
-     .type = Type::kReals,
-     .initial = "5000",
-     .unit = "Pa",
-     .range = kPositive,
-     .help = "Young's modulus: one value, or one per hexahedron."},
-    {.name = "poissonRatio",
-     .type = Type::kReals,
-     .initial = "0.45",
-     .range = {.least = 0, .most = 0.5, .without_most = true},
-     .help = "Poisson's ratio: one value, or one per hexahedron."},
+inline const std::vector<Attribute> kHexahedronFEMAttributes = {
+    body_attribute("youngModulus"),
+    body_attribute("poissonRatio"),
     {.name = "method",
      .type = Type::kWord,
      .initial = "large",
@@ -45,7 +36,7 @@ inline constexpr Attribute kHexahedronFEMAttributes[] = {
     visual_attribute("drawing"),
     visual_attribute("drawPercentageOffset"),
 };
-inline constexpr Description kHexahedronFEMForceField{
+inline const Description kHexahedronFEMForceField{
     .class_name = "HexahedronFEMForceField",
     .category = "ForceField",
     .help =
