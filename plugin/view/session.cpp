@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/pick.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "scene/parts.hpp"
 
@@ -19,10 +19,6 @@ namespace {
 
 using attributes::Attribute;
 using attributes::Type;
-
-/// What a body may take anew between two steps.
-constexpr std::array kKnobs{"youngModulus",  "poissonRatio",     "yieldStress",    "plasticFlowRate", "hardening",
-                            "rotationYield", "rotationFlowRate", "fractureStress", "fractureStretch"};
 
 constexpr double kNever = 1e300;       // [s] a time that no session reaches
 constexpr double kEverywhere = 1e300;  // [m]
@@ -107,8 +103,8 @@ Session::Session(Subject subject, std::unique_ptr<scene::Component> hand)
       field_(&only_body(subject_.scene)),
       dt_(subject_.scene.dt()),
       ruler_(body()) {
-  for (const char* name : kKnobs)
-    if (scene::Data* data = field_->find_data(name)) knobs_.push_back(knob_of(*data, body(), dt_));
+  for (const Row<Material>& row : material_rows())  // what a body may take anew between two steps
+    if (scene::Data* data = field_->find_data(row.name)) knobs_.push_back(knob_of(*data, body(), dt_));
 
   // a hand that is about as strong as a cube of the same matter, and holds a handful of nodes
   const double size = std::cbrt(body().original_volume());

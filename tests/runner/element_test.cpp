@@ -5,9 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "hexaplast/material/rows.hpp"
 #include "support/command.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"
+#include "support/rows.hpp"
 
 namespace hexaplast {
 namespace {
@@ -119,6 +121,35 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
       EXPECT_NE(outcome.err.find(part), std::string::npos) << "'" << part << "' is missing in: " << outcome.err;
     }
   }
+}
+
+// Whatever rows the core has.
+template <class Options, class Run>
+void expect_parameters(std::span<const Row<Options>> rows, const Run& run) {
+  for (const Row<Options>& row : rows) {
+    const auto run_with = [&](const Json& value) {
+      return run("{" + kCube + R"(, "parameters": {")" + std::string(row.name) + "\": " + value.dump() + "}}");
+    };
+    const double value = support::another(row, row.at.get({}));
+    const bool is_word = row.at.type == MemberType::kWord, is_whole = row.at.type == MemberType::kInteger;
+    const Outcome taken = run_with(is_word    ? Json(row.words[static_cast<std::size_t>(value)])
+                                   : is_whole ? Json(static_cast<int>(value))
+                                              : Json(value));
+    EXPECT_EQ(taken.code, 0) << row.name << ": " << taken.err;
+    EXPECT_EQ(run_with(nullptr).code, row.may_be_infinite() ? 0 : 3) << row.name;
+    for (const Json& wrong : {Json("wrong"), Json(1e9), Json(-1e9)}) {
+      if (wrong.is_number() && row.admits(wrong)) continue;
+      const Outcome refused = run_with(wrong);
+      EXPECT_EQ(refused.code, 3) << row.name;
+      EXPECT_NE(refused.err.find(row.name), std::string::npos) << refused.err;
+    }
+  }
+}
+
+TEST_F(ElementCommand, TakesEveryMemberOfMaterialAndSettings) {
+  const auto run = [&](const std::string& input) { return element("", input); };
+  expect_parameters(material_rows(), run);
+  expect_parameters(settings_rows(), run);
 }
 
 TEST_F(ElementCommand, AFileThatCannotBeReadEndsWith5) {

@@ -9,6 +9,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 
@@ -177,7 +178,7 @@ TEST(Session, MaterialsChangeWhileItMoves) {
   EXPECT_NE(at.messages[1].find("plasticFlowRate"), std::string::npos) << at.messages[1];
 }
 
-TEST(Session, KnobsComeFromTheAttributeTable) {
+TEST(Session, ThereIsAKnobForEachMemberOfAMaterial) {
   Played played;
   const Session session(played.subject(), hand());
   const auto knob = [&](std::string_view name) {
@@ -185,6 +186,8 @@ TEST(Session, KnobsComeFromTheAttributeTable) {
     EXPECT_NE(found, session.knobs().end()) << name;
     return *found;
   };
+  ASSERT_EQ(session.knobs().size(), material_rows().size());
+  for (const Row<Material>& row : material_rows()) knob(row.name);
   EXPECT_EQ(knob("youngModulus").value, 5000);
   EXPECT_EQ(knob("youngModulus").attribute->unit, "Pa");
   EXPECT_TRUE(knob("youngModulus").is_logarithmic);

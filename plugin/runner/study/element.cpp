@@ -2,6 +2,7 @@
 #include "runner/study/element.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/inspect.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -137,75 +139,36 @@ struct Element {
   bool names_modes = false;  // a reference file: its own mode is answered with a block for each of three
 };
 
-template <class Enum>
-Enum word(const std::string& key, const Json& value, std::initializer_list<std::pair<const char*, Enum>> words) {
-  std::string allowed, given = value.is_string() ? value.get<std::string>() : "";
-  for (const auto& [brief, name] : kShortWords)
-    if (given == brief && std::none_of(words.begin(), words.end(), [&](const auto& w) { return given == w.first; }))
-      given = name;
-  for (const auto& [name, enumerator] : words) {
-    if (given == name) return enumerator;
-    allowed += (allowed.empty() ? "" : ", ") + std::string(name);
+/// The value of a member, as a number. Reference files may have words in brief.
+template <class Options>
+double member(const Row<Options>& row, const std::string& key, const Json& value) {
+  if (row.at.type == MemberType::kReal) return number(key, value, row.may_be_infinite());
+  if (row.at.type == MemberType::kInteger) {
+    if (!value.is_number_integer()) reject(key, value, "a whole number");
+    return value.get<double>();
   }
-  reject(key, value, "one of " + allowed);
+  std::string given = value.is_string() ? value.get<std::string>() : "";
+  for (const auto& [brief, name] : kShortWords)
+    if (given == brief && place_of_word(row, given) < 0) given = name;
+  const int place = place_of_word(row, given);
+  if (place < 0) reject(key, value, fmt::format("one of {}", fmt::join(row.words, ", ")));
+  return place;
+}
+
+/// Whether the parameter is a member of these.
+template <class Options>
+bool read_member(std::span<const Row<Options>> rows, const std::string& name, const Json& value, Options& options) {
+  const Row<Options>* row = find_row(rows, name, Names::kScenes);
+  if (!row) return false;
+  row->at.set(options, member(*row, "parameters." + name, value));
+  return true;
 }
 
 void read_parameter(const std::string& key, const Json& value, Element& element) {
-  Material& m = element.constants;
-  Settings& s = element.settings;
-  const std::string name = "parameters." + key;
-  if (key == "youngModulus")
-    m.young_modulus = number(name, value);
-  else if (key == "poissonRatio")
-    m.poisson_ratio = number(name, value);
-  else if (key == "yieldStress")
-    m.yield_stress = number(name, value, true);
-  else if (key == "plasticFlowRate")
-    m.flow_rate = number(name, value);
-  else if (key == "rotationYield")
-    m.rotation_yield = number(name, value);
-  else if (key == "rotationFlowRate")
-    m.rotation_flow_rate = number(name, value);
-  else if (key == "hardening")
-    m.hardening = number(name, value);
-  else if (key == "volumeRestitution")
-    s.volume_restitution = number(name, value);
-  else if (key == "inversionThreshold")
-    s.inversion_threshold = number(name, value);
-  else if (key == "fractureStress")
-    m.fracture_stress = number(name, value, true);
-  else if (key == "fractureStretch")
-    m.fracture_stretch = number(name, value, true);
-  else if (key == "averagingSteps") {
-    if (!value.is_number_integer()) reject(name, value, "a whole number");
-    s.averaging_steps = value.get<int>();
-  } else if (key == "dt")
-    element.dt = number(name, value);
-  else if (key == "yieldNorm")
-    s.yield_norm = word<YieldNorm>(
-        name, value,
-        {{"vonMises", YieldNorm::kVonMises}, {"frobenius", YieldNorm::kFrobenius}, {"spectral", YieldNorm::kSpectral}});
-  else if (key == "gradient")
-    s.gradient = word<GradientScheme>(name, value,
-                                      {{"blended", GradientScheme::kBlended},
-                                       {"vertex", GradientScheme::kVertex},
-                                       {"centre", GradientScheme::kCentre}});
-  else if (key == "rotationPlasticity")
-    s.rotation_plasticity = word<RotationPlasticity>(name, value,
-                                                     {{"objective", RotationPlasticity::kObjective},
-                                                      {"vertex", RotationPlasticity::kVertex},
-                                                      {"centre", RotationPlasticity::kCentre},
-                                                      {"none", RotationPlasticity::kNone}});
-  else if (key == "averaging")
-    s.averaging = word<AveragingMethod>(name, value,
-                                        {{"gaussNewton", AveragingMethod::kGaussNewton},
-                                         {"gaussNewtonIsolated", AveragingMethod::kGaussNewtonIsolated},
-                                         {"localGlobal", AveragingMethod::kLocalGlobal},
-                                         {"jacobi", AveragingMethod::kJacobi}});
-  else if (key == "rotationFrame")
-    s.rotation_frame =
-        word<RotationFrame>(name, value, {{"bestFit", RotationFrame::kBestFit}, {"world", RotationFrame::kWorld}});
-  else if (!element.names_modes)
+  if (key == "dt")
+    element.dt = number("parameters.dt", value);
+  else if (!read_member(material_rows(), key, value, element.constants) &&
+           !read_member(settings_rows(), key, value, element.settings) && !element.names_modes)
     throw InputError(fmt::format("parameters: no parameter is called {}", key));
 }
 
