@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <concepts>
 #include <sstream>
 #include <string_view>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
-#include "words.hpp"
+#include "rows.hpp"
 
 namespace hexaplast::python {
 namespace {
@@ -42,112 +44,81 @@ std::vector<Material> materials_from(const std::variant<Material, std::vector<Ma
   return std::get<std::vector<Material>>(given);
 }
 
-std::string repr(const Material& m) {
-  return fmt::format(
-      "Material(young_modulus={}, poisson_ratio={}, yield_stress={}, flow_rate={}, rotation_yield={}, "
-      "rotation_flow_rate={}, hardening={}, fracture_stress={}, fracture_stretch={})",
-      m.young_modulus, m.poisson_ratio, m.yield_stress, m.flow_rate, m.rotation_yield, m.rotation_flow_rate,
-      m.hardening, m.fracture_stress, m.fracture_stretch);
+/// A member in Python's type.
+template <class Options>
+py::object value_of(const Row<Options>& row, const Options& options) {
+  const double value = row.at.get(options);
+  switch (row.at.type) {
+    case MemberType::kWord:
+      return py::str(std::string(row.words[static_cast<std::size_t>(value)]));
+    case MemberType::kInteger:
+      return py::int_(static_cast<int>(value));
+    case MemberType::kReal:
+      break;
+  }
+  return py::float_(value);
 }
 
-std::string repr(const Settings& s) {
-  return fmt::format(
-      "Settings(gradient='{}', yield_norm='{}', rotation_plasticity='{}', rotation_frame='{}', averaging='{}', "
-      "averaging_steps={}, averaging_tolerance={}, precision='{}', volume_restitution={}, inversion_threshold={})",
-      word(kGradients, s.gradient), word(kYieldNorms, s.yield_norm), word(kRotations, s.rotation_plasticity),
-      word(kFrames, s.rotation_frame), word(kAveragings, s.averaging), s.averaging_steps, s.averaging_tolerance,
-      word(kPrecisions, s.precision), s.volume_restitution, s.inversion_threshold);
+template <class Options>
+void assign(const Row<Options>& row, py::handle value, Options& options) {
+  try {
+    if (row.at.type == MemberType::kReal) return row.at.set(options, value.cast<double>());
+    if (row.at.type == MemberType::kInteger) return row.at.set(options, value.cast<int>());
+    const auto word = value.cast<std::string>();
+    const int place = place_of_word(row, word);
+    if (place < 0)
+      throw InputError(fmt::format("{} = '{}' must be one of {}", row.member, word, fmt::join(row.words, ", ")));
+    row.at.set(options, place);
+  } catch (const py::cast_error&) {
+    throw py::type_error(fmt::format("{}: {} is no {}", row.member, std::string(py::repr(value)), python_type(row)));
+  }
 }
 
-void add_material(py::module_& module) {
-  constexpr Material kDefault;
-  py::class_<Material>(module, "Material", "What a hexahedron is made of. The defaults make it purely elastic.")
-      .def(py::init([](double young_modulus, double poisson_ratio, double yield_stress, double flow_rate,
-                       double rotation_yield, double rotation_flow_rate, double hardening, double fracture_stress,
-                       double fracture_stretch) {
-             return Material{.young_modulus = young_modulus,
-                             .poisson_ratio = poisson_ratio,
-                             .yield_stress = yield_stress,
-                             .flow_rate = flow_rate,
-                             .rotation_yield = rotation_yield,
-                             .rotation_flow_rate = rotation_flow_rate,
-                             .hardening = hardening,
-                             .fracture_stress = fracture_stress,
-                             .fracture_stretch = fracture_stretch};
+/// "Material(young_modulus=5000, ...)"
+template <class Options>
+std::string repr(const char* name, std::span<const Row<Options>> rows, const Options& options) {
+  std::vector<std::string> members;
+  for (const Row<Options>& row : rows) members.push_back(fmt::format("{}={}", row.member, python_text(row, options)));
+  return fmt::format("{}({})", name, fmt::join(members, ", "));
+}
+
+/// The help of a member, with those that it mentions by their names in Python.
+template <class Options>
+std::string help_of(const Row<Options>& row) {
+  std::string help = fmt::format("[{}] {} Must {}.", row.unit.empty() ? "-" : row.unit, row.help, row.condition());
+  const auto rename = [&](const auto& other) {
+    if (other.name == other.member) return;
+    for (std::size_t at = help.find(other.name); at != help.npos; at = help.find(other.name, at))
+      help.replace(at, other.name.size(), other.member);
+  };
+  std::ranges::for_each(material_rows(), rename);
+  std::ranges::for_each(settings_rows(), rename);
+  return help;
+}
+
+/// A struct as a class of Python: its members are attributes, and keywords of the constructor.
+template <class Options>
+void add_options(py::module_& module, const char* name, const char* help, std::span<const Row<Options>> rows) {
+  py::options without_signatures;
+  without_signatures.disable_function_signatures();
+  py::class_<Options> type(module, name, help);
+  type.def(py::init([name, rows](const py::kwargs& given) {
+             Options options;
+             for (const auto& [key, value] : given) {
+               const auto* row = find_row(rows, std::string(py::str(key)), Names::kMembers);
+               if (!row) throw py::type_error(fmt::format("{}() has no argument {}", name, std::string(py::str(key))));
+               assign(*row, value, options);
+             }
+             return options;
            }),
-           py::kw_only(), py::arg("young_modulus") = kDefault.young_modulus,
-           py::arg("poisson_ratio") = kDefault.poisson_ratio, py::arg("yield_stress") = kDefault.yield_stress,
-           py::arg("flow_rate") = kDefault.flow_rate, py::arg("rotation_yield") = kDefault.rotation_yield,
-           py::arg("rotation_flow_rate") = kDefault.rotation_flow_rate, py::arg("hardening") = kDefault.hardening,
-           py::arg("fracture_stress") = kDefault.fracture_stress,
-           py::arg("fracture_stretch") = kDefault.fracture_stretch)
-      .def_readwrite("young_modulus", &Material::young_modulus, "E [Pa], > 0")
-      .def_readwrite("poisson_ratio", &Material::poisson_ratio, "[-], in [0, 0.5)")
-      .def_readwrite("yield_stress", &Material::yield_stress, "[Pa], >= 0; infinite: never yields")
-      .def_readwrite("flow_rate", &Material::flow_rate,
-                     "[1/s], >= 0: share of the excess deviatoric stretch that flows per second")
-      .def_readwrite("rotation_yield", &Material::rotation_yield, "[rad], in [0, pi]")
-      .def_readwrite("rotation_flow_rate", &Material::rotation_flow_rate, "[1/s], >= 0")
-      .def_readwrite("hardening", &Material::hardening, "[-] growth of both thresholds with flow; < 0 softens")
-      .def_readwrite("fracture_stress", &Material::fracture_stress,
-                     "[Pa] a hexahedron goes when its yield stress has hardened past it")
-      .def_readwrite("fracture_stretch", &Material::fracture_stretch,
-                     "[-], > 1: a hexahedron goes when its plastic stretch passes it")
-      .def("__repr__", [](const Material& material) { return repr(material); });
-}
-
-template <auto Member, class Enum>
-void add_word(py::class_<Settings>& settings, const char* name, const Words<Enum>& words, const char* help) {
-  settings.def_property(
-      name, [&words](const Settings& s) { return word(words, s.*Member); },
-      [&words, name](Settings& s, const std::string& text) { s.*Member = meaning(words, name, text); }, help);
-}
-
-void add_settings(py::module_& module) {
-  const Settings standard;
-  py::class_<Settings> settings(module, "Settings", "What holds for a whole body.");
-  settings
-      .def(py::init([](const std::string& gradient, const std::string& yield_norm,
-                       const std::string& rotation_plasticity, const std::string& rotation_frame,
-                       const std::string& averaging, int averaging_steps, double averaging_tolerance,
-                       const std::string& precision, double volume_restitution, double inversion_threshold) {
-             return Settings{.gradient = meaning(kGradients, "gradient", gradient),
-                             .yield_norm = meaning(kYieldNorms, "yield_norm", yield_norm),
-                             .rotation_plasticity = meaning(kRotations, "rotation_plasticity", rotation_plasticity),
-                             .rotation_frame = meaning(kFrames, "rotation_frame", rotation_frame),
-                             .averaging = meaning(kAveragings, "averaging", averaging),
-                             .averaging_steps = averaging_steps,
-                             .averaging_tolerance = averaging_tolerance,
-                             .precision = meaning(kPrecisions, "precision", precision),
-                             .volume_restitution = volume_restitution,
-                             .inversion_threshold = inversion_threshold};
-           }),
-           py::kw_only(), py::arg("gradient") = word(kGradients, standard.gradient),
-           py::arg("yield_norm") = word(kYieldNorms, standard.yield_norm),
-           py::arg("rotation_plasticity") = word(kRotations, standard.rotation_plasticity),
-           py::arg("rotation_frame") = word(kFrames, standard.rotation_frame),
-           py::arg("averaging") = word(kAveragings, standard.averaging),
-           py::arg("averaging_steps") = standard.averaging_steps,
-           py::arg("averaging_tolerance") = standard.averaging_tolerance,
-           py::arg("precision") = word(kPrecisions, standard.precision),
-           py::arg("volume_restitution") = standard.volume_restitution,
-           py::arg("inversion_threshold") = standard.inversion_threshold)
-      .def_readwrite("averaging_steps", &Settings::averaging_steps, "per time step, >= 1")
-      .def_readwrite("averaging_tolerance", &Settings::averaging_tolerance,
-                     "relative residual; 0: 1e-6, in mixed precision 1e-2")
-      .def_readwrite("volume_restitution", &Settings::volume_restitution, "c [1/s], >= 0; c dt < 2/3")
-      .def_readwrite("inversion_threshold", &Settings::inversion_threshold,
-                     "hexahedra flatter than this do not flow; in [0, 1)")
-      .def("__repr__", [](const Settings& s) { return repr(s); })
-      .def("__eq__", [](const Settings& s, const Settings& other) { return s == other; });
-  add_word<&Settings::gradient>(settings, "gradient", kGradients, "blended, vertex or centre");
-  add_word<&Settings::yield_norm>(settings, "yield_norm", kYieldNorms, "vonMises, frobenius or spectral");
-  add_word<&Settings::rotation_plasticity>(settings, "rotation_plasticity", kRotations,
-                                           "objective, vertex, centre or none");
-  add_word<&Settings::rotation_frame>(settings, "rotation_frame", kFrames, "bestFit or world");
-  add_word<&Settings::averaging>(settings, "averaging", kAveragings,
-                                 "gaussNewton, gaussNewtonIsolated, localGlobal or jacobi");
-  add_word<&Settings::precision>(settings, "precision", kPrecisions, "double or mixed");
+           fmt::format("__init__(self: {}, *, {}) -> None", name, fmt::join(keywords(rows), ", ")).c_str());
+  for (const Row<Options>& row : rows)
+    type.def_property(
+        row.member.data(), [&row](const Options& options) { return value_of(row, options); },
+        [&row](Options& options, py::handle value) { assign(row, value, options); }, help_of(row).c_str());
+  type.def("__repr__", [name, rows](const Options& options) { return repr(name, rows, options); });
+  if constexpr (std::equality_comparable<Options>)
+    type.def("__eq__", [](const Options& options, const Options& other) { return options == other; });
 }
 
 void add_reports(py::module_& module) {
@@ -392,8 +363,9 @@ void BodyState::refresh() {
 }
 
 void add_body(py::module_& module) {
-  add_material(module);
-  add_settings(module);
+  add_options(module, "Material", "What a hexahedron is made of. The defaults make it purely elastic.",
+              material_rows());
+  add_options(module, "Settings", "What holds for a whole body.", settings_rows());
   add_reports(module);
   add_body_state(module);
   add_owned_body(module);

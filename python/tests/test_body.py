@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A body against hand values and difference quotients."""
 import math
+import re
 
 import numpy as np
 import pytest
@@ -167,6 +168,25 @@ def test_what_the_library_refuses_is_a_value_error_with_its_message():
     assert body.history_hash() == before
     with pytest.raises(ValueError, match=r"positions: shape \(12, 3\), must be \(18, 3\)"):
         body.energy(POSITIONS[:12])
+
+
+@pytest.mark.parametrize("options", [hexaplast.Material, hexaplast.Settings])
+def test_members_are_keywords_of_the_constructor(options):
+    keywords = re.findall(r"(\w+): (float|int|Literal\[.*?\]) = ", options.__init__.__doc__)
+    assert [name for name, _ in keywords] == [name for name in vars(options) if isinstance(vars(options)[name], property)]
+    for name, kind in keywords:
+        first = getattr(options(), name)
+        words = re.findall(r'"(\w+)"', kind)
+        other = words[-1] if words else int(first) + 1 if math.isfinite(first) else 7
+        changed = options(**{name: other})
+        assert getattr(changed, name) == other
+        assert f"{name}={other!r}" in repr(changed)
+        assert isinstance(getattr(changed, name), str if words else int if kind == "int" else float)
+        assert not {"yieldStress", "rotationYield", "plasticFlowRate"} & set(re.findall(r"\w+", vars(options)[name].__doc__))
+        with pytest.raises(TypeError):
+            setattr(changed, name, [first])
+    with pytest.raises(TypeError, match="youngModulus"):
+        options(youngModulus=1)
 
 
 def test_settings_and_materials_are_plain_data():
