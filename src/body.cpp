@@ -103,7 +103,10 @@ Body::~Body() = default;
 
 const HexMesh& Body::mesh() const { return state_->model.mesh; }
 const std::vector<Material>& Body::materials() const { return state_->model.materials; }
-const Material& Body::material(int hexahedron) const { return state_->model.material(hexahedron); }
+const Material& Body::material(int hexahedron) const {
+  state_->require_hexahedron(hexahedron);
+  return state_->model.material(hexahedron);
+}
 const Settings& Body::settings() const { return state_->model.settings; }
 bool Body::can_flow() const { return state_->model.can_flow(); }
 
@@ -115,6 +118,7 @@ std::span<const CornerValues> Body::plastic_strain() const { return state_->hist
 double Body::dissipated_energy() const { return state_->history.dissipated_energy; }
 
 ElementPoints Body::element_rest_shape(int hexahedron) const {
+  state_->require_hexahedron(hexahedron);
   const ElementHistory element = state_->history.element(hexahedron);
   ElementPoints shape;
   for (int a = 0; a < kCorners; ++a)
@@ -124,6 +128,11 @@ ElementPoints Body::element_rest_shape(int hexahedron) const {
 
 void Body::State::require_field(const char* call, const char* name, ConstPoints field) const {
   require_rows(call, name, field, model.mesh.num_nodes());
+}
+
+void Body::State::require_hexahedron(int hexahedron) const {
+  if (hexahedron < 0 || hexahedron >= model.mesh.num_elements())
+    throw InputError(fmt::format("hexahedron {} must lie in [0, {})", hexahedron, model.mesh.num_elements()));
 }
 
 void Body::State::require_linearized(const char* call) const {
@@ -200,9 +209,7 @@ FlowReport Body::flow(ConstPoints x, double dt) {
 }
 
 void Body::remove(std::span<const int> elements) {
-  for (const int e : elements)
-    if (e < 0 || e >= state_->model.mesh.num_elements())
-      throw InputError(fmt::format("hexahedron {} must lie in [0, {})", e, state_->model.mesh.num_elements()));
+  for (const int e : elements) state_->require_hexahedron(e);
   state_->not_linearized_since = "remove";
   for (const int e : elements) {
     if (!state_->history.alive[e]) continue;
@@ -234,6 +241,7 @@ void Body::set_materials(std::vector<Material> materials) {
 
 void Body::State::take(Model changed, History changed_history, const char* call) {
   const long version = history.version;
+  std::swap(model.mesh, changed.mesh);  // the same one: who looks at its nodes and hexahedra goes on doing so
   model = std::move(changed);
   history = std::move(changed_history);
   history.version = version + 1;  // what was derived from the old history is old
@@ -242,7 +250,7 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   flow.reset();
   if (model.can_flow()) flow.emplace(model, history);
   mostly_flows = false;
-  checked_dt = 0;
+  checked_dt = kNone;
   hierarchy.reset();
 }
 
@@ -364,7 +372,10 @@ double Body::original_volume() const {
   return sum;
 }
 
-double Body::original_volume(int hexahedron) const { return state_->model.volume[hexahedron]; }
+double Body::original_volume(int hexahedron) const {
+  state_->require_hexahedron(hexahedron);
+  return state_->model.volume[hexahedron];
+}
 
 void Body::add_to(StateHash& hash) const {
   add_array(hash, state_->history.rest_shape);

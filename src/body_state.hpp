@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ struct Body::State {
   std::pair<Model, History> read(Archive& archive) const;
   void require_field(const char* call, const char* name, ConstPoints field) const;
   void require_linearized(const char* call) const;
+  void require_hexahedron(int hexahedron) const;
 
   Model model;
   History history;
@@ -35,7 +37,8 @@ struct Body::State {
   std::optional<FlowWorkspace> flow;                       // of bodies that can flow
   PreconditionedConjugateGradients averaging_solver;
   bool mostly_flows = false;                  // in the latest plastic step: looking first would be in vain
-  double checked_dt = 0;                      // time step that passed check_time_step
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double checked_dt = kNone;                  // time step that passed check_time_step
   ProductWorkspace product;                   // of add_stiffness_product
   ExactOperator exact;                        // of mixed precision
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators

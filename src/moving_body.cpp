@@ -217,6 +217,7 @@ void MovingBody::reset() {
 }
 
 void MovingBody::tell_fixed() {
+  system_.refer_to(body);  // which may have moved together with this
   std::vector<int> fixed;
   for (int n = 0; n < body.mesh().num_nodes(); ++n)
     if (is_fixed_[n] || mass()[n] == 0) fixed.push_back(n);

@@ -41,7 +41,7 @@ struct ElementFields {
 ///   energy, fields, volume, save                          | nothing; they leave the linearization alone
 ///
 /// Nodal arguments are num_nodes x 3 [m, N]. Every build throws InputError where the linearization is missing or an
-/// argument has another size, and nothing has changed then. Not thread-safe; distinct bodies may be used concurrently.
+/// argument has another size or a hexahedron is not there, and nothing has changed then. Not thread-safe; distinct bodies may be used concurrently.
 class Body {
  public:
   /// Throws InputError for materials or settings outside their ranges (material.hpp).
@@ -76,7 +76,6 @@ class Body {
   FlowReport flow(ConstPoints x, double dt);
 
   /// Takes elements out, as if they had broken; those that are gone already are passed over. Between two time steps.
-  /// Throws InputError for an element that the mesh does not have.
   void remove(std::span<const int> elements);
 
   /// Makes the body of something else, between two time steps; what has flowed stays. Yield thresholds move by as much
@@ -110,7 +109,7 @@ class Body {
   /// that it is undamaged. Throws InputError when they cannot be this body's; it is then as before.
   void serialize(Archive& archive);
 
-  const HexMesh& mesh() const;
+  const HexMesh& mesh() const;  ///< its arrays stay where they are as long as the body lives, moved or not
   const std::vector<Material>& materials() const;  ///< one, or one per hexahedron
   const Material& material(int hexahedron) const;
   const Settings& settings() const;

@@ -206,13 +206,24 @@ void add_body_state(py::module_& module) {
           "(m,) bool: False where a hexahedron is gone")
       .def_property_readonly(
           "removed",
-          [](const BodyState& b) { return std::vector<int>(b.body().removed().begin(), b.body().removed().end()); },
+          [](BodyState& b) {
+            const Turn turn(b.taken());
+            return std::vector<int>(b.body().removed().begin(), b.body().removed().end());
+          },
           "hexahedra that are gone, in the order of their removal")
       .def_property_readonly(
-          "dissipated_energy", [](const BodyState& b) { return b.body().dissipated_energy(); },
+          "dissipated_energy",
+          [](BodyState& b) {
+            const Turn turn(b.taken());
+            return b.body().dissipated_energy();
+          },
           "[J] plastic work so far")
       .def_property_readonly(
-          "original_volume", [](const BodyState& b) { return b.body().original_volume(); },
+          "original_volume",
+          [](BodyState& b) {
+            const Turn turn(b.taken());
+            return b.body().original_volume();
+          },
           "[m^3] of the hexahedra that are left")
       .def(
           "volume",

@@ -2,6 +2,7 @@
 #include "hexaplast/body.hpp"
 
 #include <limits>
+#include <sstream>
 
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
@@ -132,6 +133,32 @@ TEST_F(YieldingBody, RefusesATimeStepThatIsNoneAndKeepsItsHistory) {
   for (const double dt : {0.0, -0.01, -1e300, double(NAN), double(INFINITY)})
     EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(world, dt); }, {"dt = ", "(0, inf)"})) << dt;
   EXPECT_EQ(history_hash(), before);
+
+  Body fresh(body.mesh(), body.materials(), body.settings());
+  EXPECT_THROW(fresh.flow(world, 0), InputError) << "also as the first";
+  fresh.flow(world, kStep);
+  fresh.set_materials(body.materials());
+  EXPECT_THROW(fresh.flow(world, 0), InputError);
+}
+
+TEST_F(YieldingBody, KeepsTheArraysOfItsMeshWhereTheyAre) {
+  const double* const nodes = body.mesh().positions().data();
+  const Hexahedron* const hexahedra = body.mesh().hexahedra().data();
+  std::stringstream saved;
+  body.save(saved);
+  body.load(saved);
+  body.set_materials(body.materials());
+  const Body moved = std::move(body);
+  EXPECT_EQ(moved.mesh().positions().data(), nodes);
+  EXPECT_EQ(moved.mesh().hexahedra().data(), hexahedra);
+}
+
+TEST_F(YieldingBody, RefusesHexahedraThatAreNotThere) {
+  for (const int hexahedron : {-1, body.mesh().num_elements()}) {
+    EXPECT_THROW(body.material(hexahedron), InputError);
+    EXPECT_THROW(body.original_volume(hexahedron), InputError);
+    EXPECT_THROW(body.element_rest_shape(hexahedron), InputError);
+  }
 }
 
 // Squares of such positions are beyond all numbers, they themselves are not.

@@ -155,6 +155,32 @@ TEST(MovingBody, GoesOnInAnotherPlaceWithTheSameBits) {
   }
 }
 
+// The first call after a move must not look where the body has been.
+TEST(MovingBody, IsHeldRightAfterAMove) {
+  const std::vector<int> nodes = {0, 1};
+  const PointArray places = yielding_bar().mesh().positions().topRows(2).array() + 1e-4;
+  const std::function<void(MovingBody&)> calls[] = {[&](MovingBody& moving) { moving.fix(nodes); },
+                                                    [&](MovingBody& moving) { moving.lead(nodes, places); },
+                                                    [&](MovingBody& moving) { moving.release(nodes); }};
+  for (const auto& call : calls) {
+    MovingBody straight(yielding_bar(), pulling());
+    call(straight);
+    straight.run(2);
+
+    auto source = std::make_unique<MovingBody>(yielding_bar(), pulling());
+    MovingBody built(std::move(*source));
+    source = std::make_unique<MovingBody>(yielding_bar(), pulling());
+    MovingBody assigned(yielding_bar(), pulling());
+    assigned = std::move(*source);
+    source.reset();
+    for (MovingBody* moving : {&built, &assigned}) {
+      call(*moving);
+      moving->run(2);
+      EXPECT_EQ(moving->state_hash(), straight.state_hash());
+    }
+  }
+}
+
 TEST(MovingBody, RepeatsItsBitsAfterReset) {
   MovingBody moving(yielding_bar(), pulling());
   const double* memory = moving.x.data();
