@@ -17,6 +17,9 @@ namespace hexaplast {
 namespace {
 
 constexpr std::int64_t kGreatestTag = 2'147'483'647;
+// Keywords that bring in, copy or make nodes and elements.
+constexpr std::array<std::string_view, 9> kNotRead = {"*INCLUDE", "*INSTANCE", "*SYSTEM", "*ELCOPY", "*ELGEN",
+                                                      "*NCOPY",   "*NFILL",    "*NGEN",   "*NMAP"};
 
 std::string upper(std::string_view text) {
   std::string raised;
@@ -95,7 +98,7 @@ class AbaqusFile {
       type_ = find_type(type);
       section_ = Section::kElements;
       has_elements_ = true;
-    } else if (name == "*INCLUDE" || name == "*INSTANCE" || name == "*SYSTEM") {
+    } else if (std::ranges::count(kNotRead, name) > 0) {
       source_.refuse(fmt::format("{} is not read: the deck must hold its nodes and elements as they are", name));
     }
   }

@@ -35,6 +35,7 @@ bool read_whole(std::string_view word, Number& number) {
 }  // namespace
 
 bool read_number(std::string_view word, double& number) { return read_whole(word, number) && std::isfinite(number); }
+bool read_value(std::string_view word, double& number) { return read_whole(word, number); }
 bool read_number(std::string_view word, std::int64_t& number) { return read_whole(word, number); }
 
 void MeshSource::refuse(const std::string& what) const {

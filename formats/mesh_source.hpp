@@ -67,6 +67,10 @@ class MeshSource {
 bool read_number(std::string_view word, double& number);
 bool read_number(std::string_view word, std::int64_t& number);
 
+/// The same for data, which need not be finite: a yield stress may be inf.
+bool read_value(std::string_view word, double& number);
+inline bool read_value(std::string_view word, std::int64_t& number) { return read_number(word, number); }
+
 /// How many nodes a cell of VTK's numbering has; 0: it is none of those below.
 std::size_t corners_of_vtk_cell(int kind);
 

@@ -224,7 +224,7 @@ class VtuFile {
     for (Number& number : all) {
       const std::string_view word = text.word();
       if (word.empty()) refuse(at, fmt::format("holds less than {} numbers", count));
-      if (!read_number(word, number)) refuse(at, fmt::format("'{}' is not a number of this kind", word.substr(0, 40)));
+      if (!read_value(word, number)) refuse(at, fmt::format("'{}' is not a number of this kind", word.substr(0, 40)));
     }
     if (!text.word().empty()) refuse(at, fmt::format("holds more than {} numbers", count));
     return all;

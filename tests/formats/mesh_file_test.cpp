@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <bit>
+#include <cmath>
 #include <fstream>
 
 #include "hexaplast/base/error.hpp"
@@ -247,6 +248,8 @@ TEST(AbaqusFile, NamesPlaceAndReason) {
   EXPECT_TRUE(refuses<InputError>(deck(nodes + "1,0,0,2\n"), {"a.inp:5: a second node 1"}));
   EXPECT_TRUE(refuses<InputError>(deck("*NODE, SYSTEM=C\n"), {"a.inp:1: nodes in a system of their own"}));
   EXPECT_TRUE(refuses<InputError>(deck("*INCLUDE, INPUT=b.inp\n"), {"a.inp:1: *INCLUDE is not read"}));
+  for (const std::string keyword : {"*ELGEN", "*ELCOPY", "*NCOPY", "*NFILL", "*NGEN", "*NMAP"})
+    EXPECT_TRUE(refuses<InputError>(deck(nodes + keyword + ", OLD SET=a\n"), {"a.inp:5: " + keyword + " is not read"}));
   EXPECT_TRUE(refuses<InputError>(deck(nodes + "*ELEMENT\n"), {"a.inp:5: *ELEMENT without TYPE"}));
   EXPECT_TRUE(refuses<InputError>(deck(nodes + "*ELEMENT, TYPE=S3\n1,1,2,4\n"), {"a.inp:6: node 4, which is not"}));
   EXPECT_TRUE(
@@ -306,6 +309,9 @@ TEST(VtuFile, GivesItsDataInTheOrderOfPointsAndCells) {
   EXPECT_EQ(state.point_data[0].values, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8.5}));
   ASSERT_EQ(state.cell_data.size(), 1u) << "text is passed over";
   EXPECT_EQ(state.cell_data[0].values, (std::vector<double>{-3, 7}));
+  const ImportedState unlimited = parse_vtu_state(
+      file("<CellData><DataArray type='Float64' Name='limit' format='ascii'>inf nan</DataArray></CellData>"), "a.vtu");
+  EXPECT_TRUE(std::isinf(unlimited.cell_data[0].values[0]) && std::isnan(unlimited.cell_data[0].values[1]));
 
   const auto reading = [&](const std::string& data) { return [=] { parse_vtu_state(file(data), "a.vtu"); }; };
   EXPECT_TRUE(refuses<InputError>(
