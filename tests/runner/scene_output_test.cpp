@@ -204,6 +204,12 @@ TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
     expect_error(std::string("run bar.scn --out run --force ") + option + " run/history.csv", 5,
                  "is written by the run itself");
   }
+  ASSERT_EQ(hexaplast("run bar.scn --out earlier --steps 1 --frames 0").code, 0);
+  const std::string manifest = content(directory_ / "earlier/manifest.json");
+  for (const char* option : {"--final", "--summary"})
+    expect_error(std::string("run bar.scn ") + option + " earlier/manifest.json", 5,
+                 "earlier/manifest.json: is a file of an earlier run; --force replaces it");
+  EXPECT_EQ(content(directory_ / "earlier/manifest.json"), manifest);
   expect_error("run bar.scn --out run --force --video link.obj.png --final x --summary x", 5,
                "is being written by another program, or by another option");
   expect_error("run bar.scn --out bar.scn", 3, "bar.scn' is no directory");

@@ -42,6 +42,11 @@ using std::filesystem::path;
 /// What its files and those of the scene's components lie below.
 path directory_of(const RunOptions& options) { return options.out.value_or(options.write_below.value_or(".")); }
 
+/// Whether a file there is one that another run has written into its own directory.
+bool is_of_earlier_run(const path& file) {
+  return output::is_of_run(file.filename().string()) && exists(file) && exists(file.parent_path() / "manifest.json");
+}
+
 /// Where a file goes that the command line names.
 path place_of(const path& file, const RunOptions& options, const InputFiles& inputs) {
   std::vector<path> below;
@@ -50,6 +55,8 @@ path place_of(const path& file, const RunOptions& options, const InputFiles& inp
   const path place = output_place(file, inputs, below);
   if (OwnFiles{options.out}.has_in_run(place))
     throw output::OutputError(file.string() + ": is written by the run itself");
+  if (!options.scene.output.replaces && is_of_earlier_run(place))
+    throw output::OutputError(file.string() + ": is a file of an earlier run; --force replaces it");
   return place;
 }
 
