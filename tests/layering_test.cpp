@@ -35,6 +35,7 @@ const std::map<std::string, int> kHeight{
     {"survey", 7},
     {"moving_body", 7},
     {"attributes", 8},
+    {"parts", 9},
     {"scene", 9},
     {"components", 10},
     {"picture", 10},

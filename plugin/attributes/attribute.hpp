@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <stdexcept>
 #include <string_view>
 
 #include "hexaplast/base/rows.hpp"
@@ -94,6 +95,13 @@ struct Description {
   std::span<const Attribute> attributes = {};
   bool takes_anything = false;  ///< an ignored component: every attribute and template is accepted unread
 };
+
+/// The attribute of that name. Throws, or where it is a constant does not compile, when there is none.
+constexpr const Attribute& attribute_of(const Description& description, std::string_view name) {
+  for (const Attribute& attribute : description.attributes)
+    if (attribute.name == name) return attribute;
+  throw std::logic_error("no such attribute");
+}
 
 /// The attributes of one table, then those of another.
 template <std::size_t N, std::size_t M>

@@ -6,7 +6,7 @@
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
-#include "components/key_times.hpp"
+#include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"

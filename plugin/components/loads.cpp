@@ -8,12 +8,13 @@
 #include <numeric>
 #include <optional>
 
-#include "attributes/hexaplast.hpp"
+#include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
-#include "components/key_times.hpp"
+#include "components/part.hpp"
 #include "hexaplast/solve/contact_loads.hpp"
+#include "parts/tangential_load.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/load.hpp"
 
@@ -115,29 +116,23 @@ class TangentialForceField final : public PrescribedLoad {
   TangentialForceField() : PrescribedLoad(attributes::kTangentialForceField) {}
 
   void init() override {
-    nodes_ = indices("indices", num_nodes());
-    group_size_ = integer("groupSize");
-    if (nodes_.size() % static_cast<std::size_t>(group_size_) != 0)
-      reject("indices", fmt::format("{} nodes do not form groups of {}", nodes_.size(), group_size_));
-    axis_ = vector3("axis");
-    if (axis_.isZero(0)) reject("axis", "is zero, must have a direction");
-    centre_ = vector3("centre");
-    forces_ = reals("forces");
-    times_ = key_times(*this, "times", "forces", forces_.size());
-    note_loaded(nodes_);
+    const int count = num_nodes();
+    load_.emplace(accepted(*this, [&] {
+      return parts::TangentialLoad({.indices = indices("indices", count),
+                                    .group_size = integer("groupSize"),
+                                    .axis = vector3("axis"),
+                                    .centre = vector3("centre"),
+                                    .times = reals("times"),
+                                    .forces = reals("forces")},
+                                   count);
+    }));
+    note_loaded({load_->nodes().begin(), load_->nodes().end()});
   }
 
-  void add_load(double time, ConstPoints x, ConstPoints, Points f) const override {
-    const KeyPhase phase = phase_at(times_, time);
-    if (phase.key < 0) return;
-    add_tangential_forces(nodes_, group_size_, axis_, centre_, interpolate(phase, forces_), x, f);
-  }
+  void add_load(double time, ConstPoints x, ConstPoints, Points f) const override { load_->add_force(time, x, f); }
 
  private:
-  std::vector<int> nodes_;
-  int group_size_ = 1;
-  Vec3 axis_ = Vec3::UnitZ(), centre_ = Vec3::Zero();
-  std::vector<double> times_, forces_;  // [s], [N]
+  std::optional<parts::TangentialLoad> load_;
 };
 
 /// Faces of a topology with a load on them, until they go with torn hexahedra: a load on nothing would drive off the

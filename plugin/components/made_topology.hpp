@@ -12,14 +12,6 @@ class MadeTopology : public scene::Topology {
   using Topology::Topology;
 
   void provide(scene::Data& output) override;
-
- protected:
-  /// Rejects more cells than a topology may have.
-  void require_few(std::string_view attribute, double num_cells);
-
-  /// Rejects what require_few does, and hexahedra whose body does not fit into the machine's memory; before they are
-  /// made.
-  void require_feasible(std::string_view attribute, double num_hexahedra);
 };
 
 }  // namespace hexaplast::components

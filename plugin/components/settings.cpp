@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "attributes/hexaplast.hpp"
+#include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/geometry/shapes.hpp"
+#include "attributes/shapes.hpp"
 
-#include <fmt/format.h>
-
-#include <numbers>
 #include <optional>
 
-#include "attributes/shapes.hpp"
 #include "components/components.hpp"
 #include "components/made_topology.hpp"
+#include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "parts/grids.hpp"
 
 namespace hexaplast::components {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 class ShapeTopology : public MadeTopology {
  public:
@@ -35,17 +31,18 @@ class ShapeTopology : public MadeTopology {
   }
 
  protected:
-  virtual HexMesh make(const std::array<int, 3>& cells) = 0;
+  virtual HexMesh make() = 0;
+
+  std::vector<int> cells() {
+    const std::vector<std::int64_t>& given = integers("cells");
+    return {given.begin(), given.end()};
+  }
 
  private:
   const HexMesh& mesh() {
     if (mesh_) return *mesh_;
-    const std::vector<std::int64_t>& given = integers("cells");
-    if (given.size() != 3) reject("cells", fmt::format("{} numbers given, must be three", given.size()));
-    const double count = static_cast<double>(given[0]) * static_cast<double>(given[1]) * static_cast<double>(given[2]);
-    require_feasible("cells", count);
     try {
-      mesh_ = make({static_cast<int>(given[0]), static_cast<int>(given[1]), static_cast<int>(given[2])});
+      mesh_ = accepted(*this, [&] { return make(); });
     } catch (const InputError& error) {
       reject(error.what());
     }
@@ -62,11 +59,14 @@ class TubeGridTopology final : public ShapeTopology {
   TubeGridTopology() : ShapeTopology(attributes::kTubeGridTopology) {}
 
  private:
-  HexMesh make(const std::array<int, 3>& cells) override {
-    const int num_points = cells[2] + 1;
-    const Centreline curve = is_given("centreline") ? curve_through(vectors3("centreline"), num_points)
-                                                    : arc(real("length"), real("bend") * kDegree, num_points);
-    return tube(cells, real("innerRadius"), real("outerRadius"), curve);
+  HexMesh make() override {
+    parts::TubeGridOptions options{.cells = cells(),
+                                   .inner_radius = real("innerRadius"),
+                                   .outer_radius = real("outerRadius"),
+                                   .length = real("length"),
+                                   .bend = real("bend")};
+    if (is_given("centreline")) options.centreline = vectors3("centreline");
+    return make_grid(options);
   }
 };
 
@@ -75,10 +75,9 @@ class SheetGridTopology final : public ShapeTopology {
   SheetGridTopology() : ShapeTopology(attributes::kSheetGridTopology) {}
 
  private:
-  HexMesh make(const std::array<int, 3>& cells) override {
-    const std::vector<double>& size = reals("size");
-    if (size.size() != 2) reject("size", fmt::format("{} numbers given, must be two", size.size()));
-    return sheet(cells, {size[0], size[1]}, real("thickness"), real("curvature"));
+  HexMesh make() override {
+    return make_grid(parts::SheetGridOptions{
+        .cells = cells(), .size = reals("size"), .thickness = real("thickness"), .curvature = real("curvature")});
   }
 };
 
@@ -87,8 +86,11 @@ class SpherePatchGridTopology final : public ShapeTopology {
   SpherePatchGridTopology() : ShapeTopology(attributes::kSpherePatchGridTopology) {}
 
  private:
-  HexMesh make(const std::array<int, 3>& cells) override {
-    return sphere_patch(cells, real("innerRadius"), real("outerRadius"), real("angle") * kDegree);
+  HexMesh make() override {
+    return make_grid(parts::SpherePatchGridOptions{.cells = cells(),
+                                                   .inner_radius = real("innerRadius"),
+                                                   .outer_radius = real("outerRadius"),
+                                                   .angle = real("angle")});
   }
 };
 

@@ -5,15 +5,17 @@
 #include <optional>
 #include <utility>
 
-#include "attributes/hexaplast.hpp"
+#include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "components/mechanical_system.hpp"
+#include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "parts/multigrid_cg.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -277,29 +279,17 @@ class MultigridCGLinearSolver final : public scene::LinearSolver {
   MultigridCGLinearSolver() : LinearSolver(attributes::kMultigridCGLinearSolver) {}
 
   void init() override {
-    const std::string& word = text("preconditioner");
-    const Preconditioner preconditioner = word == "multigrid"  ? Preconditioner::kMultigrid
-                                          : word == "diagonal" ? Preconditioner::kDiagonal
-                                                               : Preconditioner::kAuto;
-    solver_.emplace(real("tolerance"), integer("iterations"), preconditioner);
-    is_warned_ = false;
+    solver_.emplace(accepted(*this, [&] {
+      return parts::MultigridCG({.preconditioner = parts::preconditioner_of(text("preconditioner")),
+                                 .tolerance = real("tolerance"),
+                                 .iterations = integer("iterations")});
+    }));
   }
-  hexaplast::LinearSolver& method() override { return *solver_; }
-
-  void heed(const SolveReport& report) override {
-    if (is_warned_ || text("preconditioner") != "multigrid" || report.iterations == 0 ||
-        report.preconditioner == PreconditionedBy::kMultigrid)
-      return;
-    is_warned_ = true;
-    remark(scene::Severity::kWarning, "preconditioner",
-           fmt::format("is multigrid, which needs a body whose hexahedra form a lattice of more than a few: the "
-                       "preconditioner is {} instead",
-                       name_of(report.preconditioner)));
-  }
+  hexaplast::LinearSolver& method() override { return solver_->solver(); }
+  void heed(const SolveReport& report) override { pass_on(*this, solver_->heed(report)); }
 
  private:
-  std::optional<PreconditionedConjugateGradients> solver_;
-  bool is_warned_ = false;
+  std::optional<parts::MultigridCG> solver_;
 };
 
 }  // namespace

@@ -10,11 +10,13 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/made_topology.hpp"
+#include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "parts/grids.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -59,7 +61,7 @@ class RegularGridTopology final : public GridTopology {
       if (!(least.array() < most.array()).all()) reject("max", "must be greater than min in every direction");
 
       const Vec3 count = real("cellWidth") > 0 ? num_cells(most - least) : one_by_one(num_cells(most - least));
-      require_feasible("n", count.prod());
+      accepted(*this, [&] { parts::check_num_hexahedra("n", count.prod()); });
       for (int d = 0; d < 3; ++d) cells_[d] = static_cast<int>(count[d]);
       grid_ = regular_grid(cells_, least, most);
     }
@@ -153,7 +155,7 @@ class SparseGridTopology final : public GridTopology {
       grid.most = box.max();
     }
     const Vec3 count = num_cells(grid.most - grid.least);
-    require_few("n", count.prod());  // of which the surface may meet few
+    accepted(*this, [&] { parts::check_num_cells("n", count.prod()); });  // of which the surface may meet few
     for (int d = 0; d < 3; ++d) grid.cells[d] = static_cast<int>(count[d]);
     return grid;
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "attributes/admissible.hpp"
 #include "hexaplast/base/error.hpp"
 #include "scene/diagnostics.hpp"
 
@@ -34,7 +35,7 @@ std::string_view without_plus(std::string_view word) {
 template <class Number>
 void check_range(const Range& range, Number number) {
   if (range.contains(static_cast<double>(number))) return;
-  throw InputError(fmt::format("{} {}", number, describe(range)));
+  throw InputError(attributes::inadmissible(range, number));
 }
 
 double read_real(std::string_view word, const Range& range) {
@@ -173,17 +174,6 @@ std::vector<std::string_view> split_words(std::string_view text) {
   std::vector<std::string_view> words;
   for_each_word(text, [&](std::string_view word) { words.push_back(word); });
   return words;
-}
-
-std::string describe(const Range& range) {
-  const bool below = std::isfinite(range.least), above = std::isfinite(range.most);
-  if (below && above) {
-    return fmt::format("must lie in {}{:.10g}, {:.10g}{}", range.without_least ? '(' : '[', range.least, range.most,
-                       range.without_most ? ')' : ']');
-  }
-  if (below) return fmt::format("must be {} {:.10g}", range.without_least ? ">" : ">=", range.least);
-  if (above) return fmt::format("must be {} {:.10g}", range.without_most ? "<" : "<=", range.most);
-  return {};
 }
 
 Value read_value(const Attribute& attribute, std::string_view text) {

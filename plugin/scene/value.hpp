@@ -26,9 +26,6 @@ Value read_value(const attributes::Attribute& attribute, std::string_view text);
 /// Throws InputError like read_value.
 void check_value(const attributes::Attribute& attribute, const Value& value);
 
-/// "must be > 0", "must lie in [0, 0.5)"; empty when every number is admissible.
-std::string describe(const attributes::Range& range);
-
 /// The words of a text separated by blanks, without copying it.
 std::vector<std::string_view> split_words(std::string_view text);
 

@@ -109,7 +109,7 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
                  HEXAPLAST_COMPILER "'")
                .code == 0;
   };
-  EXPECT_TRUE(finds("0.1 COMPONENTS scene components output"));
+  EXPECT_TRUE(finds("0.1 COMPONENTS parts scene components output"));
   EXPECT_FALSE(finds("COMPONENTS teapot"));
   EXPECT_FALSE(finds("0.2"));
 }
@@ -174,7 +174,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   // once for all packages
   must("dpkg-deb -e packages/" + kLibrary + "_*.deb control");
   const std::string shlibs = content(directory_ / "control/shlibs");
-  for (const char* part : {"", "_formats", "_scene", "_components", "_output"})
+  for (const char* part : {"", "_formats", "_parts", "_scene", "_components", "_output"})
     EXPECT_TRUE(
         has(shlibs, "libhexaplast"s + part + " " HEXAPLAST_SONAME " " + kLibrary + " (>= " HEXAPLAST_VERSION ")"))
         << shlibs;

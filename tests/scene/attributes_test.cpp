@@ -168,7 +168,7 @@ TEST_F(ExampleScenes, NumbersOutOfRangeAreRefusedWithTheRangeAndOthersRunOrAreRe
     for (const std::string& word : words) {
       const Answer answer = answer_to(component, attribute, repeated(word, count));
       if (attribute.range.contains(std::strtod(word.c_str(), nullptr))) continue;
-      EXPECT_NE(answer.refusal_of_text.find(scene::describe(attribute.range)), std::string::npos)
+      EXPECT_NE(answer.refusal_of_text.find(attributes::describe(attribute.range)), std::string::npos)
           << word << ": " << answer.refusal_of_text;
     }
   });

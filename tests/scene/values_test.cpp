@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "attributes/admissible.hpp"
 #include "attributes/hexaplast.hpp"
 #include "attributes/stock.hpp"
 #include "hexaplast/base/error.hpp"
@@ -77,9 +78,9 @@ TEST(SceneValues, ARangeOfWholeNumbersStandsForItsNumbers) {
 TEST(SceneValues, RangesNameTheirBounds) {
   EXPECT_EQ(refusal(kShare, "0"), "accepted");
   EXPECT_EQ(refusal(kShare, "0.5"), "0.5 must lie in [0, 0.5)");
-  EXPECT_EQ(scene::describe(attributes::kPositive), "must be > 0");
-  EXPECT_EQ(scene::describe(attributes::kNotNegative), "must be >= 0");
-  EXPECT_EQ(scene::describe({}), "");
+  EXPECT_EQ(attributes::describe(attributes::kPositive), "must be > 0");
+  EXPECT_EQ(attributes::describe(attributes::kNotNegative), "must be >= 0");
+  EXPECT_EQ(attributes::describe(attributes::Range()), "");
 }
 
 TEST(SceneValues, WordsListTheirChoices) {

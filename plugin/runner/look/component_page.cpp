@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "attributes/admissible.hpp"
 #include "attributes/examples.hpp"
 #include "attributes/renamed.hpp"
 #include "scene/value.hpp"
@@ -73,7 +74,7 @@ std::string default_cell(const Attribute& attribute) {
 
 std::string range_cell(const Attribute& attribute) {
   if (attribute.type == attributes::Type::kWord) return std::string(attribute.words);
-  std::string text = scene::describe(attribute.range);
+  std::string text = attributes::describe(attribute.range);
   for (const std::string_view opening : {"must be ", "must lie "})
     if (text.starts_with(opening)) text.erase(0, opening.size());
   return text;

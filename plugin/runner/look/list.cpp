@@ -10,6 +10,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "attributes/admissible.hpp"
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
 #include "runner/exit_code.hpp"
@@ -92,7 +93,7 @@ void print(const Description& component) {
     fmt::print(": {}", attributes::describe(attribute.type));
     if (!attribute.words.empty()) fmt::print(" of {}", attribute.words);
     if (!attribute.unit.empty()) fmt::print(" [{}]", attribute.unit);
-    if (const std::string range = scene::describe(attribute.range); !range.empty()) fmt::print(", {}", range);
+    if (const std::string range = attributes::describe(attribute.range); !range.empty()) fmt::print(", {}", range);
     if (!attribute.initial.empty()) fmt::print("; default {}", attribute.initial);
     if (attribute.access == attributes::Access::kOutput) fmt::print("; computed");
     fmt::print("\n    {}\n", attribute.help);

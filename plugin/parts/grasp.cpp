@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/grasp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "attributes/parts.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/solve/loads.hpp"
+#include "parts/key_times.hpp"
+
+namespace hexaplast::parts {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void check(const GraspOptions& options, int num_nodes) {
+  const OptionRanges ranges(attributes::kGraspForceField);
+  ranges.check("key_times", options.key_times);
+  ranges.check("positions", options.positions);
+  ranges.check("grasp_time", options.grasp_time);
+  if (options.release_time) ranges.check("release_time", *options.release_time);
+  if (options.radius) ranges.check("radius", *options.radius);
+  ranges.check("stiffness", options.stiffness);
+  if (options.max_force) ranges.check("max_force", *options.max_force);
+  ranges.check("damping", options.damping);
+
+  if (options.indices) check_nodes("indices", *options.indices, num_nodes);
+  check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
+  if (options.release_time && !(options.grasp_time < *options.release_time))
+    throw OptionError("release_time", fmt::format("is {}, must be after graspTime {}", *options.release_time,
+                                                  options.grasp_time));
+  if (!options.radius) throw OptionError("radius", "is not given");
+}
+
+}  // namespace
+
+Grasp::Grasp(GraspOptions options, int num_nodes) : num_nodes_(num_nodes) { set_options(std::move(options)); }
+
+void Grasp::set_options(GraspOptions options) {
+  check(options, num_nodes_);
+  options_ = std::move(options);
+  release_time_ = options_.release_time.value_or(kInfinity);
+  if (options_.indices) {
+    candidates_ = *options_.indices;
+  } else {
+    candidates_.resize(static_cast<std::size_t>(num_nodes_));
+    std::iota(candidates_.begin(), candidates_.end(), 0);
+  }
+  grip_.stiffness = options_.stiffness;
+  grip_.most_force = options_.max_force.value_or(kInfinity);
+  grip_.damping = options_.damping;
+}
+
+std::vector<Warning> Grasp::begin_step(double time, ConstPoints x) {
+  std::vector<Warning> warnings;
+  if (!has_closed_ && time >= options_.grasp_time && time < release_time_) warnings = close(time, x);
+  if (time >= release_time_) open();
+  return warnings;
+}
+
+void Grasp::reset() {
+  open();
+  has_closed_ = false;
+}
+
+void Grasp::serialize(Archive& archive) {
+  archive(grip_.nodes, grip_.arms, has_closed_, elongations_, drag_.x(), drag_.y(), drag_.z());
+  const auto num_held = static_cast<Eigen::Index>(grip_.nodes.size());
+  if (grip_.arms.rows() != num_held || elongations_.rows() != num_held ||
+      std::ranges::any_of(grip_.nodes, [&](int node) { return node < 0 || node >= num_nodes_; }))
+    throw InputError("a grip is saved on nodes that are not there");
+}
+
+void Grasp::add_force(double time, ConstPoints x, ConstPoints v, Points f) {
+  const Vec3 tool = tool_at(time);
+  grip_.lags_at(tool, x, elongations_);
+  grip_.add_force(tool, x, f);
+  drag_ = grip_.add_damping_force(tool_velocity_at(time), v, f);
+}
+
+void Grasp::add_spring_force(double time, ConstPoints x, Points f) const { grip_.add_force(tool_at(time), x, f); }
+
+Vec3 Grasp::tool_at(double time) const {
+  const std::vector<double>& times = options_.key_times;
+  return interpolate(phase_at(times, std::max(time, times.front())), options_.positions).transpose();
+}
+
+Vec3 Grasp::tool_velocity_at(double time) const {
+  const std::vector<double>& times = options_.key_times;
+  const KeyPhase phase = phase_at(times, time);
+  const bool is_on_its_way = phase.key >= 0 && phase.key + 1 < static_cast<int>(times.size());
+  return is_on_its_way ? Vec3(slope(phase, times, options_.positions).transpose()) : Vec3::Zero();
+}
+
+std::vector<Warning> Grasp::close(double time, ConstPoints x) {
+  has_closed_ = true;
+  const Vec3 tool = tool_at(time);
+  std::vector<int> held = nodes_near(x, candidates_, tool, *options_.radius);
+  std::vector<Warning> warnings;
+  if (held.empty())
+    warnings.push_back(
+        {"radius",
+         fmt::format("the grip closes on nothing: no node within {:.6g} m of ({:.6g}, {:.6g}, {:.6g}) at t = {:.6g} s",
+                     *options_.radius, tool[0], tool[1], tool[2], time)});
+  grip_.close(std::move(held), tool, x);
+  elongations_ = PointArray::Zero(grip_.arms.rows(), 3);
+  return warnings;
+}
+
+void Grasp::open() {
+  grip_.open();
+  elongations_.resize(0, 3);
+  drag_.setZero();
+}
+
+}  // namespace hexaplast::parts

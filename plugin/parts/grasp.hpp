@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/archive.hpp"
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/types.hpp"
+#include "hexaplast/layout/linear_system.hpp"
+#include "hexaplast/solve/grip.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+
+/// In scenes: GraspForceField.
+struct GraspOptions {
+  std::vector<double> key_times = {};                   ///< [s] of the tool's path, ascending
+  PointArray positions = PointArray(0, 3);              ///< [m] of the tool, one row per key time
+  double grasp_time = 0;                                ///< [s]
+  std::optional<double> release_time = std::nullopt;    ///< [s] never, where it is not given
+  std::optional<double> radius = std::nullopt;          ///< [m] has to be given
+  std::optional<std::vector<int>> indices = std::nullopt;  ///< nodes that can be held; all where not given
+  double stiffness = 1000;                              ///< [N/m] of the grip as a whole
+  std::optional<double> max_force = std::nullopt;       ///< [N] of the grip as a whole; no limit where not given
+  double damping = 0;                                   ///< [N s/m] of the grip as a whole
+};
+
+/// An instrument that takes hold of the nodes around it, moves along a path and lets go. Fields are num_nodes x 3.
+class Grasp {
+ public:
+  /// Throws OptionError.
+  Grasp(GraspOptions options, int num_nodes);
+
+  /// Other options for the same nodes; a grip that is closed stays so. Throws OptionError.
+  void set_options(GraspOptions options);
+
+  /// Closes or opens the grip at the beginning of a step, at accepted positions; between two of these calls it is the
+  /// same for everyone. Returns warnings.
+  std::vector<Warning> begin_step(double time, ConstPoints x);
+
+  /// Open, as it was made.
+  void reset();
+
+  /// Throws InputError for a grip on nodes that are not there.
+  void serialize(Archive& archive);
+
+  /// f += forces [N] of springs and dashpots. Fixes the positions that the stiffness refers to.
+  void add_force(double time, ConstPoints x, ConstPoints v, Points f);
+
+  /// f += forces [N] of the springs alone; changes nothing but f.
+  void add_spring_force(double time, ConstPoints x, Points f) const;
+
+  /// [J] in the springs.
+  double energy(double time, ConstPoints x) const { return grip_.energy(tool_at(time), x); }
+
+  /// K = df/dx and B = df/dv at the latest forces. add_stiffness_diagonal: false, and nothing added, where K has other
+  /// entries than its diagonal.
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+    grip_.add_stiffness_product(elongations_, factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const {
+    grip_.add_stiffness_blocks(elongations_, factor, A);
+  }
+  bool add_stiffness_diagonal(double factor, Points diagonal) const {
+    return grip_.add_stiffness_diagonal(elongations_, factor, diagonal);
+  }
+  void add_damping_product(double factor, ConstPoints dx, Points df) const {
+    grip_.add_damping_product(factor, dx, df);
+  }
+  void add_damping_blocks(double factor, BlockMatrix& A) const { grip_.add_damping_blocks(factor, A); }
+  void add_damping_diagonal(double factor, Points diagonal) const { grip_.add_damping_diagonal(factor, diagonal); }
+
+  bool is_closed() const { return !grip_.nodes.empty(); }
+  std::span<const int> held_nodes() const { return grip_.nodes; }
+
+  /// [m] Before the first key time the tool waits where it begins.
+  Vec3 tool_at(double time) const;
+
+  /// [N] what the tool exerted on the body when forces were computed last.
+  Vec3 force() const { return grip_.total_force(elongations_) + drag_; }
+
+ private:
+  Vec3 tool_velocity_at(double time) const;
+  std::vector<Warning> close(double time, ConstPoints x);
+  void open();
+
+  int num_nodes_;
+  GraspOptions options_;
+  std::vector<int> candidates_;  // nodes that can be held
+  double release_time_ = 0;      // [s] infinite: never
+
+  Grip grip_;
+  bool has_closed_ = false;
+  PointArray elongations_ = PointArray(0, 3);  // [m] of the springs, at the positions of the latest forces
+  Vec3 drag_ = Vec3::Zero();                   // [N] of the dashpots, with them
+};
+
+}  // namespace hexaplast::parts

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/grids.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <numbers>
+
+#include "attributes/shapes.hpp"
+#include "hexaplast/base/memory.hpp"
+#include "hexaplast/geometry/shapes.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMostCells = 16'777'216;
+
+std::array<int, 3> three_cells(const OptionRanges& ranges, const std::vector<int>& cells) {
+  ranges.check("cells", cells);
+  if (cells.size() != 3) throw OptionError("cells", fmt::format("{} numbers given, must be three", cells.size()));
+  check_num_hexahedra("cells", static_cast<double>(cells[0]) * cells[1] * cells[2]);
+  return {cells[0], cells[1], cells[2]};
+}
+
+}  // namespace
+
+HexMesh make_grid(const TubeGridOptions& options) {
+  const OptionRanges ranges(attributes::kTubeGridTopology);
+  ranges.check("inner_radius", options.inner_radius);
+  ranges.check("outer_radius", options.outer_radius);
+  ranges.check("length", options.length);
+  ranges.check("bend", options.bend);
+  if (options.centreline) ranges.check("centreline", *options.centreline);
+  const std::array<int, 3> cells = three_cells(ranges, options.cells);
+  const int num_points = cells[2] + 1;
+  const Centreline curve = options.centreline
+                               ? curve_through(*options.centreline, num_points)
+                               : arc(options.length, options.bend * kDegree, num_points);
+  return tube(cells, options.inner_radius, options.outer_radius, curve);
+}
+
+HexMesh make_grid(const SheetGridOptions& options) {
+  const OptionRanges ranges(attributes::kSheetGridTopology);
+  ranges.check("size", options.size);
+  ranges.check("thickness", options.thickness);
+  ranges.check("curvature", options.curvature);
+  const std::array<int, 3> cells = three_cells(ranges, options.cells);
+  if (options.size.size() != 2)
+    throw OptionError("size", fmt::format("{} numbers given, must be two", options.size.size()));
+  return sheet(cells, {options.size[0], options.size[1]}, options.thickness, options.curvature);
+}
+
+HexMesh make_grid(const SpherePatchGridOptions& options) {
+  const OptionRanges ranges(attributes::kSpherePatchGridTopology);
+  ranges.check("inner_radius", options.inner_radius);
+  ranges.check("outer_radius", options.outer_radius);
+  ranges.check("angle", options.angle);
+  const std::array<int, 3> cells = three_cells(ranges, options.cells);
+  return sphere_patch(cells, options.inner_radius, options.outer_radius, options.angle * kDegree);
+}
+
+void check_num_cells(std::string_view option, double num_cells) {
+  if (num_cells > kMostCells)
+    throw OptionError(option, fmt::format("{:.4g} cells, must be at most {:.10g}", num_cells, kMostCells));
+}
+
+void check_num_hexahedra(std::string_view option, double num_hexahedra) {
+  check_num_cells(option, num_hexahedra);
+  try {
+    require_memory(num_hexahedra);
+  } catch (const InputError& error) {
+    throw OptionError(option, error.what());
+  }
+}
+
+}  // namespace hexaplast::parts

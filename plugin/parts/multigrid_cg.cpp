@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/multigrid_cg.hpp"
+
+#include <fmt/format.h>
+
+#include "attributes/parts.hpp"
+
+namespace hexaplast::parts {
+namespace {
+
+const MultigridCGOptions& checked(const MultigridCGOptions& options) {
+  const OptionRanges ranges(attributes::kMultigridCGLinearSolver);
+  ranges.check("tolerance", options.tolerance);
+  ranges.check("iterations", options.iterations);
+  return options;
+}
+
+}  // namespace
+
+MultigridCG::MultigridCG(const MultigridCGOptions& options)
+    : options_(checked(options)), solver_(options.tolerance, options.iterations, options.preconditioner) {}
+
+std::vector<Warning> MultigridCG::heed(const SolveReport& report) {
+  if (is_warned_ || options_.preconditioner != Preconditioner::kMultigrid || report.iterations == 0 ||
+      report.preconditioner == PreconditionedBy::kMultigrid)
+    return {};
+  is_warned_ = true;
+  return {{"preconditioner",
+           fmt::format("is multigrid, which needs a body whose hexahedra form a lattice of more than a few: the "
+                       "preconditioner is {} instead",
+                       name_of(report.preconditioner))}};
+}
+
+Preconditioner preconditioner_of(std::string_view word) {
+  if (word == "multigrid") return Preconditioner::kMultigrid;
+  return word == "diagonal" ? Preconditioner::kDiagonal : Preconditioner::kAuto;
+}
+
+}  // namespace hexaplast::parts

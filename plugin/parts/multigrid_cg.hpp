@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+
+/// In scenes: MultigridCGLinearSolver.
+struct MultigridCGOptions {
+  Preconditioner preconditioner = Preconditioner::kAuto;
+  double tolerance = 0.01;  ///< on |r| / |b|
+  int iterations = 500;     ///< at most
+};
+
+/// Preconditioned conjugate gradients that end when the answer is as good as asked for.
+class MultigridCG {
+ public:
+  /// Throws OptionError.
+  explicit MultigridCG(const MultigridCGOptions& options);
+
+  LinearSolver& solver() { return solver_; }
+
+  /// To be told what each solve did. Warns once where multigrid was asked for and not possible.
+  std::vector<Warning> heed(const SolveReport& report);
+
+ private:
+  MultigridCGOptions options_;
+  PreconditionedConjugateGradients solver_;
+  bool is_warned_ = false;
+};
+
+/// The preconditioner of a word of the attribute table.
+Preconditioner preconditioner_of(std::string_view word);
+
+}  // namespace hexaplast::parts

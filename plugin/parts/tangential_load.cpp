@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/tangential_load.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "attributes/parts.hpp"
+#include "hexaplast/solve/loads.hpp"
+#include "parts/key_times.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+
+TangentialLoad::TangentialLoad(TangentialLoadOptions options, int num_nodes) : options_(std::move(options)) {
+  const OptionRanges ranges(attributes::kTangentialForceField);
+  ranges.check("group_size", options_.group_size);
+  ranges.check("axis", options_.axis);
+  ranges.check("centre", options_.centre);
+  ranges.check("times", options_.times);
+  ranges.check("forces", options_.forces);
+
+  check_nodes("indices", options_.indices, num_nodes);
+  if (options_.indices.size() % static_cast<std::size_t>(options_.group_size) != 0)
+    throw OptionError("indices", fmt::format("{} nodes do not form groups of {}", options_.indices.size(),
+                                             options_.group_size));
+  if (options_.axis.isZero(0)) throw OptionError("axis", "is zero, must have a direction");
+  check_key_times("times", options_.times, "forces", options_.forces.size());
+}
+
+void TangentialLoad::add_force(double time, ConstPoints x, Points f) const {
+  const KeyPhase phase = phase_at(options_.times, time);
+  if (phase.key < 0) return;
+  add_tangential_forces(options_.indices, options_.group_size, options_.axis, options_.centre,
+                        interpolate(phase, options_.forces), x, f);
+}
+
+}  // namespace hexaplast::parts
