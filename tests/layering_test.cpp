@@ -84,7 +84,7 @@ std::vector<SourceFile> sources() {
   for (const char* folder : {"include/hexaplast", "src", "formats", "plugin", "python", "benchmarks"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       const fs::path extension = entry.path().extension();
-      if (extension != ".hpp" && extension != ".cpp" && extension != ".h") continue;
+      if (extension != ".hpp" && extension != ".cpp" && extension != ".h" && extension != ".inl") continue;
       const fs::path below = fs::relative(entry.path(), root / folder);
       const auto room = room_of(kHeight.count(folder) ? folder / below : below);
       EXPECT_TRUE(room) << entry.path() << " belongs to no room: name it in this test, at its height";
@@ -137,6 +137,21 @@ TEST(Layering, ForwardDeclarationsPointDown) {
           << file.path << ": " << file.room << " announces " << match[1] << ", which is not of a room below it";
     }
   EXPECT_GT(num_declarations, 3) << "the search has lost its object";
+}
+
+// A host does not run in the other one: SOFA's components are made from parts. The body still lives in a guest.
+TEST(Layering, SofasComponentsNeedNoScene) {
+  const std::set<std::string> of_the_body{"AttributeData", "Guest"};
+  const std::regex include("^\\s*#include\\s+[\"<](?:scene|components)/.*");
+  int num_files = 0;
+  for (const SourceFile& file : sources()) {
+    if (file.path.string().find("/plugin/sofa/src/") == std::string::npos) continue;
+    ++num_files;
+    if (of_the_body.contains(file.path.stem().string())) continue;
+    for (const std::string& line : file.lines)
+      EXPECT_FALSE(std::regex_match(line, include)) << file.path << ": " << line;
+  }
+  EXPECT_GT(num_files, 10) << "the search has lost its object";
 }
 
 TEST(Layering, OnlyItsPluginKnowsSofa) {

@@ -44,7 +44,7 @@ TEST_F(Adapter, DrawsTheSurfaceInColoursOfPlasticStrain) {
   ASSERT_EQ(plastic.tool.lines.size(), 1u);
   EXPECT_EQ(plastic.tool.lines[0].ends.size(), 8 * num_faces);
   for (int i = 0; i < 3; ++i)
-    EXPECT_EQ(plastic.tool.lines[0].ends[0][i], field.guest()->body()->plastic_rest_positions()(faces[0][0], i));
+    EXPECT_EQ(plastic.tool.lines[0].ends[0][i], field.body()->plastic_rest_positions()(faces[0][0], i));
 
   sofa::core::visual::VisualParams hidden;
   hidden.flags.show_force_fields = false;

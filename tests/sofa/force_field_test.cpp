@@ -42,15 +42,15 @@ TEST_F(Adapter, OnlyTheEndOfAStepFlowsAndOnce) {
     x = mesh.positions() + 0.2 * i * (stretched - mesh.positions()) + random.field(mesh.num_nodes(), 0.003);
     move_to(x);
     evaluate();
-    ASSERT_EQ(history_of(*field.guest()->body()), history_of(expected)) << "before the end of step " << i;
+    ASSERT_EQ(history_of(*field.body()), history_of(expected)) << "before the end of step " << i;
     tell<AnimateEndEvent>();
     expected.flow(x, kStep);
-    ASSERT_EQ(history_of(*field.guest()->body()), history_of(expected)) << "after the end of step " << i;
+    ASSERT_EQ(history_of(*field.body()), history_of(expected)) << "after the end of step " << i;
   }
   EXPECT_NE(history_of(expected), virgin) << "something flowed";
 
   field.reset();
-  EXPECT_EQ(history_of(*field.guest()->body()), virgin);
+  EXPECT_EQ(history_of(*field.body()), virgin);
   EXPECT_EQ(said(), "");
 }
 
@@ -110,14 +110,14 @@ TEST_F(Adapter, ShowsThePlasticStateWhenItIsRead) {
   const int counter = data.getCounter();
   step(stretched);
   EXPECT_EQ(data.getCounter(), counter) << "computed though nobody reads it";
-  const ElementFields fields = field.guest()->body()->fields(stretched);
+  const ElementFields fields = field.body()->fields(stretched);
   const auto& strain = value<vector<SReal>>(field, "plasticStrain");
   ASSERT_EQ(strain.size(), fields.plastic_strain.size());
   for (std::size_t e = 0; e < strain.size(); ++e) EXPECT_EQ(strain[e], fields.plastic_strain[e]);
   EXPECT_GT(strain[0], 0);
   EXPECT_GT(data.getCounter(), counter);
   EXPECT_EQ(PointArray(view(value<DataTypes::VecCoord>(field, "materialPositions"))),
-            field.guest()->body()->plastic_rest_positions());
+            field.body()->plastic_rest_positions());
   EXPECT_TRUE(value<vector<sofa::Index>>(field, "removed").empty());
   field.reset();
   EXPECT_EQ(value<vector<SReal>>(field, "plasticStrain"), vector<SReal>(mesh.num_elements(), 0));
@@ -136,7 +136,7 @@ TEST_F(Adapter, RefusesBadValuesAndStopsTheAnimation) {
   for (const auto& each : cases) {
     sofa_standin::messages().clear();
     root.setAnimate(true);
-    auto& field = dynamic_cast<GuestForceField&>(make("HexahedronElastoplasticFEMForceField", each.attributes));
+    auto& field = dynamic_cast<Field&>(make("HexahedronElastoplasticFEMForceField", each.attributes));
     field.setDefinitionSourceFileName("liver.scn");
     field.setDefinitionSourceFilePos(7);
     field.init();
@@ -173,8 +173,7 @@ TEST_F(Adapter, PassesWarningsOnAndWorks) {
 TEST_F(Adapter, RefusesAPlaceWithoutStateOrTopology) {
   BaseContext elsewhere;
   const auto lonely = [&] {
-    return std::dynamic_pointer_cast<GuestForceField>(
-        factory().entries.at("HexahedronElastoplasticFEMForceField").make());
+    return std::dynamic_pointer_cast<Field>(factory().entries.at("HexahedronElastoplasticFEMForceField").make());
   };
   auto& without_topology = elsewhere.add(lonely(), "body");
   without_topology.init();
@@ -191,32 +190,32 @@ TEST_F(Adapter, RefusesAPlaceWithoutStateOrTopology) {
 TEST_F(Adapter, StopsWhereTheStepIsLostAndKeepsTheHistory) {
   auto& field = make_body(kPlastic);
   step(stretched);
-  const std::string before = history_of(*field.guest()->body());
+  const std::string before = history_of(*field.body());
   PointArray lost = stretched;
   lost(4, 1) = std::numeric_limits<double>::quiet_NaN();
   step(lost);
   EXPECT_TRUE(field.isComponentStateInvalid());
   EXPECT_FALSE(root.getAnimate());
   EXPECT_NE(said(), "");
-  EXPECT_EQ(history_of(*field.guest()->body()), before);
+  EXPECT_EQ(history_of(*field.body()), before);
   EXPECT_THROW(step(stretched), std::runtime_error);  // runSofa -g batch steps on whatever setAnimate says
   root.setAnimate(true);
   step(stretched);
   EXPECT_FALSE(root.getAnimate());
-  EXPECT_EQ(history_of(*field.guest()->body()), before) << "an invalid component flows no more";
+  EXPECT_EQ(history_of(*field.body()), before) << "an invalid component flows no more";
 }
 
 TEST_F(Adapter, TakesANewMaterialByReinitOrWithTheNextStep) {
   auto& field = make_body(kPlastic);
   step(stretched);
-  const std::string flowed = history_of(*field.guest()->body());
+  const std::string flowed = history_of(*field.body());
   const PointArray f = force(field, deformed);
 
   field.findData("youngModulus")->read("21000");
   EXPECT_EQ(force(field, deformed), f) << "nothing changes within a step";
   field.reinit();
   EXPECT_TRUE(support::agrees(force(field, deformed), (3 * f).eval(), 1e-12));
-  EXPECT_EQ(history_of(*field.guest()->body()), flowed);
+  EXPECT_EQ(history_of(*field.body()), flowed);
 
   field.findData("youngModulus")->read("7000");
   tell<AnimateBeginEvent>();
@@ -244,7 +243,7 @@ TEST_F(Adapter, HalfFullHexahedraOfASparseGridCarryHalf) {
   field.l_topology.set(&grid);
   field.init();
   ASSERT_FALSE(field.isComponentStateInvalid()) << said();
-  const auto& materials = field.guest()->body()->materials();
+  const auto& materials = field.body()->materials();
   ASSERT_EQ(materials.size(), grid.fill.size());
   EXPECT_EQ(materials[4].young_modulus, 7000);
   EXPECT_EQ(materials[5].young_modulus, 3500);

@@ -94,7 +94,7 @@ class MultigridSolver : public Adapter {
     view(*nodes.write(1)->beginEdit()) = load;
   }
 
-  GuestForceField& solver_needs_a_body() {
+  Field& solver_needs_a_body() {
     return make_body({{"youngModulus", "7000"}, {"poissonRatio", "0.3"}, {"rayleighStiffness", "0.1"}});
   }
 
@@ -129,7 +129,7 @@ class MultigridSolver : public Adapter {
   }
 
   Weights& weights = tissue.add(New<Weights>::make(), "weights");
-  GuestForceField& body = solver_needs_a_body();
+  Field& body = solver_needs_a_body();
   BaseComponent* solver = nullptr;
   bool prints_log = false;
 };

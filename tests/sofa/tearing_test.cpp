@@ -18,14 +18,14 @@ TEST_F(Adapter, LosesTheHexahedraThatTheHostRemoves) {
   modifier.removeIsolated.setValue(false);
   auto& field = make_body(kPlastic);
   modifier.removeHexahedra({3});
-  EXPECT_TRUE(std::ranges::equal(field.guest()->body()->removed(), std::vector<int>{3}));
+  EXPECT_TRUE(std::ranges::equal(field.body()->removed(), std::vector<int>{3}));
   modifier.removeHexahedra({0, 3});  // the last one has taken the place of number 3
   const std::vector<unsigned char> alive{0, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0};
-  EXPECT_TRUE(std::ranges::equal(field.guest()->body()->alive(), alive));
+  EXPECT_TRUE(std::ranges::equal(field.body()->alive(), alive));
   step(mesh.positions());
   EXPECT_EQ(value<vector<sofa::Index>>(field, "removed").size(), 3u);
   field.reset();
-  EXPECT_TRUE(std::ranges::equal(field.guest()->body()->alive(), alive)) << "the topology stays torn";
+  EXPECT_TRUE(std::ranges::equal(field.body()->alive(), alive)) << "the topology stays torn";
   EXPECT_FALSE(field.isComponentStateInvalid()) << said();
 }
 
@@ -37,7 +37,7 @@ TEST_F(Adapter, TearsTheTopologyOfTheHost) {
   for (int n = 0; n < x.rows(); ++n)
     if (x(n, 2) > 0.25) x(n, 2) += 0.1;  // the upper slice alone
   for (int i = 0; i < 10; ++i) step(x);
-  const std::span<const int> removed = field.guest()->body()->removed();
+  const std::span<const int> removed = field.body()->removed();
   ASSERT_FALSE(removed.empty());
   ASSERT_LT(removed.size(), 12u);
   EXPECT_EQ(cells.getNbHexahedra(), 12u - removed.size());
@@ -48,11 +48,11 @@ TEST_F(Adapter, TearsTheTopologyOfTheHost) {
     left.insert(corners);
   }
   for (int e = 0; e < mesh.num_elements(); ++e)
-    if (field.guest()->body()->alive()[e]) expected.insert(mesh.hexahedra()[e]);
+    if (field.body()->alive()[e]) expected.insert(mesh.hexahedra()[e]);
   EXPECT_EQ(left, expected);
 
   // outputs count hexahedra as the topology does
-  const ElementFields fields = field.guest()->body()->fields(x);
+  const ElementFields fields = field.body()->fields(x);
   for (const auto& [name, values] : {std::pair{"plasticStrain", &fields.plastic_strain},
                                      {"presentYieldStress", &fields.yield_stress},
                                      {"volumeRatio", &fields.volume_ratio}}) {
@@ -71,7 +71,7 @@ TEST_F(Adapter, LeavesATopologyWholeThatWouldLoseNodes) {
   auto& modifier = tissue.add(New<HexahedronSetTopologyModifier>::make(), "modifier");
   auto& field = make_body(with(kPlastic, {{"fractureStretch", "1.001"}}));
   for (int i = 0; i < 10; ++i) step(stretched);
-  EXPECT_FALSE(field.guest()->body()->removed().empty());
+  EXPECT_FALSE(field.body()->removed().empty());
   EXPECT_EQ(cells.getNbHexahedra(), 12u);
   EXPECT_NE(said().find("removeIsolated must be false"), std::string::npos) << said();
   EXPECT_FALSE(field.isComponentStateInvalid());

@@ -32,6 +32,8 @@ using sofa::core::objectmodel::New;
 using sofa::simulation::AnimateBeginEvent;
 using sofa::simulation::AnimateEndEvent;
 using sofa::type::vector;
+using DataTypes = Vec3Types;
+using Field = PartForceField<Vec3Types>;
 using support::Random;
 
 inline constexpr double kStep = 0.02;  // [s]
@@ -120,11 +122,11 @@ class Adapter : public testing::Test {
 
   BaseComponent& make(const std::string& class_name, const Attributes& attributes) {
     BaseComponent& made = tissue.add(factory().entries.at(class_name).make(), "the" + class_name);
-    for (const auto& [name, text] : attributes) EXPECT_TRUE(made.findData(name)->read(text)) << name;
+    for (const auto& [name, text] : attributes) EXPECT_TRUE(made.parseField(name, text)) << name;
     return made;
   }
-  GuestForceField& make_field(const std::string& class_name, const Attributes& attributes) {
-    auto& field = dynamic_cast<GuestForceField&>(make(class_name, attributes));
+  Field& make_field(const std::string& class_name, const Attributes& attributes) {
+    auto& field = dynamic_cast<Field&>(make(class_name, attributes));
     field.init();
     return field;
   }
@@ -150,7 +152,7 @@ class Adapter : public testing::Test {
   }
 
   /// `f` plus the forces at x.
-  PointArray force(GuestForceField& field, const PointArray& x, PointArray f) const {
+  PointArray force(Field& field, const PointArray& x, PointArray f) const {
     Data<DataTypes::VecCoord> position;
     Data<DataTypes::VecDeriv> forces, velocity;
     for (auto* data : {&position, &forces, &velocity}) data->beginEdit()->resize(static_cast<std::size_t>(x.rows()));
@@ -159,16 +161,16 @@ class Adapter : public testing::Test {
     field.addForce(&params, forces, position, velocity);
     return view(forces.getValue());
   }
-  PointArray force(GuestForceField& field, const PointArray& x) const { return force(field, x, zero); }
+  PointArray force(Field& field, const PointArray& x) const { return force(field, x, zero); }
 
-  PointArray product(GuestForceField& field, const PointArray& dx) const {
+  PointArray product(Field& field, const PointArray& dx) const {
     Data<DataTypes::VecDeriv> direction, forces;
     for (auto* data : {&direction, &forces}) data->beginEdit()->resize(static_cast<std::size_t>(dx.rows()));
     view(*direction.beginEdit()) = dx;
     field.addDForce(&params, forces, direction);
     return view(forces.getValue());
   }
-  double energy(GuestForceField& field, const PointArray& x) const {
+  double energy(Field& field, const PointArray& x) const {
     Data<DataTypes::VecCoord> position;
     position.beginEdit()->resize(static_cast<std::size_t>(x.rows()));
     view(*position.beginEdit()) = x;

@@ -18,7 +18,7 @@ namespace hexaplast::sofa_plugin::test
 namespace
 {
 
-using Field = sofa::core::objectmodel::Data<DataTypes::VecDeriv>;
+using Field = sofa::core::objectmodel::Data<Vec3Types::VecDeriv>;
 
 class ForceFieldChecks : public testing::Test
 {
@@ -38,7 +38,7 @@ protected:
     }
     PointArray force_at(const PointArray& x)
     {
-        sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+        sofa::core::objectmodel::Data<Vec3Types::VecCoord> position;
         Field f, v;
         view(*position.beginEdit()) = PointArray(0, 3);
         position.beginEdit()->resize(x.rows());
@@ -50,7 +50,7 @@ protected:
     }
     double energy_at(const PointArray& x)
     {
-        sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+        sofa::core::objectmodel::Data<Vec3Types::VecCoord> position;
         position.beginEdit()->resize(x.rows());
         view(*position.beginEdit()) = x;
         return scene.field().getPotentialEnergy(sofa::core::mechanicalparams::defaultInstance(), position);
@@ -164,7 +164,7 @@ TEST_F(ForceFieldChecks, OutputsShowThePlasticState)
         EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
     }
     const auto* material =
-        dynamic_cast<sofa::core::objectmodel::Data<DataTypes::VecCoord>*>(scene.field().findData("materialPositions"));
+        dynamic_cast<sofa::core::objectmodel::Data<Vec3Types::VecCoord>*>(scene.field().findData("materialPositions"));
     ASSERT_TRUE(material);
     EXPECT_EQ(PointArray(view(material->getValue())), scene.body().plastic_rest_positions());
 }
@@ -199,8 +199,8 @@ TEST(ForceField, RefusesWhatTheAttributeTableRefuses)
 {
     SofaScene scene = SofaScene::from_text(block(R"(hardening="0.3")"));
     EXPECT_FALSE(is_invalid(scene.field()));
-    EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).field(), std::runtime_error);
-    EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).field(), std::runtime_error);
+    EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).body(), std::runtime_error);
+    EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).body(), std::runtime_error);
 }
 
 // What an instrument stores in its springs, against the work on a small way.
@@ -213,18 +213,18 @@ TEST(Instrument, EnergyRisesAsItsForceIsWorkedAgainst)
         "times='0' forces='2'/>"));
     const PointArray rest = scene.positions();
     scene.step();  // it closes
-    std::vector<GuestForceField*> fields;
-    scene.root().get<GuestForceField>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
+    std::vector<PartForceField<Vec3Types>*> fields;
+    scene.root().get<PartForceField<Vec3Types>>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
     ASSERT_EQ(fields.size(), 3u);
     const auto* params = sofa::core::mechanicalparams::defaultInstance();
-    const auto energy_at = [&](GuestForceField& field, const PointArray& x)
+    const auto energy_at = [&](PartForceField<Vec3Types>& field, const PointArray& x)
     {
-        sofa::core::objectmodel::Data<DataTypes::VecCoord> position;
+        sofa::core::objectmodel::Data<Vec3Types::VecCoord> position;
         position.beginEdit()->resize(x.rows());
         view(*position.beginEdit()) = x;
         return field.getPotentialEnergy(params, position);
     };
-    GuestForceField& tool = *fields[1];
+    PartForceField<Vec3Types>& tool = *fields[1];
     EXPECT_EQ(energy_at(tool, rest), 0);
     PointArray x = rest;
     x.rowwise() += Eigen::RowVector3d(0.003, 0, -0.004);  // the springs of the grip, 800 N/m together, by 5 mm
@@ -275,7 +275,7 @@ TEST(Topology, NodesMayNotGo)
     renumbering.replace(renumbering.find("false"), 5, "true");
     SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", renumbering, kSource));
     auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
-    GuestForceField& field = scene.field();
+    auto& field = scene.field();
     modifier.removeHexahedra({0});
     EXPECT_TRUE(is_invalid(field));
 }

@@ -86,7 +86,7 @@ TEST_F(SofasChecks, HoldWhereTheMaterialHasFlowed)
     sofa::simulation::AnimateEndEvent end(0.1);
     node->propagateEvent(sofa::core::execparams::defaultInstance(), &end);
 
-    const Body& body = *force->guest()->body();
+    const Body& body = *force->body();
     EXPECT_GT(body.fields(view(stretched(1.05))).plastic_strain[0], 1e-3);
     Body same(body.mesh(), body.materials(), body.settings());
     same.flow(view(stretched(1.05)), 0.1);

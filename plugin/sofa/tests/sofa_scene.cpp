@@ -58,13 +58,4 @@ SofaScene::~SofaScene()
 void SofaScene::step() { sofa::simulation::node::animate(root_.get(), root_->getDt()); }
 void SofaScene::reset() { sofa::simulation::node::reset(root_.get()); }
 
-GuestForceField& SofaScene::field()
-{
-    std::vector<GuestForceField*> fields;
-    root_->getContext()->get<GuestForceField>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
-    for (GuestForceField* field : fields)
-        if (field->guest() && field->guest()->body()) return *field;
-    throw std::runtime_error("no body in the scene");
-}
-
 }  // namespace hexaplast::sofa_plugin::test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/GuestForceField.h>
+#include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <sofa/simulation/Node.h>
 
 #include <filesystem>
@@ -33,8 +33,13 @@ public:
 
     sofa::core::objectmodel::BaseContext& root() { return *root_->getContext(); }
     MechanicalState& state() { return *dynamic_cast<MechanicalState*>(field().getMState()); }
-    GuestForceField& field();  ///< the one with a body
-    const Body& body() { return *field().guest()->body(); }
+    HexahedronElastoplasticFEMForceField& field() { return only<HexahedronElastoplasticFEMForceField>(); }
+    const Body& body()
+    {
+        const Body* found = field().body();
+        if (!found) throw std::runtime_error("no body in the scene");
+        return *found;
+    }
 
     PointArray positions() { return view(state().readPositions().ref()); }
     PointArray velocities() { return view(state().readVelocities().ref()); }

@@ -67,10 +67,6 @@ const scene::Factory& guests()
     {
         scene::Factory made;
         components::add_bodies(made);
-        components::add_loads(made);
-        components::add_instruments(made);
-        components::add_shapes(made);
-        components::add_solvers(made);
         return made;
     }();
     return factory;

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <Hexaplast/AttributeData.h>
-#include <sofa/core/behavior/MechanicalState.h>
-#include <sofa/core/topology/BaseMeshTopology.h>
-#include <sofa/defaulttype/VecTypes.h>
+#include <Hexaplast/fields.h>
 
 #include <optional>
 #include <stdexcept>
@@ -16,21 +14,6 @@
 
 namespace hexaplast::sofa_plugin
 {
-
-using DataTypes = sofa::defaulttype::Vec3Types;
-using MechanicalState = sofa::core::behavior::MechanicalState<DataTypes>;
-using MeshTopology = sofa::core::topology::BaseMeshTopology;
-
-/// Nodal fields of SOFA as ours, and back: the same memory.
-inline Eigen::Map<const PointArray> view(const DataTypes::VecCoord& field)
-{
-    static_assert(sizeof(DataTypes::Coord) == 3 * sizeof(double), "SOFA must be built with double precision");
-    return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
-}
-inline Eigen::Map<PointArray> view(DataTypes::VecCoord& field)
-{
-    return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
-}
 
 /// The components of ours that SOFA can have as guests, by class name.
 const scene::Factory& guests();
@@ -80,55 +63,5 @@ private:
     State* m_state = nullptr;
     scene::Component* m_component = nullptr;
 };
-
-/// Whether a component may take part in a step. Where it is invalid, the animation is stopped once more, for whoever
-/// has started it again: `runSofa -a` after the scene's errors, or a user. One that is driven on although it is
-/// stopped, as `runSofa -g batch` and programs do, ends by an exception: a run without its forces would be worthless.
-inline bool may_step(const SofaComponent& component)
-{
-    if (!is_invalid(component)) return true;
-    auto* root = component.getContext() ? component.getContext()->getRootContext() : nullptr;
-    if (!root) return false;
-    const char* what = " is invalid (see its error above): the animation is stopped";
-    if (!root->getAnimate()) throw std::runtime_error(component.getPathName() + what);
-    msg_error(&component) << component.getPathName() << what;
-    root->setAnimate(false);
-    return false;
-}
-
-/// What a component of SOFA does with errors of its guest: it says what is wrong, becomes invalid and stops the
-/// animation. True when `call` came through.
-template <class Call>
-bool attempt(SofaComponent& host, const Call& call)
-{
-    const auto fail = [&](const char* what)
-    {
-        msg_error(&host) << what;
-        host.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
-        if (auto* root = host.getContext() ? host.getContext()->getRootContext() : nullptr) root->setAnimate(false);
-        return false;
-    };
-    try
-    {
-        call();
-        return true;
-    }
-    catch (const scene::SceneError& error)
-    {
-        return fail(error.what());
-    }
-    catch (const scene::Rejection& error)
-    {
-        return fail(error.what());
-    }
-    catch (const InputError& error)
-    {
-        return fail(error.what());
-    }
-    catch (const NumericalError& error)
-    {
-        return fail(error.what());
-    }
-}
 
 }  // namespace hexaplast::sofa_plugin

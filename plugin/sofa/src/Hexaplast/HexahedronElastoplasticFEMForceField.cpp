@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
+#include <Hexaplast/registration.h>
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/core/topology/TopologyChange.h>
 #include <sofa/core/visual/VisualParams.h>
 #include <sofa/helper/ColorMap.h>
 
+#include <Hexaplast/PartForceField.inl>
 #include <algorithm>
 #include <numeric>
 
@@ -20,26 +22,27 @@ using sofa::core::objectmodel::ComponentState;
 using sofa::type::RGBAColor;
 
 HexahedronElastoplasticFEMForceField::HexahedronElastoplasticFEMForceField()
-    : GuestForceField(attributes::kHexahedronElastoplasticFEMForceField),
+    : Inherit(attributes::kHexahedronElastoplasticFEMForceField),
       d_drawMaterialShape(initData(&d_drawMaterialShape, false, "drawMaterialShape",
                                    "Draws the edges of the shape that the body has without forces.")),
-      l_topology(initLink("topology", "The hexahedra; the topology of the node where it is not given."))
+      l_topology(initLink("topology", "The hexahedra; the topology of the node where it is not given.")),
+      m_attributes(*this, attributes::kHexahedronElastoplasticFEMForceField)
 {
-    for (sofa::core::BaseData* output : attributes().outputs()) m_outputs.addOutput(output);
+    for (sofa::core::BaseData* output : m_attributes.outputs()) m_outputs.addOutput(output);
 }
 
 void HexahedronElastoplasticFEMForceField::Outputs::update()
 {
     cleanDirty();
     if (!m_owner.works()) return;
-    m_owner.attributes().fetch_from(*m_owner.guest());
+    m_owner.m_attributes.fetch_from(m_owner.guest());
     m_owner.orderAsTheTopology();
 }
 
 void HexahedronElastoplasticFEMForceField::orderAsTheTopology()
 {
-    if (m_original.size() == static_cast<std::size_t>(guest()->body()->mesh().num_elements())) return;
-    for (sofa::core::BaseData* output : attributes().outputs())
+    if (m_original.size() == static_cast<std::size_t>(body()->mesh().num_elements())) return;
+    for (sofa::core::BaseData* output : m_attributes.outputs())
     {
         auto* perHexahedron = dynamic_cast<sofa::core::objectmodel::Data<sofa::type::vector<SReal>>*>(output);
         if (!perHexahedron) continue;
@@ -62,30 +65,43 @@ void HexahedronElastoplasticFEMForceField::init()
     }
     m_original.resize(l_topology->getNbHexahedra());
     std::iota(m_original.begin(), m_original.end(), 0);
-    GuestForceField::init();
+    Inherit::init();
     m_outputs.setDirtyValue();
 }
 
-void HexahedronElastoplasticFEMForceField::reset()
+void HexahedronElastoplasticFEMForceField::makePart()
 {
-    GuestForceField::reset();
-    if (works() && m_original.size() < static_cast<std::size_t>(guest()->body()->mesh().num_elements()))
+    m_guest.reset();
+    m_guest.emplace(*this, attributes::kHexahedronElastoplasticFEMForceField, m_attributes, mstate.get(),
+                    l_topology.get());
+}
+
+std::optional<double> HexahedronElastoplasticFEMForceField::energy(SReal, ConstPoints x) const
+{
+    return body()->energy(x);
+}
+
+void HexahedronElastoplasticFEMForceField::resetPart()
+{
+    m_guest->reset();
+    if (works() && m_original.size() < static_cast<std::size_t>(body()->mesh().num_elements()))
     {
         // the topology stays torn, and so does the body
-        std::vector<bool> is_left(guest()->body()->mesh().num_elements(), false);
+        std::vector<bool> is_left(body()->mesh().num_elements(), false);
         for (const int e : m_original) is_left[e] = true;
         std::vector<int> gone;
         for (int e = 0; e < static_cast<int>(is_left.size()); ++e)
             if (!is_left[e]) gone.push_back(e);
-        guest()->remove_elements(gone);
+        guest().remove_elements(gone);
     }
     m_outputs.setDirtyValue();
 }
 
-void HexahedronElastoplasticFEMForceField::stepEnded()
+void HexahedronElastoplasticFEMForceField::endStep(SReal dt)
 {
+    m_guest->end_step(dt);
     m_outputs.setDirtyValue();
-    if (guest()->flow_report()->removed > 0) tearTopology();
+    if (guest().flow_report()->removed > 0) tearTopology();
 }
 
 void HexahedronElastoplasticFEMForceField::tearTopology()
@@ -99,7 +115,7 @@ void HexahedronElastoplasticFEMForceField::tearTopology()
                       << " would take nodes away with them: removeIsolated must be false. The topology stays whole.";
         return;
     }
-    const std::span<const unsigned char> alive = guest()->body()->alive();
+    const std::span<const unsigned char> alive = body()->alive();
     sofa::type::vector<sofa::Index> gone;
     for (std::size_t i = 0; i < m_original.size(); ++i)
         if (!alive[m_original[i]]) gone.push_back(static_cast<sofa::Index>(i));
@@ -138,7 +154,7 @@ void HexahedronElastoplasticFEMForceField::handleTopologyChange(sofa::core::topo
                             break;
                     }
                 }
-                guest()->remove_elements(gone);
+                guest().remove_elements(gone);
                 m_outputs.setDirtyValue();
             });
 }
@@ -151,7 +167,7 @@ void HexahedronElastoplasticFEMForceField::draw(const sofa::core::visual::Visual
     if (vparams->displayFlags().getShowWireFrame()) tool->setPolygonMode(0, true);
     tool->enableLighting();
 
-    const Body& body = *guest()->body();
+    const Body& body = *this->body();
     const auto x = view(mstate->readPositions().ref());
     const std::span<const unsigned char> alive = body.alive();
     const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
@@ -178,6 +194,12 @@ void HexahedronElastoplasticFEMForceField::draw(const sofa::core::visual::Visual
             for (const int node : {face[k], face[(k + 1) % face.size()]})
                 ends.emplace_back(material(node, 0), material(node, 1), material(node, 2));
     tool->drawLines(ends, 1, RGBAColor::gray());
+}
+
+void registerHexahedronElastoplasticFEMForceField(sofa::core::ObjectFactory* factory)
+{
+    register_component<HexahedronElastoplasticFEMForceField>(factory,
+                                                             attributes::kHexahedronElastoplasticFEMForceField);
 }
 
 }  // namespace hexaplast::sofa_plugin

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/init.h>
 #include <Hexaplast/registration.h>
 
 #include <cstdlib>
 
-#include "attributes/hexaplast.hpp"
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast::sofa_plugin
 {
-
-void register_bodies(sofa::core::ObjectFactory* factory)
-{
-    register_component<HexahedronElastoplasticFEMForceField>(factory,
-                                                             attributes::kHexahedronElastoplasticFEMForceField);
-}
 
 // OMP_NUM_THREADS says how many threads the kernels have; one where it is not set. Results do not depend on it.
 void init()
@@ -41,11 +33,12 @@ extern "C"
     SOFA_EXPORT_DYNAMIC_LIBRARY void registerObjects(sofa::core::ObjectFactory* factory)
     {
         using namespace hexaplast::sofa_plugin;
-        register_bodies(factory);
-        register_loads(factory);
-        register_topologies(factory);
-        register_solver(factory);
-        register_exporter(factory);
-        register_settings(factory);
+        registerHexahedronElastoplasticFEMForceField(factory);
+        registerTangentialForceField(factory);
+        registerGraspForceField(factory);
+        registerShapeTopologies(factory);
+        registerMultigridCGLinearSolver(factory);
+        registerFinalStateExporter(factory);
+        registerRunSettings(factory);
     }
 }

@@ -18,11 +18,12 @@ void register_component(sofa::core::ObjectFactory* factory, const attributes::De
     factory->registerObjects(sofa::core::ObjectRegistrationData(std::string(description.help)).add<T>());
 }
 
-void register_bodies(sofa::core::ObjectFactory* factory);
-void register_loads(sofa::core::ObjectFactory* factory);
-void register_topologies(sofa::core::ObjectFactory* factory);
-void register_exporter(sofa::core::ObjectFactory* factory);
-void register_solver(sofa::core::ObjectFactory* factory);
-void register_settings(sofa::core::ObjectFactory* factory);
+void registerHexahedronElastoplasticFEMForceField(sofa::core::ObjectFactory* factory);
+void registerTangentialForceField(sofa::core::ObjectFactory* factory);
+void registerGraspForceField(sofa::core::ObjectFactory* factory);
+void registerShapeTopologies(sofa::core::ObjectFactory* factory);
+void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory);
+void registerFinalStateExporter(sofa::core::ObjectFactory* factory);
+void registerRunSettings(sofa::core::ObjectFactory* factory);
 
 }  // namespace hexaplast::sofa_plugin

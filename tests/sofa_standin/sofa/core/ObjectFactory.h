@@ -16,7 +16,7 @@ class ObjectRegistrationData {
   template <class T>
   ObjectRegistrationData& add() {
     make_ = [] { return std::shared_ptr<objectmodel::BaseComponent>(objectmodel::New<T>::make()); };
-    if constexpr (requires { T::GetCustomTemplateName(); }) template_name_ = T::GetCustomTemplateName();
+    if constexpr (requires { typename T::DataTypes; }) template_name_ = T::DataTypes::Name();
     return *this;
   }
 

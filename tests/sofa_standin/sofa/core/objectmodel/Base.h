@@ -39,11 +39,16 @@ class Base {
   }
   void addAlias(BaseData* data, const char* alias) { data_[alias] = data; }
 
+  /// An attribute of a scene file.
+  virtual bool parseField(const std::string& attribute, const std::string& value) {
+    return findData(attribute)->read(value);
+  }
+
   Data<ComponentState> d_componentState{"Whether it works."};
   Data<bool> f_printLog{"Whether it says what it does."};
   bool isComponentStateInvalid() const { return d_componentState.getValue() == ComponentState::Invalid; }
 
- protected:
+ public:
   // Called before the Data is constructed, from what they return.
   template <class T>
   BaseData::Init initData(Data<T>* data, const char* name, const char* help, bool is_displayed = true,
@@ -57,6 +62,8 @@ class Base {
     data_[name] = data;
     return {{name, help, is_displayed, is_read_only}, value};
   }
+
+ protected:
   BaseLink::Init initLink(const char* name, const char* help) { return {name, help}; }
 
  private:
@@ -73,13 +80,23 @@ struct New {
 
 }  // namespace sofa::core::objectmodel
 
+namespace sofa_standin {
+
+/// "Class" of "Class" and of "SOFA_TEMPLATE(Class, T)".
+inline std::string class_name(std::string text) {
+  text.erase(0, text.find('(') + 1);
+  return text.substr(0, text.find(','));
+}
+
+}  // namespace sofa_standin
+
 #define SOFA_TEMPLATE(Class, Argument) Class<Argument>
 #define SOFA_TEMPLATE2(Class, First, Second) Class<First, Second>
 #define SOFA_ABSTRACT_CLASS(Class, Parent) \
   using Inherit1 = Parent;                 \
   template <class>                         \
   friend struct ::sofa::core::objectmodel::New
-#define SOFA_CLASS(Class, ...)                                 \
-  std::string getClassName() const override { return #Class; } \
-  template <class>                                             \
+#define SOFA_CLASS(Class, ...)                                                             \
+  std::string getClassName() const override { return ::sofa_standin::class_name(#Class); } \
+  template <class>                                                                         \
   friend struct ::sofa::core::objectmodel::New

@@ -14,6 +14,7 @@ class BaseData : public DDGNode {
   struct Init {
     std::string name, help;
     bool is_displayed = true, is_read_only = false;
+    std::string group = {};
   };
 
   explicit BaseData(Init init) : init_(std::move(init)) {}
@@ -28,8 +29,8 @@ class BaseData : public DDGNode {
   const std::string& getHelp() const { return init_.help; }
   const std::string& getName() const { return init_.name; }
   void setName(const std::string& name) { init_.name = name; }
-  const std::string& getGroup() const { return group_; }
-  void setGroup(const std::string& group) { group_ = group; }
+  const std::string& getGroup() const { return init_.group; }
+  void setGroup(const std::string& group) { init_.group = group; }
 
   void update() override {
     cleanDirty();
@@ -44,7 +45,6 @@ class BaseData : public DDGNode {
 
  private:
   Init init_;
-  std::string group_;
   bool is_set_ = false;
   int counter_ = 0;
 };
@@ -85,7 +85,7 @@ class Data : public BaseData {
       return true;
     } else if constexpr (requires(std::istream & in, T & value) { in >> value; }) {
       std::istringstream in(text);
-      T value{};
+      T value = value_;
       if (!(in >> std::boolalpha >> value)) return false;
       setValue(value);
       return true;

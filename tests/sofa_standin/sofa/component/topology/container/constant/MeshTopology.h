@@ -14,6 +14,8 @@ class MeshTopology : public core::topology::BaseMeshTopology {
 
   core::objectmodel::Data<type::vector<type::Vec3>> d_seqPoints{initData(&d_seqPoints, "position", "Nodes.")};
   core::objectmodel::Data<SeqHexahedra> d_seqHexahedra{initData(&d_seqHexahedra, "hexahedra", "Hexahedra.")};
+  core::objectmodel::Data<type::vector<Index>> d_seqQuads{initData(&d_seqQuads, "quads", "Quads.")};
+  core::objectmodel::Data<type::vector<Index>> d_seqEdges{initData(&d_seqEdges, "edges", "Edges.")};
 };
 
 }  // namespace sofa::component::topology::container::constant

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/GuestForceField.h>
+#include <Hexaplast/PartForceField.h>
+#include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/BaseMapping.h>
@@ -8,9 +9,12 @@
 #include <sofa/simulation/MechanicalOperations.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
-#include "attributes/hexaplast.hpp"
+#include "attributes/parts.hpp"
 #include "hexaplast/layout/linear_system.hpp"
+#include "parts/multigrid_cg.hpp"
 
 namespace hexaplast::sofa_plugin
 {
@@ -23,6 +27,7 @@ using sofa::core::MatricesFactors;
 using sofa::core::behavior::BaseForceField;
 using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
+using OurForceField = PartForceField<Vec3Types>;
 
 /// The system m M + b B + k K of a SOFA node as a system of ours. The kernels work on our bodies, lumped masses and
 /// what of ours has a diagonal; whatever else acts is asked of SOFA product by product beside them.
@@ -68,13 +73,13 @@ public:
         for (BaseForceField* field : fields)
         {
             if (dynamic_cast<BaseMass*>(field) || has_no_stiffness(*field)) continue;
-            auto* ours = dynamic_cast<GuestForceField*>(field);
-            if (ours && (!ours->guest() || !ours->guest()->is_in_matrix())) continue;
+            auto* ours = dynamic_cast<OurForceField*>(field);
+            if (ours && (!ours->hasPart() || !ours->isInMatrix())) continue;
             const double factor =
                 ours ? m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue() : 0;
-            if (ours && ours->getMState() == &m_state && ours->guest()->to_kernels(factor, system))
+            if (ours && ours->getMState() == &m_state && ours->toKernels(factor, system))
             {
-                ours->guest()->add_damping_diagonal(m_A.mparams.bFactor(), system.diagonal);
+                ours->addDampingDiagonal(m_A.mparams.bFactor(), system.diagonal);
                 m_in_kernels.push_back(ours);
             }
             else
@@ -124,16 +129,16 @@ private:
     class LeftOut
     {
     public:
-        explicit LeftOut(const std::vector<GuestForceField*>& fields) : m_fields(fields) { set(true); }
+        explicit LeftOut(const std::vector<OurForceField*>& fields) : m_fields(fields) { set(true); }
         ~LeftOut() { set(false); }
         LeftOut(const LeftOut&) = delete;
 
     private:
         void set(bool leftOut)
         {
-            for (GuestForceField* field : m_fields) field->leaveOutOfProducts(leftOut);
+            for (OurForceField* field : m_fields) field->leaveOutOfProducts(leftOut);
         }
-        const std::vector<GuestForceField*>& m_fields;
+        const std::vector<OurForceField*>& m_fields;
     };
 
     /// Fp += F p of what the kernels do not know.
@@ -163,7 +168,7 @@ private:
                            [&](BaseMass* mass)
                            {
                                const auto* field =
-                                   dynamic_cast<const sofa::core::behavior::ForceField<DataTypes>*>(mass);
+                                   dynamic_cast<const sofa::core::behavior::ForceField<Vec3Types>*>(mass);
                                const bool damps = mass->rayleighMass.getValue() != 0 && m_A.mparams.bFactor() != 0;
                                return mass->isDiagonal() && !damps && field && field->getMState() == &m_state;
                            });
@@ -188,10 +193,13 @@ private:
     MechanicalState& m_state;
     GraphScatteredMatrix& m_A;
     GraphScatteredVector &m_in, &m_out;
-    mutable std::vector<GuestForceField*> m_in_kernels;
+    mutable std::vector<OurForceField*> m_in_kernels;
     mutable double m_mass_of_others = 0;  // factor of the masses in what the kernels do not know
 };
 
+}  // namespace
+
+/// Preconditioned conjugate gradients that end when the answer is as good as asked for.
 class MultigridCGLinearSolver final
     : public sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>
 {
@@ -200,19 +208,38 @@ public:
     SOFA_CLASS(MultigridCGLinearSolver, SOFA_TEMPLATE2(sofa::component::linearsolver::MatrixLinearSolver,
                                                        GraphScatteredMatrix, GraphScatteredVector));
 
+    Data<OptionsGroup> d_preconditioner;  ///< auto, multigrid or diagonal
+    Data<SReal> d_tolerance;              ///< on |r| / |b|
+    Data<int> d_iterations;               ///< at most
+
     void init() override
     {
         Inherit::init();
-        m_guest.reset();
+        m_solver.reset();
         m_constraints_are_checked = false;
         attempt(*this,
-                [&] { m_guest.emplace(*this, attributes::kMultigridCGLinearSolver, m_attributes, nullptr, nullptr); });
+                [&]
+                {
+                    if (!m_unknownWord.empty())
+                        throw parts::OptionError("preconditioner", std::exchange(m_unknownWord, {}));
+                    m_solver.emplace(parts::MultigridCGOptions{
+                        .preconditioner = parts::preconditioner_of(d_preconditioner.getValue().getSelectedItem()),
+                        .tolerance = d_tolerance.getValue(),
+                        .iterations = d_iterations.getValue()});
+                });
     }
     void reinit() override { init(); }
 
+    bool parseField(const std::string& attribute, const std::string& value) override
+    {
+        const std::string unknown = unknown_word(attributes::kMultigridCGLinearSolver, attribute, value);
+        if (!unknown.empty()) m_unknownWord = unknown;
+        return Inherit::parseField(attribute, value);
+    }
+
     void solve(GraphScatteredMatrix& A, GraphScatteredVector& x, GraphScatteredVector& b) override
     {
-        if (!may_step(*this) || !m_guest) return;
+        if (!may_step(*this) || !m_solver) return;
         typename Inherit::TempVectorContainer vectors(this, sofa::core::execparams::defaultInstance(), A, x, b);
         const std::unique_ptr<GraphScatteredVector> in(vectors.createTempVector()), out(vectors.createTempVector());
         attempt(*this,
@@ -221,13 +248,11 @@ public:
                     const SofaSystem system(*getContext(), onlyState(), A, *in, *out);
                     check_constraints(system);
                     PointArray solution(system.num_nodes(), 3);
-                    const SolveReport report =
-                        m_guest->as<scene::LinearSolver>().method().solve(system, system.read(b), solution);
+                    const SolveReport report = m_solver->solver().solve(system, system.read(b), solution);
                     system.write(solution, x);
                     msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
                                << ", |r| / |b| = " << report.residual;
-                    m_guest->as<scene::LinearSolver>().heed(report);
-                    m_guest->pass_on_warnings();
+                    pass_on(*this, m_solver->heed(report));
                     if (!report.converged)
                         msg_warning() << "stopped after " << report.iterations
                                       << " iterations with |r| / |b| = " << report.residual;
@@ -235,7 +260,13 @@ public:
     }
 
 protected:
-    MultigridCGLinearSolver() : m_attributes(*this, attributes::kMultigridCGLinearSolver) {}
+    MultigridCGLinearSolver()
+        : d_preconditioner(
+              from_table(*this, d_preconditioner, row(attributes::kMultigridCGLinearSolver, "preconditioner"))),
+          d_tolerance(from_table(*this, d_tolerance, row(attributes::kMultigridCGLinearSolver, "tolerance"))),
+          d_iterations(from_table(*this, d_iterations, row(attributes::kMultigridCGLinearSolver, "iterations")))
+    {
+    }
 
 private:
     /// The one state below that follows no other.
@@ -266,14 +297,12 @@ private:
         m_constraints_are_checked = true;
     }
 
-    AttributeData m_attributes;
-    std::optional<Guest> m_guest;
+    std::optional<parts::MultigridCG> m_solver;
+    std::string m_unknownWord;  // as preconditioner
     bool m_constraints_are_checked = false;
 };
 
-}  // namespace
-
-void register_solver(sofa::core::ObjectFactory* factory)
+void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory)
 {
     register_component<MultigridCGLinearSolver>(factory, attributes::kMultigridCGLinearSolver);
 }

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/AttributeData.h>
 #include <Hexaplast/registration.h>
+#include <Hexaplast/table.h>
 #include <sofa/core/objectmodel/BaseObject.h>
 
-#include "attributes/hexaplast.hpp"
+#include "attributes/parts.hpp"
 
 namespace hexaplast::sofa_plugin
-{
-namespace
 {
 
 /// How long `hexaplast run` runs a scene. In SOFA that is the business of runSofa; scripts may read it.
@@ -16,16 +14,18 @@ class RunSettings final : public sofa::core::objectmodel::BaseObject
 public:
     SOFA_CLASS(RunSettings, sofa::core::objectmodel::BaseObject);
 
-protected:
-    RunSettings() : m_attributes(*this, attributes::kRunSettings) {}
+    Data<int> d_steps;        ///< of a run
+    Data<int> d_outputEvery;  ///< steps between two saved states
 
-private:
-    AttributeData m_attributes;
+protected:
+    RunSettings()
+        : d_steps(from_table(*this, d_steps, row(attributes::kRunSettings, "steps"))),
+          d_outputEvery(from_table(*this, d_outputEvery, row(attributes::kRunSettings, "outputEvery")))
+    {
+    }
 };
 
-}  // namespace
-
-void register_settings(sofa::core::ObjectFactory* factory)
+void registerRunSettings(sofa::core::ObjectFactory* factory)
 {
     register_component<RunSettings>(factory, attributes::kRunSettings);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/GuestForceField.h>
+#include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/registration.h>
 #include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/core/objectmodel/DataFileName.h>
@@ -10,8 +10,6 @@
 
 namespace hexaplast::sofa_plugin
 {
-namespace
-{
 
 constexpr attributes::Description kFinalStateExporter{
     .class_name = "FinalStateExporter",
@@ -21,6 +19,7 @@ constexpr attributes::Description kFinalStateExporter{
         "hexaplast run --final does. Stands behind the force field in its node.",
     .templates = ""};
 
+/// Writes the state after a step in full precision.
 class FinalStateExporter final : public sofa::core::objectmodel::BaseObject
 {
 public:
@@ -40,9 +39,9 @@ public:
     {
         if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || is_invalid(*this)) return;
         if (++m_numSteps != d_step.getValue()) return;
-        GuestForceField* field = nullptr;
+        HexahedronElastoplasticFEMForceField* field = nullptr;
         getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);
-        const Body* body = field && field->guest() ? field->guest()->body() : nullptr;
+        const Body* body = field ? field->body() : nullptr;
         if (!body)
         {
             msg_error() << "finds no body in its node or above";
@@ -51,7 +50,7 @@ public:
         const auto* state = field->getMState();
         try
         {
-            output::write_final(d_filename.getValue(), m_numSteps, getContext()->getTime(),
+            output::write_final(d_filename.getFullPath(), m_numSteps, getContext()->getTime(),
                                 view(state->readPositions().ref()), view(state->readVelocities().ref()), *body);
         }
         catch (const std::runtime_error& error)
@@ -69,14 +68,12 @@ protected:
     }
 
 private:
-    sofa::core::objectmodel::Data<std::string> d_filename;
-    sofa::core::objectmodel::Data<int> d_step;
+    sofa::core::objectmodel::DataFileName d_filename;  ///< the JSON file
+    sofa::core::objectmodel::Data<int> d_step;         ///< after which the state is written
     int m_numSteps = 0;
 };
 
-}  // namespace
-
-void register_exporter(sofa::core::ObjectFactory* factory)
+void registerFinalStateExporter(sofa::core::ObjectFactory* factory)
 {
     register_component<FinalStateExporter>(factory, kFinalStateExporter);
 }

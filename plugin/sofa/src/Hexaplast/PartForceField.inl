@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/PartForceField.h>
+#include <Hexaplast/errors.h>
+#include <sofa/core/MechanicalParams.h>
+#include <sofa/core/behavior/BaseLocalForceFieldMatrix.h>
+#include <sofa/linearalgebra/BaseMatrix.h>
+#include <sofa/simulation/AnimateBeginEvent.h>
+#include <sofa/simulation/AnimateEndEvent.h>
+
+#include <utility>
+
+namespace hexaplast::sofa_plugin
+{
+
+inline void add(const BlockMatrix& blocks, SReal factor, unsigned int offset, sofa::linearalgebra::BaseMatrix& matrix)
+{
+    for (int row = 0; row < blocks.num_nodes(); ++row)
+        for (const auto& [column, block] : blocks.row(row))
+            for (int a = 0; a < 3; ++a)
+                for (int b = 0; b < 3; ++b)
+                    matrix.add(static_cast<int>(offset) + 3 * row + a, static_cast<int>(offset) + 3 * column + b,
+                               factor * block(a, b));
+}
+
+template <class Derivative>
+void add(const BlockMatrix& blocks, Derivative derivative)
+{
+    for (int row = 0; row < blocks.num_nodes(); ++row)
+        for (const auto& [column, block] : blocks.row(row))
+        {
+            sofa::type::Mat<3, 3, SReal> entry(sofa::type::NOINIT);
+            for (int a = 0; a < 3; ++a)
+                for (int b = 0; b < 3; ++b) entry(a, b) = block(a, b);
+            derivative(3 * row, 3 * column) += entry;
+        }
+}
+
+template <class TDataTypes>
+PartForceField<TDataTypes>::PartForceField(const Description& description) : m_description(description)
+{
+    this->f_listening.setValue(true);
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::init()
+{
+    using sofa::core::objectmodel::ComponentState;
+    Inherit::init();
+    if (!this->mstate)
+    {
+        msg_error(this) << "needs a MechanicalObject of template Vec3 before it";
+        this->d_componentState.setValue(ComponentState::Invalid);
+        return;
+    }
+    const bool is_made = attempt(*this,
+                                 [&]
+                                 {
+                                     if (!m_unknownWord.empty())
+                                         throw parts::OptionError(m_unknownWordOf, std::exchange(m_unknownWord, {}));
+                                     makePart();
+                                 });
+    if (!is_made) return;
+    m_inputs.emplace(*this, m_description);
+    m_stiffness = m_damping = BlockMatrix(numNodes());
+    this->d_componentState.setValue(ComponentState::Valid);
+}
+
+template <class TDataTypes>
+bool PartForceField<TDataTypes>::parseField(const std::string& attribute, const std::string& value)
+{
+    if (const std::string unknown = unknown_word(m_description, attribute, value); !unknown.empty())
+    {
+        m_unknownWord = unknown;
+        m_unknownWordOf = attribute;
+    }
+    return Inherit::parseField(attribute, value);
+}
+
+// What flowed stays: the part follows the Data as it would at the beginning of the next step.
+template <class TDataTypes>
+void PartForceField<TDataTypes>::reinit()
+{
+    if (!hasPart()) return init();
+    this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+    m_inputs->have_changed();
+    attempt(*this, [&] { updatePart(); });
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::reset()
+{
+    if (hasPart()) resetPart();
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* event)
+{
+    if (sofa::simulation::AnimateBeginEvent::checkEventType(event))
+    {
+        if (!may_step(*this) || !hasPart()) return;
+        const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
+        attempt(*this,
+                [&]
+                {
+                    if (m_inputs->have_changed()) updatePart();
+                    beginStep(this->getContext()->getTime(), dt);
+                });
+    }
+    else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
+    {
+        const SReal dt = static_cast<sofa::simulation::AnimateEndEvent*>(event)->getDt();
+        attempt(*this, [&] { endStep(dt); });
+    }
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::addForce(const MechanicalParams*, DataVecDeriv& f, const DataVecCoord& x,
+                                          const DataVecDeriv& v)
+{
+    if (!works()) return;
+    auto forces = sofa::helper::getWriteAccessor(f);
+    if (forces.size() < x.getValue().size()) forces.resize(x.getValue().size());
+    attempt(
+        *this, [&]
+        { addPartForce(this->getContext()->getTime(), view(x.getValue()), view(v.getValue()), view(forces.wref())); });
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::addDForce(const MechanicalParams* mparams, DataVecDeriv& df, const DataVecDeriv& dx)
+{
+    const double factor =
+        sofa::core::mechanicalparams::kFactorIncludingRayleighDamping(mparams, this->rayleighStiffness.getValue());
+    if (!works() || m_leftOut) return;
+    auto forces = sofa::helper::getWriteAccessor(df);
+    if (forces.size() < dx.getValue().size()) forces.resize(dx.getValue().size());
+    const double damping = mparams->bFactor();
+    attempt(*this,
+            [&]
+            {
+                addStiffnessProduct(factor, view(dx.getValue()), view(forces.wref()));
+                if (damping != 0) addDampingProduct(damping, view(dx.getValue()), view(forces.wref()));
+            });
+}
+
+template <class TDataTypes>
+bool PartForceField<TDataTypes>::findStiffness()
+{
+    m_stiffness.clear();
+    return attempt(*this, [&] { addStiffnessBlocks(1, m_stiffness); });
+}
+
+template <class TDataTypes>
+bool PartForceField<TDataTypes>::findDamping()
+{
+    m_damping.clear();
+    return attempt(*this, [&] { addDampingBlocks(1, m_damping); });
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor,
+                                              unsigned int& offset)
+{
+    if (works() && findStiffness()) add(m_stiffness, factor, offset, *matrix);
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::addBToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor,
+                                              unsigned int& offset)
+{
+    if (works() && findDamping()) add(m_damping, factor, offset, *matrix);
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
+{
+    if (works() && findStiffness())
+        add(m_stiffness, matrix->getForceDerivativeIn(this->mstate).withRespectToPositionsIn(this->mstate));
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix)
+{
+    if (works() && findDamping())
+        add(m_damping, matrix->getForceDerivativeIn(this->mstate).withRespectToVelocityIn(this->mstate));
+}
+
+template <class TDataTypes>
+SReal PartForceField<TDataTypes>::getPotentialEnergy(const MechanicalParams*, const DataVecCoord& x) const
+{
+    if (!works()) return 0;
+    if (const auto found = energy(this->getContext()->getTime(), view(x.getValue()))) return *found;
+    msg_warning(this) << "its forces have no potential energy: 0 counts";
+    return 0;
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::computeBBox(const sofa::core::ExecParams*, bool onlyVisible)
+{
+    if (!this->mstate || onlyVisible) return;
+    const auto x = view(this->mstate->readPositions().ref());
+    if (x.rows() == 0) return;
+    const Vec3 min = x.colwise().minCoeff(), max = x.colwise().maxCoeff();
+    this->f_bbox.setValue(sofa::type::BoundingBox(vec3(min), vec3(max)));
+}
+
+}  // namespace hexaplast::sofa_plugin

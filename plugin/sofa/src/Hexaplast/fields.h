@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <sofa/core/behavior/MechanicalState.h>
+#include <sofa/core/topology/BaseMeshTopology.h>
+#include <sofa/defaulttype/VecTypes.h>
+
+#include <vector>
+
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+
+using sofa::defaulttype::Vec3Types;
+using MechanicalState = sofa::core::behavior::MechanicalState<Vec3Types>;
+using MeshTopology = sofa::core::topology::BaseMeshTopology;
+
+/// Nodal fields of SOFA as ours, and back: the same memory.
+inline Eigen::Map<const PointArray> view(const Vec3Types::VecCoord& field)
+{
+    static_assert(sizeof(Vec3Types::Coord) == 3 * sizeof(double), "SOFA must be built with double precision");
+    return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
+}
+inline Eigen::Map<PointArray> view(Vec3Types::VecCoord& field)
+{
+    return {field.empty() ? nullptr : field[0].ptr(), static_cast<Eigen::Index>(field.size()), 3};
+}
+
+inline Vec3 vec3(const sofa::type::Vec3& v) { return {v[0], v[1], v[2]}; }
+inline sofa::type::Vec3 vec3(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+inline std::vector<int> whole_numbers(const sofa::type::vector<sofa::Index>& from) { return {from.begin(), from.end()}; }
+inline std::vector<double> reals(const sofa::type::vector<SReal>& from) { return {from.begin(), from.end()}; }
+
+}  // namespace hexaplast::sofa_plugin

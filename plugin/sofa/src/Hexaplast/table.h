@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/releases.h>
+#include <sofa/helper/OptionsGroup.h>
+
+#include <locale>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "attributes/admissible.hpp"
+
+/// Data as the attribute table describes them, so that names, defaults and help stand once for all hosts.
+namespace hexaplast::sofa_plugin
+{
+
+using attributes::Attribute;
+using attributes::Description;
+using sofa::core::objectmodel::Data;
+using sofa::helper::OptionsGroup;
+
+/// An attribute of the table, looked up by the compiler.
+consteval const Attribute& row(const Description& description, std::string_view name)
+{
+    return attributes::attribute_of(description, name);
+}
+
+inline std::vector<std::string> words_of(const Attribute& attribute)
+{
+    std::istringstream text{std::string(attribute.words)};
+    std::vector<std::string> words;
+    for (std::string word; text >> word;) words.push_back(word);
+    return words;
+}
+
+inline std::string help_of(const Attribute& attribute)
+{
+    std::string help(attribute.help);
+    if (!attribute.words.empty()) help += fmt::format(" One of: {}.", attribute.words);
+    if (const std::string range = attributes::describe(attribute.range); !range.empty())
+        help += fmt::format(" It {}.", range);
+    if (!attribute.unit.empty()) help += fmt::format(" [{}]", attribute.unit);
+    return help;
+}
+
+template <class T>
+T initial_value(const Attribute& attribute)
+{
+    if constexpr (std::is_same_v<T, OptionsGroup>)
+    {
+        OptionsGroup words(words_of(attribute));
+        words.setSelectedItem(std::string(attribute.initial));
+        return words;
+    }
+    else
+    {
+        T value{};
+        if (attribute.initial.empty()) return value;
+        std::istringstream text{std::string(attribute.initial)};
+        text.imbue(std::locale::classic());
+        text >> std::boolalpha >> value;
+        return value;
+    }
+}
+
+/// What a Data of a component is made from: d_axis(from_table(*this, d_axis, row(kTable, "axis"))). `group`: under which
+/// windows show it; outputs have theirs.
+template <class T>
+typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const Attribute& attribute,
+                                      const char* group = "")
+{
+    const bool is_output = attribute.access == attributes::Access::kOutput;
+    auto init = owner.initData(&data, initial_value<T>(attribute), std::string(attribute.name).c_str(),
+                               help_of(attribute).c_str(), true, is_output);
+    init.group = is_output ? "Outputs" : group;
+    return init;
+}
+
+template <class T>
+std::optional<T> if_set(const Data<T>& data)
+{
+    if (!data.isSet()) return std::nullopt;
+    return data.getValue();
+}
+
+/// The inputs of a component that has the attributes of a table: whether a value changed since they were seen last.
+class Inputs
+{
+public:
+    Inputs(const SofaComponent& owner, const Description& description)
+    {
+        for (const Attribute& attribute : description.attributes)
+            if (const auto* data = owner.findData(std::string(attribute.name)))
+                if (attribute.access != attributes::Access::kOutput) m_data.push_back({data, data->getCounter()});
+    }
+
+    bool have_changed()
+    {
+        bool changed = false;
+        for (auto& [data, counter] : m_data)
+        {
+            data->updateIfDirty();  // where it follows another one
+            changed = changed || counter != data->getCounter();
+            counter = data->getCounter();
+        }
+        return changed;
+    }
+
+private:
+    struct Seen
+    {
+        const sofa::core::BaseData* data;
+        int counter;
+    };
+    std::vector<Seen> m_data;
+};
+
+/// SOFA warns of a word that an OptionsGroup does not have, and goes on with the default one; a component of ours is
+/// invalid then. To be called from parseField, and to be thrown by init where it is not empty.
+inline std::string unknown_word(const Description& description, const std::string& name, const std::string& value)
+{
+    for (const Attribute& attribute : description.attributes)
+    {
+        if (attribute.name != name || attribute.type != attributes::Type::kWord || value.starts_with("@")) continue;
+        for (const std::string& word : words_of(attribute))
+            if (word == value) return {};
+        return fmt::format("'{}' must be one of: {}", value, attribute.words);
+    }
+    return {};
+}
+
+}  // namespace hexaplast::sofa_plugin
