@@ -157,7 +157,7 @@ void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const
   state_->require_linearized("add_stiffness_product");
   state_->require_field("add_stiffness_product", "dx", dx);
   state_->require_field("add_stiffness_product", "df", df);
-  hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->product, df);
+  hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->slots(), state_->product, df);
 }
 
 void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
@@ -177,6 +177,7 @@ void Body::to_kernels(double factor, KernelSystem& system) const {
     state_->exact.refer_to(state_->model, state_->at);
     body.exact_operator = &state_->exact;
   }
+  body.scratch = &state_->slots();
   if (!system.wants_coarse) return;
   if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
   body.coarse = state_->hierarchy->update(state_->model, state_->at);
@@ -184,7 +185,7 @@ void Body::to_kernels(double factor, KernelSystem& system) const {
 
 double Body::energy(ConstPoints x) const {
   state_->require_field("energy", "x", x);
-  return hexaplast::energy(state_->model, state_->history, x, state_->product);
+  return hexaplast::energy(state_->model, state_->history, x, state_->slots(), state_->product);
 }
 
 FlowReport Body::flow(ConstPoints x, double dt) {

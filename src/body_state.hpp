@@ -30,6 +30,8 @@ struct Body::State {
   void require_linearized(const char* call) const;
   void require_hexahedron(int hexahedron) const;
 
+  SlotScratch& slots() { return flow ? flow->averaging.slots() : own_slots; }
+
   Model model;
   History history;
   Linearization at;
@@ -39,7 +41,8 @@ struct Body::State {
   bool mostly_flows = false;                  // in the latest plastic step: looking first would be in vain
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double checked_dt = kNone;                  // time step that passed check_time_step
-  ProductWorkspace product;                   // of add_stiffness_product
+  SlotScratch own_slots;                      // of bodies that cannot flow
+  ProductWorkspace product;                   // of add_stiffness_product and energy
   ExactOperator exact;                        // of mixed precision
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
 };

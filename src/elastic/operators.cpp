@@ -53,7 +53,7 @@ void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints 
                  AlignedVector<T>& product, Points df) {
   const Partition& partition = op.partition();
   argument.resize(4 * static_cast<std::size_t>(partition.num_slots), T(0));
-  product.resize(argument.size());
+  product.resize(argument.size(), T(0));
   std::fill(argument.end() - 4 * kCorners, argument.end(), T(0));  // of elements that are not there
   to_slots(partition, dx, argument);
   std::fill(product.begin(), product.end(), T(0));
@@ -142,14 +142,14 @@ void ExactOperator::add_diagonal(int chunk, double factor, double* diagonal) con
       at_->op);
 }
 
-void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, ProductWorkspace& work,
-                           Points df) {
+void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, SlotScratch& slots,
+                           ProductWorkspace& work, Points df) {
   std::visit(
       [&]<class T, class Coef>(const ElementOperator<T, Coef>& op) {
         if constexpr (std::is_same_v<T, double>)
-          add_product(op, factor, dx, work.argument, work.product, df);
+          add_product(op, factor, dx, slots.first, slots.second, df);
         else
-          add_product(op, factor, dx, work.argument_single, work.product_single, df);
+          add_product(op, factor, dx, work.argument, work.product, df);
       },
       at.op);
 }
@@ -187,13 +187,10 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
   }
 }
 
-double energy(const Model& model, const History& history, ConstPoints x, ProductWorkspace& work) {
+double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work) {
   const Partition& partition = *model.partition;
-  AlignedVector<double>&material = work.product, &world = work.argument;
-  for (AlignedVector<double>* slots : {&material, &world}) {
-    slots->resize(4 * static_cast<std::size_t>(partition.num_slots), 0.0);
-    std::fill(slots->end() - 4 * kCorners, slots->end(), 0.0);  // of elements that are not there
-  }
+  slots.resize(partition);
+  auto& [material, world] = slots;
   to_slots(partition, history.material, material);
   to_slots(partition, x, world);
   work.energy.resize(partition.num_blocks);
@@ -204,8 +201,9 @@ double energy(const Model& model, const History& history, ConstPoints x, Product
 }
 
 double energy(const Model& model, const History& history, ConstPoints x) {
+  SlotScratch slots;
   ProductWorkspace work;
-  return energy(model, history, x, work);
+  return energy(model, history, x, slots, work);
 }
 
 }  // namespace hexaplast

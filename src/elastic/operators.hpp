@@ -41,22 +41,21 @@ class ExactOperator final : public ChunkedOperator<double> {
   const Linearization* at_ = nullptr;
 };
 
-/// Scratch of add_stiffness_product and energy, in slots.
+/// Scratch of add_stiffness_product and energy: the vectors of products in single precision, and sums.
 struct ProductWorkspace {
-  AlignedVector<double> argument, product;
-  AlignedVector<float> argument_single, product_single;
+  AlignedVector<float> argument, product;
   std::vector<double> energy;  ///< [J] per block
 };
 
 /// df += factor * (df/dx) dx with the rotations of `at`.                                                      eq. 16
 void add_stiffness_product(const Model& model, const Linearization& at, double factor, ConstPoints dx,
-                           ProductWorkspace& work, Points df);
+                           SlotScratch& slots, ProductWorkspace& work, Points df);
 
 /// K += factor * df/dx. Elements that are gone add zeros.                                                     eq. 17
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K);
 
 /// Elastic energy [J] at x.                                                                                   eq. 18
-double energy(const Model& model, const History& history, ConstPoints x, ProductWorkspace& work);
+double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work);
 double energy(const Model& model, const History& history, ConstPoints x);
 
 }  // namespace hexaplast

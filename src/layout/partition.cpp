@@ -113,21 +113,28 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
                          returned_copy.begin());
 }
 
+void SlotScratch::resize(const Partition& partition) {
+  for (AlignedVector<double>* vector : {&first, &second}) {
+    vector->resize(4 * static_cast<std::size_t>(partition.num_slots), 0.0);
+    std::fill(vector->end() - 4 * kCorners, vector->end(), 0.0);
+  }
+}
+
 template <class T>
-void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots) {
+void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots, double factor) {
   require_rows("to_slots", "field", field, partition.num_nodes);
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto put = [&](int slot, int from) {
       T* to = slots.data() + 4 * static_cast<std::size_t>(slot);
       const double* row = field.data() + 3 * static_cast<std::size_t>(partition.node_of_slot[from]);
-      for (int i = 0; i < 3; ++i) to[i] = static_cast<T>(row[i]);
+      for (int i = 0; i < 3; ++i) to[i] = static_cast<T>(factor * row[i]);
     };
     for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) put(slot, slot);
     for (int slot = partition.first_copy[chunk]; slot < partition.first_copy[chunk + 1]; ++slot)
       put(slot, partition.original[slot - partition.num_nodes]);
   });
 }
-template void to_slots(const Partition&, ConstPoints, AlignedVector<double>&);
-template void to_slots(const Partition&, ConstPoints, AlignedVector<float>&);
+template void to_slots(const Partition&, ConstPoints, AlignedVector<double>&, double);
+template void to_slots(const Partition&, ConstPoints, AlignedVector<float>&, double);
 
 }  // namespace hexaplast

@@ -54,9 +54,17 @@ AlignedVector<T> slot_vector(const Partition& partition) {
   return AlignedVector<T>(4 * static_cast<std::size_t>(partition.num_slots), T(0));
 }
 
-/// The nodes of a nodal field into their slots, copies included.
+/// Two nodal vectors of the kernels that whoever works on a body uses in turn; nobody finds there what he left.
+struct SlotScratch {
+  AlignedVector<double> first, second;
+
+  /// Makes room; 0 at the elements that are not there.
+  void resize(const Partition& partition);
+};
+
+/// factor times a nodal field into the slots of its nodes, copies included.
 template <class T>
-void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots);
+void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots, double factor = 1);
 
 /// The copies of a chunk from the nodes that they are copies of.
 template <class T>

@@ -56,36 +56,37 @@ struct Averaging::Kernels {
       : op(model.settings.precision == Precision::kDouble ? Operator(AveragingOperator<double>(model.partition))
                                                           : Operator(AveragingOperator<float>(model.partition))),
         present(model.partition->num_blocks),
-        material(slot_vector<double>(*model.partition)),
-        gradient(slot_vector<double>(*model.partition)),
         misfit(model.partition->num_blocks),
-        size(model.partition->num_blocks) {}
+        size(model.partition->num_blocks) {
+    slots.resize(*model.partition);
+  }
 
   /// Best rotations of history.rest_shape at history.material into history.rotation_map, unless the maps are the
   /// mode's own; returns E. With `prepares`: operator, gradient and size as well.
   double fit(const Model& model, History& history, bool prepares) {
     const Partition& partition = *model.partition;
-    to_slots(partition, history.material, material);
-    if (prepares) std::fill(gradient.begin(), gradient.end(), 0.0);
+    slots.resize(partition);
+    to_slots(partition, history.material, material());
+    if (prepares) std::fill(gradient().begin(), gradient().end(), 0.0);
     const bool has_own_maps = model.maps_per_element() > 1;
     std::visit(
         [&]<class T>(AveragingOperator<T>& of) {
           const FitPass<T> pass{.partition = partition,
-                                .material = material.data(),
+                                .material = material().data(),
                                 .present = present.data(),
                                 .rest_shape = history.rest_shape.data(),
                                 .rotation_map = has_own_maps ? nullptr : history.rotation_map.data(),
                                 .fixed_map = has_own_maps ? history.rotation_map.data() : nullptr,
                                 .turns_targets = model.settings.averaging == AveragingMethod::kGaussNewtonIsolated,
                                 .coef = prepares ? of.coef.data() : nullptr,
-                                .gradient = prepares ? gradient.data() : nullptr,
+                                .gradient = prepares ? gradient().data() : nullptr,
                                 .misfit = misfit.data(),
                                 .size = prepares ? size.data() : nullptr};
           parallel_for(partition.num_chunks, [&](int chunk) { fit_elements(pass, chunk); });
         },
         op);
     if (prepares)
-      parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, gradient.data()); });
+      parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, gradient().data()); });
     return std::accumulate(misfit.begin(), misfit.end(), 0.0);
   }
 
@@ -142,7 +143,7 @@ struct Averaging::Kernels {
       gather_weights(model);
     }
     operators.clear();
-    const AlignedVector<double>* finer = &material;
+    const AlignedVector<double>* finer = &material();
     for (std::size_t k = 0; k < coarse.size(); ++k) {
       CoarseAveraging& level = coarse[k];
       meshes[k].place(*finer, level.position);
@@ -163,8 +164,10 @@ struct Averaging::Kernels {
   std::vector<std::uint16_t> present;              // the same, per block a bit per element
   std::vector<CoarseAveraging> coarse;             // of Model::coarse_meshes, made when a solver first asks for them
   std::vector<CoarseOperator> operators;           // of `coarse`
-  AlignedVector<double> material, gradient;        // [m] slots
-  std::vector<double> misfit, size;                // [m^2] per block
+  AlignedVector<double>& material() { return slots.first; }   // [m] of the latest fit
+  AlignedVector<double>& gradient() { return slots.second; }  // [m] its own
+  SlotScratch slots;
+  std::vector<double> misfit, size;  // [m^2] per block
 };
 
 /// P or H of eq. 31 as a linear system.
@@ -271,6 +274,7 @@ Averaging::Averaging(const Averaging& other)
       before_(other.before_),
       kernels_(std::make_unique<Kernels>(*other.kernels_)) {}
 Averaging::Averaging(Averaging&&) noexcept = default;
+SlotScratch& Averaging::slots() { return kernels_->slots; }
 Averaging& Averaging::operator=(Averaging other) noexcept {
   std::swap(parts_, other.parts_);
   std::swap(removed_, other.removed_);
@@ -353,7 +357,7 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
   const Partition& partition = *model.partition;
   for (int n = 0; n < model.mesh.num_nodes(); ++n)
     for (int i = 0; i < 3; ++i)
-      gradient_(n, i) = kernels_->gradient[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
+      gradient_(n, i) = kernels_->gradient()[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
   take_means_out(gradient_);  // they are rounding, and outside the range of H and P
   before_ = history.material;
   const auto move = [&](bool leaves_turns) {

@@ -8,6 +8,7 @@
 
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/plastic/flow_report.hpp"
+#include "layout/partition.hpp"
 #include "state/history.hpp"
 
 namespace hexaplast {
@@ -44,6 +45,9 @@ class Averaging {
   /// Connected parts of the elements that are alive in `history`, found anew when some were removed since the last
   /// call.
   const ConnectedParts& parts(const Model& model, const History& history);
+
+  /// For others between two calls of `advance`.
+  SlotScratch& slots();
 
  private:
   class System;

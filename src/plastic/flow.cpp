@@ -147,7 +147,8 @@ void adopt_material_shape(const Model& model, int e, const History& history, Flo
 
 /// Marks elements that the averaging pressed towards inversion; returns how many.
 int mark_collapsing(const Model& model, const History& history, FlowWorkspace& work) {
-  to_slots(*model.partition, work.trial.material, work.material);
+  AlignedVector<double>& material = work.averaging.slots().first;
+  to_slots(*model.partition, work.trial.material, material);
   const auto is_collapsing = [&](int e) {
     const auto ratio = [&](const History& of) {
       return least_jacobian_ratio(model.corner_jacobian(e), gather(of.material, model.mesh.hexahedra()[e]));
@@ -156,7 +157,7 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
     return now < kCollapsedJacobian && now < ratio(history);
   };
   parallel_for(model.partition->num_blocks, [&](int block) {
-    const std::uint32_t near = nearly_collapsed(model, work.material.data(), kCollapsedJacobian, block);
+    const std::uint32_t near = nearly_collapsed(model, material.data(), kCollapsedJacobian, block);
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e >= 0) work.flows[e].collapsing = (near >> place & 1) && history.alive[e] && is_collapsing(e);
@@ -217,11 +218,7 @@ int remove_broken(const Model& model, const History& history, FlowWorkspace& wor
 }  // namespace
 
 FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
-    : trial(history),
-      averaging(model),
-      flows(model.mesh.num_elements()),
-      changed(model.mesh.num_elements()),
-      material(slot_vector<double>(*model.partition)) {
+    : trial(history), averaging(model), flows(model.mesh.num_elements()), changed(model.mesh.num_elements()) {
   trial.removed.reserve(model.mesh.num_elements());  // a step allocates nothing
 }
 

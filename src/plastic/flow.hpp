@@ -36,7 +36,6 @@ struct FlowWorkspace {
   std::vector<ElementFlow> flows;      ///< per element
   std::vector<PartFrame> frames;       ///< per connected part; empty unless the mode needs them
   std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
-  AlignedVector<double> material;      ///< [m] slots: where the averaging has brought the nodes
 };
 
 /// What the plastic step reports of a body that cannot flow, whose history never changes: the elements inside out and

@@ -9,7 +9,7 @@
 
 namespace hexaplast {
 
-double NodalCgSpace::begin(ConstPoints b, const PointArray* start) {
+double NodalCgSpace::begin(ConstPoints b, const ConstPoints* start) {
   p_.setZero(b.rows(), 3);
   Ap_.resize(b.rows(), 3);
   if (start) {
@@ -164,25 +164,18 @@ typename SlotCgSpace<T>::Partial SlotCgSpace<T>::sum() const {
 }
 
 template <class T>
-void SlotCgSpace<T>::to_scaled_slots(ConstPoints field, AlignedVector<T>& slots) {
-  if (scale_ == 1) return to_slots(*partition_, field, slots);
-  field_ = scale_ * field;
-  to_slots(*partition_, field_, slots);
-}
-
-template <class T>
-double SlotCgSpace<T>::begin(ConstPoints b, const PointArray* start) {
+double SlotCgSpace<T>::begin(ConstPoints b, const ConstPoints* start) {
   const Partition& partition = *partition_;
   std::fill(x_.begin(), x_.end(), T(0));
   std::fill(p_.begin(), p_.end(), T(0));
   std::fill(Ap_.begin(), Ap_.end(), T(0));
   std::fill(r_.begin(), r_.end(), T(0));  // the fourth number of a slot too, which to_slots leaves alone
   scale_ = std::is_same_v<T, float> || preconditioner_ ? scale_to_one(std::sqrt(dot(b, b))) : 1;
-  to_scaled_slots(b, r_);
+  to_slots(partition, b, r_, scale_);
   for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, r_);
   if (start) {
     // x as the first direction, of length 1
-    to_scaled_slots(*start, p_);
+    to_slots(partition, *start, p_, scale_);
     for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, p_);
     for (std::size_t i = 0; i < p_.size(); ++i) Ap_[i] = diagonal_[i] * p_[i];
     multiply(*op_, factor_, p_, Ap_);
@@ -245,27 +238,25 @@ void SlotCgSpace<T>::end(Points x) const {
   from_slots(*partition_, 1 / scale_, x_, x);
 }
 
-double ExactResidual::compute(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x,
-                              PointArray& r) {
-  product_.setZero(b.rows(), 3);
-  if (system.others) system.others->add_product(x, product_);
+double exact_residual(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
+  r.setZero(b.rows(), 3);  // the product, first
+  if (system.others) system.others->add_product(x, r);
   for (const KernelBody& body : system.bodies) {
     const ChunkedOperator<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;
     const Partition& partition = op.partition();
-    Ax_.assign(4 * static_cast<std::size_t>(partition.num_slots), 0.0);
-    if (x_.size() != Ax_.size()) x_.assign(Ax_.size(), 0.0);
-    to_slots(partition, x, x_);
-    multiply(op, body.factor, x_, Ax_);
-    parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, Ax_.data()); });
+    body.scratch->resize(partition);
+    auto& [slots, product] = *body.scratch;
+    to_slots(partition, x, slots);
+    std::fill(product.begin(), product.end(), 0.0);
+    multiply(op, body.factor, slots, product);
+    parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, product.data()); });
     parallel_for(partition.num_nodes, [&](int n) {
-      const double* from = Ax_.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
-      for (int i = 0; i < 3; ++i) product_(n, i) += from[i];
+      const double* from = product.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
+      for (int i = 0; i < 3; ++i) r(n, i) += from[i];
     });
   }
-  r.resize(b.rows(), 3);
   parallel_for(static_cast<int>(b.rows()), [&](int n) {
-    for (int i = 0; i < 3; ++i)
-      r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - product_(n, i));
+    for (int i = 0; i < 3; ++i) r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - r(n, i));
   });
   if (system.couples_coordinates) A.project(r);
   return std::sqrt(dot(r, r));

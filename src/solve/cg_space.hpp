@@ -16,7 +16,7 @@ class CgSpace {
   virtual ~CgSpace() = default;
 
   /// x = start, or 0 when null; r = b - A x. Returns r.r.
-  virtual double begin(ConstPoints b, const PointArray* start) = 0;
+  virtual double begin(ConstPoints b, const ConstPoints* start) = 0;
 
   /// z, the preconditioned r. Returns r.z.
   virtual double precondition() = 0;
@@ -64,7 +64,7 @@ class NodalCgSpace final : public CgSpace {
     preconditioned_ = preconditioned;
     preconditioner_ = preconditioner;
   }
-  double begin(ConstPoints b, const PointArray* start) override;
+  double begin(ConstPoints b, const ConstPoints* start) override;
   double precondition() override;
   double product(double beta) override;
   double advance(double alpha) override;
@@ -152,7 +152,7 @@ class SlotCgSpace final : public CgSpace {
  public:
   /// Divides by the diagonal of A where `scaled`, or applies `preconditioner` where that is not null.
   void refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner = nullptr);
-  double begin(ConstPoints b, const PointArray* start) override;
+  double begin(ConstPoints b, const ConstPoints* start) override;
   double precondition() override;
   double product(double beta) override;
   double advance(double alpha) override;
@@ -166,7 +166,6 @@ class SlotCgSpace final : public CgSpace {
   };
   Partial sum() const;
   void add_others();
-  void to_scaled_slots(ConstPoints field, AlignedVector<T>& slots);
   double unscaled(double square) const { return square / scale_ / scale_; }
 
   const ChunkedOperator<T>* op_ = nullptr;
@@ -180,18 +179,11 @@ class SlotCgSpace final : public CgSpace {
   FixedNumbers fixed_;
   long diagonal_version_ = 0;     // KernelSystem::diagonal_version of the system that it refers to
   std::vector<Partial> partial_;  // per chunk
-  PointArray field_, product_;    // num_nodes x 3, for the terms beside the body; a scaled field
+  PointArray field_, product_;    // num_nodes x 3, for the terms beside the body
 };
 
-/// r = b - A x of the KernelSystem of A, in double precision: by exact operators where products are in single.
-class ExactResidual {
- public:
-  /// Returns |r|.
-  double compute(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
-
- private:
-  AlignedVector<double> x_, Ax_;
-  PointArray product_;
-};
+/// r = b - A x of the KernelSystem of A, in double precision: by exact operators where products are in single. x is
+/// none of r and the system's scratch, b is not r. Returns |r|.
+double exact_residual(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
 
 }  // namespace hexaplast

@@ -22,8 +22,6 @@ struct ConjugateGradients::Spaces {
   NodalCgSpace nodal;
   SlotCgSpace<double> in_double;
   SlotCgSpace<float> in_single;
-  ExactResidual exact;
-  PointArray residual;
 
   CgSpace& choose(const LinearSystem& A) {
     system.clear();
@@ -83,8 +81,9 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
   }
 
   CgSpace& space = spaces_->choose(A);
-  const bool warm = settings_.warm_start && previous_.rows() == b.rows();
-  double rho = space.begin(b, warm ? &previous_ : nullptr), rho_before = 0;
+  const ConstPoints previous(previous_);
+  const bool warm = settings_.warm_start && previous.rows() == b.rows();
+  double rho = space.begin(b, warm ? &previous : nullptr), rho_before = 0;
   report.converged = false;
   for (int iteration = 1; iteration <= settings_.iterations; ++iteration) {
     const bool must_go_on = first_solve && iteration == 1;
@@ -108,7 +107,7 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
   report.residual = std::sqrt(rho) / norm_b;
   // what products with rounded coefficients leave is not what the system leaves; where nobody asks, it costs nothing
   if (&space == &spaces_->in_single && settings_.tolerance > 0)
-    report.residual = spaces_->exact.compute(A, spaces_->system, b, x, spaces_->residual) / norm_b;
+    report.residual = exact_residual(A, spaces_->system, b, x, spaces_->system.scratch) / norm_b;
   report.converged = report.converged || report.residual <= settings_.tolerance;
   // a start that is no number would spoil every later solve
   if (settings_.warm_start && x.allFinite()) previous_ = x;
@@ -265,8 +264,7 @@ struct PreconditionedConjugateGradients::Spaces {
   BlockJacobi<double> jacobi_double;
   BlockJacobi<float> jacobi_single;
   SeveralBodies several;
-  ExactResidual exact;
-  PointArray start, residual, correction;
+  PointArray correction;
 
   bool has_others() const { return knows_kernels && system.others; }
   bool refines() const {
@@ -373,9 +371,8 @@ SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, Const
 }
 
 SolveReport PreconditionedConjugateGradients::improve(const LinearSystem& A, ConstPoints b, Points x) {
-  require_sizes(A, b, x);
-  spaces_->start = x;
-  return iterate(A, b, &spaces_->start, x);
+  const ConstPoints start(x);  // which is read before x is written
+  return iterate(A, b, &start, x);
 }
 
 namespace {
@@ -398,7 +395,7 @@ double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
 }
 
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
-void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, double enough, int most_iterations,
+void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int most_iterations,
          SolveReport& report) {
   report.residual = std::sqrt(space.begin(b, start)) / norm_b;
   if (start && !(report.residual <= 1)) {  // worse than none
@@ -428,7 +425,7 @@ void run(CgSpace& space, ConstPoints b, const PointArray* start, double norm_b, 
 
 }  // namespace
 
-SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const PointArray* start,
+SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
                                                       Points x) {
   require_sizes(A, b, x);
   SolveReport report;
@@ -440,10 +437,10 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   CgSpace& space = spaces_->choose(A, preconditioner_, report.preconditioner);
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
-  PointArray &r = spaces_->residual, &correction = spaces_->correction;
+  PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;
   if (refines) {
     if (start) {
-      x = start->cwiseProduct(spaces_->system.free);
+      x = start->cwiseProduct(spaces_->system.free.cast<double>());
       if (spaces_->system.couples_coordinates) A.project(x);
     } else {
       x.setZero();
@@ -454,7 +451,7 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     if (!spaces_->has_others()) return report;
     // beside what is much stiffer than the body, rounding and half precision leave out much more than they do of it
   }
-  double norm_r = spaces_->exact.compute(A, spaces_->system, b, x, r);
+  double norm_r = exact_residual(A, spaces_->system, b, x, r);
   if (!std::isfinite(norm_r)) {  // the start was no number
     x.setZero();
     r = b;
@@ -468,7 +465,7 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     run(space, r, nullptr, norm_r, of_correction, iterations_, report);
     space.end(correction);
     correction += x;
-    const double norm_before = std::exchange(norm_r, spaces_->exact.compute(A, spaces_->system, b, correction, r));
+    const double norm_before = std::exchange(norm_r, exact_residual(A, spaces_->system, b, correction, r));
     // A is singular, or the answer as good as it gets
     const bool gives_up = !is_single || (!report.converged && report.iterations < iterations_);
     if (gives_up && !(norm_r < norm_before)) {

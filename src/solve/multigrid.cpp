@@ -89,6 +89,8 @@ struct Tridiagonal {
 template <class T>
 double spectral_radius(MultigridLevel<T>& level) {
   const Partition& partition = level.op->partition();
+  for (AlignedVector<T>* vector : {&level.x, &level.Ad})
+    if (vector->size() != level.d.size()) vector->assign(level.d.size(), T(0));
   const auto for_each_number = [&](const auto& visit) {
     parallel_for(partition.num_chunks, [&](int chunk) {
       const auto [first, size] = OwnNumbers(partition, chunk);
@@ -133,7 +135,7 @@ double spectral_radius(MultigridLevel<T>& level) {
 template <class T>
 void MultigridLevel<T>::resize() {
   const std::size_t size = 4 * static_cast<std::size_t>(op->partition().num_slots);
-  for (AlignedVector<T>* vector : {&diagonal, &inverse, &x, &r, &d, &Ad})
+  for (AlignedVector<T>* vector : {&diagonal, &inverse, &r, &d})
     if (vector->size() != size) vector->assign(size, T(0));
   partial.resize(op->partition().num_chunks);
 }
@@ -198,6 +200,7 @@ void Multigrid<T>::refer_to(const KernelBody& body, const NodalPart& rest) {
     level.op = operators_[k].op;
     level.factor = static_cast<float>(body.factor);
     level.resize();
+    level.x.resize(level.d.size(), 0.0f);
     const Partition& cells = level.op->partition();
     // a corner beyond the mesh is fixed where a node that hangs on it alone is; the others where their own node is
     level.fixed.find(cells, [&](int slot, int axis) {
@@ -337,7 +340,8 @@ void Multigrid<T>::cycle(int coarse) {
 template <class T>
 void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
   std::copy(r.begin(), r.end(), fine_.r.begin());
-  std::fill(fine_.x.begin(), fine_.x.end(), T(0));
+  std::fill(z.begin(), z.end(), T(0));
+  fine_.x.swap(z);
   if (coarse_.empty()) {
     smooth(fine_, kCoarsestDegree, kCoarsestShare, false);
   } else {
@@ -347,7 +351,7 @@ void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
     prolong_from(0, fine_);
     smooth(fine_, kSmoothing, kSmoothedShare, false);
   }
-  std::copy(fine_.x.begin(), fine_.x.end(), z.begin());
+  fine_.x.swap(z);
   if (!fine_.blocks.empty())
     parallel_for(fine_.op->partition().num_chunks, [&](int chunk) { fine_.blocks.add_rigid_product(chunk, r, z); });
 }

@@ -19,9 +19,9 @@ struct MultigridLevel {
   bool has_diagonal = false;  ///< some of `diagonal` is not 0
   FixedNumbers fixed;
   std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
-  AlignedVector<T> x, r, d, Ad;
-  std::vector<double> partial;  ///< sums per chunk
-  double radius = 1;            ///< of D^-1 A: what the smoother takes for the upper end of its spectrum
+  AlignedVector<T> x, r, d, Ad;  ///< x of the finest mesh is lent by whoever applies the cycle; Ad serves Lanczos
+  std::vector<double> partial;   ///< sums per chunk
+  double radius = 1;             ///< of D^-1 A: what the smoother takes for the upper end of its spectrum
 
   void resize();
 };

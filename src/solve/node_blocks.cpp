@@ -45,14 +45,14 @@ void LumpedTerms::find(const KernelSystem& system) {
   blocks_.clear();
   for (int axis = 0; axis < 3; ++axis) {
     unit_.setZero(num_nodes, 3);
-    unit_.col(axis) = system.free.col(axis);
+    unit_.col(axis) = system.free.col(axis).cast<double>();
     columns_[axis].setZero(num_nodes, 3);
     system.others->add_product(unit_, columns_[axis]);
   }
   for (int n = 0; n < num_nodes; ++n) {
     Mat3 block;
     for (int axis = 0; axis < 3; ++axis) block.col(axis) = columns_[axis].row(n).transpose();
-    const Vec3 is_free = system.free.row(n).transpose();
+    const Vec3 is_free = system.free.row(n).transpose().cast<double>();
     block = is_free.asDiagonal() * Mat3((block + block.transpose()) / 2) * is_free.asDiagonal();
     if (block.isDiagonal(0))
       diagonal_.row(n) += block.diagonal().cwiseMax(0).transpose();

@@ -19,7 +19,7 @@ struct NodeBlock {
 /// A symmetric positive semi-definite matrix over nodes without entries between two of them.
 struct NodalPart {
   const PointArray& diagonal;              ///< num_nodes x 3
-  const PointArray& free;                  ///< num_nodes x 3: 1 where free, 0 where fixed
+  const NodeMask& free;                    ///< num_nodes x 3: 1 where free, 0 where fixed
   std::span<const NodeBlock> blocks = {};  ///< beside the diagonal; ascending nodes, 0 where fixed
   long version = 0;                        ///< KernelSystem::diagonal_version
 };

@@ -35,7 +35,8 @@ class SeveralBodies final : public NodalPreconditioner {
     const Partition* partition = nullptr;
     Eigen::VectorXd weight;  // per node
     PointArray stiffness;    // diagonal of the body's operator
-    PointArray diagonal, free;
+    PointArray diagonal;
+    NodeMask free;
     std::vector<NodeBlock> blocks;
     Cycle<double> in_double;
     Cycle<float> in_single;

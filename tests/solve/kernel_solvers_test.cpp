@@ -36,8 +36,9 @@ class BodySystem final : public LinearSystem {
   bool to_kernels(KernelSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
     body_.to_kernels(factors_, system);
-    system.free.setOnes(num_nodes(), 3);
-    body_.project(system.free);
+    PointArray free = PointArray::Ones(num_nodes(), 3);
+    body_.project(free);
+    system.free = free.cast<unsigned char>();
     return true;
   }
 

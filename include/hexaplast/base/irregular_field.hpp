@@ -7,11 +7,16 @@
 
 namespace hexaplast {
 
-/// Numbers in [0, 1) without any regularity, the same in every run: a field to which no symmetry of a mesh is blind.
-inline void fill_irregularly(PointArray& field) {
+/// The i-th of numbers in [0, 1) without any regularity, the same in every run.
+inline double irregular_number(Eigen::Index i) {
   constexpr double kGoldenRatio = 1.6180339887498949;  // its multiples fill [0, 1) without a pattern
-  for (Eigen::Index i = 0; i < field.size(); ++i)
-    field.data()[i] = std::fmod(static_cast<double>(i + 1) * kGoldenRatio, 1.0);
+  const double multiple = static_cast<double>(i + 1) * kGoldenRatio;
+  return multiple - std::floor(multiple);
+}
+
+/// A field of such numbers: no symmetry of a mesh is blind to it.
+inline void fill_irregularly(PointArray& field) {
+  for (Eigen::Index i = 0; i < field.size(); ++i) field.data()[i] = irregular_number(i);
 }
 
 }  // namespace hexaplast

@@ -15,6 +15,11 @@
 
 namespace hexaplast {
 
+struct SlotScratch;
+
+/// Per node and axis, yes or no.
+using NodeMask = Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
 /// One body's part of a linear system: factor L, L applied chunk by chunk on slots.
 struct KernelBody {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
@@ -22,7 +27,8 @@ struct KernelBody {
                                                              ///< double_operator it serves multigrid cycles alone
   const ChunkedOperator<double>* exact_operator = nullptr;   ///< beside single_operator: L in double, slower
   double factor = 0;                                         ///< of L
-  double spectral_radius = 0;  ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
+  SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; there where others or exact_operator are
+  double spectral_radius = 0;      ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
   std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
 };
 
@@ -49,11 +55,13 @@ struct KernelSystem {
   std::vector<KernelBody> bodies;
   const NodalOperator* others = nullptr;  ///< F; null: nothing else acts
   PointArray diagonal;                    ///< num_nodes x 3
-  PointArray free;                        ///< num_nodes x 3: 1 where free, 0 where fixed
+  NodeMask free;                          ///< num_nodes x 3: 1 where free, 0 where fixed
   bool couples_coordinates = false;       ///< P does more than zero entries: LinearSystem::project is to be used
 
   long diagonal_version = 0;  ///< not 0: diagonal, free and diag(L) are those of every other system of this version
   bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
+
+  PointArray scratch;  ///< of whoever fills the system, and then of whoever solves it
 
   /// Before it is filled anew; what it allocated stays.
   void clear() {
@@ -67,23 +75,22 @@ struct KernelSystem {
   /// coupling is taken for freedom. project(field) makes P field of a field.
   template <class Project>
   void find_free(int num_nodes, const Project& project) {
-    if (numbers_.rows() != num_nodes) numbers_ = irregular_numbers(num_nodes);
+    const auto number = [](int node, int axis) { return 0.5 + irregular_number(3 * Eigen::Index{node} + axis); };
     free.setOnes(num_nodes, 3);
     couples_coordinates = false;
     for (int axis = 0; axis < 3; ++axis) {
-      projected_.setZero(num_nodes, 3);
-      projected_.col(axis) = numbers_.col(axis);
-      project(projected_);
+      scratch.setZero(num_nodes, 3);
+      for (int n = 0; n < num_nodes; ++n) scratch(n, axis) = number(n, axis);
+      project(scratch);
       for (int n = 0; n < num_nodes; ++n) {
-        if (projected_(n, axis) == 0) free(n, axis) = 0;
-        projected_(n, axis) -= free(n, axis) * numbers_(n, axis);
+        if (scratch(n, axis) == 0)
+          free(n, axis) = 0;
+        else
+          scratch(n, axis) -= number(n, axis);
       }
-      couples_coordinates = couples_coordinates || !projected_.isZero(0);
+      couples_coordinates = couples_coordinates || !scratch.isZero(0);
     }
   }
-
- private:
-  PointArray numbers_, projected_;
 };
 
 /// A symmetric positive definite system A x = b over nodal fields, seen by its solvers.

@@ -72,7 +72,7 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   SolveReport improve(const LinearSystem& A, ConstPoints b, Points x) override;
 
  private:
-  SolveReport iterate(const LinearSystem& A, ConstPoints b, const PointArray* start, Points x);
+  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);
 
   double tolerance_;
   int iterations_;
