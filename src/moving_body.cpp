@@ -9,16 +9,16 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/require.hpp"
+#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 
 namespace hexaplast {
 
 std::vector<double> lumped_masses(const Body& body, double density) {
-  std::vector<double> mass(body.mesh().num_nodes(), 0.0);
-  for (int e = 0; e < body.mesh().num_elements(); ++e) {
-    for (const int n : body.mesh().hexahedra()[e]) mass[n] += density * body.original_volume(e) / kCorners;
-  }
-  return mass;
+  std::vector<double> mass(static_cast<std::size_t>(body.mesh().num_elements()));
+  for (std::size_t e = 0; e < mass.size(); ++e) mass[e] = density * body.original_volume(static_cast<int>(e));
+  const Eigen::VectorXd nodal = lumped_masses(body.mesh().num_nodes(), body.mesh().hexahedra(), mass);
+  return {nodal.begin(), nodal.end()};
 }
 
 LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load)

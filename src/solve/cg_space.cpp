@@ -116,10 +116,7 @@ void BlockJacobi<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
 template <class T>
 void SlotCgSpace<T>::refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner) {
   const KernelBody& body = system.bodies.front();
-  if constexpr (std::is_same_v<T, double>)
-    op_ = body.double_operator;
-  else
-    op_ = body.single_operator;
+  op_ = body.op<T>();
   others_ = system.others;
   partition_ = &op_->partition();
   const Partition& partition = *partition_;

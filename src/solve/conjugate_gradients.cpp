@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -55,11 +56,36 @@ void require_finite(double p_Ap, double r_z) {
         "conjugate gradients: the matrix or its preconditioner is not finite (p.Ap = {}, r.z = {})", p_Ap, r_z));
 }
 
+[[noreturn]] void throw_indefinite(double p_Ap) {
+  throw NumericalError(fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", p_Ap));
+}
+
 /// Throws NumericalError where z is not what a positive definite preconditioner makes of r.
 void require_definite(double r_z) {
   if (r_z < 0)
     throw NumericalError(
         fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", r_z));
+}
+
+constexpr auto kNoRule = [](double) { return false; };
+
+/// The loop of all conjugate gradients, on what `begin` has put into `space`; r_r: r.r of it. Returns r.r at the end.
+/// Ends after `most` iterations in all, where has_converged(r.r) before or has_converged_by(r.z) behind the
+/// preconditioner, and where goes_on(r.z, p.Ap) is false.
+template <class Converged, class ConvergedBy, class GoesOn>
+double iterate(CgSpace& space, double r_r, int most, int& iterations, const Converged& has_converged,
+               const ConvergedBy& has_converged_by, const GoesOn& goes_on) {
+  double rho_before = 0;
+  for (bool first = true; iterations < most && !has_converged(r_r); first = false) {
+    const double rho = space.precondition();
+    if (has_converged_by(rho)) break;
+    const double p_Ap = space.product(first ? 0 : rho / rho_before);
+    if (!goes_on(rho, p_Ap)) break;
+    r_r = space.advance(rho / p_Ap);
+    ++iterations;
+    rho_before = rho;
+  }
+  return r_r;
 }
 
 }  // namespace
@@ -83,28 +109,19 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
   CgSpace& space = spaces_->choose(A);
   const ConstPoints previous(previous_);
   const bool warm = settings_.warm_start && previous.rows() == b.rows();
-  double rho = space.begin(b, warm ? &previous : nullptr), rho_before = 0;
   report.converged = false;
-  for (int iteration = 1; iteration <= settings_.iterations; ++iteration) {
-    const bool must_go_on = first_solve && iteration == 1;
-    if (std::sqrt(rho) / norm_b <= settings_.tolerance && !must_go_on) break;
-
-    const double curvature = space.product(iteration == 1 ? 0 : rho / rho_before);
-    require_finite(curvature, rho);
-    if (curvature == 0 || (std::abs(curvature) <= settings_.threshold && !must_go_on)) {
-      report.converged = true;
-      break;
-    }
-    if (curvature < 0)
-      throw NumericalError(
-          fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", curvature));
-
-    report.iterations = iteration;
-    rho_before = rho;
-    rho = space.advance(rho / curvature);
-  }
+  const auto must_go_on = [&] { return first_solve && report.iterations == 0; };
+  const auto is_small = [&](double r_r) { return std::sqrt(r_r) / norm_b <= settings_.tolerance && !must_go_on(); };
+  const auto goes_on = [&](double rho, double p_Ap) {
+    require_finite(p_Ap, rho);
+    report.converged = p_Ap == 0 || (std::abs(p_Ap) <= settings_.threshold && !must_go_on());
+    if (p_Ap < 0 && !report.converged) throw_indefinite(p_Ap);
+    return !report.converged;
+  };
+  const double r_r = iterate(space, space.begin(b, warm ? &previous : nullptr), settings_.iterations, report.iterations,
+                             is_small, kNoRule, goes_on);
   space.end(x);
-  report.residual = std::sqrt(rho) / norm_b;
+  report.residual = std::sqrt(r_r) / norm_b;
   // what products with rounded coefficients leave is not what the system leaves; where nobody asks, it costs nothing
   if (&space == &spaces_->in_single && settings_.tolerance > 0)
     report.residual = exact_residual(A, spaces_->system, b, x, spaces_->system.scratch) / norm_b;
@@ -144,7 +161,7 @@ class Curvature {
       return true;
     }
     if (p_Ap < 0 && -p_Ap > kNegative * p_Mp_ * (greatest_ > 0 ? greatest_ : std::abs(typical())))
-      throw NumericalError(fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", p_Ap));
+      throw_indefinite(p_Ap);
     return false;
   }
 
@@ -156,61 +173,90 @@ class Curvature {
   double greatest_;  // p.Ap / p.Mp so far
 };
 
+// p.Ap / p.Mp that M^-1 A has at least somewhere: a diagonal has 1, a cycle is made for 1 at the upper end.
+constexpr double kOfPreconditioned = 0.1;
+
+/// p.Ap / r.z of the first direction towards an irregular right-hand side.
+double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
+  PointArray any(num_nodes, 3);
+  fill_irregularly(any);
+  const ConstPoints b(any);
+  space.begin(b, nullptr);
+  const double r_z = space.precondition();
+  return space.product(0) / r_z;
+}
+
+/// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range.
+template <class Converged, class ConvergedBy>
+double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* start, double r_r, int most,
+                            int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by) {
+  const int iterations_before = iterations;
+  bool is_outside = false;
+  Curvature curvature(space.rounding(), space.is_preconditioned() ? kOfPreconditioned : 0);
+  const auto goes_on = [&](double rho, double p_Ap) {
+    is_outside = !curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); });
+    if (!is_outside) require_definite(rho);
+    return !is_outside;
+  };
+  r_r = iterate(space, r_r, most, iterations, has_converged, has_converged_by, goes_on);
+  // what has blown up is worse than none
+  const bool begins_anew = is_outside && (iterations == iterations_before || r_r > hexaplast::dot(b, b));
+  return begins_anew ? space.begin(b, start) : r_r;
+}
+
+/// Another solver as a preconditioner: z = its answer to r.
+class SolverAsPreconditioner final : public NodalPreconditioner {
+ public:
+  explicit SolverAsPreconditioner(LinearSolver& solver) : solver_(solver) {}
+  void setup(const LinearSystem& A) {
+    A_ = &A;
+    solver_.setup(A);
+  }
+  void apply(const PointArray& r, PointArray& z) override { solver_.solve_again(*A_, r, z); }
+
+ private:
+  LinearSolver& solver_;
+  const LinearSystem* A_ = nullptr;
+};
+
 }  // namespace
+
+struct SolverPreconditionedConjugateGradients::Spaces {
+  NodalCgSpace space;
+};
+SolverPreconditionedConjugateGradients::SolverPreconditionedConjugateGradients(double tolerance, int iterations,
+                                                                               LinearSolver* preconditioner)
+    : tolerance_(tolerance),
+      iterations_(iterations),
+      preconditioner_(preconditioner),
+      spaces_(std::make_unique<Spaces>()) {}
+SolverPreconditionedConjugateGradients::~SolverPreconditionedConjugateGradients() = default;
 
 SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
   require_sizes(A, b, x);
   SolveReport report;
-  product_.resize(b.rows(), 3);
-  preconditioned_.resize(b.rows(), 3);
-  x.setZero();
   const double b_squared = finite_square(b);
-  if (b_squared == 0) return report;
-
-  if (preconditioner_) preconditioner_->setup(A);
-  const auto precondition = [&](const PointArray& r) {
-    if (preconditioner_)
-      preconditioner_->solve_again(A, r, preconditioned_);
-    else
-      preconditioned_ = r;
-    return dot(r, preconditioned_);
-  };
-  const auto typical_curvature = [&] {
-    PointArray any(b.rows(), 3);
-    fill_irregularly(any);
-    const double r_z = precondition(any);
-    A.apply(preconditioned_, product_);
-    return dot(preconditioned_, product_) / r_z;
-  };
-
-  Curvature curvature(CgSpace::kDoubleRounding);
-  residual_ = b;
-  double rho = precondition(residual_);
-  direction_ = preconditioned_;
-  if (preconditioner_) report.preconditioner = PreconditionedBy::kFactorisation;
-  while (report.iterations < iterations_ && !(std::abs(rho) <= tolerance_ * b_squared)) {
-    require_definite(rho);
-    A.apply(direction_, product_);
-    const double p_Ap = dot(direction_, product_);
-    if (!curvature.is_positive(rho, p_Ap, typical_curvature)) {
-      if (dot(residual_, residual_) > b_squared) {  // what has blown up is worse than none
-        x.setZero();
-        residual_ = b;
-        rho = b_squared;
-      }
-      break;
-    }
-
-    const double alpha = rho / p_Ap;
-    x += alpha * direction_;
-    residual_ -= alpha * product_;
-    ++report.iterations;
-
-    const double rho_before = std::exchange(rho, precondition(residual_));
-    direction_ = preconditioned_ + (rho / rho_before) * direction_;
+  if (b_squared == 0) {
+    x.setZero();
+    return report;
   }
-  report.residual = std::sqrt(dot(residual_, residual_) / b_squared);
-  report.converged = std::abs(rho) <= tolerance_ * b_squared;
+
+  std::optional<SolverAsPreconditioner> preconditioner;
+  if (preconditioner_) {
+    preconditioner.emplace(*preconditioner_).setup(A);
+    report.preconditioner = PreconditionedBy::kFactorisation;
+  }
+  NodalCgSpace& space = spaces_->space;
+  space.refer_to(A, preconditioner.has_value(), preconditioner ? &*preconditioner : nullptr);
+  const auto is_small = [&](double r_z) {
+    report.converged = std::abs(r_z) <= tolerance_ * b_squared;
+    return report.converged;
+  };
+  const double r_r = iterate_within_range(space, b, nullptr, space.begin(b, nullptr), iterations_, report.iterations,
+                                          kNoRule, is_small);
+  if (report.iterations == iterations_) is_small(space.precondition());  // of what the last of them left
+  space.end(x);
+  report.residual = std::sqrt(r_r / b_squared);
   return report;
 }
 
@@ -223,14 +269,6 @@ void SolverPreconditionedConjugateGradients::serialize(Archive& archive) {
 }
 
 namespace {
-
-template <class T>
-const ChunkedOperator<T>& operator_of(const KernelBody& body) {
-  if constexpr (std::is_same_v<T, double>)
-    return *body.double_operator;
-  else
-    return *body.single_operator;
-}
 
 /// A cycle in single precision as a preconditioner of a system in double.
 class Narrowed final : public SlotPreconditioner<double> {
@@ -315,7 +353,7 @@ struct PreconditionedConjugateGradients::Spaces {
       multigrid.refer_to(body, rest);
       space.refer_to(system, false, &multigrid);
     } else if (system.others) {
-      jacobi.refer_to(operator_of<T>(body), static_cast<T>(body.factor), rest);
+      jacobi.refer_to(*body.op<T>(), static_cast<T>(body.factor), rest);
       space.refer_to(system, false, &jacobi);
     } else {
       space.refer_to(system, true);
@@ -334,7 +372,7 @@ struct PreconditionedConjugateGradients::Spaces {
     double stiff = 0, all = 0;
     const auto count = [&]<class T>(const KernelBody& body) {
       constexpr double kBreakEven = 40;
-      const ChunkedOperator<T>& op = operator_of<T>(body);
+      const ChunkedOperator<T>& op = *body.op<T>();
       const Partition& partition = op.partition();
       AlignedVector<T>& stiffness = std::get<AlignedVector<T>>(scratch_);
       stiffness.resize(4 * static_cast<std::size_t>(partition.num_slots));
@@ -382,44 +420,19 @@ constexpr double kSingleSuffices = 1e-3;
 constexpr double kCorrection = 3e-3;  // relative residual of each correction
 constexpr int kMostCorrections = 50;
 
-// p.Ap / p.Mp that M^-1 A has at least somewhere: a diagonal has 1, a cycle is made for 1 at the upper end.
-constexpr double kOfPreconditioned = 0.1;
-
-/// p.Ap / r.z of the first direction towards an irregular right-hand side.
-double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
-  PointArray any(num_nodes, 3);
-  fill_irregularly(any);
-  space.begin(any, nullptr);
-  const double r_z = space.precondition();
-  return space.product(0) / r_z;
-}
-
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
 void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int most_iterations,
          SolveReport& report) {
-  report.residual = std::sqrt(space.begin(b, start)) / norm_b;
-  if (start && !(report.residual <= 1)) {  // worse than none
+  const auto relative = [&](double r_r) { return std::sqrt(r_r) / norm_b; };
+  double r_r = space.begin(b, start);
+  if (start && !(relative(r_r) <= 1)) {  // worse than none
     start = nullptr;
-    report.residual = std::sqrt(space.begin(b, start)) / norm_b;
+    r_r = space.begin(b, start);
   }
-  double rho_before = 0;
-  bool first = true;
-  Curvature curvature(space.rounding(), space.is_preconditioned() ? kOfPreconditioned : 0);
-  while (!(report.residual <= enough) && report.iterations < most_iterations) {
-    const double rho = space.precondition();
-    const double p_Ap = space.product(first ? 0 : rho / rho_before);
-    if (!curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); })) {
-      if (first || report.residual > 1)  // what has blown up is worse than none
-        report.residual = std::sqrt(space.begin(b, start)) / norm_b;
-      break;
-    }
-    require_definite(rho);
-    first = false;
-
-    report.residual = std::sqrt(space.advance(rho / p_Ap)) / norm_b;
-    ++report.iterations;
-    rho_before = rho;
-  }
+  r_r = iterate_within_range(
+      space, b, start, r_r, most_iterations, report.iterations, [&](double now) { return relative(now) <= enough; },
+      kNoRule);
+  report.residual = relative(r_r);
   report.converged = report.residual <= enough;
 }
 

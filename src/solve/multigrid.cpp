@@ -169,10 +169,7 @@ void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMes
 template <class T>
 void Multigrid<T>::refer_to(const KernelBody& body, const NodalPart& rest) {
   operators_ = body.coarse;
-  if constexpr (std::is_same_v<T, double>)
-    fine_.op = body.double_operator;
-  else
-    fine_.op = body.single_operator;
+  fine_.op = body.op<T>();
   const Partition& partition = fine_.op->partition();
   for (std::size_t k = 0; k < coarse_.size() && k < operators_.size(); ++k) coarse_[k].op = operators_[k].op;
   if (rest.version != 0 && rest.version == diagonal_version_) return;

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
@@ -30,6 +31,15 @@ struct KernelBody {
   SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; there where others or exact_operator are
   double spectral_radius = 0;      ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
   std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
+
+  /// That of the two which works on numbers T.
+  template <class T>
+  const ChunkedOperator<T>* op() const {
+    if constexpr (std::is_same_v<T, double>)
+      return double_operator;
+    else
+      return single_operator;
+  }
 };
 
 /// A symmetric operator F on nodal fields, of what the kernels do not know.

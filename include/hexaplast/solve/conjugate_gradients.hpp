@@ -39,8 +39,8 @@ class ConjugateGradients final : public LinearSolver {
 class SolverPreconditionedConjugateGradients final : public LinearSolver {
  public:
   /// `preconditioner` may be null; it must be symmetric and positive definite, and outlive this.
-  SolverPreconditionedConjugateGradients(double tolerance, int iterations, LinearSolver* preconditioner)
-      : tolerance_(tolerance), iterations_(iterations), preconditioner_(preconditioner) {}
+  SolverPreconditionedConjugateGradients(double tolerance, int iterations, LinearSolver* preconditioner);
+  ~SolverPreconditionedConjugateGradients() override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   void reset() override;
   void serialize(Archive& archive) override;
@@ -49,7 +49,8 @@ class SolverPreconditionedConjugateGradients final : public LinearSolver {
   double tolerance_;
   int iterations_;
   LinearSolver* preconditioner_;
-  PointArray residual_, direction_, product_, preconditioned_;
+  struct Spaces;
+  std::unique_ptr<Spaces> spaces_;
 };
 
 enum class Preconditioner {
