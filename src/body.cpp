@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <istream>
-#include <ostream>
 
 #include "base/finite.hpp"
+#include "base/saved_stream.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -37,9 +35,9 @@ double moved(double threshold, double before, double now) {
   return std::isfinite(threshold) && std::isfinite(now) ? std::max(0.0, threshold + now - before) : now;
 }
 
-constexpr std::array<char, 8> kSavedMagic = {'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'};
 constexpr std::uint32_t kSavedVersion =  // 1 of 19 members, one more for each that has come since
     1 + num_members<Material>() + num_members<Settings>() - 19;
+constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// XXH64 of what a saved history belongs to.
 std::uint64_t identity_of(const Model& model) {
@@ -69,12 +67,6 @@ std::size_t greatest_saved_size(const Model& model, const History& history) {
   const auto num_elements = static_cast<std::size_t>(model.mesh.num_elements());
   return present + 1024 +
          num_elements * (sizeof(Material) + sizeof(CornerValues) + sizeof(CornerTensors) + sizeof(int));
-}
-
-void read_exactly(std::istream& in, void* data, std::size_t size) {
-  in.read(static_cast<char*>(data), static_cast<std::streamsize>(size));
-  if (static_cast<std::size_t>(in.gcount()) != size)
-    throw InputError(fmt::format("a saved body ends {} bytes too early", size - static_cast<std::size_t>(in.gcount())));
 }
 
 }  // namespace
@@ -278,45 +270,12 @@ void Body::serialize(Archive& archive) {
 }
 
 void Body::save(std::ostream& out) const {
-  StateHash hash;
-  Archive archive([&](const void* data, std::size_t size) {
-    out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
-    hash.add(data, size);
-  });
-  std::array<char, 8> magic = kSavedMagic;
-  std::uint32_t version = kSavedVersion;
-  std::uint64_t identity = identity_of(state_->model),
-                size = serialized_size([&](Archive&counting) { state_->write(counting); });
-  archive(magic, version, identity, size);
-  state_->write(archive);
-  std::uint64_t checksum = hash.value();
-  archive(checksum);
-  if (!out) throw InputError("the stream does not take a saved body");
+  write_saved(out, kSavedBody, identity_of(state_->model), [&](Archive& archive) { state_->write(archive); });
 }
 
 void Body::load(std::istream& in) {
-  std::array<std::byte, sizeof kSavedMagic + sizeof kSavedVersion + 2 * sizeof(std::uint64_t)> header;
-  read_exactly(in, header.data(), header.size());
-  std::array<char, 8> magic;
-  std::uint32_t version = 0;
-  std::uint64_t identity = 0, size = 0, checksum = 0;
-  Archive head{std::span<const std::byte>(header)};
-  head(magic, version, identity, size);
-  if (magic != kSavedMagic) throw InputError("this is no saved body");
-  if (version != kSavedVersion)
-    throw InputError(fmt::format("the saved body has format version {}, must be {}", version, kSavedVersion));
-  if (identity != identity_of(state_->model)) throw InputError("the saved body has another mesh or other settings");
-  if (size > greatest_saved_size(state_->model, state_->history))
-    throw InputError(fmt::format("the saved body is damaged: {} bytes are announced", size));
-
-  std::vector<std::byte> bytes(size);
-  read_exactly(in, bytes.data(), bytes.size());
-  read_exactly(in, &checksum, sizeof checksum);
-  StateHash hash;
-  hash.add(header.data(), header.size());
-  hash.add(bytes.data(), bytes.size());
-  if (hash.value() != checksum) throw InputError("the saved body is damaged: its checksum does not fit");
-
+  const std::vector<std::byte> bytes =
+      read_saved(in, kSavedBody, identity_of(state_->model), greatest_saved_size(state_->model, state_->history));
   Archive contents{std::span<const std::byte>(bytes)};
   auto [model, history] = state_->read(contents);
   if (contents.rest() != 0) throw InputError(fmt::format("the saved body has {} bytes too many", contents.rest()));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/saved_stream.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
@@ -104,6 +105,9 @@ LoadedBody loaded(Body& body, const Motion& motion) {
   return {body, std::move(mass), {}, std::move(load)};
 }
 
+constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 1, "motion"};
+constexpr unsigned char kLed = 2;  // a fixed node that moves in the next step, in a saved motion
+
 }  // namespace
 
 MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> solver)
@@ -122,12 +126,7 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
 FlowReport MovingBody::step() {
   x_before_ = x;
   v_before_ = v;
-  solver_before_.clear();
-  Archive keeping([this](const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const std::byte*>(data);
-    solver_before_.insert(solver_before_.end(), bytes, bytes + size);
-  });
-  solver_->serialize(keeping);
+  memory_before_ = euler_.memory();
   system_.refer_to(body);  // which may have moved together with this
   try {
     const SolveReport solved = euler_.step(system_, *solver_, time(), dt_, x, v);
@@ -140,8 +139,7 @@ FlowReport MovingBody::step() {
   } catch (...) {
     x = x_before_;
     v = v_before_;
-    Archive kept{std::span<const std::byte>(solver_before_)};
-    solver_->serialize(kept);
+    euler_.memory() = memory_before_;
     throw;
   }
 }
@@ -208,12 +206,64 @@ void MovingBody::release(std::span<const int> nodes) {
 
 void MovingBody::reset() {
   body.reset();
-  solver_->reset();
+  euler_.memory().reset();
   x = body.mesh().positions();
   v.setZero();
   led_.clear();
   latest = {};
   steps_ = 0;
+}
+
+std::uint64_t MovingBody::identity() const {
+  StateHash hash;
+  hash.add(&dt_, sizeof dt_);
+  hash.add(mass().data(), mass().size() * sizeof(double));
+  return hash.value();
+}
+
+void MovingBody::save(std::ostream& out) const {
+  write_saved(out, kSavedMotion, identity(), [&](Archive& archive) {
+    PointArray positions = x, velocities = v;
+    long steps = steps_;
+    std::vector<unsigned char> held = is_fixed_;
+    for (const int n : led_) held[n] = kLed;
+    SolverMemory memory = euler_.memory();
+    archive(positions, velocities, steps, held);
+    memory.serialize(archive);
+  });
+  body.save(out);
+}
+
+void MovingBody::load(std::istream& in) {
+  const auto num_nodes = static_cast<std::size_t>(body.mesh().num_nodes());
+  const std::size_t most = 64 + num_nodes * (9 * sizeof(double) + 1);
+  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity(), most);
+  Archive archive{std::span<const std::byte>(bytes)};
+  PointArray positions, velocities;
+  long steps = 0;
+  std::vector<unsigned char> held;
+  SolverMemory memory;
+  archive(positions, velocities, steps, held);
+  memory.serialize(archive);
+  const auto has_all = [&](const PointArray& field) {
+    return field.rows() == body.mesh().num_nodes() && field.allFinite();
+  };
+  if (!has_all(positions) || !has_all(velocities) || !(memory.start.rows() == 0 || has_all(memory.start)) ||
+      steps < 0 || held.size() != num_nodes || archive.rest() != 0)
+    throw InputError("the saved motion is of another body");
+  body.load(in);
+
+  x = positions;
+  v = velocities;
+  euler_.memory() = std::move(memory);
+  steps_ = steps;
+  latest = {};
+  led_.clear();
+  for (std::size_t n = 0; n < num_nodes; ++n) {
+    is_fixed_[n] = held[n] != 0;
+    if (held[n] == kLed) led_.push_back(static_cast<int>(n));
+  }
+  tell_fixed();
 }
 
 void MovingBody::tell_fixed() {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <span>
 #include <string>
@@ -85,8 +86,8 @@ class MovingBody {
   MovingBody(Body body, Motion motion, std::unique_ptr<LinearSolver> solver = nullptr);
 
   /// One time step. Throws NumericalError naming the first node or element that left the finite numbers, and what the
-  /// load throws; everything is then as before the step, time, nodes that are led and the memory of the solver
-  /// (LinearSolver::serialize) included, to the last bit.
+  /// load throws; everything is then as before the step, time, nodes that are led and solver_memory() included, to the
+  /// last bit.
   FlowReport step();
   SolveReport latest;  ///< of the latest step
 
@@ -103,8 +104,22 @@ class MovingBody {
   /// Nodes move freely from now on.
   void release(std::span<const int> nodes);
 
-  /// Back to the beginning: the virgin body at rest, at time 0. Nodes that are fixed stay so.
+  /// Back to the beginning: the virgin body at rest, at time 0, without solver memory. Nodes that are fixed stay so.
   void reset();
+
+  /// Writes all that the next step depends on besides what the constructor was given: x, v, the number of steps, fixed
+  /// and led nodes, solver_memory() and the body (Body::save). A motion that loads it goes on as this one does, bit for
+  /// bit, whatever it and its solver have done before. Throws InputError when the stream does not take it all.
+  void save(std::ostream& out) const;
+
+  /// Takes over what `save` wrote for a body of the same mesh and settings, with the same masses and dt; reads no byte
+  /// beyond. Throws InputError for what is damaged, of another format version or of another motion; this is then as
+  /// before.
+  void load(std::istream& in);
+
+  /// What the steps so far have left for the linear solver of the next one: the third part of the motion, besides x and
+  /// v. Whoever puts others in their place resets it, or what comes depends on what was solved before.
+  SolverMemory& solver_memory() { return euler_.memory(); }
 
   long steps() const { return steps_; }                              ///< so far
   double dt() const { return dt_; }                                  ///< [s]
@@ -121,6 +136,7 @@ class MovingBody {
 
  private:
   void tell_fixed();  // the system, what is_fixed_ says
+  std::uint64_t identity() const;
 
   LoadedBody system_;
   ImplicitEuler euler_;
@@ -129,8 +145,8 @@ class MovingBody {
   std::vector<unsigned char> is_fixed_;  // per node
   std::vector<int> led_;                 // fixed nodes that move in the next step
   long steps_ = 0;
-  PointArray x_before_, v_before_;        // of the step under way
-  std::vector<std::byte> solver_before_;  // what the solver remembered then
+  PointArray x_before_, v_before_;  // of the step under way
+  SolverMemory memory_before_;
 };
 
 }  // namespace hexaplast

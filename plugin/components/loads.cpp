@@ -154,6 +154,7 @@ class FaceLoad : public PrescribedLoad {
     has_lost_faces_ = false;
   }
   void serialize(Archive& archive) override {
+    if (archive.reads()) reset();
     archive(has_lost_faces_);
     if (archive.reads() && has_lost_faces_) leave_out(scene::Remains(needed_ready<scene::MechanicalState>()));
   }

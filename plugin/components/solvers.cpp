@@ -36,13 +36,17 @@ class SystemSolver : public scene::OdeSolver {
   }
 
   void reset() override {
-    linear_solver().reset();
+    memory().reset();
     system_->project_motion(0);
   }
+
+  void serialize(Archive& archive) override { memory().serialize(archive); }
 
   double kinetic_energy() const override { return system_->kinetic_energy(); }
 
  protected:
+  virtual SolverMemory& memory() = 0;  ///< of its integrator
+
   hexaplast::LinearSolver& linear_solver() { return linear_solver_->method(); }
 
   /// What the linear solver did, to be passed on.
@@ -69,7 +73,10 @@ class EulerImplicitSolver final : public SystemSolver {
                                  .velocity_damping = real("vdamping"),
                                  .first_order = boolean("firstOrder"),
                                  .trapezoidal = boolean("trapezoidalScheme")};
+    SolverMemory kept = euler_ ? std::move(euler_->memory()) : SolverMemory();  // bwd_init comes again: Scene::add
     euler_.emplace(settings);
+    euler_->memory() = std::move(kept);
+    if (balance_) euler_->measure_energy();
     warn_of_growing_vibrations(settings);
   }
 
@@ -109,6 +116,7 @@ class EulerImplicitSolver final : public SystemSolver {
   }
 
   void serialize(Archive& archive) override {
+    SystemSolver::serialize(archive);
     settle();
     bool is_kept = balance_.has_value();
     archive(is_kept);
@@ -118,6 +126,9 @@ class EulerImplicitSolver final : public SystemSolver {
     archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
             balance_->damping_loss, balance_->numerical_loss, balance_->flow_loss);
   }
+
+ protected:
+  SolverMemory& memory() override { return euler_->memory(); }
 
  private:
   void warn_of_growing_vibrations(const EulerSettings& settings) {
@@ -176,7 +187,9 @@ class StaticSolver final : public SystemSolver {
 
   void bwd_init() override {
     SystemSolver::bwd_init();
+    SolverMemory kept = newton_ ? std::move(newton_->memory()) : SolverMemory();
     newton_.emplace(newton_settings());
+    newton_->memory() = std::move(kept);
   }
 
   // What is always in equilibrium has no velocity.
@@ -190,6 +203,9 @@ class StaticSolver final : public SystemSolver {
                    .converged = found.status != NewtonStatus::kNotConverged,
                    .preconditioner = found.preconditioner});
   }
+
+ protected:
+  SolverMemory& memory() override { return newton_->memory(); }
 
  private:
   NewtonSettings newton_settings() {

@@ -177,8 +177,6 @@ class LinearSolver : public Component {
 
   /// Told of what method() did in each step.
   virtual void heed(const SolveReport& /*report*/) {}
-
-  void serialize(Archive& archive) override { method().serialize(archive); }
 };
 
 /// Advances the mechanical state of its node, or of a node below, by one time step.

@@ -70,6 +70,7 @@ class Simulation {
     const Turn turn(taken());
     moving_->x = as_points(x);
     moving_->v = as_points(v);
+    moving_->solver_memory().reset();
   }
 
  private:

@@ -134,9 +134,4 @@ SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x
   return solve_again(A, b, x);
 }
 
-void CholeskySolver::reset() {
-  factor_->free_all();
-  matrix_ = BlockMatrix();
-}
-
 }  // namespace hexaplast

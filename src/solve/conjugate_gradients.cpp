@@ -95,22 +95,27 @@ ConjugateGradients::ConjugateGradients(ConjugateGradientSettings settings)
 ConjugateGradients::~ConjugateGradients() = default;
 
 SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  SolverMemory none;
+  return solve_next(A, b, x, none);
+}
+
+SolveReport ConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) {
   require_sizes(A, b, x);
-  // SOFA lets the first iteration of the very first solve pass its stopping rules
-  const bool first_solve = std::exchange(first_solve_, false);
   SolveReport report;
 
   const double norm_b = std::sqrt(finite_square(b));
   if (norm_b == 0) {
     x.setZero();
+    memory.is_first = false;
     return report;
   }
 
   CgSpace& space = spaces_->choose(A);
-  const ConstPoints previous(previous_);
+  const ConstPoints previous(memory.start);
   const bool warm = settings_.warm_start && previous.rows() == b.rows();
   report.converged = false;
-  const auto must_go_on = [&] { return first_solve && report.iterations == 0; };
+  // SOFA lets the first iteration of the very first solve pass its stopping rules
+  const auto must_go_on = [&] { return memory.is_first && report.iterations == 0; };
   const auto is_small = [&](double r_r) { return std::sqrt(r_r) / norm_b <= settings_.tolerance && !must_go_on(); };
   const auto goes_on = [&](double rho, double p_Ap) {
     require_finite(p_Ap, rho);
@@ -126,14 +131,10 @@ SolveReport ConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Poin
   if (&space == &spaces_->in_single && settings_.tolerance > 0)
     report.residual = exact_residual(A, spaces_->system, b, x, spaces_->system.scratch) / norm_b;
   report.converged = report.converged || report.residual <= settings_.tolerance;
+  memory.is_first = false;
   // a start that is no number would spoil every later solve
-  if (settings_.warm_start && x.allFinite()) previous_ = x;
+  if (settings_.warm_start && x.allFinite()) memory.start = x;
   return report;
-}
-
-void ConjugateGradients::reset() {
-  first_solve_ = true;
-  previous_.resize(0, 3);
 }
 
 namespace {
@@ -258,14 +259,6 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
   space.end(x);
   report.residual = std::sqrt(r_r / b_squared);
   return report;
-}
-
-void SolverPreconditionedConjugateGradients::reset() {
-  if (preconditioner_) preconditioner_->reset();
-}
-
-void SolverPreconditionedConjugateGradients::serialize(Archive& archive) {
-  if (preconditioner_) preconditioner_->serialize(archive);
 }
 
 namespace {

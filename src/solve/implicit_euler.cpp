@@ -43,7 +43,8 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
   const OperatorFactors factors =
       first_order ? OperatorFactors{.mass = 1, .damping = 0, .stiffness = -ah}
                   : OperatorFactors{.mass = 1 + ah * rM, .damping = -ah, .stiffness = -ah * (ah + rK)};
-  const SolveReport report = solver.solve(ConstrainedOperator(system, factors), right_hand_side_, velocity_);
+  const SolveReport report =
+      solver.solve_next(ConstrainedOperator(system, factors), right_hand_side_, velocity_, memory_);
 
   if (!first_order) velocity_ += v;  //                                                                        eq. 42
   require_finite(velocity_, "velocity");

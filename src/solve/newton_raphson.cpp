@@ -66,7 +66,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
   while (report.iterations < settings_.iterations && report.status == NewtonStatus::kNotConverged) {
     ++report.iterations;
     const ConstrainedOperator A(system, {.mass = 0, .damping = 0, .stiffness = -1}, loose_);
-    const SolveReport solved = solver.solve(A, force_, increment_);
+    const SolveReport solved = solver.solve_next(A, force_, increment_, memory_);
     report.linear_iterations += solved.iterations;
     report.preconditioner = solved.preconditioner;
     require_finite(increment_, "displacement");

@@ -152,7 +152,6 @@ TEST_F(Solvers, FollowAMatrixThatChanges) {
   cholesky.solve(DenseSystem(smaller), b.topRows(5), y);
   EXPECT_TRUE(agrees(y, unstacked(smaller.ldlt().solve(stacked(b.topRows(5)))), 1e-10));
 
-  cholesky.reset();
   cholesky.solve(DenseSystem(A), b, x);
   EXPECT_TRUE(agrees(x, exact, 1e-10));
 }
@@ -196,8 +195,9 @@ TEST_F(Solvers, ConjugateGradientsCompareTheCurvatureWithAnAbsoluteThreshold) {
   const auto iterations_for = [&](double size) {
     PointArray x(kNodes, 3);
     ConjugateGradients cg({.iterations = 1000, .tolerance = 1e-10, .threshold = 1e-5});
-    cg.solve(DenseSystem(A), b, x);  // the rules hold in full from the second solve on
-    const SolveReport report = cg.solve(DenseSystem(A), size * b, x);
+    SolverMemory memory;
+    memory.is_first = false;  // the rules hold in full from the second solve on
+    const SolveReport report = cg.solve_next(DenseSystem(A), size * b, x, memory);
     EXPECT_TRUE(report.converged);
     return report.iterations;
   };
@@ -209,25 +209,30 @@ TEST_F(Solvers, ConjugateGradientsCompareTheCurvatureWithAnAbsoluteThreshold) {
 TEST_F(Solvers, ConjugateGradientsAlwaysTakeTheFirstStepOfTheFirstSolve) {
   PointArray x(kNodes, 3);
   ConjugateGradients cg({.iterations = 1000, .tolerance = 1e-10, .threshold = 1e6});
-  EXPECT_EQ(cg.solve(DenseSystem(A), b, x).iterations, 1);
-  EXPECT_EQ(cg.solve(DenseSystem(A), b, x).iterations, 0);
+  SolverMemory memory;
+  EXPECT_EQ(cg.solve_next(DenseSystem(A), b, x, memory).iterations, 1);
+  EXPECT_EQ(cg.solve_next(DenseSystem(A), b, x, memory).iterations, 0);
   EXPECT_TRUE(x.isZero(0));
-  cg.reset();
-  EXPECT_EQ(cg.solve(DenseSystem(A), b, x).iterations, 1);
+  EXPECT_EQ(cg.solve(DenseSystem(A), b, x).iterations, 1) << "a solve by itself is the first";
+  memory.reset();
+  EXPECT_EQ(cg.solve_next(DenseSystem(A), b, x, memory).iterations, 1);
 
   ConjugateGradients lenient({.iterations = 1000, .tolerance = 2, .threshold = 0});
-  EXPECT_EQ(lenient.solve(DenseSystem(A), b, x).iterations, 1);
-  EXPECT_EQ(lenient.solve(DenseSystem(A), b, x).iterations, 0);
+  memory.reset();
+  EXPECT_EQ(lenient.solve_next(DenseSystem(A), b, x, memory).iterations, 1);
+  EXPECT_EQ(lenient.solve_next(DenseSystem(A), b, x, memory).iterations, 0);
 }
 
 TEST_F(Solvers, ConjugateGradientsStartWarmWhenAsked) {
   PointArray x(kNodes, 3);
   ConjugateGradients warm({.iterations = 1000, .tolerance = 1e-10, .threshold = 0, .warm_start = true});
-  const int first = warm.solve(DenseSystem(A), b, x).iterations;
-  EXPECT_LE(warm.solve(DenseSystem(A), b, x).iterations, 1);
+  SolverMemory memory;
+  const int first = warm.solve_next(DenseSystem(A), b, x, memory).iterations;
+  EXPECT_LE(warm.solve_next(DenseSystem(A), b, x, memory).iterations, 1);
   EXPECT_TRUE(agrees(x, exact, 1e-8));
-  warm.reset();
   EXPECT_EQ(warm.solve(DenseSystem(A), b, x).iterations, first);
+  memory.reset();
+  EXPECT_EQ(warm.solve_next(DenseSystem(A), b, x, memory).iterations, first);
 }
 
 /// Every kind of solver, new. The preconditioner must outlive it.
@@ -256,11 +261,12 @@ TEST_F(Solvers, RecoverFromWhatIsNoNumber) {
   for (const auto& [name, made] : every_solver(preconditioner)) {
     LinearSolver* const solver = made.get();
     PointArray x(kNodes, 3), again(kNodes, 3);
-    solver->solve(DenseSystem(A), b, x);  // SOFA's rules differ in the very first solve
-    solver->reset();
-    solver->solve(DenseSystem(A), b, x);
+    SolverMemory memory;
+    solver->solve_next(DenseSystem(A), b, x, memory);  // SOFA's rules differ in the very first solve
+    solver->solve_next(DenseSystem(A), b, x, memory);
     for (const auto& trouble : std::initializer_list<std::function<void()>>{
-             [&] { solver->solve(DenseSystem(A), nan, again); }, [&] { solver->solve(DenseSystem(spoiled), b, again); },
+             [&] { solver->solve_next(DenseSystem(A), nan, again, memory); },
+             [&] { solver->solve_next(DenseSystem(spoiled), b, again, memory); },
              [&] {
                again = nan;
                solver->improve(DenseSystem(A), b, again);
@@ -269,7 +275,7 @@ TEST_F(Solvers, RecoverFromWhatIsNoNumber) {
         trouble();
       } catch (const NumericalError&) {
       }
-      const SolveReport report = solver->solve(DenseSystem(A), b, again);
+      const SolveReport report = solver->solve_next(DenseSystem(A), b, again, memory);
       EXPECT_TRUE(report.converged) << name;
       EXPECT_TRUE(agrees(again, exact, 1e-8)) << name;
     }
@@ -302,6 +308,24 @@ TEST_F(Solvers, CholeskyRefusesARightHandSideThatIsNotFinite) {
     spoiled(5, 1) = spoil;
     EXPECT_TRUE(refuses<NumericalError>([&] { CholeskySolver().solve(DenseSystem(A), spoiled, x); },
                                         {"right-hand side", "not finite"}));
+  }
+}
+
+// What goes from one solve to the next is in the memory: two sequences through one solver do not meet.
+TEST_F(Solvers, KeepNothingBesideTheMemoryOfASequence) {
+  CholeskySolver preconditioner, other_preconditioner;
+  const auto all = every_solver(preconditioner), others = every_solver(other_preconditioner);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    LinearSolver &shared = *all[k].second, &alone = *others[k].second;
+    SolverMemory of_one, of_other, of_alone;
+    PointArray x(kNodes, 3), y(kNodes, 3), expected(kNodes, 3);
+    for (int turn = 0; turn < 3; ++turn) {
+      const PointArray now = (1 + 0.1 * turn) * b;
+      shared.solve_next(DenseSystem(A), now, x, of_one);
+      alone.solve_next(DenseSystem(A), now, expected, of_alone);
+      EXPECT_EQ(x, expected) << all[k].first << ", " << turn;
+      shared.solve_next(DenseSystem(3 * A), now.colwise().reverse(), y, of_other);
+    }
   }
 }
 

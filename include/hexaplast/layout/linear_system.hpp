@@ -157,12 +157,29 @@ struct SolveReport {
   PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< that was used
 };
 
-/// Solves A x = b; x arrives with any content. Throws InputError where b or x has another number of rows than A nodes,
-/// NumericalError when A is found not to be positive semi-definite.
+/// What one solve of a sequence leaves for the next one: all of it that a result depends on, to the last bit. Whoever
+/// makes the sequence owns it, as a time integrator does beside the motion, and keeps it where the motion is kept.
+struct SolverMemory {
+  bool is_first = true;  ///< nothing has been solved: SOFA's rules are relaxed then
+  PointArray start;      ///< the latest solution, to start from; without rows: there is none
+
+  void reset() { *this = {}; }
+  void serialize(Archive& archive) { archive(is_first, start); }
+};
+
+/// Solves A x = b; x arrives with any content. What a solver keeps from one solve to the next (vectors, factors, coarse
+/// operators) follows from the latest system alone: a result depends on A, b and the SolverMemory. Throws InputError
+/// where b or x has another number of rows than A nodes, NumericalError when A is found not to be positive
+/// semi-definite.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
   virtual SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) = 0;
+
+  /// The next solve of a sequence. `memory` is as before where it throws.
+  virtual SolveReport solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& /*memory*/) {
+    return solve(A, b, x);
+  }
 
   /// Prepares what solves with one A and several b share, such as a factorisation: once, before solve_again.
   virtual void setup(const LinearSystem& /*A*/) {}
@@ -172,12 +189,6 @@ class LinearSolver {
 
   /// The same for an x that arrives near the solution; the tolerance still refers to b.
   virtual SolveReport improve(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
-
-  /// Forgets what it kept of earlier solves (warm start, factors).
-  virtual void reset() {}
-
-  /// Passes on what it keeps of earlier solves and the next one depends on, to the last bit.
-  virtual void serialize(Archive& /*archive*/) {}
 };
 
 }  // namespace hexaplast

@@ -8,7 +8,7 @@
 namespace hexaplast {
 
 /// Sparse Cholesky factorisation (CHOLMOD) of the assembled system; the symbolic part is reused while the pattern
-/// stays. It keeps nothing that a result depends on.
+/// stays.
 class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver();
@@ -16,7 +16,6 @@ class CholeskySolver final : public LinearSolver {
   void setup(const LinearSystem& A) override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   SolveReport solve_again(const LinearSystem& A, ConstPoints b, Points x) override;
-  void reset() override;
 
  private:
   struct Factor;

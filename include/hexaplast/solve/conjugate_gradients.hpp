@@ -9,12 +9,13 @@ namespace hexaplast {
 
 /// Conjugate gradients with the stopping rules of SOFA's CGLinearSolver (theory.md section 6). A solve that the
 /// threshold ends counts as converged, as in SOFA. With products in single precision the residual that is reported is
-/// that of the system in double, which is one product more; with tolerance 0 it is the iteration's own.
+/// that of the system in double, which is one product more; with tolerance 0 it is the iteration's own. The first solve
+/// of a SolverMemory, which a solve by itself always is, makes its first iteration whatever the rules say.
 struct ConjugateGradientSettings {
   int iterations = 25;
   double tolerance = 1e-5;  ///< on |r| / |b|
   double threshold = 1e-5;  ///< absolute, on p.Ap: stops when it is not greater
-  bool warm_start = false;
+  bool warm_start = false;  ///< starts from SolverMemory::start
 };
 
 class ConjugateGradients final : public LinearSolver {
@@ -22,13 +23,10 @@ class ConjugateGradients final : public LinearSolver {
   explicit ConjugateGradients(ConjugateGradientSettings settings);
   ~ConjugateGradients() override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
-  void reset() override;
-  void serialize(Archive& archive) override { archive(first_solve_, previous_); }
+  SolveReport solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) override;
 
  private:
   ConjugateGradientSettings settings_;
-  bool first_solve_ = true;  // SOFA's rules are relaxed in the very first solve
-  PointArray previous_;
   struct Spaces;  // the vectors, in the form and the precision that the system asks for
   std::unique_ptr<Spaces> spaces_;
 };
@@ -42,8 +40,6 @@ class SolverPreconditionedConjugateGradients final : public LinearSolver {
   SolverPreconditionedConjugateGradients(double tolerance, int iterations, LinearSolver* preconditioner);
   ~SolverPreconditionedConjugateGradients() override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
-  void reset() override;
-  void serialize(Archive& archive) override;
 
  private:
   double tolerance_;

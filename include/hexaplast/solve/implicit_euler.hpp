@@ -74,6 +74,11 @@ class ImplicitEuler {
   /// InputError where x or v has not one row per node of the system; x and v are then as before.
   SolveReport step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x, Points v);
 
+  /// What the steps so far have left for the linear solver of the next one. It belongs to x and v: whoever puts others
+  /// in their place, as after a step that has thrown, puts theirs here or resets it.
+  SolverMemory& memory() { return memory_; }
+  const SolverMemory& memory() const { return memory_; }
+
   /// From now on each step also tells what it did to the energy, at the cost of about one product more. The motion is
   /// the same, bit for bit.
   void measure_energy() { measures_energy_ = true; }
@@ -83,6 +88,7 @@ class ImplicitEuler {
   StepEnergy energy_of_step(MechanicalSystem& system, double time, double h, ConstPoints x, ConstPoints v);
 
   EulerSettings settings_;
+  SolverMemory memory_;
   bool measures_energy_ = false;
   StepEnergy energy_;
   PointArray right_hand_side_, velocity_;                   // [kg m/s] or [N], and [m/s]: dv, then the new velocity

@@ -53,8 +53,12 @@ class NewtonRaphson {
   /// is then as before.
   NewtonReport solve(MechanicalSystem& system, LinearSolver& solver, double time, Points x);
 
+  /// What the linear solver of the next iteration begins with (ImplicitEuler::memory).
+  SolverMemory& memory() { return memory_; }
+
  private:
   NewtonSettings settings_;
+  SolverMemory memory_;
   PointArray position_, trial_, velocity_, force_, trial_force_, increment_;
   std::vector<int> loose_;  // nodes on which no stiffness acts
 };
