@@ -42,8 +42,8 @@ void carry_out(const std::string& name, int count) {
   PointArray x = 1.01 * bar.positions();
   x.col(0) += 0.1 * x.col(2);
   body.linearize(x);
-  KernelSystem system;
-  body.to_kernels(-1, system);
+  MatrixFreeSystem system;
+  body.describe(-1, system);
   const std::size_t size = 4 * static_cast<std::size_t>(body.state().model.partition->num_slots);
   AlignedVector<double> p(size, 1.0), Ap(size, 0.0);
   AlignedVector<float> single_p(size, 1.0F), single_Ap(size, 0.0F);

@@ -70,8 +70,8 @@ template <Precision kPrecision>
 void stiffness_product(benchmark::State& state) {
   Bar bar(state.range(0), kPrecision);
   bar.body.linearize(bar.x);
-  KernelSystem system;
-  bar.body.to_kernels(-1, system);
+  MatrixFreeSystem system;
+  bar.body.describe(-1, system);
   const auto measure = [&]<class T>(const ChunkedOperator<T>& op) {
     const Partition& partition = op.partition();
     const auto product = [&](const PointArray& field, AlignedVector<T>& p, AlignedVector<T>& Ap) {

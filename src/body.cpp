@@ -158,15 +158,15 @@ void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   hexaplast::add_stiffness_blocks(state_->model, state_->at, factor, K);
 }
 
-void Body::to_kernels(double factor, KernelSystem& system) const {
-  state_->require_linearized("to_kernels");
+void Body::describe(double factor, MatrixFreeSystem& system) const {
+  state_->require_linearized("describe");
   KernelBody& body = system.bodies.emplace_back();
   body.factor = -factor;  // L = - df/dx
   body.double_operator = std::get_if<ElementOperator<double, double>>(&state_->at.op);
   if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
   if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;
   if (body.single_operator) {
-    state_->exact.refer_to(state_->model, state_->at);
+    state_->exact.setup(state_->model, state_->at);
     body.exact_operator = &state_->exact;
   }
   body.scratch = &state_->slots();

@@ -43,7 +43,7 @@ struct Body::State {
   double checked_dt = kNone;                  // time step that passed check_time_step
   SlotScratch own_slots;                      // of bodies that cannot flow
   ProductWorkspace product;                   // of add_stiffness_product and energy
-  ExactOperator exact;                        // of mixed precision
+  DoublePrecisionOperator exact;              // of mixed precision
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
 };
 

@@ -57,10 +57,10 @@ void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
   body_->add_stiffness_blocks(factors.stiffness, A);
 }
 
-bool LoadedBody::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
-  require_rows("LoadedBody::to_kernels", "diagonal", system.diagonal, num_nodes());
+bool LoadedBody::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
+  require_rows("LoadedBody::describe", "diagonal", system.diagonal, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).array() += factors.mass * mass_[n];
-  body_->to_kernels(factors.stiffness, system);
+  body_->describe(factors.stiffness, system);
   return true;
 }
 

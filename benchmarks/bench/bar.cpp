@@ -126,9 +126,9 @@ void Bar::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
   body_.add_stiffness_blocks(factors.stiffness, A);
 }
 
-bool Bar::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
+bool Bar::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
   system.diagonal.colwise() += factors.mass * masses_;
-  body_.to_kernels(factors.stiffness, system);
+  body_.describe(factors.stiffness, system);
   return true;
 }
 

@@ -16,7 +16,7 @@
 
 namespace hexaplast {
 
-struct KernelSystem;
+struct MatrixFreeSystem;
 
 /// What a picture or a table shows of a body: one value per hexahedron. A removed element keeps its plastic strain and
 /// yield stress; its other values are 0.
@@ -36,7 +36,7 @@ struct ElementFields {
 /// positions, any number of times. flow is called once per accepted time step.
 ///
 ///   call                                                  | before it
-///   add_force, add_stiffness_*, to_kernels                | linearize, and none of the calls below since then
+///   add_force, add_stiffness_*, describe                  | linearize, and none of the calls below since then
 ///   flow, remove, set_materials, reset, load, serialize   | nothing; they end the linearization
 ///   energy, fields, volume, save                          | nothing; they leave the linearization alone
 ///
@@ -51,7 +51,7 @@ class Body {
   Body& operator=(Body other) noexcept;
   ~Body();
 
-  /// Fixes the positions that add_force, the stiffness verbs and to_kernels refer to.
+  /// Fixes the positions that add_force, the stiffness verbs and describe refer to.
   void linearize(ConstPoints x);
 
   /// f += elastic force at the linearized positions. Sums to zero force and zero moment.
@@ -65,7 +65,7 @@ class Body {
 
   /// A += factor * df/dx for the solvers that work on the kernels' own vectors. `system` refers to the linearization,
   /// and is void together with it.
-  void to_kernels(double factor, KernelSystem& system) const;
+  void describe(double factor, MatrixFreeSystem& system) const;
 
   /// Elastic energy [J] at any positions; leaves the linearization alone.
   double energy(ConstPoints x) const;

@@ -44,7 +44,7 @@ class LoadedBody : public MechanicalSystem {
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
-  bool to_kernels(const OperatorFactors& factors, KernelSystem& system) const override;
+  bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;

@@ -67,8 +67,8 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     body_->add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override { body_->add_stiffness_blocks(factor, A); }
-  bool to_kernels(double factor, KernelSystem& system) const override {
-    body_->to_kernels(factor, system);
+  bool describe(double factor, MatrixFreeSystem& system) const override {
+    body_->describe(factor, system);
     return true;
   }
   double potential_energy(double, ConstPoints x) const override { return body_->energy(x); }

@@ -38,7 +38,7 @@ class GraspForceField final : public scene::ForceField,
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override { grasp_->add_stiffness_blocks(factor, A); }
   bool is_in_matrix() const override { return grasp_->is_closed(); }
-  bool to_kernels(double factor, KernelSystem& system) const override {
+  bool describe(double factor, MatrixFreeSystem& system) const override {
     return grasp_->add_stiffness_diagonal(factor, system.diagonal);
   }
   void add_damping_product(double factor, ConstPoints dx, Points df) const override {

@@ -359,7 +359,7 @@ class UniformVelocityDampingForceField final : public scene::ForceField {
     if (is_implicit_) df -= factor * coefficient_ * dx;
   }
   bool is_in_matrix() const override { return is_implicit_; }
-  bool to_kernels(double, KernelSystem&) const override { return true; }  // no stiffness
+  bool describe(double, MatrixFreeSystem&) const override { return true; }  // no stiffness
   void add_damping_diagonal(double factor, Points diagonal) const override {
     diagonal.array() -= factor * coefficient_;
   }

@@ -173,7 +173,7 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
   }
 }
 
-bool NodeSystem::to_kernels(const OperatorFactors& factors, KernelSystem& system) const {
+bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
   Layer& layer = layers_.front();
   layer.other_masses.clear();
   layer.other_fields.clear();
@@ -182,7 +182,7 @@ bool NodeSystem::to_kernels(const OperatorFactors& factors, KernelSystem& system
       layer.other_masses.push_back(mass);
   for (const scene::ForceField* field : layer.force_fields) {
     if (!field->is_in_matrix()) continue;
-    if (field->to_kernels(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system))
+    if (field->describe(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system))
       field->add_damping_diagonal(factors.damping, system.diagonal);
     else
       layer.other_fields.push_back(field);

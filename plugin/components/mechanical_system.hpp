@@ -22,7 +22,7 @@ class NodeSystem final : public MechanicalSystem {
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
-  bool to_kernels(const OperatorFactors& factors, KernelSystem& system) const override;
+  bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void project(Points field) const override;
@@ -47,7 +47,7 @@ class NodeSystem final : public MechanicalSystem {
 
     bool is_loaded = false;  // of those that follow: something acts on it, or on one that follows it
 
-    // of the matrix of to_kernels: what its kernels do not know
+    // of the matrix of describe: what its kernels do not know
     std::vector<const scene::Mass*> other_masses = {};
     std::vector<const scene::ForceField*> other_fields = {};
     bool has_others = false;  // of those that follow: something of the matrix is there, or at one that follows it

@@ -88,14 +88,14 @@ class ForceField : public Component {
 
   /// The same stiffness for solvers that work on the kernels' own vectors. False, and nothing added, where the kernels
   /// cannot express it; the solvers then use the verbs above beside them.
-  virtual bool to_kernels(double /*factor*/, KernelSystem& /*system*/) const { return false; }
+  virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
 
   /// The same with B = df/dv.
   virtual void add_damping_product(double /*factor*/, ConstPoints /*dx*/, Points /*df*/) const {}
   virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}
 
   /// diagonal += that of factor B, for a B that has no other entries and a field whose stiffness the kernels can
-  /// express. The default is no damping: to_kernels of a field with another B returns false.
+  /// express. The default is no damping: describe of a field with another B returns false.
   virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
   /// [s] stiffness-proportional damping of this force field in the system matrix alone.

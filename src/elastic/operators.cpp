@@ -124,11 +124,11 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
 
 void add_force(const Model& model, const Linearization& at, Points f) { add_slots(*model.partition, 1, at.force, f); }
 
-void ExactOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
+void DoublePrecisionOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
   add_exact_product(*model_, *at_, chunk, factor, p, Ap);
 }
 
-void ExactOperator::add_diagonal(int chunk, double factor, double* diagonal) const {
+void DoublePrecisionOperator::add_diagonal(int chunk, double factor, double* diagonal) const {
   std::visit(
       [&]<class T, class Coef>(const ElementOperator<T, Coef>& op) {
         if constexpr (std::is_same_v<T, double>) {

@@ -24,10 +24,10 @@ void add_force(const Model& model, const Linearization& at, Points f);
 
 /// The stiffness of a linearization in double precision whatever its coefficients are: rotations are computed anew in
 /// each product. For residuals, which single precision would spoil.
-class ExactOperator final : public ChunkedOperator<double> {
+class DoublePrecisionOperator final : public ChunkedOperator<double> {
  public:
   /// Both must outlive the use.
-  void refer_to(const Model& model, const Linearization& at) {
+  void setup(const Model& model, const Linearization& at) {
     model_ = &model;
     at_ = &at;
   }

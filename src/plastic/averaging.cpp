@@ -159,11 +159,11 @@ struct Averaging::Kernels {
   using Operator = std::variant<AveragingOperator<double>, AveragingOperator<float>>;
   Operator op;
   std::optional<AveragingOperator<float>> single;  // beside one in double, where coarse meshes are worked on
-  long version = 0;                                // KernelSystem::diagonal_version: no two sets of elements share one
-  std::vector<unsigned char> chosen;               // the elements that count
-  std::vector<std::uint16_t> present;              // the same, per block a bit per element
-  std::vector<CoarseAveraging> coarse;             // of Model::coarse_meshes, made when a solver first asks for them
-  std::vector<CoarseOperator> operators;           // of `coarse`
+  long version = 0;                       // MatrixFreeSystem::diagonal_version: no two sets of elements share one
+  std::vector<unsigned char> chosen;      // the elements that count
+  std::vector<std::uint16_t> present;     // the same, per block a bit per element
+  std::vector<CoarseAveraging> coarse;    // of Model::coarse_meshes, made when a solver first asks for them
+  std::vector<CoarseOperator> operators;  // of `coarse`
   AlignedVector<double>& material() { return slots.first; }   // [m] of the latest fit
   AlignedVector<double>& gradient() { return slots.second; }  // [m] its own
   SlotScratch slots;
@@ -229,7 +229,7 @@ class Averaging::System final : public LinearSystem {
     });
   }
 
-  bool to_kernels(KernelSystem& system) const override {
+  bool describe(MatrixFreeSystem& system) const override {
     Kernels& kernels = *averaging_.kernels_;
     if (system.diagonal_version != kernels.version) {
       system.diagonal_version = kernels.version;
@@ -370,7 +370,7 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
     const bool warm = history.averaging_increment.size() > 0;
     if (warm) increment_ = history.averaging_increment;
     const SolveReport solved =
-        warm ? solver.improve(system, gradient_, increment_) : solver.solve(system, gradient_, increment_);
+        warm ? solver.solve_from_guess(system, gradient_, increment_) : solver.solve(system, gradient_, increment_);
     report.iterations += solved.iterations;
     report.residual = solved.residual;
     report.converged = report.converged && solved.converged;

@@ -85,7 +85,7 @@ void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector
   const Partition& partition = op.partition();
   find_diagonal(op, factor, inverse);
   parallel_for(partition.num_chunks, [&](int chunk) {
-    const OwnNumbers own(partition, chunk);
+    const OwnedRange own(partition, chunk);
     for (std::size_t i = own.first; i < own.first + own.size; ++i) {
       const T entry = inverse[i] + diagonal[i];
       inverse[i] = entry > T(0) ? T(1) / entry : T(0);
@@ -94,19 +94,19 @@ void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector
 }
 
 template <class T>
-void BlockJacobi<T>::refer_to(const ChunkedOperator<T>& op, T factor, const NodalPart& rest) {
+void BlockJacobi<T>::setup(const ChunkedOperator<T>& op, T factor, const NodalPart& rest) {
   partition_ = &op.partition();
   diagonal_.resize(4 * static_cast<std::size_t>(partition_->num_slots), T(0));
   inverse_.resize(diagonal_.size());
   to_slots(*partition_, rest.diagonal, diagonal_);
   invert_diagonal(op, factor, diagonal_, inverse_);
-  blocks_.refer_to(*partition_, rest.blocks, inverse_);
+  blocks_.setup(*partition_, rest.blocks, inverse_);
 }
 
 template <class T>
 void BlockJacobi<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
   parallel_for(partition_->num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnNumbers(*partition_, chunk);
+    const auto [first, size] = OwnedRange(*partition_, chunk);
     for (std::size_t i = first; i < first + size; ++i) z[i] = inverse_[i] * r[i];
     blocks_.add_inverse_product(chunk, T(1), r, z);
     blocks_.add_rigid_product(chunk, r, z);
@@ -114,7 +114,7 @@ void BlockJacobi<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
 }
 
 template <class T>
-void SlotCgSpace<T>::refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner) {
+void SlotCgSpace<T>::setup(const MatrixFreeSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner) {
   const KernelBody& body = system.bodies.front();
   op_ = body.op<T>();
   others_ = system.others;
@@ -144,7 +144,7 @@ double SlotCgSpace<T>::precondition() {
   if (!preconditioner_) return sum().r_z;
   preconditioner_->apply(r_, z_);
   parallel_for(partition_->num_chunks, [&](int chunk) {
-    const OwnNumbers own(*partition_, chunk);
+    const OwnedRange own(*partition_, chunk);
     partial_[chunk].r_z = slot_dot(own.size, r_.data() + own.first, z_.data() + own.first);
   });
   return sum().r_z;
@@ -190,14 +190,14 @@ double SlotCgSpace<T>::product(double beta) {
   const Partition& partition = *partition_;
   const AlignedVector<T>& z = preconditioner_ ? z_ : r_;
   parallel_for(partition.num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnNumbers(partition, chunk);
+    const auto [first, size] = OwnedRange(partition, chunk);
     turn_direction(size, static_cast<T>(beta), z.data() + first, scaled_ ? inverse_.data() + first : nullptr,
                    diagonal_.data() + first, p_.data() + first, Ap_.data() + first);
   });
   multiply(*op_, factor_, p_, Ap_);
   if (others_) add_others();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnNumbers(partition, chunk);
+    const auto [first, size] = OwnedRange(partition, chunk);
     add_returns(partition, chunk, Ap_.data());
     fixed_.clear(chunk, Ap_);
     partial_[chunk].r_r = slot_dot(size, p_.data() + first, Ap_.data() + first);
@@ -209,7 +209,7 @@ template <class T>
 double SlotCgSpace<T>::advance(double alpha) {
   const Partition& partition = *partition_;
   parallel_for(partition.num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnNumbers(partition, chunk);
+    const auto [first, size] = OwnedRange(partition, chunk);
     partial_[chunk].r_r = hexaplast::advance(size, static_cast<T>(alpha), p_.data() + first, Ap_.data() + first,
                                              scaled_ ? inverse_.data() + first : nullptr, x_.data() + first,
                                              r_.data() + first, partial_[chunk].r_z);
@@ -235,7 +235,8 @@ void SlotCgSpace<T>::end(Points x) const {
   from_slots(*partition_, 1 / scale_, x_, x);
 }
 
-double exact_residual(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
+double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
+                      PointArray& r) {
   r.setZero(b.rows(), 3);  // the product, first
   if (system.others) system.others->add_product(x, r);
   for (const KernelBody& body : system.bodies) {

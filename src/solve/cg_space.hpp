@@ -57,8 +57,8 @@ class NodalPreconditioner {
 class NodalCgSpace final : public CgSpace {
  public:
   /// rounding: what `rounding` returns, which A's products decide.
-  void refer_to(const LinearSystem& A, bool preconditioned, NodalPreconditioner* preconditioner = nullptr,
-                double rounding = kDoubleRounding) {
+  void setup(const LinearSystem& A, bool preconditioned, NodalPreconditioner* preconditioner = nullptr,
+             double rounding = kDoubleRounding) {
     A_ = &A;
     rounding_ = rounding;
     preconditioned_ = preconditioned;
@@ -89,7 +89,7 @@ class SlotPreconditioner {
 };
 
 /// The numbers of nodal vectors in slots that belong to degrees of freedom that do not move.
-struct FixedNumbers {
+struct ConstrainedDofs {
   std::vector<std::size_t> number;
   std::vector<int> first;  ///< per chunk, and one more
 
@@ -112,8 +112,8 @@ struct FixedNumbers {
 };
 
 /// The numbers that a chunk owns.
-struct OwnNumbers {
-  OwnNumbers(const Partition& partition, int chunk)
+struct OwnedRange {
+  OwnedRange(const Partition& partition, int chunk)
       : first(4 * static_cast<std::size_t>(partition.first_node[chunk])),
         size(4 * static_cast<std::size_t>(partition.first_node[chunk + 1]) - first) {}
   std::size_t first, size;
@@ -136,7 +136,7 @@ void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector
 template <class T>
 class BlockJacobi final : public SlotPreconditioner<T> {
  public:
-  void refer_to(const ChunkedOperator<T>& op, T factor, const NodalPart& rest);
+  void setup(const ChunkedOperator<T>& op, T factor, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
 
  private:
@@ -145,13 +145,13 @@ class BlockJacobi final : public SlotPreconditioner<T> {
   SlotBlocks<T> blocks_;
 };
 
-/// A KernelSystem of one body in precision T. Where anything is in single precision, cycles included, b is scaled to a
-/// length near 1.
+/// A MatrixFreeSystem of one body in precision T. Where anything is in single precision, cycles included, b is scaled
+/// to a length near 1.
 template <class T>
 class SlotCgSpace final : public CgSpace {
  public:
   /// Divides by the diagonal of A where `scaled`, or applies `preconditioner` where that is not null.
-  void refer_to(const KernelSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner = nullptr);
+  void setup(const MatrixFreeSystem& system, bool scaled, SlotPreconditioner<T>* preconditioner = nullptr);
   double begin(ConstPoints b, const ConstPoints* start) override;
   double precondition() override;
   double product(double beta) override;
@@ -176,14 +176,15 @@ class SlotCgSpace final : public CgSpace {
   bool scaled_ = false;
   SlotPreconditioner<T>* preconditioner_ = nullptr;
   AlignedVector<T> x_, r_, p_, Ap_, z_, diagonal_, inverse_;
-  FixedNumbers fixed_;
-  long diagonal_version_ = 0;     // KernelSystem::diagonal_version of the system that it refers to
+  ConstrainedDofs fixed_;
+  long diagonal_version_ = 0;     // MatrixFreeSystem::diagonal_version of the system that it refers to
   std::vector<Partial> partial_;  // per chunk
   PointArray field_, product_;    // num_nodes x 3, for the terms beside the body
 };
 
-/// r = b - A x of the KernelSystem of A, in double precision: by exact operators where products are in single. x is
+/// r = b - A x of the MatrixFreeSystem of A, in double precision: by exact operators where products are in single. x is
 /// none of r and the system's scratch, b is not r. Returns |r|.
-double exact_residual(const LinearSystem& A, const KernelSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
+double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
+                      PointArray& r);
 
 }  // namespace hexaplast

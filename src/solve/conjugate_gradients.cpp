@@ -19,22 +19,22 @@
 namespace hexaplast {
 
 struct ConjugateGradients::Spaces {
-  KernelSystem system;
+  MatrixFreeSystem system;
   NodalCgSpace nodal;
   SlotCgSpace<double> in_double;
   SlotCgSpace<float> in_single;
 
   CgSpace& choose(const LinearSystem& A) {
     system.clear();
-    if (A.to_kernels(system) && system.is_one_body()) {
+    if (A.describe(system) && system.is_one_body()) {
       if (system.bodies.front().double_operator) {
-        in_double.refer_to(system, false);
+        in_double.setup(system, false);
         return in_double;
       }
-      in_single.refer_to(system, false);
+      in_single.setup(system, false);
       return in_single;
     }
-    nodal.refer_to(A, false);
+    nodal.setup(A, false);
     return nodal;
   }
 };
@@ -248,7 +248,7 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
     report.preconditioner = PreconditionedBy::kFactorisation;
   }
   NodalCgSpace& space = spaces_->space;
-  space.refer_to(A, preconditioner.has_value(), preconditioner ? &*preconditioner : nullptr);
+  space.setup(A, preconditioner.has_value(), preconditioner ? &*preconditioner : nullptr);
   const auto is_small = [&](double r_z) {
     report.converged = std::abs(r_z) <= tolerance_ * b_squared;
     return report.converged;
@@ -264,9 +264,9 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
 namespace {
 
 /// A cycle in single precision as a preconditioner of a system in double.
-class Narrowed final : public SlotPreconditioner<double> {
+class SinglePrecisionPreconditioner final : public SlotPreconditioner<double> {
  public:
-  explicit Narrowed(Multigrid<float>& multigrid) : multigrid_(multigrid) {}
+  explicit SinglePrecisionPreconditioner(Multigrid<float>& multigrid) : multigrid_(multigrid) {}
   void apply(const AlignedVector<double>& r, AlignedVector<double>& z) override {
     r_.resize(r.size());
     z_.resize(r.size());
@@ -284,14 +284,14 @@ class Narrowed final : public SlotPreconditioner<double> {
 
 /// With the system's own preconditioner where the kernels do not know it.
 struct PreconditionedConjugateGradients::Spaces {
-  KernelSystem system;
+  MatrixFreeSystem system;
   LumpedTerms lumped;
   NodalCgSpace nodal;
   SlotCgSpace<double> in_double;
   SlotCgSpace<float> in_single;
   Multigrid<double> multigrid_double;
   Multigrid<float> multigrid_single;
-  Narrowed narrowed{multigrid_single};
+  SinglePrecisionPreconditioner single_precision{multigrid_single};
   BlockJacobi<double> jacobi_double;
   BlockJacobi<float> jacobi_single;
   SeveralBodies several;
@@ -307,10 +307,10 @@ struct PreconditionedConjugateGradients::Spaces {
   CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, PreconditionedBy& chosen) {
     system.clear();
     system.wants_coarse = preconditioner != Preconditioner::kDiagonal;
-    knows_kernels = A.to_kernels(system);
+    knows_kernels = A.describe(system);
     chosen = PreconditionedBy::kNothing;
     if (!knows_kernels) {
-      nodal.refer_to(A, true);
+      nodal.setup(A, true);
       return nodal;
     }
     if (system.others) lumped.find(system);
@@ -321,16 +321,16 @@ struct PreconditionedConjugateGradients::Spaces {
     const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (system.bodies.size() != 1 || system.couples_coordinates) {
-      several.refer_to(A, system, rest, cycles);
+      several.setup(A, system, rest, cycles);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
-      nodal.refer_to(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding);
+      nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding);
       return nodal;
     }
     const KernelBody& body = system.bodies.front();
     if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles);
     if (!body.single_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles);
-    multigrid_single.refer_to(body, rest);
-    in_double.refer_to(system, false, &narrowed);
+    multigrid_single.setup(body, rest);
+    in_double.setup(system, false, &single_precision);
     return in_double;
   }
 
@@ -343,13 +343,13 @@ struct PreconditionedConjugateGradients::Spaces {
                  bool cycles) {
     const KernelBody& body = system.bodies.front();
     if (cycles) {
-      multigrid.refer_to(body, rest);
-      space.refer_to(system, false, &multigrid);
+      multigrid.setup(body, rest);
+      space.setup(system, false, &multigrid);
     } else if (system.others) {
-      jacobi.refer_to(*body.op<T>(), static_cast<T>(body.factor), rest);
-      space.refer_to(system, false, &jacobi);
+      jacobi.setup(*body.op<T>(), static_cast<T>(body.factor), rest);
+      space.setup(system, false, &jacobi);
     } else {
-      space.refer_to(system, true);
+      space.setup(system, true);
     }
     return space;
   }
@@ -401,7 +401,7 @@ SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, Const
   return iterate(A, b, nullptr, x);
 }
 
-SolveReport PreconditionedConjugateGradients::improve(const LinearSystem& A, ConstPoints b, Points x) {
+SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) {
   const ConstPoints start(x);  // which is read before x is written
   return iterate(A, b, &start, x);
 }

@@ -29,10 +29,10 @@ class ConstrainedOperator final : public LinearSystem {
       for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }
 
-  bool to_kernels(KernelSystem& system) const override {
+  bool describe(MatrixFreeSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
     system.diagonal_version = 0;
-    if (!system_.to_kernels(factors_, system)) return false;
+    if (!system_.describe(factors_, system)) return false;
     system.find_free(num_nodes(), [&](Points field) { system_.project(field); });
     return true;
   }

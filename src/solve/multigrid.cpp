@@ -29,7 +29,7 @@ template <class T>
 void apply(MultigridLevel<T>& level) {
   const Partition& partition = level.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnNumbers(partition, chunk);
+    const auto [first, size] = OwnedRange(partition, chunk);
     for (std::size_t i = first; i < first + size; ++i) level.Ad[i] = level.diagonal[i] * level.d[i];
   });
   multiply(*level.op, level.factor, level.d, level.Ad);
@@ -45,7 +45,7 @@ void subtract_product(MultigridLevel<T>& level) {
   const Partition& partition = level.op->partition();
   if (level.has_diagonal)
     parallel_for(partition.num_chunks, [&](int chunk) {
-      const auto [first, size] = OwnNumbers(partition, chunk);
+      const auto [first, size] = OwnedRange(partition, chunk);
       for (std::size_t i = first; i < first + size; ++i) level.r[i] -= level.diagonal[i] * level.d[i];
     });
   multiply(*level.op, -level.factor, level.d, level.r);
@@ -61,7 +61,7 @@ template <class T>
 double dot(MultigridLevel<T>& level, const AlignedVector<T>& a, const AlignedVector<T>& b) {
   const Partition& partition = level.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnNumbers(partition, chunk);
+    const auto [first, size] = OwnedRange(partition, chunk);
     level.partial[chunk] = slot_dot(size, a.data() + first, b.data() + first);
   });
   return std::accumulate(level.partial.begin(), level.partial.end(), 0.0);
@@ -93,7 +93,7 @@ double spectral_radius(MultigridLevel<T>& level) {
     if (vector->size() != level.d.size()) vector->assign(level.d.size(), T(0));
   const auto for_each_number = [&](const auto& visit) {
     parallel_for(partition.num_chunks, [&](int chunk) {
-      const auto [first, size] = OwnNumbers(partition, chunk);
+      const auto [first, size] = OwnedRange(partition, chunk);
       for (std::size_t i = first; i < first + size; ++i) visit(i);
     });
   };
@@ -167,7 +167,7 @@ void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMes
 }
 
 template <class T>
-void Multigrid<T>::refer_to(const KernelBody& body, const NodalPart& rest) {
+void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest) {
   operators_ = body.coarse;
   fine_.op = body.op<T>();
   const Partition& partition = fine_.op->partition();
@@ -188,7 +188,7 @@ void Multigrid<T>::refer_to(const KernelBody& body, const NodalPart& rest) {
     level.radius = body.spectral_radius > 0 ? body.spectral_radius : kSafety * spectral_radius(level);
   };
   bound(fine_);
-  fine_.blocks.refer_to(partition, rest.blocks, fine_.inverse);
+  fine_.blocks.setup(partition, rest.blocks, fine_.inverse);
 
   coarse_.resize(operators_.size());
   const auto descend = [&](auto& finer, const auto& finer_is_fixed, int k) {
@@ -257,7 +257,7 @@ void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double least_sha
       rho = next;
     }
     parallel_for(partition.num_chunks, [&](int chunk) {
-      const auto [first, size] = OwnNumbers(partition, chunk);
+      const auto [first, size] = OwnedRange(partition, chunk);
       hexaplast::smooth(size, static_cast<U>(a), static_cast<U>(b), level.inverse.data() + first,
                         level.r.data() + first, level.d.data() + first, level.x.data() + first);
       if (level.blocks.empty()) return;
@@ -288,7 +288,7 @@ void Multigrid<T>::restrict_to(MultigridLevel<Finer>& finer, int coarse) {
       for (int i = 0; i < 4; ++i) to[i] = sum[i];
     }
     level.fixed.clear(chunk, level.r);
-    const auto [first, size] = OwnNumbers(partition, chunk);
+    const auto [first, size] = OwnedRange(partition, chunk);
     std::fill_n(level.x.begin() + static_cast<std::ptrdiff_t>(first), size, 0.0f);
   });
   if (!finer.blocks.empty())
@@ -314,7 +314,7 @@ void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
     }
     if (!finer.blocks.empty()) finer.blocks.follow(chunk, finer.d);
     finer.fixed.clear(chunk, finer.d);
-    const auto [first, size] = OwnNumbers(partition, chunk);
+    const auto [first, size] = OwnedRange(partition, chunk);
     for (std::size_t i = first; i < first + size; ++i) finer.x[i] += finer.d[i];
   });
   subtract_product(finer);

@@ -17,7 +17,7 @@ struct MultigridLevel {
   AlignedVector<T> diagonal, inverse;  ///< D, and 1 / diag(A); 0 where a block has the inverse
   SlotBlocks<T> blocks;
   bool has_diagonal = false;  ///< some of `diagonal` is not 0
-  FixedNumbers fixed;
+  ConstrainedDofs fixed;
   std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
   AlignedVector<T> x, r, d, Ad;  ///< x of the finest mesh is lent by whoever applies the cycle; Ad serves Lanczos
   std::vector<double> partial;   ///< sums per chunk
@@ -33,7 +33,7 @@ class Multigrid final : public SlotPreconditioner<T> {
  public:
   /// Takes the body's operators, and the diagonal, blocks and fixed degrees of freedom of `rest`; finds the spectral
   /// radii anew.
-  void refer_to(const KernelBody& body, const NodalPart& rest);
+  void setup(const KernelBody& body, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
 
  private:
@@ -51,7 +51,7 @@ class Multigrid final : public SlotPreconditioner<T> {
   std::vector<MultigridLevel<float>> coarse_;
   std::span<const CoarseOperator> operators_;  // of the coarse meshes
   std::vector<int> block_of_slot_;             // of a finer mesh: index, or -1; scratch
-  long diagonal_version_ = 0;                  // KernelSystem::diagonal_version of the system that it refers to
+  long diagonal_version_ = 0;                  // MatrixFreeSystem::diagonal_version of the system that it refers to
 };
 
 }  // namespace hexaplast

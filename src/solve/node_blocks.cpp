@@ -39,7 +39,7 @@ BlockAxes::BlockAxes(const Vec3& D, const Mat3& block) {
   dual = root.cwiseProduct(counts).asDiagonal() * eigen.eigenvectors();
 }
 
-void LumpedTerms::find(const KernelSystem& system) {
+void LumpedTerms::find(const MatrixFreeSystem& system) {
   const Eigen::Index num_nodes = system.diagonal.rows();
   diagonal_ = system.diagonal;
   blocks_.clear();
@@ -62,7 +62,7 @@ void LumpedTerms::find(const KernelSystem& system) {
 }
 
 template <class T>
-void SlotBlocks<T>::refer_to(const Partition& partition, std::span<const NodeBlock> blocks, AlignedVector<T>& inverse) {
+void SlotBlocks<T>::setup(const Partition& partition, std::span<const NodeBlock> blocks, AlignedVector<T>& inverse) {
   clear();
   for (const NodeBlock& block : blocks) add(partition.slot_of_node[block.node], block.block);
   complete(partition, inverse);

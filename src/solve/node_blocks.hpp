@@ -21,7 +21,7 @@ struct NodalPart {
   const PointArray& diagonal;              ///< num_nodes x 3
   const NodeMask& free;                    ///< num_nodes x 3: 1 where free, 0 where fixed
   std::span<const NodeBlock> blocks = {};  ///< beside the diagonal; ascending nodes, 0 where fixed
-  long version = 0;                        ///< KernelSystem::diagonal_version
+  long version = 0;                        ///< MatrixFreeSystem::diagonal_version
 };
 
 /// A block B beside a diagonal D, along the three directions a that both have in common: a.D a' = 0 = a.B a', a.D a =
@@ -44,7 +44,7 @@ struct BlockAxes {
 class LumpedTerms {
  public:
   /// The diagonal of the system and that of the terms; `system` has terms.
-  void find(const KernelSystem& system);
+  void find(const MatrixFreeSystem& system);
 
   const PointArray& diagonal() const { return diagonal_; }          ///< num_nodes x 3
   const std::vector<NodeBlock>& blocks() const { return blocks_; }  ///< of nodes whose axes are coupled
@@ -80,7 +80,7 @@ class SlotBlocks {
   void add(int slot, const Mat3& block) { entries_.push_back({.slot = slot, .block = block}); }
 
   /// Those of a fine mesh, complete.
-  void refer_to(const Partition& partition, std::span<const NodeBlock> blocks, AlignedVector<T>& inverse);
+  void setup(const Partition& partition, std::span<const NodeBlock> blocks, AlignedVector<T>& inverse);
 
   /// After the last of the blocks. `inverse`: 1 / D of the matrix without them, which becomes 0 where a block takes its
   /// place: the blocks' own inverse is that of D + block.

@@ -40,7 +40,7 @@ void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
     find(*body.double_operator, part.in_double.r);
 }
 
-void SeveralBodies::refer_to(const LinearSystem& A, const KernelSystem& system, const NodalPart& rest, bool cycles) {
+void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system, const NodalPart& rest, bool cycles) {
   A_ = &A;
   couples_coordinates_ = system.couples_coordinates;
   num_parts_ = system.bodies.size();
@@ -74,9 +74,9 @@ void SeveralBodies::refer_to(const LinearSystem& A, const KernelSystem& system, 
       if (part.weight[node] > 0) part.blocks.push_back({node, part.weight[node] * block});
     const NodalPart share{.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks};
     if (part.is_single)
-      part.in_single.multigrid.refer_to(body, share);
+      part.in_single.multigrid.setup(body, share);
     else
-      part.in_double.multigrid.refer_to(body, share);
+      part.in_double.multigrid.setup(body, share);
   }
 
   blocks_.clear();

@@ -19,7 +19,7 @@ class SeveralBodies final : public NodalPreconditioner {
  public:
   /// rest: the system's diagonal and what stands for its other terms. `cycles`: whether bodies with coarse meshes get
   /// V-cycles.
-  void refer_to(const LinearSystem& A, const KernelSystem& system, const NodalPart& rest, bool cycles);
+  void setup(const LinearSystem& A, const MatrixFreeSystem& system, const NodalPart& rest, bool cycles);
   void apply(const PointArray& r, PointArray& z) override;
 
  private:

@@ -65,9 +65,9 @@ std::vector<BodyVerb> referring_verbs() {
              BlockMatrix K(kRows);
              body.add_stiffness_blocks(-1, K);
            }},
-          {"to_kernels", [](Body& body) {
-             KernelSystem system;
-             body.to_kernels(-1, system);
+          {"describe", [](Body& body) {
+             MatrixFreeSystem system;
+             body.describe(-1, system);
            }}};
 }
 
@@ -271,8 +271,8 @@ TEST_F(SizesOfCalls, OfEverySolver) {
                                static_cast<LinearSolver*>(&pcg), static_cast<LinearSolver*>(&by_solver)}) {
     expect_refusals({{"solve", "b", 4, [&](PointArray& wrong) { solver->solve(A, wrong, y); }},
                      {"solve", "x", 4, [&](PointArray& wrong) { solver->solve(A, b, wrong); }},
-                     {"solve", "b", 4, [&](PointArray& wrong) { solver->improve(A, wrong, y); }},
-                     {"solve", "x", 4, [&](PointArray& wrong) { solver->improve(A, b, wrong); }}});
+                     {"solve", "b", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, wrong, y); }},
+                     {"solve", "x", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, b, wrong); }}});
   }
   EXPECT_TRUE(refuses<InputError>([&] { CholeskySolver().solve_again(A, b, y); }, {"setup", "solve_again"}));
 }

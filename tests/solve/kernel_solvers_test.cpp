@@ -33,9 +33,9 @@ class BodySystem final : public LinearSystem {
     body_.add_blocks(factors_, A);
     body_.pin(A);
   }
-  bool to_kernels(KernelSystem& system) const override {
+  bool describe(MatrixFreeSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
-    body_.to_kernels(factors_, system);
+    body_.describe(factors_, system);
     PointArray free = PointArray::Ones(num_nodes(), 3);
     body_.project(free);
     system.free = free.cast<unsigned char>();
@@ -93,7 +93,7 @@ TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
   EXPECT_TRUE(solver.solve(A, b, after).converged);
   EXPECT_EQ(after, before);
   after.setConstant(NAN);
-  EXPECT_TRUE(solver.improve(A, b, after).converged) << "a start that is no number is none";
+  EXPECT_TRUE(solver.solve_from_guess(A, b, after).converged) << "a start that is no number is none";
 }
 
 // Squares of what is far from 1 are beyond single precision: the same bits, times the power of two.
@@ -114,7 +114,7 @@ TEST_P(KernelSolvers, DoNotFeelTheSizeOfTheRightHandSide) {
     EXPECT_EQ(of_scaled, scale * x) << power;
     of_scaled = scale * x;
     of_scaled(300, 1) *= 1.1;
-    EXPECT_TRUE(solver.improve(A, scale * b, of_scaled).converged) << power;
+    EXPECT_TRUE(solver.solve_from_guess(A, scale * b, of_scaled).converged) << power;
   }
 }
 

@@ -34,14 +34,14 @@ class Cycle {
     body_.remove(removed);
     body_.linearize(x);
     system_.wants_coarse = true;
-    body_.to_kernels(-kTimeStep * kTimeStep, system_);
+    body_.describe(-kTimeStep * kTimeStep, system_);
     system_.diagonal = (1000 * nodal_volumes(mesh.positions(), mesh.hexahedra())).replicate(1, 3);
     system_.free.setOnes(mesh.num_nodes(), 3);
     for (int n = 0; n < mesh.num_nodes(); ++n)
       if ((!is_free && mesh.positions()(n, 2) < low + 0.01 * height) || mesh.incident(n).empty())
         system_.free.row(n).setZero();
     std::erase_if(blocks_, [&](const NodeBlock& block) { return system_.free(block.node, 0) == 0; });
-    cycle_.refer_to(part(), {.diagonal = system_.diagonal, .free = system_.free, .blocks = blocks_});
+    cycle_.setup(part(), {.diagonal = system_.diagonal, .free = system_.free, .blocks = blocks_});
   }
   Cycle(const Cycle&) = delete;
 
@@ -105,7 +105,7 @@ class Cycle {
 
   Body body_;
   std::vector<NodeBlock> blocks_;
-  KernelSystem system_;
+  MatrixFreeSystem system_;
   Multigrid<T> cycle_;
 };
 

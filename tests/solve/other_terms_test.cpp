@@ -74,13 +74,13 @@ class Slab final : public LinearSystem {
       for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }
 
-  bool to_kernels(KernelSystem& system) const override {
+  bool describe(MatrixFreeSystem& system) const override {
     system.diagonal = diagonal;
     system.diagonal_version = 0;
     system.couples_coordinates = slides;
     system.free.setOnes(num_nodes(), 3);
     for (const int n : held) system.free.row(n).setZero();
-    for (const Body& body : bodies) body.to_kernels(-kDt * kDt, system);
+    for (const Body& body : bodies) body.describe(-kDt * kDt, system);
     if (!ties.blocks.empty()) system.others = &ties;
     return true;
   }
@@ -276,7 +276,7 @@ TEST(OtherTerms, AStartLeavesHeldNodesWhereTheyAre) {
       PreconditionedConjugateGradients solver(tolerance, 2000, Preconditioner::kMultigrid);
       solver.solve(slab, b, x);
       for (const int n : slab.held) x(n, 0) = 1e-6 * x.norm();
-      EXPECT_TRUE(solver.improve(slab, b, x).converged);
+      EXPECT_TRUE(solver.solve_from_guess(slab, b, x).converged);
       for (const int n : slab.held) EXPECT_TRUE(x.row(n).isZero(0));
     }
 }

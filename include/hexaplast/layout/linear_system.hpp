@@ -61,7 +61,7 @@ inline PointArray irregular_numbers(int num_nodes) {
 
 /// A linear system in the form that the kernels solve: A = P (diagonal + sum of factor L over the bodies + F) P, P
 /// zeroing the degrees of freedom that are not free.
-struct KernelSystem {
+struct MatrixFreeSystem {
   std::vector<KernelBody> bodies;
   const NodalOperator* others = nullptr;  ///< F; null: nothing else acts
   PointArray diagonal;                    ///< num_nodes x 3
@@ -120,11 +120,11 @@ class LinearSystem {
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
 
   /// Writes the system down for the kernels; false where it does not have that form. `system` arrives cleared
-  /// (KernelSystem::clear), with what else was in it: diagonal, free and diagonal_version are to be set.
+  /// (MatrixFreeSystem::clear), with what else was in it: diagonal, free and diagonal_version are to be set.
   /// Allocates nothing when it was filled before.
-  virtual bool to_kernels(KernelSystem& /*system*/) const { return false; }
+  virtual bool describe(MatrixFreeSystem& /*system*/) const { return false; }
 
-  /// field = P field, where KernelSystem::couples_coordinates.
+  /// field = P field, where MatrixFreeSystem::couples_coordinates.
   virtual void project(Points /*field*/) const {}
 
   /// Size of the rounding errors in b: a residual as small as this cannot be improved.
@@ -188,7 +188,7 @@ class LinearSolver {
   virtual SolveReport solve_again(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
 
   /// The same for an x that arrives near the solution; the tolerance still refers to b.
-  virtual SolveReport improve(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
+  virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
 };
 
 }  // namespace hexaplast

@@ -66,7 +66,7 @@ class PreconditionedConjugateGradients final : public LinearSolver {
       : PreconditionedConjugateGradients(other.tolerance_, other.iterations_, other.preconditioner_) {}
   PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
-  SolveReport improve(const LinearSystem& A, ConstPoints b, Points x) override;
+  SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) override;
 
  private:
   SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);

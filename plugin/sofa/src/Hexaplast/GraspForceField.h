@@ -30,7 +30,7 @@ public:
 
     bool hasPart() const override { return m_grasp.has_value(); }
     bool isInMatrix() const override { return m_grasp->is_closed(); }
-    bool toKernels(double factor, KernelSystem& system) const override
+    bool describe(double factor, MatrixFreeSystem& system) const override
     {
         return m_grasp->add_stiffness_diagonal(factor, system.diagonal);
     }

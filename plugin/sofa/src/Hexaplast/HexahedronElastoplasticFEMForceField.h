@@ -33,7 +33,7 @@ public:
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
     bool hasPart() const override { return m_guest.has_value(); }
-    bool toKernels(double factor, KernelSystem& system) const override { return guest().to_kernels(factor, system); }
+    bool describe(double factor, MatrixFreeSystem& system) const override { return guest().describe(factor, system); }
 
     /// The body; null before init and after an error.
     const Body* body() const { return m_guest ? guest().body() : nullptr; }

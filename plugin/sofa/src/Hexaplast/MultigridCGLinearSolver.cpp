@@ -56,7 +56,7 @@ public:
         throw InputError("MultigridCGLinearSolver asks for products, not for a matrix");
     }
 
-    bool to_kernels(KernelSystem& system) const override
+    bool describe(MatrixFreeSystem& system) const override
     {
         system.diagonal_version = 0;
         system.find_free(num_nodes(), [&](Points field) { project(field); });
@@ -77,7 +77,7 @@ public:
             if (ours && (!ours->hasPart() || !ours->isInMatrix())) continue;
             const double factor =
                 ours ? m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue() : 0;
-            if (ours && ours->getMState() == &m_state && ours->toKernels(factor, system))
+            if (ours && ours->getMState() == &m_state && ours->describe(factor, system))
             {
                 ours->addDampingDiagonal(m_A.mparams.bFactor(), system.diagonal);
                 m_in_kernels.push_back(ours);

@@ -57,7 +57,7 @@ public:
     /// For MultigridCGLinearSolver: whether there are derivatives at the latest forces; those with respect to positions
     /// for the kernels, where they can express them, and the diagonal of those with respect to velocities beside them.
     virtual bool isInMatrix() const { return true; }
-    virtual bool toKernels(double /*factor*/, KernelSystem& /*system*/) const { return false; }
+    virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
     virtual void addDampingDiagonal(double /*factor*/, Points /*diagonal*/) const {}
 
     /// From now on addDForce adds nothing: a solver of ours has the stiffness by other ways.
