@@ -58,7 +58,7 @@ void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints 
   to_slots(partition, dx, argument);
   std::fill(product.begin(), product.end(), T(0));
   parallel_for(partition.num_chunks, [&](int chunk) { op.add_product(chunk, T(1), argument.data(), product.data()); });
-  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, product.data()); });
+  parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, product.data()); });
   add_slots(partition, -factor, product, df);
 }
 
@@ -118,7 +118,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
         parallel_for(partition.num_chunks, [&](int chunk) { linearize_elements(pass, chunk); });
       },
       at.op);
-  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, at.force.data()); });
+  parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
   at.is_current = true;
 }
 

@@ -47,7 +47,7 @@ void CoarseMesh::place(const AlignedVector<double>& finer, AlignedVector<double>
             static_cast<double>(placement.weight[k]) * finer[4 * static_cast<std::size_t>(placement.column[k]) + i];
     for (int i = 0; i < 3; ++i) positions[4 * static_cast<std::size_t>(slot) + i] = at[i];
   });
-  parallel_for(partition->num_chunks, [&](int chunk) { update_copies(*partition, chunk, positions.data()); });
+  parallel_for(partition->num_chunks, [&](int chunk) { update_ghosts(*partition, chunk, positions.data()); });
 }
 
 std::vector<CoarseMesh> coarse_meshes(const HexMesh& mesh, const Partition& partition) {

@@ -13,7 +13,7 @@ namespace hexaplast {
 struct CoarseMesh {
   CoarseMesh(const Coarsening& coarsening, const Partition& finer);
 
-  /// Positions of the nodes of the finer mesh to those of this one, copies included. Both [m] in slots.
+  /// Positions of the nodes of the finer mesh to those of this one, ghosts included. Both [m] in slots.
   void place(const AlignedVector<double>& finer, AlignedVector<double>& positions) const;
 
   std::shared_ptr<const Partition> partition;

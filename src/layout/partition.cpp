@@ -11,7 +11,7 @@ namespace hexaplast {
 
 namespace {
 
-// Small enough to keep several threads busy, large enough that the copies between chunks stay a fraction of the nodes.
+// Small enough to keep several threads busy, large enough that ghost nodes stay a fraction of the nodes.
 constexpr int kElementsPerChunk = 512, kMostChunks = 16;
 
 std::size_t corner_index(int place, int corner) {
@@ -73,8 +73,8 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
     first_node[c + 1] = static_cast<int>(node_of_slot.size());
   }
 
-  // copies, in ascending order of the node's slot within each chunk
-  first_copy.assign(num_chunks + 1, num_nodes);
+  // ghosts, in ascending order of the node's slot within each chunk
+  first_ghost.assign(num_chunks + 1, num_nodes);
   std::vector<int> slot_here(num_nodes, -1);  // of a node, in the chunk at hand
   corner.resize(static_cast<std::size_t>(num_blocks) * kCorners * kBlock);
   for (int c = 0; c < num_chunks; ++c) {
@@ -88,7 +88,7 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
       slot_here[node_of_slot[slot]] = num_nodes + static_cast<int>(original.size());
       original.push_back(slot);
     }
-    first_copy[c + 1] = num_nodes + static_cast<int>(original.size());
+    first_ghost[c + 1] = num_nodes + static_cast<int>(original.size());
     for_each_corner(c, [&](int place, int a, int node) {
       corner[corner_index(place, a)] = chunk_of_node[node] == c ? slot_of_node[node] : slot_here[node];
     });
@@ -100,17 +100,17 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
   is_run.resize(num_blocks);
   for (int block = 0; block < num_blocks; ++block) is_run[block] = lies_in_runs(corners(block));
 
-  // each owner receives its copies back in the order of its nodes, and of the chunks for one node
-  returned_copy.resize(original.size());
-  for (std::size_t k = 0; k < original.size(); ++k) returned_copy[k] = num_nodes + static_cast<int>(k);
-  std::stable_sort(returned_copy.begin(), returned_copy.end(),
+  // each owner receives its ghosts back in the order of its nodes, and of the chunks for one node
+  reduced_ghost.resize(original.size());
+  for (std::size_t k = 0; k < original.size(); ++k) reduced_ghost[k] = num_nodes + static_cast<int>(k);
+  std::stable_sort(reduced_ghost.begin(), reduced_ghost.end(),
                    [&](int a, int b) { return original[a - num_nodes] < original[b - num_nodes]; });
-  first_return.resize(num_chunks + 1);
+  first_reduced.resize(num_chunks + 1);
   for (int c = 0; c <= num_chunks; ++c)
-    first_return[c] =
-        static_cast<int>(std::lower_bound(returned_copy.begin(), returned_copy.end(), first_node[c],
-                                          [&](int copy, int slot) { return original[copy - num_nodes] < slot; }) -
-                         returned_copy.begin());
+    first_reduced[c] =
+        static_cast<int>(std::lower_bound(reduced_ghost.begin(), reduced_ghost.end(), first_node[c],
+                                          [&](int ghost, int slot) { return original[ghost - num_nodes] < slot; }) -
+                         reduced_ghost.begin());
 }
 
 void SlotScratch::resize(const Partition& partition) {
@@ -130,7 +130,7 @@ void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& s
       for (int i = 0; i < 3; ++i) to[i] = static_cast<T>(factor * row[i]);
     };
     for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) put(slot, slot);
-    for (int slot = partition.first_copy[chunk]; slot < partition.first_copy[chunk + 1]; ++slot)
+    for (int slot = partition.first_ghost[chunk]; slot < partition.first_ghost[chunk + 1]; ++slot)
       put(slot, partition.original[slot - partition.num_nodes]);
   });
 }

@@ -16,7 +16,7 @@ namespace hexaplast {
 ///
 /// A nodal vector of the kernels has four numbers per slot (x, y, z, unused). Slots [0, num_nodes) are the nodes, those
 /// of one chunk side by side; a node that several chunks touch belongs to the first of them, and each of the others has
-/// a copy of it in a slot of its own behind, so that no two chunks write the same slot. The cut depends on the mesh
+/// a ghost of it in a slot of its own behind, so that no two chunks write the same slot. The cut depends on the mesh
 /// alone: results do not depend on the number of threads, bit for bit.
 /// The last block is filled up with elements that are not there: their corners are the eight last slots.
 struct Partition {
@@ -26,13 +26,13 @@ struct Partition {
   int num_nodes = 0;
   int num_blocks = 0;
   int num_chunks = 0;
-  int num_slots = 0;                  ///< nodes, copies, and the eight slots of elements that are not there
+  int num_slots = 0;                  ///< nodes, ghosts, and the eight slots of elements that are not there
   std::vector<int> first_block;       ///< per chunk, and one more
   std::vector<int> first_node;        ///< per chunk, and one more: slots of the nodes that it owns
-  std::vector<int> first_copy;        ///< per chunk, and one more: slots of its copies
-  std::vector<int> original;          ///< per copy: slot of the node; index: slot - num_nodes
-  std::vector<int> first_return;      ///< per chunk, and one more: into returned_copy
-  std::vector<int> returned_copy;     ///< slots of the copies of nodes that a chunk owns, by ascending node
+  std::vector<int> first_ghost;       ///< per chunk, and one more: slots of its ghost nodes
+  std::vector<int> original;          ///< per ghost: slot of the node; index: slot - num_nodes
+  std::vector<int> first_reduced;     ///< per chunk, and one more: into reduced_ghost
+  std::vector<int> reduced_ghost;     ///< slots of the ghosts of nodes that a chunk owns, by ascending node
   std::vector<int> node_of_slot;      ///< per slot below num_nodes
   std::vector<int> slot_of_node;      ///< the inverse
   AlignedVector<int> corner;          ///< slots, [block][corner][element of the block]
@@ -62,27 +62,27 @@ struct SlotScratch {
   void resize(const Partition& partition);
 };
 
-/// factor times a nodal field into the slots of its nodes, copies included.
+/// factor times a nodal field into the slots of its nodes, ghosts included.
 template <class T>
 void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots, double factor = 1);
 
-/// The copies of a chunk from the nodes that they are copies of.
+/// The ghosts of a chunk from the nodes that they stand for.
 template <class T>
-void update_copies(const Partition& partition, int chunk, T* slots) {
-  for (int slot = partition.first_copy[chunk]; slot < partition.first_copy[chunk + 1]; ++slot) {
+void update_ghosts(const Partition& partition, int chunk, T* slots) {
+  for (int slot = partition.first_ghost[chunk]; slot < partition.first_ghost[chunk + 1]; ++slot) {
     const T* from = slots + 4 * static_cast<std::size_t>(partition.original[slot - partition.num_nodes]);
     T* to = slots + 4 * static_cast<std::size_t>(slot);
     for (int i = 0; i < 4; ++i) to[i] = from[i];
   }
 }
 
-/// Adds what other chunks gathered in their copies to the nodes of a chunk, in a fixed order.
+/// Adds what other chunks gathered in their ghosts to the nodes of a chunk, in a fixed order.
 template <class T>
-void add_returns(const Partition& partition, int chunk, T* slots) {
-  for (int k = partition.first_return[chunk]; k < partition.first_return[chunk + 1]; ++k) {
-    const int copy = partition.returned_copy[k];
-    const T* from = slots + 4 * static_cast<std::size_t>(copy);
-    T* to = slots + 4 * static_cast<std::size_t>(partition.original[copy - partition.num_nodes]);
+void reduce_ghosts(const Partition& partition, int chunk, T* slots) {
+  for (int k = partition.first_reduced[chunk]; k < partition.first_reduced[chunk + 1]; ++k) {
+    const int ghost = partition.reduced_ghost[k];
+    const T* from = slots + 4 * static_cast<std::size_t>(ghost);
+    T* to = slots + 4 * static_cast<std::size_t>(partition.original[ghost - partition.num_nodes]);
     for (int i = 0; i < 4; ++i) to[i] += from[i];
   }
 }

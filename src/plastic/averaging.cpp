@@ -86,7 +86,7 @@ struct Averaging::Kernels {
         },
         op);
     if (prepares)
-      parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, gradient().data()); });
+      parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, gradient().data()); });
     return std::accumulate(misfit.begin(), misfit.end(), 0.0);
   }
 
@@ -188,7 +188,7 @@ class Averaging::System final : public LinearSystem {
           AlignedVector<T> from = slot_vector<T>(partition), to = slot_vector<T>(partition);
           to_slots(partition, p, from);
           for (int chunk = 0; chunk < partition.num_chunks; ++chunk) op.add_product(chunk, 1, from.data(), to.data());
-          for (int chunk = 0; chunk < partition.num_chunks; ++chunk) add_returns(partition, chunk, to.data());
+          for (int chunk = 0; chunk < partition.num_chunks; ++chunk) reduce_ghosts(partition, chunk, to.data());
           for (int n = 0; n < num_nodes(); ++n)
             for (int i = 0; i < 3; ++i) Ap(n, i) = to[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
         },

@@ -64,9 +64,9 @@ template <class T>
 void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap) {
   const Partition& partition = op.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    update_copies(partition, chunk, p.data());
-    std::fill(Ap.begin() + 4 * static_cast<std::ptrdiff_t>(partition.first_copy[chunk]),
-              Ap.begin() + 4 * static_cast<std::ptrdiff_t>(partition.first_copy[chunk + 1]), T(0));
+    update_ghosts(partition, chunk, p.data());
+    std::fill(Ap.begin() + 4 * static_cast<std::ptrdiff_t>(partition.first_ghost[chunk]),
+              Ap.begin() + 4 * static_cast<std::ptrdiff_t>(partition.first_ghost[chunk + 1]), T(0));
     op.add_product(chunk, factor, p.data(), Ap.data());
   });
 }
@@ -76,7 +76,7 @@ void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slo
   const Partition& partition = op.partition();
   std::fill(slots.begin(), slots.end(), T(0));
   parallel_for(partition.num_chunks, [&](int chunk) { op.add_diagonal(chunk, factor, slots.data()); });
-  parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, slots.data()); });
+  parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, slots.data()); });
 }
 
 template <class T>
@@ -178,7 +178,7 @@ double SlotCgSpace<T>::begin(ConstPoints b, const ConstPoints* start) {
     multiply(*op_, factor_, p_, Ap_);
     if (others_) add_others();
     parallel_for(partition.num_chunks, [&](int chunk) {
-      add_returns(partition, chunk, Ap_.data());
+      reduce_ghosts(partition, chunk, Ap_.data());
       fixed_.clear(chunk, Ap_);
     });
   }
@@ -198,7 +198,7 @@ double SlotCgSpace<T>::product(double beta) {
   if (others_) add_others();
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnedRange(partition, chunk);
-    add_returns(partition, chunk, Ap_.data());
+    reduce_ghosts(partition, chunk, Ap_.data());
     fixed_.clear(chunk, Ap_);
     partial_[chunk].r_r = slot_dot(size, p_.data() + first, Ap_.data() + first);
   });
@@ -247,7 +247,7 @@ double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, Con
     to_slots(partition, x, slots);
     std::fill(product.begin(), product.end(), 0.0);
     multiply(op, body.factor, slots, product);
-    parallel_for(partition.num_chunks, [&](int chunk) { add_returns(partition, chunk, product.data()); });
+    parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, product.data()); });
     parallel_for(partition.num_nodes, [&](int n) {
       const double* from = product.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
       for (int i = 0; i < 3; ++i) r(n, i) += from[i];

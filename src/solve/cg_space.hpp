@@ -119,7 +119,7 @@ struct OwnedRange {
   std::size_t first, size;
 };
 
-/// Ap += factor L p for all chunks; what the chunks gathered for one another is still in their copies.
+/// Ap += factor L p for all chunks; what the chunks gathered for one another is still in their ghosts.
 template <class T>
 void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap);
 

@@ -24,7 +24,7 @@ constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step:
 constexpr double kRangeEnds = 1e-5;      // of a Lanczos vector: what is left is rounding
 constexpr double kSafety = 1.15;  // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
 
-/// Ad = A d on the nodes, copies of d included; without blocks.
+/// Ad = A d on the nodes, ghosts of d included; without blocks.
 template <class T>
 void apply(MultigridLevel<T>& level) {
   const Partition& partition = level.op->partition();
@@ -34,7 +34,7 @@ void apply(MultigridLevel<T>& level) {
   });
   multiply(*level.op, level.factor, level.d, level.Ad);
   parallel_for(partition.num_chunks, [&](int chunk) {
-    add_returns(partition, chunk, level.Ad.data());
+    reduce_ghosts(partition, chunk, level.Ad.data());
     level.fixed.clear(chunk, level.Ad);
   });
 }
@@ -50,7 +50,7 @@ void subtract_product(MultigridLevel<T>& level) {
     });
   multiply(*level.op, -level.factor, level.d, level.r);
   parallel_for(partition.num_chunks, [&](int chunk) {
-    add_returns(partition, chunk, level.r.data());
+    reduce_ghosts(partition, chunk, level.r.data());
     if (!level.blocks.empty()) level.blocks.add_product(chunk, T(-1), level.d, level.r);
     level.fixed.clear(chunk, level.r);
   });

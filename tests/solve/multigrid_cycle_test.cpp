@@ -65,10 +65,10 @@ class Cycle {
 
   Eigen::VectorXd product(const Eigen::VectorXd& p) const {
     AlignedVector<T> from = slots(p), to(from.size(), T(0));
-    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) update_copies(partition(), chunk, from.data());
+    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) update_ghosts(partition(), chunk, from.data());
     for (int chunk = 0; chunk < partition().num_chunks; ++chunk)
       op().add_product(chunk, static_cast<T>(part().factor), from.data(), to.data());
-    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) add_returns(partition(), chunk, to.data());
+    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) reduce_ghosts(partition(), chunk, to.data());
     Eigen::VectorXd out = field(to);
     for (const auto& [node, block] : blocks_) out.segment<3>(3 * node) += block * p.segment<3>(3 * node);
     for (int i = 0; i < size(); ++i) out[i] = is_free(i) ? out[i] + system_.diagonal(i / 3, i % 3) * p[i] : 0;

@@ -15,8 +15,8 @@ class ChunkedOperator {
   virtual ~ChunkedOperator() = default;
   virtual const Partition& partition() const = 0;
 
-  /// Ap += factor L p for the elements of one chunk. p: copies up to date. Writes the slots of this chunk alone; what
-  /// belongs to nodes of other chunks is left in its copies.
+  /// Ap += factor L p for the elements of one chunk. p: ghosts up to date. Writes the slots of this chunk alone; what
+  /// belongs to nodes of other chunks is left in its ghosts.
   virtual void add_product(int chunk, T factor, const T* p, T* Ap) const = 0;
 
   /// diagonal += factor diag(L) for the elements of one chunk, written likewise.
