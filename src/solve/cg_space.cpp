@@ -10,39 +10,45 @@
 namespace hexaplast {
 
 double NodalCgSpace::begin(ConstPoints b, const ConstPoints* start) {
+  scale_ = rounding_ == kSingleRounding ? scale_to_one(std::sqrt(dot(b, b))) : 1;
   p_.setZero(b.rows(), 3);
   Ap_.resize(b.rows(), 3);
   if (start) {
-    x_ = *start;
+    x_ = scale_ * *start;
     A_->apply(x_, Ap_);
-    r_ = b - Ap_;
+    r_ = scale_ * b - Ap_;
   } else {
     x_.setZero(b.rows(), 3);
-    r_ = b;
+    r_ = scale_ * b;
   }
-  return dot(r_, r_);
+  return unscaled(dot(r_, r_));
 }
 
 double NodalCgSpace::precondition() {
-  if (!preconditioned_) return dot(r_, r_);
+  if (!preconditioned_) return unscaled(dot(r_, r_));
   z_.resize(r_.rows(), 3);
   if (preconditioner_)
     preconditioner_->apply(r_, z_);
   else
     A_->precondition(r_, z_);
-  return dot(r_, z_);
+  return unscaled(dot(r_, z_));
 }
 
 double NodalCgSpace::product(double beta) {
   p_ = (preconditioned_ ? z_ : r_) + beta * p_;
   A_->apply(p_, Ap_);
-  return dot(p_, Ap_);
+  return unscaled(dot(p_, Ap_));
 }
 
 double NodalCgSpace::advance(double alpha) {
   x_ += alpha * p_;
   r_ -= alpha * Ap_;
-  return dot(r_, r_);
+  return unscaled(dot(r_, r_));
+}
+
+// Several bodies, and constraints that couple coordinates, are rare: in single precision they are always looked at again.
+double NodalCgSpace::rounding_of_residual() {
+  return rounding_ == kSingleRounding ? std::numeric_limits<double>::infinity() : 0;
 }
 
 namespace {
@@ -91,6 +97,19 @@ void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector
       inverse[i] = entry > T(0) ? T(1) / entry : T(0);
     }
   });
+}
+
+template <class T>
+double norm_over(const Partition& partition, const AlignedVector<T>& inverse, const AlignedVector<T>& x) {
+  double sum = 0;
+  for (int chunk = 0; chunk < partition.num_chunks; ++chunk) {
+    const auto [first, size] = OwnedRange(partition, chunk);
+    for (std::size_t i = first; i < first + size; ++i) {
+      const double quotient = inverse[i] > T(0) ? static_cast<double>(x[i]) / static_cast<double>(inverse[i]) : 0;
+      sum += quotient * quotient;
+    }
+  }
+  return std::sqrt(sum);
 }
 
 template <class T>
@@ -235,6 +254,13 @@ void SlotCgSpace<T>::end(Points x) const {
   from_slots(*partition_, 1 / scale_, x_, x);
 }
 
+template <class T>
+double SlotCgSpace<T>::rounding_of_residual() {
+  if (!is_preconditioned()) return 0;
+  const double norm = preconditioner_ ? preconditioner_->diagonal_norm(x_) : norm_over(*partition_, inverse_, x_);
+  return 0.5 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm / scale_;
+}
+
 double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
                       PointArray& r) {
   r.setZero(b.rows(), 3);  // the product, first
@@ -267,6 +293,8 @@ template void find_diagonal(const ChunkedOperator<float>&, float, AlignedVector<
 template void invert_diagonal(const ChunkedOperator<double>&, double, const AlignedVector<double>&,
                               AlignedVector<double>&);
 template void invert_diagonal(const ChunkedOperator<float>&, float, const AlignedVector<float>&, AlignedVector<float>&);
+template double norm_over(const Partition&, const AlignedVector<double>&, const AlignedVector<double>&);
+template double norm_over(const Partition&, const AlignedVector<float>&, const AlignedVector<float>&);
 template class BlockJacobi<double>;
 template class BlockJacobi<float>;
 template class SlotCgSpace<double>;

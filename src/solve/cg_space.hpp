@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "hexaplast/layout/linear_system.hpp"
@@ -37,6 +38,10 @@ class CgSpace {
   /// directions of a sound body have 1e-8 in a bar of 200 hexahedra, and more iterations are needed than anybody waits
   /// for where it is less.
   virtual double rounding() const = 0;
+
+  /// What rounding may have left in b - A x beyond r: a rounding unit of |D x|, D being the diagonal of A. Stiff bodies
+  /// that nothing holds have |A x| far below it.
+  virtual double rounding_of_residual() = 0;
   static constexpr double kDoubleRounding = 1e-13, kSingleRounding = 1e-10;
 };
 
@@ -68,13 +73,17 @@ class NodalCgSpace final : public CgSpace {
   double precondition() override;
   double product(double beta) override;
   double advance(double alpha) override;
-  void end(Points x) const override { x = x_; }
+  void end(Points x) const override { x = x_ / scale_; }
   bool is_preconditioned() const override { return preconditioner_ != nullptr; }
   double rounding() const override { return rounding_; }
+  double rounding_of_residual() override;
 
  private:
+  double unscaled(double square) const { return square / scale_ / scale_; }
+
   const LinearSystem* A_ = nullptr;
   double rounding_ = kDoubleRounding;
+  double scale_ = 1;  // of all vectors, for the present b
   bool preconditioned_ = false;
   NodalPreconditioner* preconditioner_ = nullptr;
   PointArray x_, r_, p_, Ap_, z_;
@@ -86,6 +95,9 @@ class SlotPreconditioner {
  public:
   virtual ~SlotPreconditioner() = default;
   virtual void apply(const AlignedVector<T>& r, AlignedVector<T>& z) = 0;
+
+  /// |D x|, D being the diagonal of A, without nodes that have blocks of their own.
+  virtual double diagonal_norm(const AlignedVector<T>& x) = 0;
 };
 
 /// The numbers of nodal vectors in slots that belong to degrees of freedom that do not move.
@@ -132,12 +144,17 @@ template <class T>
 void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
                      AlignedVector<T>& inverse);
 
+/// |x / inverse|, without the numbers where that is 0.
+template <class T>
+double norm_over(const Partition& partition, const AlignedVector<T>& inverse, const AlignedVector<T>& x);
+
 /// By the nodes' own part of a matrix, the diagonal of a body's operator included.
 template <class T>
 class BlockJacobi final : public SlotPreconditioner<T> {
  public:
   void setup(const ChunkedOperator<T>& op, T factor, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
+  double diagonal_norm(const AlignedVector<T>& x) override { return norm_over(*partition_, inverse_, x); }
 
  private:
   const Partition* partition_ = nullptr;
@@ -159,6 +176,7 @@ class SlotCgSpace final : public CgSpace {
   void end(Points x) const override;
   bool is_preconditioned() const override { return scaled_ || preconditioner_; }
   double rounding() const override { return std::is_same_v<T, double> ? kDoubleRounding : kSingleRounding; }
+  double rounding_of_residual() override;
 
  private:
   struct Partial {

@@ -274,6 +274,10 @@ class SinglePrecisionPreconditioner final : public SlotPreconditioner<double> {
     multigrid_.apply(r_, z_);
     std::copy(z_.begin(), z_.end(), z.begin());
   }
+  double diagonal_norm(const AlignedVector<double>& x) override {
+    std::transform(x.begin(), x.end(), r_.begin(), [](double entry) { return static_cast<float>(entry); });
+    return multigrid_.diagonal_norm(r_);
+  }
 
  private:
   Multigrid<float>& multigrid_;
@@ -411,6 +415,7 @@ namespace {
 // Single precision with half-precision coefficients answers to about 2e-4; beyond this its answers are corrections.
 constexpr double kSingleSuffices = 1e-3;
 constexpr double kCorrection = 3e-3;  // relative residual of each correction
+constexpr double kDoubt = 0.1;        // of the tolerance: rounding that may have hidden that it was not reached
 constexpr int kMostCorrections = 50;
 
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
@@ -454,8 +459,9 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   } else {
     run(space, b, start, norm_b, enough, iterations_, report);
     space.end(x);
-    if (!spaces_->has_others()) return report;
-    // beside what is much stiffer than the body, rounding and half precision leave out much more than they do of it
+    // beside what is much stiffer than the body, rounding and half precision leave out much more than they do of it;
+    // and rounding leaves more than the tolerance where the stiffness is far above what b asks for
+    if (!spaces_->has_others() && space.rounding_of_residual() <= kDoubt * enough * norm_b) return report;
   }
   double norm_r = exact_residual(A, spaces_->system, b, x, r);
   if (!std::isfinite(norm_r)) {  // the start was no number

@@ -35,6 +35,9 @@ class Multigrid final : public SlotPreconditioner<T> {
   /// radii anew.
   void setup(const KernelBody& body, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
+  double diagonal_norm(const AlignedVector<T>& x) override {
+    return norm_over(fine_.op->partition(), fine_.inverse, x);
+  }
 
  private:
   template <class Finer>

@@ -78,6 +78,20 @@ TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
   }
 }
 
+// Rounding of the stiffness, which such a body does not feel, is far above the forces that it feels.
+TEST(MixedPrecision, LetsStiffBodiesFallAsTheyMust) {
+  for (const auto& [young_modulus, density] : {std::pair{1e11, 7800.0}, {2e11, 7800.0}, {4e11, 7800.0}, {7e10, 2700.0}})
+    for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
+      Body bar(support::block({3, 3, 10}, 0.01), {Material{.young_modulus = young_modulus, .poisson_ratio = 0.3}},
+               {.precision = Precision::kMixed});
+      MovingBody falling(std::move(bar), {.density = density, .dt = 0.01, .gravity = {0, 0, -9.81}},
+                         std::make_unique<PreconditionedConjugateGradients>(0.01, 500, preconditioner));
+      const RunReport report = falling.run(20);
+      EXPECT_NEAR(falling.v.col(2).mean(), -9.81 * 0.2, 0.02 * 9.81 * 0.2) << young_modulus;
+      EXPECT_TRUE(report.solve.converged);
+    }
+}
+
 TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
   LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
   const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
