@@ -41,7 +41,8 @@ struct ElementFields {
 ///   energy, fields, volume, save                          | nothing; they leave the linearization alone
 ///
 /// Nodal arguments are num_nodes x 3 [m, N]. Every build throws InputError where the linearization is missing or an
-/// argument has another size or a hexahedron is not there, and nothing has changed then. Not thread-safe; distinct bodies may be used concurrently.
+/// argument has another size or a hexahedron is not there, and nothing has changed then. Not thread-safe; distinct
+/// bodies may be used concurrently.
 class Body {
  public:
   /// Throws InputError for materials or settings outside their ranges (material.hpp).

@@ -32,8 +32,8 @@ void check(const GraspOptions& options, int num_nodes) {
   if (options.indices) check_nodes("indices", *options.indices, num_nodes);
   check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
   if (options.release_time && !(options.grasp_time < *options.release_time))
-    throw OptionError("release_time", fmt::format("is {}, must be after graspTime {}", *options.release_time,
-                                                  options.grasp_time));
+    throw OptionError("release_time",
+                      fmt::format("is {}, must be after graspTime {}", *options.release_time, options.grasp_time));
   if (!options.radius) throw OptionError("radius", "is not given");
 }
 

@@ -16,15 +16,15 @@ namespace hexaplast::parts {
 
 /// In scenes: GraspForceField.
 struct GraspOptions {
-  std::vector<double> key_times = {};                   ///< [s] of the tool's path, ascending
-  PointArray positions = PointArray(0, 3);              ///< [m] of the tool, one row per key time
-  double grasp_time = 0;                                ///< [s]
-  std::optional<double> release_time = std::nullopt;    ///< [s] never, where it is not given
-  std::optional<double> radius = std::nullopt;          ///< [m] has to be given
+  std::vector<double> key_times = {};                      ///< [s] of the tool's path, ascending
+  PointArray positions = PointArray(0, 3);                 ///< [m] of the tool, one row per key time
+  double grasp_time = 0;                                   ///< [s]
+  std::optional<double> release_time = std::nullopt;       ///< [s] never, where it is not given
+  std::optional<double> radius = std::nullopt;             ///< [m] has to be given
   std::optional<std::vector<int>> indices = std::nullopt;  ///< nodes that can be held; all where not given
-  double stiffness = 1000;                              ///< [N/m] of the grip as a whole
-  std::optional<double> max_force = std::nullopt;       ///< [N] of the grip as a whole; no limit where not given
-  double damping = 0;                                   ///< [N s/m] of the grip as a whole
+  double stiffness = 1000;                                 ///< [N/m] of the grip as a whole
+  std::optional<double> max_force = std::nullopt;          ///< [N] of the grip as a whole; no limit where not given
+  double damping = 0;                                      ///< [N s/m] of the grip as a whole
 };
 
 /// An instrument that takes hold of the nodes around it, moves along a path and lets go. Fields are num_nodes x 3.

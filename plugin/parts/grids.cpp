@@ -35,9 +35,8 @@ HexMesh make_grid(const TubeGridOptions& options) {
   if (options.centreline) ranges.check("centreline", *options.centreline);
   const std::array<int, 3> cells = three_cells(ranges, options.cells);
   const int num_points = cells[2] + 1;
-  const Centreline curve = options.centreline
-                               ? curve_through(*options.centreline, num_points)
-                               : arc(options.length, options.bend * kDegree, num_points);
+  const Centreline curve = options.centreline ? curve_through(*options.centreline, num_points)
+                                              : arc(options.length, options.bend * kDegree, num_points);
   return tube(cells, options.inner_radius, options.outer_radius, curve);
 }
 

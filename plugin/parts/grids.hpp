@@ -24,10 +24,10 @@ HexMesh make_grid(const TubeGridOptions& options);
 
 /// In scenes: SheetGridTopology.
 struct SheetGridOptions {
-  std::vector<int> cells = {16, 16, 2};    ///< hexahedra along x, along y and across
-  std::vector<double> size = {0.1, 0.1};   ///< [m] along x and y, in the middle of the thickness
-  double thickness = 0.002;                ///< [m] along z
-  double curvature = 0;                    ///< [1/m] about an axis along y
+  std::vector<int> cells = {16, 16, 2};   ///< hexahedra along x, along y and across
+  std::vector<double> size = {0.1, 0.1};  ///< [m] along x and y, in the middle of the thickness
+  double thickness = 0.002;               ///< [m] along z
+  double curvature = 0;                   ///< [1/m] about an axis along y
 };
 HexMesh make_grid(const SheetGridOptions& options);
 

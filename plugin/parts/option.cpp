@@ -13,7 +13,8 @@ std::string attribute_name(std::string_view option) {
   std::string name;
   bool is_behind_underscore = false;
   for (const char letter : option) {
-    if (letter != '_') name += is_behind_underscore && letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
+    if (letter != '_')
+      name += is_behind_underscore && letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 'a' + 'A') : letter;
     is_behind_underscore = letter == '_';
   }
   return name;
@@ -36,12 +37,15 @@ void OptionRanges::check(std::string_view option, double number) const {
   check_each<double>(option, std::span(&number, 1));
 }
 void OptionRanges::check(std::string_view option, int number) const { check_each<int>(option, std::span(&number, 1)); }
-void OptionRanges::check(std::string_view option, std::span<const double> numbers) const { check_each(option, numbers); }
+void OptionRanges::check(std::string_view option, std::span<const double> numbers) const {
+  check_each(option, numbers);
+}
 void OptionRanges::check(std::string_view option, std::span<const int> numbers) const { check_each(option, numbers); }
 
 void check_nodes(std::string_view option, std::span<const int> nodes, int num_nodes) {
   for (const int node : nodes)
-    if (node < 0 || node >= num_nodes) throw OptionError(option, fmt::format("{} must lie in [0, {})", node, num_nodes));
+    if (node < 0 || node >= num_nodes)
+      throw OptionError(option, fmt::format("{} must lie in [0, {})", node, num_nodes));
 }
 
 }  // namespace hexaplast::parts

@@ -22,8 +22,8 @@ TangentialLoad::TangentialLoad(TangentialLoadOptions options, int num_nodes) : o
 
   check_nodes("indices", options_.indices, num_nodes);
   if (options_.indices.size() % static_cast<std::size_t>(options_.group_size) != 0)
-    throw OptionError("indices", fmt::format("{} nodes do not form groups of {}", options_.indices.size(),
-                                             options_.group_size));
+    throw OptionError("indices",
+                      fmt::format("{} nodes do not form groups of {}", options_.indices.size(), options_.group_size));
   if (options_.axis.isZero(0)) throw OptionError("axis", "is zero, must have a direction");
   check_key_times("times", options_.times, "forces", options_.forces.size());
 }

@@ -10,10 +10,10 @@ namespace hexaplast::parts {
 
 /// In scenes: TangentialForceField.
 struct TangentialLoadOptions {
-  std::vector<int> indices = {};  ///< nodes, group after group
-  int group_size = 1;             ///< consecutive indices that form a group
-  Vec3 axis = Vec3::UnitZ();      ///< of any length
-  Vec3 centre = Vec3::Zero();     ///< [m] a point on the axis
+  std::vector<int> indices = {};    ///< nodes, group after group
+  int group_size = 1;               ///< consecutive indices that form a group
+  Vec3 axis = Vec3::UnitZ();        ///< of any length
+  Vec3 centre = Vec3::Zero();       ///< [m] a point on the axis
   std::vector<double> times = {};   ///< [s] ascending
   std::vector<double> forces = {};  ///< [N] on each group at each key time
 };

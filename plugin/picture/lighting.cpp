@@ -14,11 +14,11 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr int kNumLamps = 72;
-constexpr int kMapSize = 256;    // depths per direction
-constexpr float kRim = 3;        // [texels] free around the bodies
-constexpr float kLift = 1.5f;    // [texels] that a place is looked at above its surface, so that it shades not itself
-constexpr float kSlack = 1.0f;   // [texels] by which something must be nearer to the lamp to cast a shadow
-constexpr float kSky = 0.45f;    // strength of the even sky; the rest gathers around the main lamp
+constexpr int kMapSize = 256;   // depths per direction
+constexpr float kRim = 3;       // [texels] free around the bodies
+constexpr float kLift = 1.5f;   // [texels] that a place is looked at above its surface, so that it shades not itself
+constexpr float kSlack = 1.0f;  // [texels] by which something must be nearer to the lamp to cast a shadow
+constexpr float kSky = 0.45f;   // strength of the even sky; the rest gathers around the main lamp
 constexpr float kLampWidth = 0.45f;  // [rad] of the main lamp
 
 }  // namespace

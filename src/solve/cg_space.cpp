@@ -46,7 +46,8 @@ double NodalCgSpace::advance(double alpha) {
   return unscaled(dot(r_, r_));
 }
 
-// Several bodies, and constraints that couple coordinates, are rare: in single precision they are always looked at again.
+// Several bodies, and constraints that couple coordinates, are rare: in single precision they are always looked at
+// again.
 double NodalCgSpace::rounding_of_residual() {
   return rounding_ == kSingleRounding ? std::numeric_limits<double>::infinity() : 0;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #define HEXAPLAST_GRASPFORCEFIELD_CPP
-#include <Hexaplast/GraspForceField.inl>
 #include <Hexaplast/registration.h>
+
+#include <Hexaplast/GraspForceField.inl>
 
 namespace hexaplast::sofa_plugin
 {

@@ -16,17 +16,17 @@ public:
     SOFA_CLASS(SOFA_TEMPLATE(GraspForceField, TDataTypes), SOFA_TEMPLATE(PartForceField, TDataTypes));
     using Inherit = PartForceField<TDataTypes>;
 
-    Data<sofa::type::vector<SReal>> d_keyTimes;         ///< [s] of the tool's path
+    Data<sofa::type::vector<SReal>> d_keyTimes;              ///< [s] of the tool's path
     Data<sofa::type::vector<sofa::type::Vec3>> d_positions;  ///< [m] of the tool at each key time
-    Data<SReal> d_graspTime;                            ///< [s] when the grip closes
-    Data<SReal> d_releaseTime;                          ///< [s] when it opens; never, where not set
-    Data<SReal> d_radius;                               ///< [m] within which it takes nodes
-    Data<sofa::type::vector<sofa::Index>> d_indices;    ///< nodes that can be held; all, where not set
-    Data<SReal> d_stiffness;                            ///< [N/m] of the grip as a whole
-    Data<SReal> d_maxForce;                             ///< [N] of the grip as a whole; no limit, where not set
-    Data<SReal> d_damping;                              ///< [N s/m] of the grip as a whole
-    Data<sofa::type::vector<sofa::Index>> d_grasped;    ///< output: nodes that it holds
-    Data<sofa::type::Vec3> d_force;                     ///< output [N]: what the tool exerted
+    Data<SReal> d_graspTime;                                 ///< [s] when the grip closes
+    Data<SReal> d_releaseTime;                               ///< [s] when it opens; never, where not set
+    Data<SReal> d_radius;                                    ///< [m] within which it takes nodes
+    Data<sofa::type::vector<sofa::Index>> d_indices;         ///< nodes that can be held; all, where not set
+    Data<SReal> d_stiffness;                                 ///< [N/m] of the grip as a whole
+    Data<SReal> d_maxForce;                                  ///< [N] of the grip as a whole; no limit, where not set
+    Data<SReal> d_damping;                                   ///< [N s/m] of the grip as a whole
+    Data<sofa::type::vector<sofa::Index>> d_grasped;         ///< output: nodes that it holds
+    Data<sofa::type::Vec3> d_force;                          ///< output [N]: what the tool exerted
 
     bool hasPart() const override { return m_grasp.has_value(); }
     bool isInMatrix() const override { return m_grasp->is_closed(); }

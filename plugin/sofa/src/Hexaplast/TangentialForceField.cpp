@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #define HEXAPLAST_TANGENTIALFORCEFIELD_CPP
-#include <Hexaplast/TangentialForceField.inl>
 #include <Hexaplast/registration.h>
+
+#include <Hexaplast/TangentialForceField.inl>
 
 namespace hexaplast::sofa_plugin
 {

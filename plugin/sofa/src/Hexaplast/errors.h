@@ -19,8 +19,8 @@ namespace hexaplast::sofa_plugin
 inline std::string error_at(const SofaComponent& component, const std::string& attribute, const std::string& what)
 {
     const std::string& file = component.getDefinitionSourceFileName();
-    const std::string place = file.empty() ? component.getPathName()
-                                           : fmt::format("{}:{}", file, component.getDefinitionSourceFilePos());
+    const std::string place =
+        file.empty() ? component.getPathName() : fmt::format("{}:{}", file, component.getDefinitionSourceFilePos());
     return fmt::format("{}: error: {}{}{}: {}", place, component.getClassName(), attribute.empty() ? "" : ".",
                        attribute, what);
 }

@@ -66,8 +66,8 @@ T initial_value(const Attribute& attribute)
     }
 }
 
-/// What a Data of a component is made from: d_axis(from_table(*this, d_axis, row(kTable, "axis"))). `group`: under which
-/// windows show it; outputs have theirs.
+/// What a Data of a component is made from: d_axis(from_table(*this, d_axis, row(kTable, "axis"))). `group`: under
+/// which windows show it; outputs have theirs.
 template <class T>
 typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const Attribute& attribute,
                                       const char* group = "")
