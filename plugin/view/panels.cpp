@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 
+#include "attributes/admissible.hpp"
 #include "view/widgets.hpp"
 
 namespace hexaplast::view {
@@ -19,7 +20,7 @@ void draw_knob(Session& session, const Knob& knob, std::optional<double> value) 
   const bool is_factor = !knob.of_hexahedra.empty();
   const std::string help = fmt::format(
       "{}\n{}{}{}", knob.attribute->help, unit.empty() ? "" : "[" + unit + "]  ",
-      scene::describe(knob.attribute->range),
+      attributes::describe(knob.attribute->range),
       is_factor ? "\nEach hexahedron has its own; all of them are multiplied by the number on the slider." : "");
   const float end = ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x * 0.5f;
   ImGui::PushID(name.c_str());
