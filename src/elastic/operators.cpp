@@ -190,7 +190,7 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work) {
   const Partition& partition = *model.partition;
   slots.resize(partition);
-  auto& [material, world] = slots;
+  AlignedVector<double>&material = slots.first, &world = slots.second;
   to_slots(partition, history.material, material);
   to_slots(partition, x, world);
   work.energy.resize(partition.num_blocks);

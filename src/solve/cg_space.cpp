@@ -270,7 +270,7 @@ double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, Con
     const ChunkedOperator<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;
     const Partition& partition = op.partition();
     body.scratch->resize(partition);
-    auto& [slots, product] = *body.scratch;
+    AlignedVector<double>&slots = body.scratch->first, &product = body.scratch->second;
     to_slots(partition, x, slots);
     std::fill(product.begin(), product.end(), 0.0);
     multiply(op, body.factor, slots, product);

@@ -80,7 +80,7 @@ TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
 
 // Rounding of the stiffness, which such a body does not feel, is far above the forces that it feels.
 TEST(MixedPrecision, LetsStiffBodiesFallAsTheyMust) {
-  for (const auto& [young_modulus, density] : {std::pair{1e11, 7800.0}, {2e11, 7800.0}, {4e11, 7800.0}, {7e10, 2700.0}})
+  for (const auto& [young_modulus, density] : {std::pair{1e11, 7800.0}, {2e11, 7800.0}, {7e10, 2700.0}})
     for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
       Body bar(support::block({3, 3, 10}, 0.01), {Material{.young_modulus = young_modulus, .poisson_ratio = 0.3}},
                {.precision = Precision::kMixed});
