@@ -67,24 +67,27 @@ def make():
     page.save(RESULTS / "fig2.png")
 
     table = write_table("fig2", ["load", "elements", "elastic response / that of hexahedra", "under load (%, deg)",
-                                 "left (%, deg)", "asymmetry of what is left, % of h", "volume error %"], rows)
+                                 "permanent (%, deg)", "asymmetry of the permanent shape, % of h", "volume error %"],
+                        rows)
     kept = {(row[0], row[1]): float(row[4]) for row in rows}
     skew = max(float(row[5]) for row in rows if row[0] == "stretch")
     twisted = [kept["twist", splitting] for splitting in SPLITTINGS]
     write_section("Figure 2: tetrahedra", f"""
 ![final rest shapes of hexahedra and tetrahedra](fig2.png)
 
-The bars of `bar_stretch_high` and `bar_twist_high`, their cubes split into five tetrahedra (mirrored from cube to
-cube), six around one diagonal, or six with the upper half mirrored, with the same material, masses, loads and flow
-of stretch
-(`benchmarks/baselines`). As in the paper the stretched tetrahedra lose the symmetry of the bar, by up to {skew:.0f} %
-of h, while the hexahedra keep it to rounding. Of the twist hexahedra keep {kept["twist", "hexahedra"]:.1f} degrees and
-tetrahedra {min(twisted):.1f} to {max(twisted):.1f}, since they are stiffer and nothing turns within them; the
-tetrahedra of the paper, with a flow law of their own, kept next to nothing.
+The figure shows the bars of `bar_stretch_high` and `bar_twist_high`. Each cube is one hexahedron, or is divided into
+tetrahedra in one of three ways: five (mirrored from cube to cube), six around one diagonal, or six with the upper half
+of the bar mirrored. Material, masses, loads and the law of stretch flow are the same (`benchmarks/baselines`).
 
-Elastic response: small elongation, or twist, of the end sections under the same load. Asymmetry: greatest distance
-between the shape and its image under a quarter turn about the axis, a half turn that exchanges the ends and, for the
-stretch, two mirror images.
+* Stretch: as in the paper, the tetrahedra lose the symmetry of the bar, by up to {skew:.0f} % of h. The hexahedra keep
+  it to rounding.
+* Twist: hexahedra keep {kept["twist", "hexahedra"]:.1f} degrees, tetrahedra {min(twisted):.1f} to {max(twisted):.1f}.
+  Tetrahedra are stiffer, and no rotation flows in them. In the paper, with a different flow law for tetrahedra, they
+  kept almost no twist.
+
+Elastic response is the small elongation, or twist, of the end sections under the same load. Asymmetry is the largest
+distance between the shape and its images under a quarter turn about the axis, under a half turn that exchanges the
+ends and, for the stretch, under two reflections.
 
 {table}
 """)

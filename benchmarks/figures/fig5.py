@@ -42,9 +42,10 @@ def make():
     write_section("Figure 5: stretch", f"""
 ![final rest shapes, side and end views](fig5.png)
 
-The final rest shapes of `scenes/bar_stretch_{{high,medium,low}}.scn`, seen from the side and from the end: as in the
-paper, more plasticity leaves a longer bar, thinner towards the loaded ends, and its sections stay symmetric. Slice 6
-lies next to the held middle, slice 10 at the loaded end; the volume error stays below the paper's 1 % at all times.
+The figure shows the final shapes of `scenes/bar_stretch_{{high,medium,low}}.scn` without load, from the side and from
+the end. As in the paper, more plasticity gives a longer bar that is thinner towards the loaded ends, and the
+cross-sections remain symmetric. Slice 6 is next to the fixed middle, slice 10 at the loaded end. The volume error is
+always below 1 %, the value in the paper.
 
 {table}
 """)

@@ -11,9 +11,10 @@ RESULTS = ROOT / "docs/results"
 PAGE = RESULTS / "README.md"
 HEAD = """# The paper's figures
 
-Written by `scripts/reproduce`; `scripts/reproduce fig5 fig6` makes single figures anew. Shapes are those of the
-material mesh, which is what is left of a deformation when all forces are gone; the bar has 3 x 3 x 10 cubes of
-h = 0.1 m, E = 5000 Pa, Poisson's ratio 0.45, and is held in the middle.
+`scripts/reproduce` writes this page; `scripts/reproduce fig5 fig6` makes only the named figures. "The paper" is that of
+R. Gao and J. Peters ([theory](../theory.md)). Unless stated otherwise, shapes are those without load: the plastic rest
+positions. The bar has 3 x 3 x 10 cubes with edge h = 0.1 m, E = 5000 Pa and Poisson's ratio 0.45. It is fixed in the
+middle.
 """
 
 
