@@ -139,15 +139,13 @@ TEST(Layering, ForwardDeclarationsPointDown) {
   EXPECT_GT(num_declarations, 3) << "the search has lost its object";
 }
 
-// A host does not run in the other one: SOFA's components are made from parts. The body still lives in a guest.
+// A host does not run in the other one: SOFA's components are made from parts.
 TEST(Layering, SofasComponentsNeedNoScene) {
-  const std::set<std::string> of_the_body{"AttributeData", "Guest"};
   const std::regex include("^\\s*#include\\s+[\"<](?:scene|components)/.*");
   int num_files = 0;
   for (const SourceFile& file : sources()) {
     if (file.path.string().find("/plugin/sofa/src/") == std::string::npos) continue;
     ++num_files;
-    if (of_the_body.contains(file.path.stem().string())) continue;
     for (const std::string& line : file.lines)
       EXPECT_FALSE(std::regex_match(line, include)) << file.path << ": " << line;
   }

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <fmt/format.h>
-
 #include <optional>
 
 #include "attributes/hexaplast.hpp"
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
-#include "hexaplast/base/memory.hpp"
+#include "components/part.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/material/filling.hpp"
-#include "hexaplast/material/rows.hpp"
-#include "hexaplast/mesh/quality.hpp"
-#include "hexaplast/survey.hpp"
+#include "parts/hexahedral_body.hpp"
 #include "scene/potential.hpp"
 #include "scene/scene.hpp"
 
@@ -28,63 +24,54 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     state_ = &needed_ready<scene::MechanicalState>();
     topology_ = &linked<scene::Topology>("topology");
     const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, *topology_, state_->num_nodes());
-    const Settings settings = given_settings();
-    std::vector<Material> materials = given_materials(hexahedra.size());
-    require_memory(static_cast<double>(hexahedra.size()), bytes_per_hexahedron(materials, settings));
-    body_.emplace(HexMesh(state_->rest_positions(), hexahedra), std::move(materials), settings);
-    for (const std::string& advice : check_shapes(quality(body_->mesh())))
-      remark(scene::Severity::kWarning, {}, advice);
+    body_.emplace(accepted(*this, [&] {
+      return parts::HexahedralBody(state_->rest_positions(), hexahedra, options(hexahedra.size()), node().clock().dt);
+    }));
+    pass_on(*this, body_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
   // The material may change during a run: what flowed stays.
   void refresh() override {
-    if (!(given_settings() == body_->settings()))
-      reject("only youngModulus, poissonRatio, yieldStress, the rates, limits and damping may change during a run");
-    body_->set_materials(given_materials(static_cast<std::size_t>(body_->mesh().num_elements())));
+    try {
+      const auto num_elements = static_cast<std::size_t>(body_->body().mesh().num_elements());
+      accepted(*this, [&] { body_->set_options(options(num_elements), node().clock().dt); });
+    } catch (const InputError& error) {
+      reject(error.what());
+    }
+    pass_on(*this, body_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
-  void reset() override {
-    body_->reset();
-    report_ = {};
-    num_announced_ = 0;
-  }
-
-  void serialize(Archive& archive) override {
-    body_->serialize(archive);
-    archive(report_.yielded, report_.inverted, report_.guarded, report_.repaired, report_.removed,
-            report_.worst_volume_error, report_.averaging.skipped, report_.averaging.fell_back,
-            report_.averaging.iterations, report_.averaging.residual, report_.averaging.converged);
-    num_announced_ = body_->removed().size();
-  }
+  void reset() override { body_->reset(); }
+  void serialize(Archive& archive) override { body_->serialize(archive); }
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
-    body_->linearize(x);
-    body_->add_force(f);
+    body_->body().linearize(x);
+    body_->body().add_force(f);
   }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
-    body_->add_stiffness_product(factor, dx, df);
+    body_->body().add_stiffness_product(factor, dx, df);
   }
-  void add_stiffness_blocks(double factor, BlockMatrix& A) const override { body_->add_stiffness_blocks(factor, A); }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
+    body_->body().add_stiffness_blocks(factor, A);
+  }
   bool describe(double factor, MatrixFreeSystem& system) const override {
-    body_->describe(factor, system);
+    body_->body().describe(factor, system);
     return true;
   }
-  double potential_energy(double, ConstPoints x) const override { return body_->energy(x); }
+  double potential_energy(double, ConstPoints x) const override { return body_->body().energy(x); }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   void end_step(double dt) override {
-    if (dt != dt_ && body_->can_flow()) check_time_step(body_->materials(), body_->settings(), dt, Names::kScenes);
-    dt_ = dt;
-    report_ = body_->flow(state_->positions(), dt);
+    body_->end_step(state_->positions(), dt);
     announce();
   }
 
-  const Body* body() const override { return body_ ? &*body_ : nullptr; }
-  const FlowReport* flow_report() const override { return &report_; }
+  const Body* body() const override { return body_ ? &body_->body() : nullptr; }
+  const FlowReport* flow_report() const override { return body_ ? &body_->report() : nullptr; }
   void remove_elements(std::span<const int> elements) override {
-    body_->remove(elements);
+    body_->body().remove(elements);
     announce();
   }
 
@@ -94,76 +81,34 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
  private:
   /// Tells the scene which hexahedra have gone since it was told last.
   void announce() {
-    const std::span<const int> gone = body_->removed().subspan(num_announced_);
-    num_announced_ += gone.size();
-    if (!gone.empty()) scene::announce_removed(*this, gone);
+    if (const std::span<const int> gone = body_->take_removed(); !gone.empty()) scene::announce_removed(*this, gone);
   }
 
-  /// The number of a member; none where the component has no such attribute, or no value for it.
+  /// The values of a member; none where the component has no such attribute, or no value for it.
   template <class Options>
-  std::optional<double> given(const Row<Options>& row) {
-    if (!find_data(row.name)) return std::nullopt;
+  std::optional<std::vector<double>> given(const Row<Options>& row) {
+    const scene::Data* data = find_data(row.name);
+    if (!data || (!data->is_given() && data->attribute().initial.empty())) return std::nullopt;
+    if (row.may_vary) return reals(row.name);
     switch (row.at.type) {
       case MemberType::kWord:
-        return place_of_word(row, text(row.name));
+        return {{static_cast<double>(place_of_word(row, text(row.name)))}};
       case MemberType::kInteger:
-        return integer(row.name);
+        return {{static_cast<double>(integer(row.name))}};
       case MemberType::kReal:
         break;
     }
-    return real_if_given(row.name);
+    return {{real(row.name)}};
   }
 
-  Settings given_settings() {
-    Settings settings;
-    for (const Row<Settings>& row : settings_rows())
-      if (const auto value = given(row)) row.at.set(settings, *value);
-    return settings;
-  }
-
-  /// The values of a member, one or one per hexahedron; none as above.
-  std::vector<double> given_values(const Row<Material>& row, std::size_t num_elements) {
-    if (!row.may_vary) {
-      const auto value = given(row);
-      return value ? std::vector{*value} : std::vector<double>();
-    }
-    const scene::Data* data = find_data(row.name);
-    if (!data || (!data->is_given() && data->attribute().initial.empty())) return {};
-    const std::vector<double>& values = reals(row.name);
-    if (values.size() != 1 && values.size() != num_elements)
-      reject(row.name,
-             fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_elements));
-    return values;
-  }
-
-  /// One for all hexahedra, or one for each.
-  std::vector<Material> given_materials(std::size_t num_elements) {
-    const std::span<const double> fill = topology_->fill();
-    std::vector<Material> materials(fill.empty() ? 1 : fill.size());
-    for (const Row<Material>& row : material_rows()) {
-      const std::vector<double> values = given_values(row, num_elements);
-      if (values.empty()) continue;
-      if (values.size() > materials.size()) materials.resize(values.size(), Material(materials.front()));
-      for (std::size_t e = 0; e < materials.size(); ++e) row.at.set(materials[e], values[values.size() == 1 ? 0 : e]);
-    }
-    if (!fill.empty())
-      for (std::size_t e = 0; e < materials.size(); ++e) materials[e] = filled(materials[e], fill[e]);
-    validate(materials, Names::kScenes);
-    dt_ = node().clock().dt;
-    for (const std::string& advice : check_time_step(materials, given_settings(), dt_, Names::kScenes))
-      remark(scene::Severity::kWarning, {}, advice);
-    for (const std::string& advice : fracture_advice(materials, Names::kScenes))
-      remark(scene::Severity::kWarning, {}, advice);
-    return materials;
+  parts::HexahedralBodyOptions options(std::size_t num_elements) {
+    return parts::body_options([this](const auto& row) { return given(row); }, num_elements, topology_->fill());
   }
 
   scene::MechanicalState* state_ = nullptr;
   scene::Topology* topology_ = nullptr;
-  std::optional<Body> body_;
-  FlowReport report_;
-  std::size_t num_announced_ = 0;  // of the hexahedra that have gone
+  std::optional<parts::HexahedralBody> body_;
   double rayleigh_stiffness_ = 0;
-  double dt_ = 0;  // [s] that the rates were checked with
 };
 
 class HexahedronElastoplasticFEMForceField final : public HexahedronField {

@@ -174,7 +174,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   // once for all packages
   must("dpkg-deb -e packages/" + kLibrary + "_*.deb control");
   const std::string shlibs = content(directory_ / "control/shlibs");
-  for (const char* part : {"", "_formats", "_parts", "_scene", "_components", "_output"})
+  for (const char* part : {"", "_formats", "_attributes", "_parts", "_scene", "_components", "_output"})
     EXPECT_TRUE(
         has(shlibs, "libhexaplast"s + part + " " HEXAPLAST_SONAME " " + kLibrary + " (>= " HEXAPLAST_VERSION ")"))
         << shlibs;

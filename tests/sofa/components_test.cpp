@@ -13,6 +13,7 @@
 #include "attributes/hexaplast.hpp"
 #include "attributes/shapes.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "support/sofa_adapter.hpp"
 
 extern "C" {
@@ -90,6 +91,15 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
     }
   }
   EXPECT_GT(num_defaults, 40);
+}
+
+TEST(SofaPlugin, GroupsTheDataOfABodyAsTheRowsAre) {
+  const auto body = factory().entries.at("HexahedronElastoplasticFEMForceField").make();
+  const auto check = [&](const auto& rows) {
+    for (const auto& row : rows) EXPECT_EQ(body->findData(std::string(row.name))->getGroup(), row.group) << row.name;
+  };
+  check(material_rows());
+  check(settings_rows());
 }
 
 TEST_F(Adapter, TangentialForcesTurnAboutTheAxis) {

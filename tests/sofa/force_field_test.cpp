@@ -238,7 +238,7 @@ TEST_F(Adapter, HalfFullHexahedraOfASparseGridCarryHalf) {
   *grid.d_seqHexahedra.beginEdit() = cells.d_seqHexahedra.getValue();
   grid.fill.assign(mesh.num_elements(), 1);
   grid.fill[5] = 0.5f;
-  auto& field = dynamic_cast<HexahedronElastoplasticFEMForceField&>(
+  auto& field = dynamic_cast<Elastoplastic&>(
       make("HexahedronElastoplasticFEMForceField", {{"youngModulus", "7000"}, {"yieldStress", "100"}}));
   field.l_topology.set(&grid);
   field.init();

@@ -34,6 +34,7 @@ using sofa::simulation::AnimateEndEvent;
 using sofa::type::vector;
 using DataTypes = Vec3Types;
 using Field = PartForceField<Vec3Types>;
+using Elastoplastic = HexahedronElastoplasticFEMForceField<Vec3Types>;
 using support::Random;
 
 inline constexpr double kStep = 0.02;  // [s]
@@ -130,9 +131,8 @@ class Adapter : public testing::Test {
     field.init();
     return field;
   }
-  HexahedronElastoplasticFEMForceField& make_body(const Attributes& attributes) {
-    return dynamic_cast<HexahedronElastoplasticFEMForceField&>(
-        make_field("HexahedronElastoplasticFEMForceField", attributes));
+  Elastoplastic& make_body(const Attributes& attributes) {
+    return dynamic_cast<Elastoplastic&>(make_field("HexahedronElastoplasticFEMForceField", attributes));
   }
 
   void move_to(const PointArray& x) { view(nodes.writePositions().wref()) = x; }

@@ -17,7 +17,7 @@ namespace
 constexpr double kYoung = 10;  // [Pa] as in the checks of SOFA's own hexahedra
 
 /// A cube of 1 m without lateral contraction.
-class SofasChecks : public sofa::ForceField_test<HexahedronElastoplasticFEMForceField>
+class SofasChecks : public sofa::ForceField_test<HexahedronElastoplasticFEMForceField<Vec3Types>>
 {
 protected:
     SofasChecks()

@@ -33,7 +33,8 @@ public:
 
     sofa::core::objectmodel::BaseContext& root() { return *root_->getContext(); }
     MechanicalState& state() { return *dynamic_cast<MechanicalState*>(field().getMState()); }
-    HexahedronElastoplasticFEMForceField& field() { return only<HexahedronElastoplasticFEMForceField>(); }
+    using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
+    Field& field() { return only<Field>(); }
     const Body& body()
     {
         const Body* found = field().body();

@@ -39,7 +39,7 @@ public:
     {
         if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || is_invalid(*this)) return;
         if (++m_numSteps != d_step.getValue()) return;
-        HexahedronElastoplasticFEMForceField* field = nullptr;
+        HexahedronElastoplasticFEMForceField<Vec3Types>* field = nullptr;
         getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);
         const Body* body = field ? field->body() : nullptr;
         if (!body)

@@ -1,28 +1,55 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/Guest.h>
 #include <Hexaplast/PartForceField.h>
 #include <sofa/core/objectmodel/DDGNode.h>
 #include <sofa/core/objectmodel/Link.h>
 
 #include <vector>
 
+#include "parts/hexahedral_body.hpp"
+
 namespace hexaplast::sofa_plugin
 {
 
 /// Hexahedral corotational finite elements that stretch, yield and stay stretched. Plastic flow happens once per time
-/// step, at AnimateEndEvent. Attributes and outputs: plugin/attributes/hexaplast.hpp.
-class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField final : public PartForceField<Vec3Types>
+/// step, at AnimateEndEvent. Data and outputs: the rows of Material and Settings, and plugin/attributes/hexaplast.hpp.
+template <class TDataTypes>
+class HexahedronElastoplasticFEMForceField : public PartForceField<TDataTypes>
 {
 public:
-    SOFA_CLASS(HexahedronElastoplasticFEMForceField, SOFA_TEMPLATE(PartForceField, Vec3Types));
-    using Inherit = PartForceField<Vec3Types>;
+    SOFA_CLASS(SOFA_TEMPLATE(HexahedronElastoplasticFEMForceField, TDataTypes),
+               SOFA_TEMPLATE(PartForceField, TDataTypes));
+    using Inherit = PartForceField<TDataTypes>;
+    using VecReal = sofa::type::vector<SReal>;
 
-    /// What scenes give as template.
-    static std::string GetCustomTemplateName() { return Vec3Types::Name(); }
+    Data<VecReal> d_youngModulus;             ///< [Pa] one, or one per hexahedron
+    Data<VecReal> d_poissonRatio;             ///< one, or one per hexahedron
+    Data<VecReal> d_yieldStress;              ///< [Pa] one, or one per hexahedron; it never yields where not set
+    Data<OptionsGroup> d_yieldNorm;           ///< norm of the stress that is compared with yieldStress
+    Data<SReal> d_plasticFlowRate;            ///< [1/s] of stretch in excess of yield
+    Data<SReal> d_rotationYield;              ///< [rad] at which rotation begins to flow
+    Data<SReal> d_rotationFlowRate;           ///< [1/s] of rotation in excess of rotationYield
+    Data<OptionsGroup> d_rotationPlasticity;  ///< how rotation becomes permanent
+    Data<OptionsGroup> d_rotationFrame;       ///< what rotations are measured against
+    Data<SReal> d_hardening;                  ///< growth of the yield limits with the flow
+    Data<SReal> d_volumeRestitution;          ///< [1/s] at which volume is restored
+    Data<SReal> d_inversionThreshold;         ///< share of its volume below which a hexahedron does not flow
+    Data<SReal> d_fractureStress;             ///< [Pa] it does not tear by stress where not set
+    Data<SReal> d_fractureStretch;            ///< it does not tear by stretch where not set
+    Data<OptionsGroup> d_gradient;            ///< where deformation is sampled
+    Data<OptionsGroup> d_averaging;           ///< how rest shapes become one
+    Data<int> d_averagingSteps;               ///< per time step
+    Data<SReal> d_averagingTolerance;         ///< on the relative residual of an averaging step
+    Data<OptionsGroup> d_precision;           ///< of stiffness products
 
-    sofa::core::objectmodel::Data<bool> d_drawMaterialShape;  ///< draws the edges of the shape without forces
+    Data<VecReal> d_plasticStrain;                                   ///< output, of each hexahedron
+    Data<VecReal> d_presentYieldStress;                              ///< output [Pa], of each hexahedron
+    Data<VecReal> d_volumeRatio;                                     ///< output, of each hexahedron
+    Data<sofa::type::vector<sofa::type::Vec3>> d_materialPositions;  ///< output [m]: nodes without forces
+    Data<sofa::type::vector<sofa::Index>> d_removed;                 ///< output: hexahedra that are gone
+
+    Data<bool> d_drawMaterialShape;  ///< draws the edges of the shape without forces
     sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
@@ -32,40 +59,41 @@ public:
     void draw(const sofa::core::visual::VisualParams* vparams) override;
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
-    bool hasPart() const override { return m_guest.has_value(); }
-    bool describe(double factor, MatrixFreeSystem& system) const override { return guest().describe(factor, system); }
+    bool hasPart() const override { return m_body.has_value(); }
+    bool describe(double factor, MatrixFreeSystem& system) const override
+    {
+        m_body->body().describe(factor, system);
+        return true;
+    }
 
     /// The body; null before init and after an error.
-    const Body* body() const { return m_guest ? guest().body() : nullptr; }
+    const Body* body() const { return m_body ? &m_body->body() : nullptr; }
 
 protected:
     HexahedronElastoplasticFEMForceField();
 
     void makePart() override;
-    void updatePart() override { m_guest->follow_attributes(); }
+    void updatePart() override;
     void resetPart() override;
-    void beginStep(SReal time, SReal dt) override { m_guest->begin_step(time, dt); }
     void endStep(SReal dt) override;
-    void addPartForce(SReal time, ConstPoints x, ConstPoints v, Points f) override { guest().add_force(time, x, v, f); }
-    void addStiffnessProduct(double factor, ConstPoints dx, Points df) const override
-    {
-        guest().add_stiffness_product(factor, dx, df);
-    }
-    void addStiffnessBlocks(double factor, BlockMatrix& A) const override { guest().add_stiffness_blocks(factor, A); }
-    std::optional<double> energy(SReal time, ConstPoints x) const override;
+    void addPartForce(SReal time, ConstPoints x, ConstPoints v, Points f) override;
+    void addStiffnessProduct(double factor, ConstPoints dx, Points df) const override;
+    void addStiffnessBlocks(double factor, BlockMatrix& A) const override;
+    std::optional<double> energy(SReal, ConstPoints x) const override { return m_body->body().energy(x); }
 
 private:
-    scene::ForceField& guest() const { return m_guest->as<scene::ForceField>(); }
+    template <class T>
+    auto from_row(Data<T>& data, std::string_view name);
+
+    parts::HexahedralBodyOptions options(std::size_t numHexahedra) const;
 
     /// Hexahedra that went in the latest step leave the topology, where that can be.
     void tearTopology();
 
-    /// Outputs per hexahedron come in the order of the body, which keeps those that are gone: puts them in the order of
-    /// the topology.
-    void orderAsTheTopology();
+    void computeOutputs();
 
-    AttributeData m_attributes;
-    mutable std::optional<Guest> m_guest;
+    std::optional<parts::HexahedralBody> m_body;
+    std::vector<double> m_fill;   // share of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
 
     /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.
@@ -73,12 +101,20 @@ private:
     {
     public:
         explicit Outputs(HexahedronElastoplasticFEMForceField& owner) : m_owner(owner) {}
-        void update() override;
+        void update() override
+        {
+            cleanDirty();
+            if (m_owner.works()) m_owner.computeOutputs();
+        }
 
     private:
         HexahedronElastoplasticFEMForceField& m_owner;
     };
     Outputs m_outputs{*this};
 };
+
+#if !defined(HEXAPLAST_HEXAHEDRONELASTOPLASTICFEMFORCEFIELD_CPP)
+extern template class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField<Vec3Types>;
+#endif
 
 }  // namespace hexaplast::sofa_plugin

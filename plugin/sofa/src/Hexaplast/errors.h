@@ -29,7 +29,8 @@ inline std::string error_at(const SofaComponent& component, const std::string& a
 inline void pass_on(const SofaComponent& component, const std::vector<parts::Warning>& warnings)
 {
     for (const parts::Warning& warning : warnings)
-        msg_warning(&component) << component.getClassName() << "." << warning.attribute << ": " << warning.text;
+        msg_warning(&component) << component.getClassName() << (warning.attribute.empty() ? "" : ".")
+                                << warning.attribute << ": " << warning.text;
 }
 
 /// Whether a component may take part in a step. Where it is invalid, the animation is stopped once more, for whoever
@@ -72,7 +73,7 @@ bool attempt(SofaComponent& host, const Call& call)
     {
         return fail(error_at(host, "", error.what()));
     }
-    catch (const std::runtime_error& error)
+    catch (const NumericalError& error)
     {
         return fail(error.what());
     }

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/hexahedral_body.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "attributes/admissible.hpp"
+#include "hexaplast/base/memory.hpp"
+#include "hexaplast/material/filling.hpp"
+#include "hexaplast/mesh/quality.hpp"
+#include "hexaplast/survey.hpp"
+
+namespace hexaplast::parts {
+namespace {
+
+template <class Options>
+void require_admissible(const Row<Options>& row, double value) {
+  if (row.admits(value)) return;
+  if (!std::isfinite(value)) throw OptionError(row.name, fmt::format("{} is not finite", value));
+  throw OptionError(row.name, attributes::inadmissible(row.range, value));
+}
+
+}  // namespace
+
+void set_values(const Row<Material>& row, std::span<const double> values, std::size_t num_hexahedra,
+                std::vector<Material>& materials) {
+  for (const double value : values) require_admissible(row, value);
+  if (values.size() != 1 && values.size() != num_hexahedra)
+    throw OptionError(
+        row.name, fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_hexahedra));
+  if (values.size() > materials.size()) materials.resize(values.size(), Material(materials.front()));
+  for (std::size_t e = 0; e < materials.size(); ++e) row.at.set(materials[e], values[values.size() == 1 ? 0 : e]);
+}
+
+void set_value(const Row<Settings>& row, double value, Settings& settings) {
+  require_admissible(row, value);
+  row.at.set(settings, value);
+}
+
+void fill_partly(std::span<const double> fill, std::vector<Material>& materials) {
+  if (fill.empty()) return;
+  materials.resize(fill.size(), Material(materials.front()));
+  for (std::size_t e = 0; e < fill.size(); ++e) materials[e] = filled(materials[e], fill[e]);
+}
+
+HexahedralBody::HexahedralBody(ConstPoints rest, const std::vector<Hexahedron>& hexahedra,
+                               HexahedralBodyOptions options, double dt)
+    : dt_(dt), body_(made(rest, hexahedra, std::move(options))) {
+  warn(check_shapes(quality(body_.mesh())));
+}
+
+Body HexahedralBody::made(ConstPoints rest, const std::vector<Hexahedron>& hexahedra, HexahedralBodyOptions options) {
+  check(options, dt_);
+  require_memory(static_cast<double>(hexahedra.size()), bytes_per_hexahedron(options.materials, options.settings));
+  return Body(HexMesh(rest, hexahedra), std::move(options.materials), options.settings);
+}
+
+void HexahedralBody::check(const HexahedralBodyOptions& options, double dt) {
+  validate(options.materials, Names::kScenes);
+  warn(check_time_step(options.materials, options.settings, dt, Names::kScenes));
+  warn(fracture_advice(options.materials, Names::kScenes));
+  dt_ = dt;
+}
+
+void HexahedralBody::warn(const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) warnings_.push_back({{}, text});
+}
+
+void HexahedralBody::set_options(HexahedralBodyOptions options, double dt) {
+  if (!(options.settings == body_.settings()))
+    throw InputError(
+        "only youngModulus, poissonRatio, yieldStress, the rates, limits and damping may change during a run");
+  check(options, dt);
+  body_.set_materials(std::move(options.materials));
+}
+
+std::vector<Warning> HexahedralBody::take_warnings() { return std::exchange(warnings_, {}); }
+
+void HexahedralBody::end_step(ConstPoints x, double dt) {
+  if (dt != dt_ && body_.can_flow()) check_time_step(body_.materials(), body_.settings(), dt, Names::kScenes);
+  dt_ = dt;
+  report_ = body_.flow(x, dt);
+}
+
+void HexahedralBody::reset() {
+  body_.reset();
+  report_ = {};
+  num_announced_ = 0;
+}
+
+void HexahedralBody::serialize(Archive& archive) {
+  body_.serialize(archive);
+  archive(report_.yielded, report_.inverted, report_.guarded, report_.repaired, report_.removed,
+          report_.worst_volume_error, report_.averaging.skipped, report_.averaging.fell_back,
+          report_.averaging.iterations, report_.averaging.residual, report_.averaging.converged);
+  num_announced_ = body_.removed().size();
+}
+
+std::span<const int> HexahedralBody::take_removed() {
+  const std::span<const int> gone = body_.removed().subspan(num_announced_);
+  num_announced_ += gone.size();
+  return gone;
+}
+
+}  // namespace hexaplast::parts

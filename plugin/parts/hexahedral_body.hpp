@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/archive.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/material/rows.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+
+/// In scenes: HexahedronElastoplasticFEMForceField, whose attributes are the rows of Material and Settings.
+struct HexahedralBodyOptions {
+  std::vector<Material> materials = {Material()};  ///< one, or one per hexahedron
+  Settings settings = {};
+};
+
+/// Gives all materials the values of one member, one or one per hexahedron. Throws OptionError for another number of
+/// them, and for values that the row does not admit.
+void set_values(const Row<Material>& row, std::span<const double> values, std::size_t num_hexahedra,
+                std::vector<Material>& materials);
+void set_value(const Row<Settings>& row, double value, Settings& settings);
+
+/// Leaves of each hexahedron the share that is full.
+void fill_partly(std::span<const double> fill, std::vector<Material>& materials);
+
+/// Options from what a host has for attributes. given(row): the values of a member, none where it has its default; of a
+/// word its place among those of the row. fill: share of each hexahedron that is full; empty: all are. Throws
+/// OptionError.
+template <class Given>
+HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill) {
+  HexahedralBodyOptions options;
+  for (const Row<Settings>& row : settings_rows())
+    if (const std::optional<std::vector<double>> values = given(row)) set_value(row, values->front(), options.settings);
+  for (const Row<Material>& row : material_rows())
+    if (const std::optional<std::vector<double>> values = given(row))
+      set_values(row, *values, num_hexahedra, options.materials);
+  fill_partly(fill, options.materials);
+  return options;
+}
+
+/// A body and what hosts need around it: checks before it is made, warnings, what its latest step did, which hexahedra
+/// have gone.
+class HexahedralBody {
+ public:
+  /// rest: num_nodes x 3 [m]; dt [s]. Refuses a body that does not fit into the machine's memory, before it is made.
+  /// Throws InputError.
+  HexahedralBody(ConstPoints rest, const std::vector<Hexahedron>& hexahedra, HexahedralBodyOptions options, double dt);
+
+  /// Other materials for the same body; what flowed stays. Throws InputError, also for other settings.
+  void set_options(HexahedralBodyOptions options, double dt);
+
+  /// What the calls above warned of since the last call of this.
+  std::vector<Warning> take_warnings();
+
+  /// Plastic flow at accepted positions.
+  void end_step(ConstPoints x, double dt);
+
+  void reset();
+  void serialize(Archive& archive);
+
+  /// Hexahedra that have gone since the last call of this; valid until the next step.
+  std::span<const int> take_removed();
+
+  Body& body() { return body_; }
+  const Body& body() const { return body_; }
+  const FlowReport& report() const { return report_; }  ///< of the latest step
+
+ private:
+  Body made(ConstPoints rest, const std::vector<Hexahedron>& hexahedra, HexahedralBodyOptions options);
+  void check(const HexahedralBodyOptions& options, double dt);
+  void warn(const std::vector<std::string>& texts);
+
+  double dt_;  // [s] that the rates were checked with
+  std::vector<Warning> warnings_;
+  Body body_;
+  FlowReport report_;
+  std::size_t num_announced_ = 0;  // of the hexahedra that have gone
+};
+
+}  // namespace hexaplast::parts

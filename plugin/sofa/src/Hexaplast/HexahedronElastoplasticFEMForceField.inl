@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
+#include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
+#include <sofa/component/topology/container/grid/SparseGridTopology.h>
+#include <sofa/core/topology/TopologyChange.h>
+#include <sofa/core/visual/VisualParams.h>
+#include <sofa/helper/ColorMap.h>
+
+#include <Hexaplast/PartForceField.inl>
+#include <algorithm>
+#include <numeric>
+
+#include "attributes/hexaplast.hpp"
+#include "hexaplast/mesh/faces.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+
+/// The group of a member of Material or Settings; that of none is empty.
+inline std::string group_of(std::string_view name)
+{
+    if (const auto* row = find_row(material_rows(), name, Names::kScenes)) return std::string(row->group);
+    if (const auto* row = find_row(settings_rows(), name, Names::kScenes)) return std::string(row->group);
+    return {};
+}
+
+template <class TDataTypes>
+template <class T>
+auto HexahedronElastoplasticFEMForceField<TDataTypes>::from_row(Data<T>& data, std::string_view name)
+{
+    return from_table(*this, data, attributes::attribute_of(attributes::kHexahedronElastoplasticFEMForceField, name),
+                      group_of(name).c_str());
+}
+
+template <class TDataTypes>
+HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForceField()
+    : Inherit(attributes::kHexahedronElastoplasticFEMForceField),
+      d_youngModulus(from_row(d_youngModulus, "youngModulus")),
+      d_poissonRatio(from_row(d_poissonRatio, "poissonRatio")),
+      d_yieldStress(from_row(d_yieldStress, "yieldStress")),
+      d_yieldNorm(from_row(d_yieldNorm, "yieldNorm")),
+      d_plasticFlowRate(from_row(d_plasticFlowRate, "plasticFlowRate")),
+      d_rotationYield(from_row(d_rotationYield, "rotationYield")),
+      d_rotationFlowRate(from_row(d_rotationFlowRate, "rotationFlowRate")),
+      d_rotationPlasticity(from_row(d_rotationPlasticity, "rotationPlasticity")),
+      d_rotationFrame(from_row(d_rotationFrame, "rotationFrame")),
+      d_hardening(from_row(d_hardening, "hardening")),
+      d_volumeRestitution(from_row(d_volumeRestitution, "volumeRestitution")),
+      d_inversionThreshold(from_row(d_inversionThreshold, "inversionThreshold")),
+      d_fractureStress(from_row(d_fractureStress, "fractureStress")),
+      d_fractureStretch(from_row(d_fractureStretch, "fractureStretch")),
+      d_gradient(from_row(d_gradient, "gradient")),
+      d_averaging(from_row(d_averaging, "averaging")),
+      d_averagingSteps(from_row(d_averagingSteps, "averagingSteps")),
+      d_averagingTolerance(from_row(d_averagingTolerance, "averagingTolerance")),
+      d_precision(from_row(d_precision, "precision")),
+      d_plasticStrain(from_row(d_plasticStrain, "plasticStrain")),
+      d_presentYieldStress(from_row(d_presentYieldStress, "presentYieldStress")),
+      d_volumeRatio(from_row(d_volumeRatio, "volumeRatio")),
+      d_materialPositions(from_row(d_materialPositions, "materialPositions")),
+      d_removed(from_row(d_removed, "removed")),
+      d_drawMaterialShape(this->initData(&d_drawMaterialShape, false, "drawMaterialShape",
+                                         "Draws the edges of the shape that the body has without forces.")),
+      l_topology(this->initLink("topology", "The hexahedra; the topology of the node where it is not given."))
+{
+    m_outputs.addOutput(&d_plasticStrain);
+    m_outputs.addOutput(&d_presentYieldStress);
+    m_outputs.addOutput(&d_volumeRatio);
+    m_outputs.addOutput(&d_materialPositions);
+    m_outputs.addOutput(&d_removed);
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::init()
+{
+    if (!l_topology) l_topology.set(this->getContext()->getMeshTopologyLink());
+    if (!l_topology)
+    {
+        msg_error(this) << "needs a topology with hexahedra in its node or above, or a link to one";
+        this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
+        return;
+    }
+    Inherit::init();
+    m_outputs.setDirtyValue();
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
+{
+    m_body.reset();
+    std::vector<Hexahedron> hexahedra;
+    for (const auto& hexahedron : l_topology->getHexahedra())
+    {
+        Hexahedron& corners = hexahedra.emplace_back();
+        for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
+    }
+    m_fill.clear();
+    if (auto* grid = dynamic_cast<sofa::component::topology::container::grid::SparseGridTopology*>(l_topology.get()))
+        for (sofa::Index e = 0; e < hexahedra.size(); ++e) m_fill.push_back(grid->getStiffnessCoef(e));
+    m_original.resize(hexahedra.size());
+    std::iota(m_original.begin(), m_original.end(), 0);
+
+    m_body.emplace(view(this->mstate->readRestPositions().ref()), hexahedra, options(hexahedra.size()),
+                   this->getContext()->getDt());
+    pass_on(*this, m_body->take_warnings());
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::updatePart()
+{
+    m_body->set_options(options(static_cast<std::size_t>(m_body->body().mesh().num_elements())),
+                        this->getContext()->getDt());
+    pass_on(*this, m_body->take_warnings());
+}
+
+template <class TDataTypes>
+parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::options(std::size_t numHexahedra) const
+{
+    const auto given = [this](const auto& row) -> std::optional<std::vector<double>>
+    {
+        const auto* data = this->findData(std::string(row.name));
+        if (row.may_be_infinite() && !data->isSet()) return std::nullopt;
+        if (const auto* word = dynamic_cast<const Data<OptionsGroup>*>(data))
+            return {{static_cast<double>(place_of_word(row, word->getValue().getSelectedItem()))}};
+        if (const auto* whole = dynamic_cast<const Data<int>*>(data)) return {{static_cast<double>(whole->getValue())}};
+        if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
+        return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
+    };
+    const SReal damping = this->rayleighStiffness.getValue();
+    if (!(damping >= 0)) throw parts::OptionError("rayleighStiffness", fmt::format("{} must be >= 0", damping));
+    return parts::body_options(given, numHexahedra, m_fill);
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
+{
+    m_body->reset();
+    if (m_original.size() < static_cast<std::size_t>(body()->mesh().num_elements()))
+    {
+        // the topology stays torn, and so does the body
+        std::vector<bool> is_left(body()->mesh().num_elements(), false);
+        for (const int e : m_original) is_left[e] = true;
+        std::vector<int> gone;
+        for (int e = 0; e < static_cast<int>(is_left.size()); ++e)
+            if (!is_left[e]) gone.push_back(e);
+        m_body->body().remove(gone);
+    }
+    m_outputs.setDirtyValue();
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::endStep(SReal dt)
+{
+    m_body->end_step(view(this->mstate->readPositions().ref()), dt);
+    m_outputs.setDirtyValue();
+    if (m_body->report().removed > 0) tearTopology();
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::addPartForce(SReal, ConstPoints x, ConstPoints, Points f)
+{
+    m_body->body().linearize(x);
+    m_body->body().add_force(f);
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::addStiffnessProduct(double factor, ConstPoints dx,
+                                                                           Points df) const
+{
+    m_body->body().add_stiffness_product(factor, dx, df);
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::addStiffnessBlocks(double factor, BlockMatrix& A) const
+{
+    m_body->body().add_stiffness_blocks(factor, A);
+}
+
+// Values per hexahedron are in the order of the topology; the body keeps those that are gone.
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::computeOutputs()
+{
+    const ElementFields fields = body()->fields(view(this->mstate->readPositions().ref()));
+    const auto show = [&](const std::vector<double>& values, Data<VecReal>& output)
+    {
+        VecReal& shown = *output.beginWriteOnly();
+        shown.clear();
+        for (const int e : m_original) shown.push_back(values[e]);
+        output.endEdit();
+    };
+    show(fields.plastic_strain, d_plasticStrain);
+    show(fields.yield_stress, d_presentYieldStress);
+    show(fields.volume_ratio, d_volumeRatio);
+
+    const PointArray& material = body()->plastic_rest_positions();
+    auto& positions = *d_materialPositions.beginWriteOnly();
+    positions.resize(material.rows());
+    view(positions) = material;
+    d_materialPositions.endEdit();
+    d_removed.beginWriteOnly()->assign(body()->removed().begin(), body()->removed().end());
+    d_removed.endEdit();
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::tearTopology()
+{
+    sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier* modifier = nullptr;
+    l_topology->getContext()->get(modifier, sofa::core::objectmodel::BaseContext::Local);
+    if (!modifier) return;  // the body is torn, and what is drawn from the topology is not
+    if (modifier->removeIsolated.getValue())
+    {
+        msg_warning(this)
+            << "hexahedra broke, but " << modifier->getName()
+            << " would take nodes away with them: removeIsolated must be false. The topology stays whole.";
+        return;
+    }
+    const std::span<const unsigned char> alive = body()->alive();
+    sofa::type::vector<sofa::Index> gone;
+    for (std::size_t i = 0; i < m_original.size(); ++i)
+        if (!alive[m_original[i]]) gone.push_back(static_cast<sofa::Index>(i));
+    modifier->removeHexahedra(gone);
+}
+
+// A removed hexahedron's place is taken by the last one, in the order of the list.
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::handleTopologyChange(sofa::core::topology::Topology* changed)
+{
+    if (!this->works() || changed != l_topology.get()) return;
+    attempt(*this,
+            [&]
+            {
+                std::vector<int> gone;
+                for (auto change = l_topology->beginChange(); change != l_topology->endChange(); ++change)
+                {
+                    switch ((*change)->getChangeType())
+                    {
+                        case sofa::core::topology::HEXAHEDRAREMOVED:
+                            for (const sofa::Index i :
+                                 static_cast<const sofa::core::topology::HexahedraRemoved*>(*change)->getArray())
+                            {
+                                gone.push_back(m_original[i]);
+                                m_original[i] = m_original.back();
+                                m_original.pop_back();
+                            }
+                            break;
+                        case sofa::core::topology::HEXAHEDRAADDED:
+                        case sofa::core::topology::POINTSREMOVED:
+                        case sofa::core::topology::POINTSADDED:
+                        case sofa::core::topology::POINTSRENUMBERING:
+                            throw InputError(
+                                "hexahedra may be removed from its topology, but nothing added or renumbered: set "
+                                "removeIsolated=\"false\" in HexahedronSetTopologyModifier");
+                        default:
+                            break;
+                    }
+                }
+                m_body->body().remove(gone);
+                m_outputs.setDirtyValue();
+            });
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::draw(const sofa::core::visual::VisualParams* vparams)
+{
+    if (!this->works() || !vparams->displayFlags().getShowForceFields()) return;
+    auto* tool = vparams->drawTool();
+    const auto lifeCycle = tool->makeStateLifeCycle();
+    if (vparams->displayFlags().getShowWireFrame()) tool->setPolygonMode(0, true);
+    tool->enableLighting();
+
+    const Body& body = *this->body();
+    const auto x = view(this->mstate->readPositions().ref());
+    const std::span<const unsigned char> alive = body.alive();
+    const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
+    const double most = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
+    static sofa::helper::ColorMap colours(256, "Blue to Red");
+    const auto colour = colours.getEvaluator(0.0, std::max(most, 1e-6));
+    const auto faces = body.mesh().boundary_faces(alive);
+    std::vector<sofa::type::Vec3> corners;
+    std::vector<sofa::type::RGBAColor> shades;
+    for (const auto& face : faces)
+        for (const int k : {0, 1, 2, 0, 2, 3})
+        {  // two triangles: SOFA does not light quads in the colours of their corners
+            const int node = face[k];
+            corners.emplace_back(x(node, 0), x(node, 1), x(node, 2));
+            shades.push_back(colour(strain[node]));
+        }
+    tool->drawTriangles(corners, shades);
+
+    if (!d_drawMaterialShape.getValue()) return;
+    const PointArray& material = body.plastic_rest_positions();
+    std::vector<sofa::type::Vec3> ends;
+    for (const auto& face : faces)
+        for (std::size_t k = 0; k < face.size(); ++k)
+            for (const int node : {face[k], face[(k + 1) % face.size()]})
+                ends.emplace_back(material(node, 0), material(node, 1), material(node, 2));
+    tool->drawLines(ends, 1, sofa::type::RGBAColor::gray());
+}
+
+}  // namespace hexaplast::sofa_plugin
