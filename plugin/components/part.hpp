@@ -10,18 +10,19 @@
 /// Between a component and the part that it makes from its attributes.
 namespace hexaplast::components {
 
-/// What `call` returns. An option that a part refuses is the attribute of that name, at its place in the scene.
+/// What `call` returns. The first option that a part refuses is the attribute of that name, at its place
+/// in the scene.
 template <class Call>
 decltype(auto) accepted(scene::Object& owner, const Call& call) {
   try {
     return call();
   } catch (const parts::OptionError& error) {
-    owner.reject(error.attribute(), error.reason());
+    owner.reject(error.reasons().front().attribute, error.reasons().front().text);
   }
 }
 
-inline void pass_on(scene::Object& owner, const std::vector<parts::Warning>& warnings) {
-  for (const parts::Warning& warning : warnings)
+inline void pass_on(scene::Object& owner, const std::vector<parts::Remark>& warnings) {
+  for (const parts::Remark& warning : warnings)
     owner.remark(scene::Severity::kWarning, warning.attribute, warning.text);
 }
 

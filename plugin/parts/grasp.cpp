@@ -19,7 +19,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void check(const GraspOptions& options, int num_nodes) {
-  const OptionRanges ranges(attributes::kGraspForceField);
+  OptionRanges ranges(attributes::kGraspForceField);
   ranges.check("key_times", options.key_times);
   ranges.check("positions", options.positions);
   ranges.check("grasp_time", options.grasp_time);
@@ -29,12 +29,15 @@ void check(const GraspOptions& options, int num_nodes) {
   if (options.max_force) ranges.check("max_force", *options.max_force);
   ranges.check("damping", options.damping);
 
-  if (options.indices) check_nodes("indices", *options.indices, num_nodes);
-  check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
-  if (options.release_time && !(options.grasp_time < *options.release_time))
-    throw OptionError("release_time",
-                      fmt::format("is {}, must be after graspTime {}", *options.release_time, options.grasp_time));
-  if (!options.radius) throw OptionError("radius", "is not given");
+  if (options.indices) ranges.collect([&] { check_nodes("indices", *options.indices, num_nodes); });
+  ranges.collect([&] {
+    check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
+  });
+  if (ranges.accepts("grasp_time") && options.release_time && options.grasp_time >= *options.release_time)
+    ranges.add(
+        {"release_time", fmt::format("is {}, must be after graspTime {}", *options.release_time, options.grasp_time)});
+  if (!options.radius) ranges.add({"radius", "is not given"});
+  ranges.throw_all();
 }
 
 }  // namespace
@@ -56,8 +59,8 @@ void Grasp::set_options(GraspOptions options) {
   grip_.damping = options_.damping;
 }
 
-std::vector<Warning> Grasp::begin_step(double time, ConstPoints x) {
-  std::vector<Warning> warnings;
+std::vector<Remark> Grasp::begin_step(double time, ConstPoints x) {
+  std::vector<Remark> warnings;
   if (!has_closed_ && time >= options_.grasp_time && time < release_time_) warnings = close(time, x);
   if (time >= release_time_) open();
   return warnings;
@@ -97,11 +100,11 @@ Vec3 Grasp::tool_velocity_at(double time) const {
   return is_on_its_way ? Vec3(slope(phase, times, options_.positions).transpose()) : Vec3::Zero();
 }
 
-std::vector<Warning> Grasp::close(double time, ConstPoints x) {
+std::vector<Remark> Grasp::close(double time, ConstPoints x) {
   has_closed_ = true;
   const Vec3 tool = tool_at(time);
   std::vector<int> held = nodes_near(x, candidates_, tool, *options_.radius);
-  std::vector<Warning> warnings;
+  std::vector<Remark> warnings;
   if (held.empty())
     warnings.push_back(
         {"radius",

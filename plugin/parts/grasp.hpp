@@ -38,7 +38,7 @@ class Grasp {
 
   /// Closes or opens the grip at the beginning of a step, at accepted positions; between two of these calls it is the
   /// same for everyone. Returns warnings.
-  std::vector<Warning> begin_step(double time, ConstPoints x);
+  std::vector<Remark> begin_step(double time, ConstPoints x);
 
   /// Open, as it was made.
   void reset();
@@ -83,7 +83,7 @@ class Grasp {
 
  private:
   Vec3 tool_velocity_at(double time) const;
-  std::vector<Warning> close(double time, ConstPoints x);
+  std::vector<Remark> close(double time, ConstPoints x);
   void open();
 
   int num_nodes_;

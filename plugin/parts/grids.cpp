@@ -17,17 +17,21 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMostCells = 16'777'216;
 
-std::array<int, 3> three_cells(const OptionRanges& ranges, const std::vector<int>& cells) {
+/// What was checked before, and cells: throws all that is wrong.
+std::array<int, 3> three_cells(OptionRanges& ranges, const std::vector<int>& cells) {
   ranges.check("cells", cells);
-  if (cells.size() != 3) throw OptionError("cells", fmt::format("{} numbers given, must be three", cells.size()));
-  check_num_hexahedra("cells", static_cast<double>(cells[0]) * cells[1] * cells[2]);
+  ranges.collect([&] {
+    if (cells.size() != 3) throw OptionError("cells", fmt::format("{} numbers given, must be three", cells.size()));
+    check_num_hexahedra("cells", static_cast<double>(cells[0]) * cells[1] * cells[2]);
+  });
+  ranges.throw_all();
   return {cells[0], cells[1], cells[2]};
 }
 
 }  // namespace
 
 HexMesh make_grid(const TubeGridOptions& options) {
-  const OptionRanges ranges(attributes::kTubeGridTopology);
+  OptionRanges ranges(attributes::kTubeGridTopology);
   ranges.check("inner_radius", options.inner_radius);
   ranges.check("outer_radius", options.outer_radius);
   ranges.check("length", options.length);
@@ -41,18 +45,17 @@ HexMesh make_grid(const TubeGridOptions& options) {
 }
 
 HexMesh make_grid(const SheetGridOptions& options) {
-  const OptionRanges ranges(attributes::kSheetGridTopology);
+  OptionRanges ranges(attributes::kSheetGridTopology);
   ranges.check("size", options.size);
   ranges.check("thickness", options.thickness);
   ranges.check("curvature", options.curvature);
+  if (options.size.size() != 2) ranges.add({"size", fmt::format("{} numbers given, must be two", options.size.size())});
   const std::array<int, 3> cells = three_cells(ranges, options.cells);
-  if (options.size.size() != 2)
-    throw OptionError("size", fmt::format("{} numbers given, must be two", options.size.size()));
   return sheet(cells, {options.size[0], options.size[1]}, options.thickness, options.curvature);
 }
 
 HexMesh make_grid(const SpherePatchGridOptions& options) {
-  const OptionRanges ranges(attributes::kSpherePatchGridTopology);
+  OptionRanges ranges(attributes::kSpherePatchGridTopology);
   ranges.check("inner_radius", options.inner_radius);
   ranges.check("outer_radius", options.outer_radius);
   ranges.check("angle", options.angle);

@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <utility>
 
-#include "attributes/admissible.hpp"
 #include "hexaplast/base/memory.hpp"
 #include "hexaplast/material/filling.hpp"
 #include "hexaplast/mesh/quality.hpp"
@@ -18,8 +16,8 @@ namespace {
 template <class Options>
 void require_admissible(const Row<Options>& row, double value) {
   if (row.admits(value)) return;
-  if (!std::isfinite(value)) throw OptionError(row.name, fmt::format("{} is not finite", value));
-  throw OptionError(row.name, attributes::inadmissible(row.range, value));
+  check_range(row.name, row.range, value);
+  throw OptionError(row.name, "must " + row.condition());
 }
 
 }  // namespace
@@ -27,7 +25,7 @@ void require_admissible(const Row<Options>& row, double value) {
 void set_values(const Row<Material>& row, std::span<const double> values, std::size_t num_hexahedra,
                 std::vector<Material>& materials) {
   for (const double value : values) require_admissible(row, value);
-  if (values.size() != 1 && values.size() != num_hexahedra)
+  if (values.empty() || (values.size() != 1 && values.size() != num_hexahedra))
     throw OptionError(
         row.name, fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_hexahedra));
   if (values.size() > materials.size()) materials.resize(values.size(), Material(materials.front()));
@@ -69,14 +67,16 @@ void HexahedralBody::warn(const std::vector<std::string>& texts) {
 }
 
 void HexahedralBody::set_options(HexahedralBodyOptions options, double dt) {
-  if (!(options.settings == body_.settings()))
-    throw InputError(
-        "only youngModulus, poissonRatio, yieldStress, the rates, limits and damping may change during a run");
+  OptionErrors errors;
+  for (const Row<Settings>& row : settings_rows())
+    if (row.at.get(options.settings) != row.at.get(body_.settings()))
+      errors.add({row.name, "cannot change during a run, only members of the material can"});
+  errors.throw_all();
   check(options, dt);
   body_.set_materials(std::move(options.materials));
 }
 
-std::vector<Warning> HexahedralBody::take_warnings() { return std::exchange(warnings_, {}); }
+std::vector<Remark> HexahedralBody::take_warnings() { return std::exchange(warnings_, {}); }
 
 void HexahedralBody::end_step(ConstPoints x, double dt) {
   if (dt != dt_ && body_.can_flow()) check_time_step(body_.materials(), body_.settings(), dt, Names::kScenes);

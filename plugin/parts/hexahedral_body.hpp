@@ -29,15 +29,22 @@ void fill_partly(std::span<const double> fill, std::vector<Material>& materials)
 
 /// Options from what a host has for attributes. given(row): the values of a member, none where it has its default; of a
 /// word its place among those of the row. fill: share of each hexahedron that is full; empty: all are. Throws
-/// OptionError.
+/// OptionError with all that is wrong, including what `given` throws.
 template <class Given>
 HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill) {
   HexahedralBodyOptions options;
+  OptionErrors errors;
   for (const Row<Settings>& row : settings_rows())
-    if (const std::optional<std::vector<double>> values = given(row)) set_value(row, values->front(), options.settings);
+    errors.collect([&] {
+      if (const std::optional<std::vector<double>> values = given(row))
+        set_value(row, values->front(), options.settings);
+    });
   for (const Row<Material>& row : material_rows())
-    if (const std::optional<std::vector<double>> values = given(row))
-      set_values(row, *values, num_hexahedra, options.materials);
+    errors.collect([&] {
+      if (const std::optional<std::vector<double>> values = given(row))
+        set_values(row, *values, num_hexahedra, options.materials);
+    });
+  errors.throw_all();
   fill_partly(fill, options.materials);
   return options;
 }
@@ -50,11 +57,11 @@ class HexahedralBody {
   /// Throws InputError.
   HexahedralBody(ConstPoints rest, const std::vector<Hexahedron>& hexahedra, HexahedralBodyOptions options, double dt);
 
-  /// Other materials for the same body; what flowed stays. Throws InputError, also for other settings.
+  /// Other materials for the same body; what flowed stays. Throws InputError; OptionError for other settings.
   void set_options(HexahedralBodyOptions options, double dt);
 
   /// What the calls above warned of since the last call of this.
-  std::vector<Warning> take_warnings();
+  std::vector<Remark> take_warnings();
 
   /// Plastic flow at accepted positions.
   void end_step(ConstPoints x, double dt);
@@ -75,7 +82,7 @@ class HexahedralBody {
   void warn(const std::vector<std::string>& texts);
 
   double dt_;  // [s] that the rates were checked with
-  std::vector<Warning> warnings_;
+  std::vector<Remark> warnings_;
   Body body_;
   FlowReport report_;
   std::size_t num_announced_ = 0;  // of the hexahedra that have gone

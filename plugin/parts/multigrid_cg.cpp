@@ -4,14 +4,16 @@
 #include <fmt/format.h>
 
 #include "attributes/parts.hpp"
+#include "attributes/words.hpp"
 
 namespace hexaplast::parts {
 namespace {
 
 const MultigridCGOptions& checked(const MultigridCGOptions& options) {
-  const OptionRanges ranges(attributes::kMultigridCGLinearSolver);
+  OptionRanges ranges(attributes::kMultigridCGLinearSolver);
   ranges.check("tolerance", options.tolerance);
   ranges.check("iterations", options.iterations);
+  ranges.throw_all();
   return options;
 }
 
@@ -20,7 +22,7 @@ const MultigridCGOptions& checked(const MultigridCGOptions& options) {
 MultigridCG::MultigridCG(const MultigridCGOptions& options)
     : options_(checked(options)), solver_(options.tolerance, options.iterations, options.preconditioner) {}
 
-std::vector<Warning> MultigridCG::heed(const SolveReport& report) {
+std::vector<Remark> MultigridCG::heed(const SolveReport& report) {
   if (is_warned_ || options_.preconditioner != Preconditioner::kMultigrid || report.iterations == 0 ||
       report.preconditioner == PreconditionedBy::kMultigrid)
     return {};
@@ -32,6 +34,8 @@ std::vector<Warning> MultigridCG::heed(const SolveReport& report) {
 }
 
 Preconditioner preconditioner_of(std::string_view word) {
+  const auto& attribute = attributes::attribute_of(attributes::kMultigridCGLinearSolver, "preconditioner");
+  check_word("preconditioner", attributes::split_words(attribute.words), word);
   if (word == "multigrid") return Preconditioner::kMultigrid;
   return word == "diagonal" ? Preconditioner::kDiagonal : Preconditioner::kAuto;
 }

@@ -24,7 +24,7 @@ class MultigridCG {
   LinearSolver& solver() { return solver_; }
 
   /// To be told what each solve did. Warns once where multigrid was asked for and not possible.
-  std::vector<Warning> heed(const SolveReport& report);
+  std::vector<Remark> heed(const SolveReport& report);
 
  private:
   MultigridCGOptions options_;
@@ -32,7 +32,7 @@ class MultigridCG {
   bool is_warned_ = false;
 };
 
-/// The preconditioner of a word of the attribute table.
+/// The preconditioner of a word of the attribute table. Throws OptionError for another word.
 Preconditioner preconditioner_of(std::string_view word);
 
 }  // namespace hexaplast::parts

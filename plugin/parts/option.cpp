@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "attributes/admissible.hpp"
+#include "attributes/words.hpp"
 
 namespace hexaplast::parts {
 
@@ -21,31 +23,46 @@ std::string attribute_name(std::string_view option) {
 }
 
 OptionError::OptionError(std::string_view option, const std::string& reason)
-    : InputError(fmt::format("{}: {}", option, reason)), attribute_(attribute_name(option)), reason_(reason) {}
+    : InputError(fmt::format("{}: {}", option, reason)), reasons_{{attribute_name(option), reason}} {}
 
-template <class Number>
-void OptionRanges::check_each(std::string_view option, std::span<const Number> numbers) const {
-  const attributes::Attribute& attribute = attributes::attribute_of(table_, attribute_name(option));
-  for (const Number number : numbers) {
-    if (!std::isfinite(static_cast<double>(number))) throw OptionError(option, fmt::format("{} is not finite", number));
-    if (!attribute.range.contains(static_cast<double>(number)))
-      throw OptionError(option, attributes::inadmissible(attribute.range, number));
-  }
+bool OptionErrors::accepts(std::string_view option) const {
+  return std::ranges::count(reasons_, attribute_name(option), &Remark::attribute) == 0;
 }
 
-void OptionRanges::check(std::string_view option, double number) const {
-  check_each<double>(option, std::span(&number, 1));
+void OptionErrors::add(const OptionError& error) {
+  if (!accepts(error.reasons().front().attribute)) return;
+  what_ += fmt::format("{}{}", what_.empty() ? "" : "\n", error.what());
+  reasons_.insert(reasons_.end(), error.reasons().begin(), error.reasons().end());
 }
-void OptionRanges::check(std::string_view option, int number) const { check_each<int>(option, std::span(&number, 1)); }
-void OptionRanges::check(std::string_view option, std::span<const double> numbers) const {
-  check_each(option, numbers);
+
+void OptionErrors::throw_all() const {
+  if (!reasons_.empty()) throw OptionError(what_, reasons_);
 }
-void OptionRanges::check(std::string_view option, std::span<const int> numbers) const { check_each(option, numbers); }
+
+void OptionRanges::check(std::string_view option, std::span<const double> numbers) {
+  const attributes::Range& range = attributes::attribute_of(table_, attribute_name(option)).range;
+  collect([&] {
+    for (const double number : numbers) check_range(option, range, number);
+  });
+}
+
+void OptionRanges::check(std::string_view option, std::span<const int> numbers) {
+  check(option, std::vector<double>(numbers.begin(), numbers.end()));
+}
+
+void check_range(std::string_view option, const attributes::Range& range, double number) {
+  if (!std::isfinite(number)) throw OptionError(option, fmt::format("{} is not finite", number));
+  if (!range.contains(number)) throw OptionError(option, attributes::inadmissible(range, number));
+}
 
 void check_nodes(std::string_view option, std::span<const int> nodes, int num_nodes) {
   for (const int node : nodes)
     if (node < 0 || node >= num_nodes)
       throw OptionError(option, fmt::format("{} must lie in [0, {})", node, num_nodes));
+}
+
+void check_word(std::string_view option, std::span<const std::string_view> words, std::string_view word) {
+  if (const std::string error = attributes::unknown_word(word, words); !error.empty()) throw OptionError(option, error);
 }
 
 }  // namespace hexaplast::parts

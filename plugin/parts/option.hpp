@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "attributes/attribute.hpp"
 #include "hexaplast/base/error.hpp"
@@ -16,46 +18,77 @@ namespace hexaplast::parts {
 /// "groupSize" of "group_size": what scenes call an option.
 std::string attribute_name(std::string_view option);
 
-/// An option that cannot be accepted. what() names the member; a host names its attribute instead.
-class OptionError : public InputError {
- public:
-  OptionError(std::string_view option, const std::string& reason);
-
-  const std::string& attribute() const { return attribute_; }  ///< what scenes call the option
-  const std::string& reason() const { return reason_; }
-
- private:
-  std::string attribute_, reason_;
-};
-
-/// What a part says about an option without refusing it.
-struct Warning {
+/// What a part says about an option.
+struct Remark {
   std::string attribute;  ///< what scenes call the option
   std::string text;
 };
 
-/// Checks options against the ranges that the attribute table has for them. Throws OptionError.
-class OptionRanges {
+/// Options that cannot be accepted. what() names the members, one line each; a host names its attributes instead.
+class OptionError : public InputError {
+ public:
+  OptionError(std::string_view option, const std::string& reason);
+
+  const std::vector<Remark>& reasons() const { return reasons_; }
+
+ private:
+  friend class OptionErrors;
+  OptionError(const std::string& what, std::vector<Remark> reasons) : InputError(what), reasons_(std::move(reasons)) {}
+
+  std::vector<Remark> reasons_;
+};
+
+/// Errors of several checks, so that all are said at once.
+class OptionErrors {
+ public:
+  /// An option that has an error already keeps that one.
+  void add(const OptionError& error);
+
+  /// Adds the OptionError that `check` throws.
+  template <class Check>
+  void collect(const Check& check) {
+    try {
+      check();
+    } catch (const OptionError& error) {
+      add(error);
+    }
+  }
+
+  /// Whether that option has no error so far.
+  bool accepts(std::string_view option) const;
+
+  /// Throws all as one OptionError, if there are any.
+  void throw_all() const;
+
+ private:
+  std::string what_;
+  std::vector<Remark> reasons_;
+};
+
+/// Checks options against the ranges that the attribute table has for them, and collects those that lie outside.
+class OptionRanges : public OptionErrors {
  public:
   explicit OptionRanges(const attributes::Description& table) : table_(table) {}
 
-  void check(std::string_view option, double number) const;
-  void check(std::string_view option, int number) const;
-  void check(std::string_view option, std::span<const double> numbers) const;
-  void check(std::string_view option, std::span<const int> numbers) const;
+  void check(std::string_view option, double number) { check(option, std::span(&number, 1)); }
+  void check(std::string_view option, std::span<const double> numbers);
+  void check(std::string_view option, std::span<const int> numbers);
   template <class Derived>
-  void check(std::string_view option, const Eigen::PlainObjectBase<Derived>& numbers) const {
+  void check(std::string_view option, const Eigen::PlainObjectBase<Derived>& numbers) {
     check(option, std::span<const double>(numbers.data(), static_cast<std::size_t>(numbers.size())));
   }
 
  private:
-  template <class Number>
-  void check_each(std::string_view option, std::span<const Number> numbers) const;
-
   const attributes::Description& table_;
 };
 
+/// Throws OptionError for a number that a range does not contain, or that is not finite.
+void check_range(std::string_view option, const attributes::Range& range, double number);
+
 /// Throws OptionError for a node that a state of `num_nodes` nodes has not.
 void check_nodes(std::string_view option, std::span<const int> nodes, int num_nodes);
+
+/// Throws OptionError for a word that is none of `words`.
+void check_word(std::string_view option, std::span<const std::string_view> words, std::string_view word);
 
 }  // namespace hexaplast::parts

@@ -13,19 +13,20 @@
 namespace hexaplast::parts {
 
 TangentialLoad::TangentialLoad(TangentialLoadOptions options, int num_nodes) : options_(std::move(options)) {
-  const OptionRanges ranges(attributes::kTangentialForceField);
+  OptionRanges ranges(attributes::kTangentialForceField);
   ranges.check("group_size", options_.group_size);
   ranges.check("axis", options_.axis);
   ranges.check("centre", options_.centre);
   ranges.check("times", options_.times);
   ranges.check("forces", options_.forces);
 
-  check_nodes("indices", options_.indices, num_nodes);
-  if (options_.indices.size() % static_cast<std::size_t>(options_.group_size) != 0)
-    throw OptionError("indices",
-                      fmt::format("{} nodes do not form groups of {}", options_.indices.size(), options_.group_size));
-  if (options_.axis.isZero(0)) throw OptionError("axis", "is zero, must have a direction");
-  check_key_times("times", options_.times, "forces", options_.forces.size());
+  ranges.collect([&] { check_nodes("indices", options_.indices, num_nodes); });
+  if (ranges.accepts("group_size") && options_.indices.size() % static_cast<std::size_t>(options_.group_size) != 0)
+    ranges.add(
+        {"indices", fmt::format("{} nodes do not form groups of {}", options_.indices.size(), options_.group_size)});
+  if (options_.axis.isZero(0)) ranges.add({"axis", "is zero, must have a direction"});
+  ranges.collect([&] { check_key_times("times", options_.times, "forces", options_.forces.size()); });
+  ranges.throw_all();
 }
 
 void TangentialLoad::add_force(double time, ConstPoints x, Points f) const {

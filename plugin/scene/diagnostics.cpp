@@ -4,38 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
+#include "attributes/words.hpp"
 #include "hexaplast/formats/text.hpp"
 
 namespace hexaplast::scene {
-namespace {
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
-
-// Optimal string alignment: Levenshtein's distance with swaps of neighbours.
-int edits(std::string_view a, std::string_view b) {
-  std::vector<std::vector<int>> cost(a.size() + 1, std::vector<int>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) cost[i][0] = static_cast<int>(i);
-  for (std::size_t j = 0; j <= b.size(); ++j) cost[0][j] = static_cast<int>(j);
-
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const int replaced = cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
-      cost[i][j] = std::min({replaced, cost[i - 1][j] + 1, cost[i][j - 1] + 1});
-      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
-      if (swapped) cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
-    }
-  }
-  return cost[a.size()][b.size()];
-}
-
-}  // namespace
 
 std::string format(const Message& message) {
   static constexpr std::string_view kWords[] = {"note", "warning", "error"};
@@ -89,19 +63,7 @@ void Diagnostics::throw_errors() const {
 std::vector<Message> Diagnostics::take_warnings() { return std::exchange(warnings_, {}); }
 
 std::string nearest(std::string_view name, const std::vector<std::string_view>& names) {
-  constexpr std::size_t kLongestName = 100;  // longer ones are no misspellings, and the table of edits grows with them
-  if (name.empty() || name.size() > kLongestName) return {};
-
-  std::string_view best;
-  int fewest = 3;
-  for (const std::string_view candidate : names) {
-    const int count = lower(name) == lower(candidate) ? 0 : edits(name, candidate);
-    if (count < fewest && 2 * count < static_cast<int>(std::max(name.size(), candidate.size()))) {
-      best = candidate;
-      fewest = count;
-    }
-  }
-  return std::string(best);
+  return attributes::nearest(name, names);
 }
 
 std::string did_you_mean(std::string_view name, const std::vector<std::string_view>& names) {

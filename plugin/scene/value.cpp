@@ -8,23 +8,19 @@
 #include <type_traits>
 
 #include "attributes/admissible.hpp"
+#include "attributes/words.hpp"
 #include "hexaplast/base/error.hpp"
-#include "scene/diagnostics.hpp"
 
 namespace hexaplast::scene {
 namespace {
 
 using attributes::Attribute;
+using attributes::for_each_word;
+using attributes::quoted;
 using attributes::Range;
 using attributes::Type;
 
-constexpr std::string_view kBlanks = " \t\r\n";
 constexpr std::size_t kLongestRange = 16'777'216;  // numbers that `a-b` may stand for
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kShown = 40;
-  return fmt::format("'{}{}'", text.substr(0, kShown), text.size() > kShown ? "..." : "");
-}
 
 // The sign + is accepted as SOFA does; std::from_chars alone refuses it.
 std::string_view without_plus(std::string_view word) {
@@ -100,16 +96,6 @@ bool read_bool(std::string_view word) {
   throw InputError(fmt::format("{} must be true, false, 1 or 0", quoted(word)));
 }
 
-template <class Visit>
-void for_each_word(std::string_view text, const Visit& visit) {
-  std::size_t at = text.find_first_not_of(kBlanks);
-  while (at != std::string_view::npos) {
-    const std::size_t end = std::min(text.find_first_of(kBlanks, at), text.size());
-    visit(text.substr(at, end - at));
-    at = text.find_first_not_of(kBlanks, end);
-  }
-}
-
 std::string_view only_word(std::string_view text) {
   std::string_view only;
   std::size_t count = 0;
@@ -153,28 +139,15 @@ std::vector<std::int64_t> read_integer_list(std::string_view text, const Range& 
   return numbers;
 }
 
-std::string read_choice(const Attribute& attribute, std::string_view word) {
-  const std::vector<std::string_view> choices = split_words(attribute.words);
-  for (const std::string_view choice : choices) {
-    if (word == choice) return std::string(word);
-  }
-  std::string allowed;
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (i > 0) allowed += i + 1 == choices.size() ? " or " : ", ";
-    allowed += choices[i];
-  }
-  const std::string candidate = nearest(word, choices);
-  throw InputError(fmt::format("{} must be {}{}", quoted(word), allowed,
-                               candidate.empty() ? "" : fmt::format(" (did you mean '{}'?)", candidate)));
+std::string checked_word(const Attribute& attribute, std::string_view word) {
+  const std::string error = attributes::unknown_word(word, split_words(attribute.words));
+  if (!error.empty()) throw InputError(error);
+  return std::string(word);
 }
 
 }  // namespace
 
-std::vector<std::string_view> split_words(std::string_view text) {
-  std::vector<std::string_view> words;
-  for_each_word(text, [&](std::string_view word) { words.push_back(word); });
-  return words;
-}
+std::vector<std::string_view> split_words(std::string_view text) { return attributes::split_words(text); }
 
 Value read_value(const Attribute& attribute, std::string_view text) {
   switch (attribute.type) {
@@ -185,7 +158,7 @@ Value read_value(const Attribute& attribute, std::string_view text) {
     case Type::kReal:
       return read_real(only_word(text), attribute.range);
     case Type::kWord:
-      return read_choice(attribute, only_word(text));
+      return checked_word(attribute, only_word(text));
     case Type::kVector3:
     case Type::kReals:
     case Type::kVectors3:
@@ -212,7 +185,7 @@ void check_value(const Attribute& attribute, const Value& value) {
   const auto check = [&](const auto& content) {
     using Content = std::decay_t<decltype(content)>;
     if constexpr (std::is_same_v<Content, std::string>) {
-      if (attribute.type == Type::kWord) read_choice(attribute, content);
+      if (attribute.type == Type::kWord) checked_word(attribute, content);
     } else if constexpr (std::is_arithmetic_v<Content>) {
       if constexpr (!std::is_same_v<Content, bool>) check_range(attribute.range, content);
     } else if constexpr (!std::is_same_v<Content, std::monostate>) {

@@ -6,11 +6,13 @@
 
 #include <map>
 
+#include "support/refused.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast::parts {
 namespace {
 
+using support::refused;
 using Given = std::map<std::string, std::vector<double>, std::less<>>;
 
 HexahedralBodyOptions options(const Given& given, std::size_t num_hexahedra = 12, std::span<const double> fill = {}) {
@@ -23,13 +25,8 @@ HexahedralBodyOptions options(const Given& given, std::size_t num_hexahedra = 12
       num_hexahedra, fill);
 }
 
-std::string refused(const Given& given) {
-  try {
-    options(given);
-  } catch (const OptionError& error) {
-    return error.attribute() + ": " + error.reason();
-  }
-  return "nothing";
+std::string refused_options(const Given& given) {
+  return refused([&] { options(given); });
 }
 
 class BodyPart : public testing::Test {
@@ -69,12 +66,16 @@ TEST(BodyOptions, AreReadRowByRow) {
 }
 
 TEST(BodyOptions, ThatAreWrongAreNamed) {
-  EXPECT_EQ(refused({{"youngModulus", {1, 2}}}),
+  EXPECT_EQ(refused_options({{"youngModulus", {1, 2}}}),
             "youngModulus: 2 values given, must be one or 12 (one per hexahedron)");
-  EXPECT_EQ(refused({{"youngModulus", {}}}), "youngModulus: 0 values given, must be one or 12 (one per hexahedron)");
-  EXPECT_EQ(refused({{"poissonRatio", {0.5}}}), "poissonRatio: 0.5 must lie in [0, 0.5)");
-  EXPECT_EQ(refused({{"fractureStretch", {1}}}), "fractureStretch: 1 must be > 1");
-  EXPECT_EQ(refused({{"averagingSteps", {0}}}), "averagingSteps: 0 must lie in [1, 1000]");
+  EXPECT_EQ(refused_options({{"youngModulus", {}}}),
+            "youngModulus: 0 values given, must be one or 12 (one per hexahedron)");
+  EXPECT_EQ(refused_options({{"poissonRatio", {0.5}}}), "poissonRatio: 0.5 must lie in [0, 0.5)");
+  EXPECT_EQ(refused_options({{"fractureStretch", {1}}}), "fractureStretch: 1 must be > 1");
+  EXPECT_EQ(refused_options({{"averagingSteps", {0}}}), "averagingSteps: 0 must lie in [1, 1000]");
+  EXPECT_EQ(refused_options({{"averagingSteps", {0}}, {"youngModulus", {1, -2}}, {"plasticFlowRate", {-1}}}),
+            "averagingSteps: 0 must lie in [1, 1000]; youngModulus: -2 must be > 0; plasticFlowRate: -1 must be >= 0");
+  EXPECT_THROW(options({{"youngModulus", {}}}, 0), OptionError) << "of no hexahedra there is no value either";
 }
 
 TEST_F(BodyPart, FlowsAsTheBodyDoes) {
@@ -103,14 +104,18 @@ TEST_F(BodyPart, TakesAnotherMaterialAndNoOtherSettings) {
   EXPECT_EQ(part.body().materials()[0].young_modulus, 9000);
   EXPECT_EQ(part.body().plastic_rest_positions(), flowed);
   other["averaging"] = {0};
-  EXPECT_THROW(part.set_options(options(other), kStep), InputError);
+  other["volumeRestitution"] = {2};
+  EXPECT_EQ(refused([&] { part.set_options(options(other), kStep); }),
+            "averaging: cannot change during a run, only members of the material can; "
+            "volumeRestitution: cannot change during a run, only members of the material can");
+  EXPECT_EQ(part.body().materials()[0].young_modulus, 9000);
 }
 
 TEST_F(BodyPart, WarnsOfRatesAndRefusesStepsThatAreTooLong) {
   Given fast = plastic;
   fast["plasticFlowRate"] = {4};  // 0.08 per step, wisely at most 0.05
   HexahedralBody part = made(fast);
-  const std::vector<Warning> warnings = part.take_warnings();
+  const std::vector<Remark> warnings = part.take_warnings();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].text.find("plasticFlowRate"), std::string::npos) << warnings[0].text;
   EXPECT_TRUE(part.take_warnings().empty()) << "once";

@@ -12,9 +12,12 @@
 #include "parts/multigrid_cg.hpp"
 #include "parts/option.hpp"
 #include "parts/tangential_load.hpp"
+#include "support/refused.hpp"
 
 namespace hexaplast::parts {
 namespace {
+
+using support::refused;
 
 const PointArray kPoints = (PointArray(4, 3) << 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3).finished();
 
@@ -34,17 +37,6 @@ std::vector<double> numbers(const std::vector<T>& list) {
 template <class T>
 std::vector<double> numbers(const std::optional<T>& option) {
   return option ? numbers(*option) : std::vector<double>();
-}
-
-/// The attribute that a call refuses, and why.
-template <class Call>
-std::string refused(const Call& call) {
-  try {
-    call();
-  } catch (const OptionError& error) {
-    return error.attribute() + ": " + error.reason();
-  }
-  return "nothing";
 }
 
 TangentialLoadOptions load() { return {.indices = {1, 2}, .times = {0, 1}, .forces = {0, 5}}; }
@@ -91,7 +83,24 @@ TEST(Options, AreCalledInScenesAsTheTableCallsThem) {
   EXPECT_EQ(attribute_name("keyTimes"), "keyTimes");
   const OptionError error("group_size", "0 must be >= 1");
   EXPECT_STREQ(error.what(), "group_size: 0 must be >= 1") << "in C++ the member";
-  EXPECT_EQ(error.attribute(), "groupSize");
+  EXPECT_EQ(error.reasons().at(0).attribute, "groupSize");
+}
+
+TEST(Options, ThatAreWrongAreNamedTogetherAndEachOnce) {
+  OptionErrors errors;
+  EXPECT_NO_THROW(errors.throw_all());
+  errors.add({"group_size", "0 must be >= 1"});
+  errors.collect([] { throw OptionError("groupSize", "again"); });
+  errors.collect([] { throw OptionError("axis", "is zero"); });
+  EXPECT_FALSE(errors.accepts("group_size"));
+  EXPECT_TRUE(errors.accepts("centre"));
+  EXPECT_EQ(refused([&] { errors.throw_all(); }), "groupSize: 0 must be >= 1; axis: is zero");
+  EXPECT_THROW(errors.collect([] { throw InputError("of something else"); }), InputError);
+  try {
+    errors.throw_all();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "group_size: 0 must be >= 1\naxis: is zero");
+  }
 }
 
 TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
@@ -102,6 +111,13 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
   };
   EXPECT_EQ(tangential([](auto&) {}), "nothing");
   EXPECT_EQ(tangential([](auto& o) { o.group_size = 0; }), "groupSize: 0 must lie in [1, 2147483646]");
+  EXPECT_EQ(tangential([](auto& o) {
+              o.group_size = 0;
+              o.indices = {7};
+              o.forces = {};
+            }),
+            "groupSize: 0 must lie in [1, 2147483646]; indices: 7 must lie in [0, 4); "
+            "forces: 0 forces given for 2 times, must be as many");
   EXPECT_EQ(tangential([](auto& o) { o.group_size = 3; }), "indices: 2 nodes do not form groups of 3");
   EXPECT_EQ(tangential([](auto& o) { o.indices = {1, 4}; }), "indices: 4 must lie in [0, 4)");
   EXPECT_EQ(tangential([](auto& o) { o.indices = {-1, 2}; }), "indices: -1 must lie in [0, 4)");
@@ -133,6 +149,8 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
   EXPECT_EQ(refused([] { make_grid(SpherePatchGridOptions{.angle = 180}); }), "angle: 180 must lie in (0, 180)");
   EXPECT_THROW(make_grid(TubeGridOptions{.inner_radius = 2, .outer_radius = 1}), InputError) << "the core's own check";
   EXPECT_EQ(refused([] { MultigridCG({.tolerance = 0}); }), "tolerance: 0 must lie in (0, 1]");
+  EXPECT_EQ(refused([] { preconditioner_of("Multigrid"); }),
+            "preconditioner: 'Multigrid' must be auto, multigrid or diagonal (did you mean 'multigrid'?)");
 }
 
 TEST(Grasp, KeepsItsGripWhereOptionsChange) {
@@ -157,7 +175,7 @@ TEST(Grasp, KeepsItsGripWhereOptionsChange) {
 TEST(Grasp, WarnsWhereItClosesOnNothing) {
   GraspOptions far = grasp();
   far.positions.row(0) << 9, 9, 9;
-  const std::vector<Warning> warnings = Grasp(far, 4).begin_step(0, kPoints);
+  const std::vector<Remark> warnings = Grasp(far, 4).begin_step(0, kPoints);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].attribute, "radius");
   EXPECT_EQ(warnings[0].text, "the grip closes on nothing: no node within 0.5 m of (9, 9, 9) at t = 0 s");

@@ -182,6 +182,35 @@ TEST_F(Adapter, TopologiesHandTheirGridToTheHost) {
   EXPECT_NE(said().find("SheetGridTopology.cells"), std::string::npos) << said();
 }
 
+TEST_F(Adapter, EveryComponentNamesAllThatIsWrongAtOnce) {
+  const struct {
+    std::string class_name;
+    Attributes attributes;
+  } cases[] = {
+      {"GraspForceField",
+       {{"keyTimes", "1 0"}, {"positions", "0 0 0 1 0 0"}, {"stiffness", "-1"}, {"rayleighStiffness", "-2"}}},
+      {"TangentialForceField", {{"indices", "99"}, {"groupSize", "0"}, {"axis", "0 0 0"}}},
+      {"TubeGridTopology", {{"cells", "0 3 1"}, {"length", "-1"}, {"bend", "9000"}}},
+      {"SheetGridTopology", {{"cells", "1 1"}, {"size", "1"}, {"thickness", "0"}}},
+      {"SpherePatchGridTopology", {{"cells", "-1 1 1"}, {"angle", "180"}}},
+      {"MultigridCGLinearSolver", {{"preconditioner", "multigird"}, {"tolerance", "0"}, {"iterations", "0"}}},
+  };
+  for (const auto& each : cases) {
+    sofa_standin::messages().clear();
+    BaseComponent& component = make(each.class_name, each.attributes);
+    component.init();
+    EXPECT_TRUE(component.isComponentStateInvalid());
+    for (const auto& [name, text] : each.attributes) {
+      if (name == "positions") continue;
+      EXPECT_NE(said().find(": error: " + each.class_name + "." + name + ": "), std::string::npos)
+          << name << " is missing in " << said();
+    }
+  }
+  EXPECT_NE(said().find("'multigird' must be auto, multigrid or diagonal (did you mean 'multigrid'?)"),
+            std::string::npos)
+      << said();
+}
+
 TEST_F(Adapter, TheExporterWritesTheStateAfterItsStep) {
   const fs::path file = fs::path(testing::TempDir()) / ("sofa_adapter_final_" + std::to_string(getpid()) + ".json");
   fs::remove(file);

@@ -226,12 +226,19 @@ TEST_F(MultigridSolver, FollowsTheOneStateThatFollowsNoOther) {
   solve();
   EXPECT_TRUE(solver->isComponentStateInvalid());
   EXPECT_NE(said().find("there must be one independent MechanicalObject"), std::string::npos) << said();
+  solver->reset();
+  EXPECT_FALSE(solver->isComponentStateInvalid()) << "the step that was lost is forgotten";
 }
 
 TEST_F(MultigridSolver, RefusesBadValues) {
   EXPECT_THROW(solve({{"tolerance", "0"}}), std::runtime_error) << "without it there is no motion to go on with";
   EXPECT_TRUE(solver->isComponentStateInvalid());
   EXPECT_NE(said().find("MultigridCGLinearSolver.tolerance"), std::string::npos) << said();
+  solver->reset();
+  EXPECT_TRUE(solver->isComponentStateInvalid()) << "reset reads no Data";
+  solver->findData("tolerance")->read("1e-11");
+  solver->reinit();
+  EXPECT_FALSE(solver->isComponentStateInvalid());
 }
 
 }  // namespace

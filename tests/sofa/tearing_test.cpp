@@ -78,6 +78,12 @@ TEST_F(Adapter, LeavesATopologyWholeThatWouldLoseNodes) {
 
   modifier.announce(cells, sofa::core::topology::TopologyChange(sofa::core::topology::POINTSREMOVED));
   EXPECT_TRUE(field.isComponentStateInvalid()) << "numbers of nodes are lost";
+  field.reset();
+  EXPECT_TRUE(field.isComponentStateInvalid()) << "for good";
+  field.reinit();
+  EXPECT_TRUE(field.isComponentStateInvalid());
+  field.init();
+  EXPECT_FALSE(field.isComponentStateInvalid()) << "a body of the topology as it is now";
 }
 
 }  // namespace

@@ -201,6 +201,40 @@ TEST(ForceField, RefusesWhatTheAttributeTableRefuses)
     EXPECT_FALSE(is_invalid(scene.field()));
     EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).body(), std::runtime_error);
     EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).body(), std::runtime_error);
+
+    // SOFA would go on with the word before
+    SofaScene misspelt = SofaScene::from_text(block(R"(averaging="localglobal")"));
+    EXPECT_TRUE(is_invalid(misspelt.field()));
+    misspelt.field().d_averaging.read("localGlobal");
+    misspelt.field().reinit();
+    EXPECT_FALSE(is_invalid(misspelt.field()));
+    EXPECT_EQ(misspelt.body().settings().averaging, AveragingMethod::kLocalGlobal);
+}
+
+// Positions change several times between the events of a step; the body flows once, by the whole of it.
+TEST(ForceField, FlowsOncePerStepOfAMultiStepAnimationLoop)
+{
+    std::string text = block(kPlastic, kGrid, "",
+                             "<EulerImplicitSolver rayleighStiffness='0' rayleighMass='0'/><CGLinearSolver "
+                             "iterations='50' tolerance='1e-9' threshold='1e-30'/><UniformMass totalMass='1'/>"
+                             "<ConstantForceField indices='27 28 29 30 31 32 33 34 35' totalForce='0 0 10'/>");
+    const std::string loop = "<DefaultAnimationLoop/>";
+    std::string modules;
+    for (const char* module : {"ODESolver.Backward", "LinearSolver.Iterative", "Mass", "MechanicalLoad"})
+        modules += std::string("<RequiredPlugin pluginName='Sofa.Component.") + module + "'/>";
+    text.replace(text.find(loop), loop.size(),
+                 "<RequiredPlugin pluginName='Sofa.Component.AnimationLoop'/>"
+                 "<MultiStepAnimationLoop collisionSteps='2' integrationSteps='2'/>" +
+                     modules);
+    SofaScene scene = SofaScene::from_text(text);
+    Body body(scene.body().mesh(), scene.body().materials(), scene.body().settings());
+    for (int step = 0; step < 5; ++step)
+    {
+        scene.step();
+        body.flow(scene.positions(), 0.01);
+        EXPECT_EQ(scene.body().plastic_rest_positions(), body.plastic_rest_positions()) << step;
+    }
+    EXPECT_NE(body.plastic_rest_positions(), PointArray(view(scene.state().readRestPositions().ref())));
 }
 
 // What an instrument stores in its springs, against the work on a small way.

@@ -30,7 +30,6 @@ GraspForceField<TDataTypes>::GraspForceField()
 template <class TDataTypes>
 parts::GraspOptions GraspForceField<TDataTypes>::options() const
 {
-    parts::OptionRanges(attributes::kGraspForceField).check("rayleigh_stiffness", this->rayleighStiffness.getValue());
     parts::GraspOptions options{.key_times = reals(d_keyTimes.getValue()),
                                 .positions = view(d_positions.getValue()),
                                 .grasp_time = d_graspTime.getValue(),

@@ -23,25 +23,25 @@ public:
     using Inherit = PartForceField<TDataTypes>;
     using VecReal = sofa::type::vector<SReal>;
 
-    Data<VecReal> d_youngModulus;             ///< [Pa] one, or one per hexahedron
-    Data<VecReal> d_poissonRatio;             ///< one, or one per hexahedron
-    Data<VecReal> d_yieldStress;              ///< [Pa] one, or one per hexahedron; it never yields where not set
-    Data<OptionsGroup> d_yieldNorm;           ///< norm of the stress that is compared with yieldStress
-    Data<SReal> d_plasticFlowRate;            ///< [1/s] of stretch in excess of yield
-    Data<SReal> d_rotationYield;              ///< [rad] at which rotation begins to flow
-    Data<SReal> d_rotationFlowRate;           ///< [1/s] of rotation in excess of rotationYield
-    Data<OptionsGroup> d_rotationPlasticity;  ///< how rotation becomes permanent
-    Data<OptionsGroup> d_rotationFrame;       ///< what rotations are measured against
-    Data<SReal> d_hardening;                  ///< growth of the yield limits with the flow
-    Data<SReal> d_volumeRestitution;          ///< [1/s] at which volume is restored
-    Data<SReal> d_inversionThreshold;         ///< share of its volume below which a hexahedron does not flow
-    Data<SReal> d_fractureStress;             ///< [Pa] it does not tear by stress where not set
-    Data<SReal> d_fractureStretch;            ///< it does not tear by stretch where not set
-    Data<OptionsGroup> d_gradient;            ///< where deformation is sampled
-    Data<OptionsGroup> d_averaging;           ///< how rest shapes become one
-    Data<int> d_averagingSteps;               ///< per time step
-    Data<SReal> d_averagingTolerance;         ///< on the relative residual of an averaging step
-    Data<OptionsGroup> d_precision;           ///< of stiffness products
+    Data<VecReal> d_youngModulus;      ///< [Pa] one, or one per hexahedron
+    Data<VecReal> d_poissonRatio;      ///< one, or one per hexahedron
+    Data<VecReal> d_yieldStress;       ///< [Pa] one, or one per hexahedron; it never yields where not set
+    DataWord d_yieldNorm;              ///< norm of the stress that is compared with yieldStress
+    Data<SReal> d_plasticFlowRate;     ///< [1/s] of stretch in excess of yield
+    Data<SReal> d_rotationYield;       ///< [rad] at which rotation begins to flow
+    Data<SReal> d_rotationFlowRate;    ///< [1/s] of rotation in excess of rotationYield
+    DataWord d_rotationPlasticity;     ///< how rotation becomes permanent
+    DataWord d_rotationFrame;          ///< what rotations are measured against
+    Data<SReal> d_hardening;           ///< growth of the yield limits with the flow
+    Data<SReal> d_volumeRestitution;   ///< [1/s] at which volume is restored
+    Data<SReal> d_inversionThreshold;  ///< share of its volume below which a hexahedron does not flow
+    Data<SReal> d_fractureStress;      ///< [Pa] it does not tear by stress where not set
+    Data<SReal> d_fractureStretch;     ///< it does not tear by stretch where not set
+    DataWord d_gradient;               ///< where deformation is sampled
+    DataWord d_averaging;              ///< how rest shapes become one
+    Data<int> d_averagingSteps;        ///< per time step
+    Data<SReal> d_averagingTolerance;  ///< on the relative residual of an averaging step
+    DataWord d_precision;              ///< of stiffness products
 
     Data<VecReal> d_plasticStrain;                                   ///< output, of each hexahedron
     Data<VecReal> d_presentYieldStress;                              ///< output [Pa], of each hexahedron
@@ -83,9 +83,12 @@ protected:
 
 private:
     template <class T>
-    auto from_row(Data<T>& data, std::string_view name);
+    auto fromRow(Data<T>& data, std::string_view name);
 
     parts::HexahedralBodyOptions options(std::size_t numHexahedra) const;
+
+    /// Throws InputError where its topology has changed in a way that it cannot follow.
+    void requireTopology() const;
 
     /// Hexahedra that went in the latest step leave the topology, where that can be.
     void tearTopology();
@@ -95,6 +98,7 @@ private:
     std::optional<parts::HexahedralBody> m_body;
     std::vector<double> m_fill;   // share of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
+    bool m_topologyIsLost = false;
 
     /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.
     class Outputs final : public sofa::core::objectmodel::DDGNode

@@ -28,7 +28,7 @@ inline std::string group_of(std::string_view name)
 
 template <class TDataTypes>
 template <class T>
-auto HexahedronElastoplasticFEMForceField<TDataTypes>::from_row(Data<T>& data, std::string_view name)
+auto HexahedronElastoplasticFEMForceField<TDataTypes>::fromRow(Data<T>& data, std::string_view name)
 {
     return from_table(*this, data, attributes::attribute_of(attributes::kHexahedronElastoplasticFEMForceField, name),
                       group_of(name).c_str());
@@ -37,30 +37,30 @@ auto HexahedronElastoplasticFEMForceField<TDataTypes>::from_row(Data<T>& data, s
 template <class TDataTypes>
 HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForceField()
     : Inherit(attributes::kHexahedronElastoplasticFEMForceField),
-      d_youngModulus(from_row(d_youngModulus, "youngModulus")),
-      d_poissonRatio(from_row(d_poissonRatio, "poissonRatio")),
-      d_yieldStress(from_row(d_yieldStress, "yieldStress")),
-      d_yieldNorm(from_row(d_yieldNorm, "yieldNorm")),
-      d_plasticFlowRate(from_row(d_plasticFlowRate, "plasticFlowRate")),
-      d_rotationYield(from_row(d_rotationYield, "rotationYield")),
-      d_rotationFlowRate(from_row(d_rotationFlowRate, "rotationFlowRate")),
-      d_rotationPlasticity(from_row(d_rotationPlasticity, "rotationPlasticity")),
-      d_rotationFrame(from_row(d_rotationFrame, "rotationFrame")),
-      d_hardening(from_row(d_hardening, "hardening")),
-      d_volumeRestitution(from_row(d_volumeRestitution, "volumeRestitution")),
-      d_inversionThreshold(from_row(d_inversionThreshold, "inversionThreshold")),
-      d_fractureStress(from_row(d_fractureStress, "fractureStress")),
-      d_fractureStretch(from_row(d_fractureStretch, "fractureStretch")),
-      d_gradient(from_row(d_gradient, "gradient")),
-      d_averaging(from_row(d_averaging, "averaging")),
-      d_averagingSteps(from_row(d_averagingSteps, "averagingSteps")),
-      d_averagingTolerance(from_row(d_averagingTolerance, "averagingTolerance")),
-      d_precision(from_row(d_precision, "precision")),
-      d_plasticStrain(from_row(d_plasticStrain, "plasticStrain")),
-      d_presentYieldStress(from_row(d_presentYieldStress, "presentYieldStress")),
-      d_volumeRatio(from_row(d_volumeRatio, "volumeRatio")),
-      d_materialPositions(from_row(d_materialPositions, "materialPositions")),
-      d_removed(from_row(d_removed, "removed")),
+      d_youngModulus(fromRow(d_youngModulus, "youngModulus")),
+      d_poissonRatio(fromRow(d_poissonRatio, "poissonRatio")),
+      d_yieldStress(fromRow(d_yieldStress, "yieldStress")),
+      d_yieldNorm(fromRow(d_yieldNorm, "yieldNorm")),
+      d_plasticFlowRate(fromRow(d_plasticFlowRate, "plasticFlowRate")),
+      d_rotationYield(fromRow(d_rotationYield, "rotationYield")),
+      d_rotationFlowRate(fromRow(d_rotationFlowRate, "rotationFlowRate")),
+      d_rotationPlasticity(fromRow(d_rotationPlasticity, "rotationPlasticity")),
+      d_rotationFrame(fromRow(d_rotationFrame, "rotationFrame")),
+      d_hardening(fromRow(d_hardening, "hardening")),
+      d_volumeRestitution(fromRow(d_volumeRestitution, "volumeRestitution")),
+      d_inversionThreshold(fromRow(d_inversionThreshold, "inversionThreshold")),
+      d_fractureStress(fromRow(d_fractureStress, "fractureStress")),
+      d_fractureStretch(fromRow(d_fractureStretch, "fractureStretch")),
+      d_gradient(fromRow(d_gradient, "gradient")),
+      d_averaging(fromRow(d_averaging, "averaging")),
+      d_averagingSteps(fromRow(d_averagingSteps, "averagingSteps")),
+      d_averagingTolerance(fromRow(d_averagingTolerance, "averagingTolerance")),
+      d_precision(fromRow(d_precision, "precision")),
+      d_plasticStrain(fromRow(d_plasticStrain, "plasticStrain")),
+      d_presentYieldStress(fromRow(d_presentYieldStress, "presentYieldStress")),
+      d_volumeRatio(fromRow(d_volumeRatio, "volumeRatio")),
+      d_materialPositions(fromRow(d_materialPositions, "materialPositions")),
+      d_removed(fromRow(d_removed, "removed")),
       d_drawMaterialShape(this->initData(&d_drawMaterialShape, false, "drawMaterialShape",
                                          "Draws the edges of the shape that the body has without forces.")),
       l_topology(this->initLink("topology", "The hexahedra; the topology of the node where it is not given."))
@@ -90,6 +90,7 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 {
     m_body.reset();
+    m_topologyIsLost = false;
     std::vector<Hexahedron> hexahedra;
     for (const auto& hexahedron : l_topology->getHexahedra())
     {
@@ -110,6 +111,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::updatePart()
 {
+    requireTopology();
     m_body->set_options(options(static_cast<std::size_t>(m_body->body().mesh().num_elements())),
                         this->getContext()->getDt());
     pass_on(*this, m_body->take_warnings());
@@ -122,20 +124,22 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
     {
         const auto* data = this->findData(std::string(row.name));
         if (row.may_be_infinite() && !data->isSet()) return std::nullopt;
-        if (const auto* word = dynamic_cast<const Data<OptionsGroup>*>(data))
-            return {{static_cast<double>(place_of_word(row, word->getValue().getSelectedItem()))}};
+        if (const auto* word = dynamic_cast<const DataWord*>(data))
+        {
+            parts::check_word(row.name, row.words, word->given());
+            return {{static_cast<double>(place_of_word(row, word->given()))}};
+        }
         if (const auto* whole = dynamic_cast<const Data<int>*>(data)) return {{static_cast<double>(whole->getValue())}};
         if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
         return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
     };
-    const SReal damping = this->rayleighStiffness.getValue();
-    if (!(damping >= 0)) throw parts::OptionError("rayleighStiffness", fmt::format("{} must be >= 0", damping));
     return parts::body_options(given, numHexahedra, m_fill);
 }
 
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
 {
+    requireTopology();
     m_body->reset();
     if (m_original.size() < static_cast<std::size_t>(body()->mesh().num_elements()))
     {
@@ -223,11 +227,20 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::tearTopology()
     modifier->removeHexahedra(gone);
 }
 
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::requireTopology() const
+{
+    if (m_topologyIsLost)
+        throw InputError(
+            "hexahedra may be removed from its topology, but nothing added or renumbered: set "
+            "removeIsolated=\"false\" in HexahedronSetTopologyModifier");
+}
+
 // A removed hexahedron's place is taken by the last one, in the order of the list.
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::handleTopologyChange(sofa::core::topology::Topology* changed)
 {
-    if (!this->works() || changed != l_topology.get()) return;
+    if (!hasPart() || m_topologyIsLost || changed != l_topology.get()) return;
     attempt(*this,
             [&]
             {
@@ -249,13 +262,13 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::handleTopologyChange(sofa
                         case sofa::core::topology::POINTSREMOVED:
                         case sofa::core::topology::POINTSADDED:
                         case sofa::core::topology::POINTSRENUMBERING:
-                            throw InputError(
-                                "hexahedra may be removed from its topology, but nothing added or renumbered: set "
-                                "removeIsolated=\"false\" in HexahedronSetTopologyModifier");
+                            m_topologyIsLost = true;
+                            break;
                         default:
                             break;
                     }
                 }
+                requireTopology();
                 m_body->body().remove(gone);
                 m_outputs.setDirtyValue();
             });

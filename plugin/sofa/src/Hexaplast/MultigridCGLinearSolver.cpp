@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <utility>
 
 #include "attributes/parts.hpp"
 #include "hexaplast/layout/linear_system.hpp"
@@ -208,33 +207,33 @@ public:
     SOFA_CLASS(MultigridCGLinearSolver, SOFA_TEMPLATE2(sofa::component::linearsolver::MatrixLinearSolver,
                                                        GraphScatteredMatrix, GraphScatteredVector));
 
-    Data<OptionsGroup> d_preconditioner;  ///< auto, multigrid or diagonal
-    Data<SReal> d_tolerance;              ///< on |r| / |b|
-    Data<int> d_iterations;               ///< at most
+    DataWord d_preconditioner;  ///< auto, multigrid or diagonal
+    Data<SReal> d_tolerance;    ///< on |r| / |b|
+    Data<int> d_iterations;     ///< at most
 
     void init() override
     {
         Inherit::init();
         m_solver.reset();
         m_constraints_are_checked = false;
-        attempt(*this,
-                [&]
-                {
-                    if (!m_unknownWord.empty())
-                        throw parts::OptionError("preconditioner", std::exchange(m_unknownWord, {}));
-                    m_solver.emplace(parts::MultigridCGOptions{
-                        .preconditioner = parts::preconditioner_of(d_preconditioner.getValue().getSelectedItem()),
-                        .tolerance = d_tolerance.getValue(),
-                        .iterations = d_iterations.getValue()});
-                });
+        const auto make = [&]
+        {
+            parts::OptionErrors errors;
+            parts::MultigridCGOptions options{.tolerance = d_tolerance.getValue(),
+                                              .iterations = d_iterations.getValue()};
+            errors.collect([&] { options.preconditioner = parts::preconditioner_of(d_preconditioner.given()); });
+            errors.collect([&] { m_solver.emplace(options); });
+            errors.throw_all();
+        };
+        if (!attempt(*this, make)) m_solver.reset();
+        reset();
     }
     void reinit() override { init(); }
 
-    bool parseField(const std::string& attribute, const std::string& value) override
+    // A step that was lost is forgotten, Data that were refused are not.
+    void reset() override
     {
-        const std::string unknown = unknown_word(attributes::kMultigridCGLinearSolver, attribute, value);
-        if (!unknown.empty()) m_unknownWord = unknown;
-        return Inherit::parseField(attribute, value);
+        if (m_solver) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
     }
 
     void solve(GraphScatteredMatrix& A, GraphScatteredVector& x, GraphScatteredVector& b) override
@@ -298,7 +297,6 @@ private:
     }
 
     std::optional<parts::MultigridCG> m_solver;
-    std::string m_unknownWord;  // as preconditioner
     bool m_constraints_are_checked = false;
 };
 

@@ -15,7 +15,7 @@ namespace hexaplast::sofa_plugin
 {
 
 /// A force field of SOFA that is made from a part: between SOFA's calls, in its order, and those of the part. Data that
-/// change are followed at the beginning of the next step, or by reinit.
+/// change during a simulation take effect at the beginning of the next step, or by reinit.
 template <class TDataTypes>
 class PartForceField : public sofa::core::behavior::ForceField<TDataTypes>
 {
@@ -34,7 +34,6 @@ public:
     void reinit() override;
     void reset() override;
     void handleEvent(sofa::core::objectmodel::Event* event) override;
-    bool parseField(const std::string& attribute, const std::string& value) override;
 
     using Inherit::addBToMatrix;
     using Inherit::addDForce;
@@ -90,6 +89,11 @@ protected:
     int numNodes() const { return static_cast<int>(this->mstate->getSize()); }
 
 private:
+    /// Lets `call` make or change the part by the Data. Where it came through the component is valid; else what is
+    /// wrong with the Data is said, all at once.
+    template <class Call>
+    void acceptData(const Call& call);
+
     /// The stiffness at the latest forces into m_stiffness, df/dv into m_damping; false where that has failed, which is
     /// said.
     bool findStiffness();
@@ -97,7 +101,7 @@ private:
 
     const Description& m_description;
     std::optional<Inputs> m_inputs;
-    std::string m_unknownWord, m_unknownWordOf;  // what the scene gave, and as which attribute
+    bool m_dataAreAccepted = false;
     BlockMatrix m_stiffness, m_damping;
     bool m_leftOut = false;
 };

@@ -9,8 +9,6 @@
 #include <sofa/simulation/AnimateBeginEvent.h>
 #include <sofa/simulation/AnimateEndEvent.h>
 
-#include <utility>
-
 namespace hexaplast::sofa_plugin
 {
 
@@ -54,28 +52,28 @@ void PartForceField<TDataTypes>::init()
         this->d_componentState.setValue(ComponentState::Invalid);
         return;
     }
-    const bool is_made = attempt(*this,
-                                 [&]
-                                 {
-                                     if (!m_unknownWord.empty())
-                                         throw parts::OptionError(m_unknownWordOf, std::exchange(m_unknownWord, {}));
-                                     makePart();
-                                 });
-    if (!is_made) return;
+    acceptData([&] { makePart(); });
     m_inputs.emplace(*this, m_description);
     m_stiffness = m_damping = BlockMatrix(numNodes());
-    this->d_componentState.setValue(ComponentState::Valid);
 }
 
 template <class TDataTypes>
-bool PartForceField<TDataTypes>::parseField(const std::string& attribute, const std::string& value)
+template <class Call>
+void PartForceField<TDataTypes>::acceptData(const Call& call)
 {
-    if (const std::string unknown = unknown_word(m_description, attribute, value); !unknown.empty())
-    {
-        m_unknownWord = unknown;
-        m_unknownWordOf = attribute;
-    }
-    return Inherit::parseField(attribute, value);
+    m_dataAreAccepted = attempt(*this,
+                                [&]
+                                {
+                                    parts::OptionErrors errors;
+                                    errors.collect(
+                                        [&] {
+                                            parts::check_range("rayleighStiffness", attributes::kNotNegative,
+                                                               this->rayleighStiffness.getValue());
+                                        });
+                                    errors.collect(call);
+                                    errors.throw_all();
+                                });
+    if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
 }
 
 // What flowed stays: the part follows the Data as it would at the beginning of the next step.
@@ -83,15 +81,17 @@ template <class TDataTypes>
 void PartForceField<TDataTypes>::reinit()
 {
     if (!hasPart()) return init();
-    this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
     m_inputs->have_changed();
-    attempt(*this, [&] { updatePart(); });
+    acceptData([&] { updatePart(); });
 }
 
 template <class TDataTypes>
 void PartForceField<TDataTypes>::reset()
 {
-    if (hasPart()) resetPart();
+    if (!hasPart()) return;
+    // a step that was lost is forgotten, Data that were refused are not
+    if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+    attempt(*this, [&] { resetPart(); });
 }
 
 template <class TDataTypes>
@@ -101,12 +101,8 @@ void PartForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* eve
     {
         if (!may_step(*this) || !hasPart()) return;
         const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
-        attempt(*this,
-                [&]
-                {
-                    if (m_inputs->have_changed()) updatePart();
-                    beginStep(this->getContext()->getTime(), dt);
-                });
+        if (m_inputs->have_changed()) acceptData([&] { updatePart(); });
+        if (works()) attempt(*this, [&] { beginStep(this->getContext()->getTime(), dt); });
     }
     else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
     {

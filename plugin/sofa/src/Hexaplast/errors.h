@@ -26,9 +26,9 @@ inline std::string error_at(const SofaComponent& component, const std::string& a
 }
 
 /// What a part says without refusing anything.
-inline void pass_on(const SofaComponent& component, const std::vector<parts::Warning>& warnings)
+inline void pass_on(const SofaComponent& component, const std::vector<parts::Remark>& warnings)
 {
-    for (const parts::Warning& warning : warnings)
+    for (const parts::Remark& warning : warnings)
         msg_warning(&component) << component.getClassName() << (warning.attribute.empty() ? "" : ".")
                                 << warning.attribute << ": " << warning.text;
 }
@@ -53,13 +53,7 @@ inline bool may_step(const SofaComponent& component)
 template <class Call>
 bool attempt(SofaComponent& host, const Call& call)
 {
-    const auto fail = [&](const std::string& what)
-    {
-        msg_error(&host) << what;
-        host.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
-        if (auto* root = host.getContext() ? host.getContext()->getRootContext() : nullptr) root->setAnimate(false);
-        return false;
-    };
+    std::vector<std::string> errors;
     try
     {
         call();
@@ -67,16 +61,20 @@ bool attempt(SofaComponent& host, const Call& call)
     }
     catch (const parts::OptionError& error)
     {
-        return fail(error_at(host, error.attribute(), error.reason()));
+        for (const auto& [attribute, reason] : error.reasons()) errors.push_back(error_at(host, attribute, reason));
     }
     catch (const InputError& error)
     {
-        return fail(error_at(host, "", error.what()));
+        errors.push_back(error_at(host, "", error.what()));
     }
     catch (const NumericalError& error)
     {
-        return fail(error.what());
+        errors.push_back(error.what());
     }
+    for (const std::string& error : errors) msg_error(&host) << error;
+    host.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
+    if (auto* root = host.getContext() ? host.getContext()->getRootContext() : nullptr) root->setAnimate(false);
+    return false;
 }
 
 }  // namespace hexaplast::sofa_plugin

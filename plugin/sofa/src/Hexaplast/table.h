@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "attributes/admissible.hpp"
+#include "attributes/words.hpp"
 
 /// Data as the attribute table describes them, so that names, defaults and help stand once for all hosts.
 namespace hexaplast::sofa_plugin
@@ -28,13 +29,32 @@ consteval const Attribute& row(const Description& description, std::string_view 
     return attributes::attribute_of(description, name);
 }
 
-inline std::vector<std::string> words_of(const Attribute& attribute)
+/// A word. Of one that it does not have, an OptionsGroup warns, and keeps the word before; this one remembers what it
+/// was given, so that its component can refuse it.
+class DataWord final : public Data<OptionsGroup>
 {
-    std::istringstream text{std::string(attribute.words)};
-    std::vector<std::string> words;
-    for (std::string word; text >> word;) words.push_back(word);
-    return words;
-}
+public:
+    explicit DataWord(const InitData& init) : Data<OptionsGroup>(init) {}
+
+    bool read(const std::string& text) override
+    {
+        const bool is_read = Data<OptionsGroup>::read(text);
+        m_read = text;
+        m_counterRead = getCounter();
+        return is_read;
+    }
+
+    /// The word that it was given latest, whether it has it or not.
+    std::string given() const
+    {
+        const std::string& selected = getValue().getSelectedItem();
+        return m_counterRead == getCounter() ? m_read : selected;
+    }
+
+private:
+    std::string m_read;
+    int m_counterRead = -1;
+};
 
 inline std::string help_of(const Attribute& attribute)
 {
@@ -51,7 +71,7 @@ T initial_value(const Attribute& attribute)
 {
     if constexpr (std::is_same_v<T, OptionsGroup>)
     {
-        OptionsGroup words(words_of(attribute));
+        OptionsGroup words(attributes::split_words(attribute.words));
         words.setSelectedItem(std::string(attribute.initial));
         return words;
     }
@@ -117,19 +137,5 @@ private:
     };
     std::vector<Seen> m_data;
 };
-
-/// SOFA warns of a word that an OptionsGroup does not have, and goes on with the default one; a component of ours is
-/// invalid then. To be called from parseField, and to be thrown by init where it is not empty.
-inline std::string unknown_word(const Description& description, const std::string& name, const std::string& value)
-{
-    for (const Attribute& attribute : description.attributes)
-    {
-        if (attribute.name != name || attribute.type != attributes::Type::kWord || value.starts_with("@")) continue;
-        for (const std::string& word : words_of(attribute))
-            if (word == value) return {};
-        return fmt::format("'{}' must be one of: {}", value, attribute.words);
-    }
-    return {};
-}
 
 }  // namespace hexaplast::sofa_plugin

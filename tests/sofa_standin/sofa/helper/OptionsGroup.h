@@ -14,7 +14,8 @@ namespace sofa::helper {
 class OptionsGroup {
  public:
   OptionsGroup() = default;
-  explicit OptionsGroup(const std::vector<std::string>& words) : words_(words), selected_(words.front()) {}
+  template <class Words>
+  explicit OptionsGroup(const Words& words) : words_(words.begin(), words.end()), selected_(words_.front()) {}
 
   void setSelectedItem(const std::string& word) {
     if (std::ranges::count(words_, word) > 0) selected_ = word;
