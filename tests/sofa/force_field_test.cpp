@@ -139,8 +139,8 @@ TEST_F(Adapter, RefusesBadValuesAndStopsTheAnimation) {
     sofa_standin::messages().clear();
     root.setAnimate(true);
     auto& field = dynamic_cast<Field&>(make("HexahedronElastoplasticFEMForceField", each.attributes));
-    field.setDefinitionSourceFileName("liver.scn");
-    field.setDefinitionSourceFilePos(7);
+    field.setInstanciationSourceFileName("liver.scn");
+    field.setInstanciationSourceFilePos(7);
     field.init();
     EXPECT_TRUE(field.isComponentStateInvalid()) << each.name;
     EXPECT_FALSE(root.getAnimate()) << each.name;

@@ -18,9 +18,9 @@ namespace hexaplast::sofa_plugin
 /// in the scene file, or its path in the graph where it does not come from a file.
 inline std::string error_at(const SofaComponent& component, const std::string& attribute, const std::string& what)
 {
-    const std::string& file = component.getDefinitionSourceFileName();
+    const std::string& file = component.getInstanciationSourceFileName();
     const std::string place =
-        file.empty() ? component.getPathName() : fmt::format("{}:{}", file, component.getDefinitionSourceFilePos());
+        file.empty() ? component.getPathName() : fmt::format("{}:{}", file, component.getInstanciationSourceFilePos());
     return fmt::format("{}: error: {}{}{}: {}", place, component.getClassName(), attribute.empty() ? "" : ".",
                        attribute, what);
 }

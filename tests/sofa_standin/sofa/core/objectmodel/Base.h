@@ -24,10 +24,10 @@ class Base {
   const std::string& getName() const { return name_; }
   void setName(const std::string& name) { name_ = name; }
 
-  const std::string& getDefinitionSourceFileName() const { return source_file_; }
-  int getDefinitionSourceFilePos() const { return source_line_; }
-  void setDefinitionSourceFileName(const std::string& file) { source_file_ = file; }
-  void setDefinitionSourceFilePos(int line) { source_line_ = line; }
+  const std::string& getInstanciationSourceFileName() const { return source_file_; }
+  int getInstanciationSourceFilePos() const { return source_line_; }
+  void setInstanciationSourceFileName(const std::string& file) { source_file_ = file; }
+  void setInstanciationSourceFilePos(int line) { source_line_ = line; }
 
   BaseData* findData(const std::string& name) const {
     const auto found = data_.find(name);
