@@ -4,45 +4,103 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hexaplast/formats/xml.hpp"
-#include "picture/axis.hpp"
 
 namespace hexaplast::output {
 namespace {
 
-Ticks vertical_axis(const Panel& panel) {
+Ticks vertical_axis(std::span<const Panel> panels, int count) {
   constexpr double kNoise = 1e-6;  // of the span: rounding does not turn a scale upside down
-  double least = 0, most = 0;      // zero, the original shape, is always in sight
-  const auto include = [&](double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
-  };
-  for (const Series& series : panel.series)
-    for (const Curve& curve : series.curves)
-      for (const double value : curve.values) include(std::min(value, panel.highest));
-  for (const Level& level : panel.levels) include(std::min(level.value, panel.highest));
-
-  if (most - least < panel.least_span) {
-    const bool falls = -least > most + kNoise * panel.least_span;
-    most = falls ? std::max(most, 0.0) : least + panel.least_span;
-    least = falls ? most - panel.least_span : least;
+  const double span = panels.front().least_span;
+  double least = 0, most = 0;  // zero, the original shape, is always in sight
+  for (const Panel& panel : panels) {
+    const auto include = [&](double value) {
+      if (!std::isfinite(value)) return;
+      least = std::min(least, std::min(value, panel.highest));
+      most = std::max(most, std::min(value, panel.highest));
+    };
+    for (const Series& series : panel.series)
+      for (const Curve& curve : series.curves) std::ranges::for_each(curve.values, include);
+    for (const Level& level : panel.levels) include(level.value);
   }
-  return ticks_around(least, most, 6);
+
+  if (most - least < span) {
+    const bool falls = -least > most + kNoise * span;
+    most = falls ? most : least + span;
+    least = falls ? most - span : least;
+  }
+  return ticks_around(least, most, count);
 }
 
-Ticks horizontal_axis(const Panel& panel) {
-  double first = panel.series.front().times.front(), last = first;
-  for (const Series& series : panel.series) {
-    first = std::min(first, series.times.front());
-    last = std::max(last, series.times.back());
+Ticks horizontal_axis(std::span<const Panel> panels, int count) {
+  const XAxis& axis = panels.front().across;
+  if (!axis.names.empty()) {
+    const double last = static_cast<double>(axis.names.size()) - 1;
+    return {.least = -0.5, .most = last + 0.5, .values = {}, .decimals = 0};
   }
-  return ticks_within(first, std::max(last, first + 1e-9), 5);
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const Panel& panel : panels)
+    for (const Series& series : panel.series)
+      for (const double x : series.x) {
+        least = std::min(least, x);
+        most = std::max(most, x);
+      }
+  if (!(least < most)) {  // a single value stands in the middle
+    const double margin = least == 0 || !std::isfinite(least) ? 1 : std::abs(least) / 2;
+    least = std::isfinite(least) ? least - margin : -margin;
+    most = least + 2 * margin;
+  }
+  return axis.is_logarithmic ? ticks_logarithmic(least, most, count) : ticks_within(least, most, count);
+}
+
+/// Where values stand in a frame [pixels].
+struct Scales {
+  const PanelFrame& frame;
+  const PanelAxes& axes;
+  bool is_logarithmic;
+
+  double x(double value) const {
+    const auto along = [&](double v) { return is_logarithmic ? std::log(v) : v; };
+    const double first = along(axes.across.least), last = along(axes.across.most);
+    return frame.left + frame.width * (along(value) - first) / (last - first);
+  }
+  double y(double value) const {
+    const double least = axes.upwards.least, most = axes.upwards.most;
+    return frame.top + frame.height * (1 - (std::min(value, most) - least) / (most - least));
+  }
+};
+
+void draw(SvgText& svg, const Scales& at, const std::vector<double>& x, const Curve& curve) {
+  const std::string dashes = curve.dashes.empty() ? "" : fmt::format(R"( stroke-dasharray="{}")", curve.dashes);
+  std::string points;
+  const auto finish_line = [&] {
+    if (curve.has_line && !points.empty())
+      svg.add(
+          fmt::format(R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="1.8" stroke-linejoin="round"{}/>)",
+                      points, curve.colour, dashes));
+    points.clear();
+  };
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (std::isfinite(curve.values[i]))
+      points += fmt::format("{:.2f},{:.2f} ", at.x(x[i]), at.y(curve.values[i]));
+    else
+      finish_line();
+  }
+  finish_line();
+  if (!curve.has_dots) return;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (std::isfinite(curve.values[i])) svg.dot(at.x(x[i]), at.y(curve.values[i]), 2.6, curve.colour);
 }
 
 }  // namespace
 
 std::string Panel::label() const { return unit.empty() ? quantity : fmt::format("{} [{}]", quantity, unit); }
+
+PanelAxes axes_of(std::span<const Panel> panels, int ticks_across, int ticks_upwards) {
+  return {horizontal_axis(panels, ticks_across), vertical_axis(panels, ticks_upwards)};
+}
 
 void SvgText::add(std::string_view element) {
   text_ += element;
@@ -55,47 +113,59 @@ void SvgText::words(double x, double y, std::string_view anchor, double size, st
                   attributes, escaped(words)));
 }
 
-PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
-  const Ticks across = horizontal_axis(panel), upwards = vertical_axis(panel);
+void SvgText::line(double x1, double y1, double x2, double y2, std::string_view colour, std::string_view attributes) {
+  add(fmt::format(R"(<line x1="{:.2f}" y1="{:.2f}" x2="{:.2f}" y2="{:.2f}" stroke="{}"{}/>)", x1, y1, x2, y2, colour,
+                  attributes));
+}
+
+void SvgText::dot(double x, double y, double radius, std::string_view colour) {
+  add(fmt::format(R"(<circle cx="{:.2f}" cy="{:.2f}" r="{}" fill="{}"/>)", x, y, radius, colour));
+}
+
+void SvgText::panel(const PanelFrame& frame, const Panel& panel, const PanelAxes& axes, const TickLabels& labels) {
+  const Scales at{frame, axes, panel.across.is_logarithmic};
   const double right = frame.left + frame.width, bottom = frame.top + frame.height;
-  const auto x_of = [&](double time) {
-    return frame.left + frame.width * (time - across.least) / (across.most - across.least);
-  };
-  const auto y_of = [&](double value) {
-    return bottom - frame.height * (std::min(value, upwards.most) - upwards.least) / (upwards.most - upwards.least);
-  };
-  const auto line = [&](double x1, double y1, double x2, double y2, std::string_view colour, std::string_view more) {
-    add(fmt::format(R"(<line x1="{:.2f}" y1="{:.2f}" x2="{:.2f}" y2="{:.2f}" stroke="{}"{}/>)", x1, y1, x2, y2, colour,
-                    more));
+  const auto label_across = [&](double value, const std::string& label) {
+    if (labels.across) words(at.x(value), bottom + 5 + labels.size, "middle", labels.size, label);
   };
 
-  for (const double time : across.values) {
-    line(x_of(time), frame.top, x_of(time), bottom, inks_.grid, "");
-    words(x_of(time), bottom + 18, "middle", 13, across.label(time));
+  for (const double value : axes.across.values) {
+    line(at.x(value), frame.top, at.x(value), bottom, inks_.grid);
+    label_across(value, axes.across.label(value));
   }
-  for (const double value : upwards.values) {
-    line(frame.left, y_of(value), right, y_of(value), value == 0 ? inks_.frame : inks_.grid, "");
-    words(frame.left - 8, y_of(value) + 4.5, "end", 13, upwards.label(value));
+  for (std::size_t i = 0; i < panel.across.names.size(); ++i)
+    label_across(static_cast<double>(i), panel.across.names[i]);
+  for (const double value : axes.upwards.values) {
+    line(frame.left, at.y(value), right, at.y(value), value == 0 ? inks_.frame : inks_.grid);
+    if (labels.upwards)
+      words(frame.left - 8, at.y(value) + (labels.size - 4) / 2, "end", labels.size, axes.upwards.label(value));
   }
   add(fmt::format(R"(<rect x="{:.2f}" y="{:.2f}" width="{}" height="{}" fill="none" stroke="{}"/>)", frame.left,
                   frame.top, frame.width, frame.height, inks_.frame));
-  words(frame.left, frame.top - 10, "start", 14, panel.label());
-  words(right, bottom + 36, "end", 13, "time [s]");
 
   for (const Series& series : panel.series)
-    for (const Curve& curve : series.curves) {
-      std::string points;
-      for (std::size_t s = 0; s < series.times.size(); ++s)
-        points += fmt::format("{:.2f},{:.2f} ", x_of(series.times[s]), y_of(curve.values[s]));
-      const std::string dashes =
-          curve.dashes.empty() ? "" : fmt::format(R"( stroke-dasharray="{}")", escaped(curve.dashes));
-      add(fmt::format(R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="1.8" stroke-linejoin="round"{}/>)",
-                      points, curve.colour, dashes));
-    }
+    for (const Curve& curve : series.curves) draw(*this, at, series.x, curve);
   for (const Level& level : panel.levels)
-    line(frame.left, y_of(level.value), right, y_of(level.value), level.colour,
+    line(frame.left, at.y(level.value), right, at.y(level.value), level.colour,
          R"( stroke-width="1.4" stroke-dasharray="6 4")");
-  return {across.least, across.most, upwards.least, upwards.most};
+}
+
+PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
+  const PanelAxes axes = axes_of({&panel, 1}, 5, 6);
+  this->panel(frame, panel, axes);
+  words(frame.left, frame.top - 10, "start", 14, panel.label());
+  words(frame.left + frame.width, frame.top + frame.height + 36, "end", 13, panel.across.label);
+  return axes;
+}
+
+std::string SvgText::picture(double width, double height) const {
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\"\n"
+      "     font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" fill=\"{2}\">\n"
+      "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n"
+      "{3}</svg>\n",
+      width, height, inks_.text, text_);
 }
 
 }  // namespace hexaplast::output

@@ -49,12 +49,12 @@ std::string json_of(const Panel& panel, const PanelAxes& axes) {
       curves += fmt::format(R"({}{{"name":{},"colour":{},"values":{}}})", curves.empty() ? "" : ",",
                             json_string(curve.name), json_string(curve.colour), numbers(curve.values, "{:.7g}"));
     all_series += fmt::format("{}{{\"steps\":{},\"times\":{},\"curves\":[{}]}}", all_series.empty() ? "" : ",",
-                              numbers(series.steps, "{}"), numbers(series.times, "{:.9g}"), curves);
+                              numbers(series.steps, "{}"), numbers(series.x, "{:.9g}"), curves);
   }
   return fmt::format(R"({{"quantity":{},"unit":{},"frame":[{},{},{},{}],"axes":[{},{},{},{}],"series":[{}]}})",
                      json_string(panel.quantity), json_string(panel.unit), kChartFrame.left, kChartFrame.top,
-                     kChartFrame.width, kChartFrame.height, axes.first_time, axes.last_time, axes.least, axes.most,
-                     all_series);
+                     kChartFrame.width, kChartFrame.height, axes.across.least, axes.across.most, axes.upwards.least,
+                     axes.upwards.most, all_series);
 }
 
 std::string swatch(std::string_view colour, std::string_view dashes) {

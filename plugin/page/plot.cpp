@@ -22,25 +22,18 @@ void write_plot(const std::filesystem::path& file, const std::filesystem::path& 
   view.panels.back().quantity += fmt::format(" (of {})", num_elements);
 
   SvgText svg;
-  svg.add(R"(<?xml version="1.0" encoding="UTF-8"?>)");
-  svg.add(fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}")",
-                      kWidth, kHeight));
-  svg.add(fmt::format(R"(     font-family="DejaVu Sans, Helvetica, Arial, sans-serif" fill="{}">)", svg.inks().text));
-  svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", kWidth, kHeight));
   svg.words(kFrames[0].left, 46, "start", 20, title, R"( font-weight="bold")");
 
   double x = kFrames[1].left + 78;
   for (const Curve& curve : view.panels.front().series.front().curves) {
-    svg.add(fmt::format(R"(<line x1="{:.2f}" y1="40" x2="{:.2f}" y2="40" stroke="{}" stroke-width="2.4"/>)", x, x + 30,
-                        curve.colour));
+    svg.line(x, 40, x + 30, 40, curve.colour, R"( stroke-width="2.4")");
     svg.words(x + 38, 45, "start", 14, curve.name == "plastic" ? "plastic (material mesh)" : curve.name);
     x += 122;
   }
   for (std::size_t p = 0; p < std::size(kFrames); ++p) svg.panel(kFrames[p], view.panels[p]);
-  svg.add("</svg>");
 
   WholeFile out(file);
-  out.write(svg.text());
+  out.write(svg.picture(kWidth, kHeight));
   out.commit();
 }
 

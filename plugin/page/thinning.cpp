@@ -33,7 +33,7 @@ Series Thinning::take() {
 
 void Thinning::keep(const Row& row) {
   kept_.steps.push_back(row.step);
-  kept_.times.push_back(row.time);
+  kept_.x.push_back(row.time);
   for (std::size_t c = 0; c < row.values.size(); ++c) kept_.curves[c].values.push_back(row.values[c]);
 }
 

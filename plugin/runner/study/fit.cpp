@@ -15,7 +15,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/formats/text.hpp"
 #include "page/history_panels.hpp"
-#include "page/xy_plot.hpp"
+#include "page/panel_grids.hpp"
 #include "record/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/directory_lock.hpp"
@@ -249,25 +249,27 @@ void write_json(output::WholeFile& out, const Result& result, const TargetCurve&
 void draw(output::WholeFile& file, const Result& result, const TargetCurve& target, const FitOptions& options) {
   const output::CurveColours colours;
   const bool is_over_time = !target.times.empty();
-  const std::vector<double>& x = is_over_time ? target.times : target.forces;
-  std::vector<output::XYGrid> grids;
+  std::vector<output::PanelGrid> grids;
   for (std::size_t c = 0; c < target.columns.size(); ++c) {
     const QuantityEntry& entry = entry_of(target.columns[c].quantity);
-    const auto scaled = [&](std::vector<double> values) {
+    const auto curve = [&](const char* name, std::string_view colour, std::vector<double> values, bool is_measured) {
       for (double& value : values) value *= entry.shown_scale;
-      return values;
+      return output::Curve{.name = name,
+                           .colour = std::string(colour),
+                           .values = std::move(values),
+                           .has_line = !is_measured,
+                           .has_dots = is_measured};
     };
-    output::XYPanel panel;
-    panel.curves.push_back({"before", "#a5adb8", x, scaled(result.start[c]), true, false});
-    panel.curves.push_back({"target", std::string(colours.first), x, scaled(target.columns[c].values), false, true});
-    panel.curves.push_back({"fitted", std::string(colours.second), x, scaled(result.fitted[c]), true, false});
-    output::XYGrid& grid = grids.emplace_back();
-    grid.quantity = entry.label;
-    grid.least_span = 1e-9;
-    grid.across.label = is_over_time ? "time [s]" : "force [N]";
-    grid.panels.push_back(std::move(panel));
+    output::Series series{.x = is_over_time ? target.times : target.forces,
+                          .curves = {curve("before", "#a5adb8", result.start[c], false),
+                                     curve("target", colours.first, target.columns[c].values, true),
+                                     curve("fitted", colours.second, result.fitted[c], false)}};
+    output::Panel panel{.least_span = 1e-9,
+                        .across = {.label = is_over_time ? "time [s]" : "force [N]"},
+                        .series = {std::move(series)}};
+    grids.push_back({std::string(entry.label), {std::move(panel)}});
   }
-  output::write_xy_plot(file, options.scene.file.stem().string(), grids);
+  output::write_panel_grids(file, options.scene.file.stem().string(), grids);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "page/history_panels.hpp"
-#include "page/xy_plot.hpp"
+#include "page/panel_grids.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -44,28 +44,31 @@ std::vector<std::size_t> order_of(const Factor& factor) {
   return order;
 }
 
-output::XYGrid grid_of(const Shown& shown, const SweepTable& table, const std::string& label) {
+output::PanelGrid grid_of(const Shown& shown, const SweepTable& table, const std::string& label) {
   const Factor& along = table.factors().front();
   const output::CurveColours colours;
   const bool has_numbers = !along.numbers.empty();
-  output::XYGrid grid{std::string(shown.quantity), 1, {label, along.is_logarithmic, {}}, {}};
-  if (!has_numbers) grid.across.names = along.values;
+  const std::vector<std::size_t> order = order_of(along);
+  const output::XAxis across{label, along.is_logarithmic, has_numbers ? std::vector<std::string>{} : along.values};
+  output::PanelGrid grid{std::string(shown.quantity), {}};
 
   // the first factor's value changes slowest: the runs with its first value tell all combinations of the others
   const long num_panels = table.num_runs() / static_cast<long>(along.values.size());
   for (long first = 0; first < num_panels; ++first) {
     std::vector<std::size_t> choice = table.choice(first);
-    output::XYPanel panel{title_of(table, choice), {}};
+    output::Panel panel{.quantity = title_of(table, choice), .across = across};
+    output::Series& series = panel.series.emplace_back();
+    for (const std::size_t value : order)
+      series.x.push_back(has_numbers ? along.numbers[value] : static_cast<double>(value));
     for (const auto& [name, colour, result] :
          {std::tuple{"world", colours.first, shown.world}, {"plastic", colours.second, shown.plastic}}) {
-      output::XYCurve curve{name, std::string(colour), {}, {}, has_numbers, true};
-      for (const std::size_t value : order_of(along)) {
+      output::Curve curve{.name = name, .colour = std::string(colour), .has_line = has_numbers, .has_dots = true};
+      for (const std::size_t value : order) {
         choice[0] = value;
         const std::optional<SweepRow>& row = table.row(table.run_of(choice));
-        curve.x.push_back(has_numbers ? along.numbers[value] : static_cast<double>(value));
-        curve.y.push_back(row ? shown.scale * row->number(result) : std::nan(""));
+        curve.values.push_back(row ? shown.scale * row->number(result) : std::nan(""));
       }
-      panel.curves.push_back(std::move(curve));
+      series.curves.push_back(std::move(curve));
     }
     grid.panels.push_back(std::move(panel));
   }
@@ -88,9 +91,9 @@ std::vector<std::string> draw_sweep(const std::filesystem::path& file, const std
   if (num_panels > kMostPanels)
     return {
         fmt::format("no picture: it would have {} plots of a quantity, at most {} are drawn", num_panels, kMostPanels)};
-  std::vector<output::XYGrid> grids = {grid_of(kElongation, table, labels.front())};
+  std::vector<output::PanelGrid> grids = {grid_of(kElongation, table, labels.front())};
   if (twists(table)) grids.push_back(grid_of(kTwist, table, labels.front()));
-  output::write_xy_plot(file, title, grids);
+  output::write_panel_grids(file, title, grids);
   return {};
 }
 
