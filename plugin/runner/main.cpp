@@ -28,6 +28,7 @@
 #include "runner/mesh/make.hpp"
 #include "runner/run/bench.hpp"
 #include "runner/run/check.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/run/resume.hpp"
 #include "runner/run/run.hpp"
@@ -96,19 +97,15 @@ long parse_every(const std::string& text) {
 void add_run(CLI::App& app, RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Run a scene headless");
   add_scene(*run, options.scene);
-  run->add_option("--steps", options.steps, "Number of time steps; otherwise the scene's RunSettings say it")
-      ->type_name("N")
-      ->check(CLI::Range(0L, 1'000'000'000L));
+  add_steps(*run, options.steps);
   CLI::Option* out =
       run->add_option(
              "--out", options.out,
              "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory")
           ->type_name("DIR");
-  run->add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  add_final_state(*run, options.final_state);
   run->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
-  run->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(1, kMaxThreads));
+  add_threads(*run, options.threads);
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")
       ->check(CLI::Range(0, 100'000))
@@ -127,7 +124,7 @@ void add_run(CLI::App& app, RunOptions& options) {
   add_write_below(*run, options.write_below);
   add_output_rules(*run, options.scene.output);
   run->add_flag("--quiet", options.quiet, "Print nothing but errors");
-  run->add_flag("--strict", options.strict, kStrictHelp);
+  add_strict(*run, options.strict);
 }
 
 void add_element(CLI::App& app, ElementOptions& options) {

@@ -14,6 +14,7 @@
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/boundary_conditions.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/directory_lock.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/output_options.hpp"
@@ -73,9 +74,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   view.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");
   view.add_flag("--free", options.is_free, "As fast as it goes, not in real time");
   CLI::Option* steps =
-      view.add_option("--steps", options.steps, "Run so many time steps as fast as they go, then close the window")
-          ->type_name("N")
-          ->check(CLI::Range(0L, 1'000'000'000L));
+      add_steps(view, options.steps, "Run so many time steps as fast as they go, then close the window");
   view.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
       ->type_name("FILE.png")
       ->needs(steps);
@@ -84,11 +83,9 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  view.add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  add_final_state(view, options.final_state);
   add_output_rules(view, options.scene.output);
-  view.add_option("--threads", options.threads, "Number of threads; results do not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+  add_threads(view, options.threads);
   view.add_option("--width", options.width, "Width of the window [pixels]")
       ->type_name("N")
       ->check(CLI::Range(800, 16'000))

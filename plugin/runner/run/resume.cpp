@@ -11,6 +11,7 @@
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/directory_lock.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/run/run.hpp"
@@ -83,13 +84,10 @@ CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
   resume->add_option("run", options.run, "Directory of a run that wrote checkpoints, or one of them")
       ->type_name("DIR|FILE")
       ->required();
-  resume->add_option("--steps", options.steps, "Number of time steps of the whole run, if it is to be another one")
-      ->type_name("TOTAL")
-      ->check(CLI::Range(0L, 1'000'000'000L));
-  resume->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
-  resume->add_option("--final", options.final_state, "Write the last state as JSON")->type_name("FILE");
+  add_steps(*resume, options.steps, "Number of time steps of the whole run, if it is to be another one")
+      ->type_name("TOTAL");
+  add_threads(*resume, options.threads);
+  add_final_state(*resume, options.final_state);
   resume->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
   resume
       ->add_option("--plugin-path", options.plugin_path,
@@ -98,7 +96,7 @@ CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
       ->allow_extra_args(false);
   add_allow_outside(*resume, options.output);
   resume->add_flag("--quiet", options.quiet, "Print nothing but errors");
-  resume->add_flag("--strict", options.strict, kStrictHelp);
+  add_strict(*resume, options.strict);
   return resume;
 }
 

@@ -29,10 +29,6 @@ struct RunOptions {
   bool strict = false;                               ///< results that are not to be trusted are a failure
 };
 
-inline constexpr const char* kStrictHelp =
-    "A run ends with 4 where hexahedra are inside out, or where the energy balance misses, or the integrator has "
-    "added, more than a fifth of the energy that was put in";
-
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and
 /// the files are whole, with a checkpoint where the run has a directory. `start`: a checkpoint of the same scene from
 /// which to go on, instead of from the beginning, with the files in `options.out`, which the caller has locked. Throws

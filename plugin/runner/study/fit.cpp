@@ -18,6 +18,7 @@
 #include "page/panel_grids.hpp"
 #include "record/files.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/directory_lock.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/progress.hpp"
@@ -303,9 +304,7 @@ CLI::App* add_fit(CLI::App& app, FitOptions& options) {
           "Steps of the run that a curve over force is compared with; otherwise the scene's RunSettings say it")
       ->type_name("N")
       ->check(CLI::Range(1L, 1'000'000L));
-  command->add_option("--threads", options.threads, "Number of threads; results do not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+  add_threads(*command, options.threads);
   command->add_flag("--force", options.force, "Write over an earlier fit")->needs(out);
   return command;
 }

@@ -18,11 +18,11 @@
 #include "record/files.hpp"
 #include "record/json_file.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/directory_lock.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/progress.hpp"
 #include "runner/run/rounded.hpp"
-#include "runner/run/run.hpp"
 #include "runner/run/scene_record.hpp"
 #include "runner/standard_output.hpp"
 #include "runner/study/process.hpp"
@@ -142,7 +142,7 @@ void open(const Place& place, const Json& plan, bool force, const InputFiles& in
 std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTable& table, long run,
                                       const Place& place) {
   std::vector<std::string> words = {"run",           "--quiet",
-                                    "--threads",     std::to_string(options.threads),
+                                    "--threads",     std::to_string(options.threads.value_or(1)),
                                     "--summary",     place.summary(run).string(),
                                     "--write-below", place.files(run).string(),
                                     "--force"};
@@ -297,16 +297,12 @@ CLI::App* add_sweep(CLI::App& app, SweepOptions& options) {
   command->add_option("--out", options.out, "Directory of sweep.csv, sweep.svg and sweep.json")
       ->type_name("DIR")
       ->required();
-  command->add_option("--steps", options.steps, "Number of time steps; otherwise the scene's RunSettings say it")
-      ->type_name("N")
-      ->check(CLI::Range(0L, 1'000'000'000L));
+  add_steps(*command, options.steps);
   command->add_option("--jobs", options.jobs, "Runs at a time; otherwise as many as there are processors")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  command->add_option("--threads", options.threads, "Threads of each run. Default 1")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
-  command->add_flag("--strict", options.strict, kStrictHelp);
+  add_threads(*command, options.threads, "Threads of each run. Default 1");
+  add_strict(*command, options.strict);
   command->add_flag("--force", options.force, "Begin anew in a directory that holds a sweep");
   return command;
 }
@@ -315,7 +311,7 @@ int sweep(const SweepOptions& given) {
   watch_signals();
   SweepOptions options = given;
   if (options.jobs == 0)
-    options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / options.threads);
+    options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / options.threads.value_or(1));
 
   SweepTable table(read_factors(options.vary));
   std::vector<std::string> labels;

@@ -18,7 +18,7 @@ struct SweepOptions {
   std::filesystem::path out;      ///< directory of sweep.json, sweep.csv, sweep.svg, messages
   std::optional<long> steps;      ///< otherwise from the scene's RunSettings
   int jobs = 0;                   ///< runs at a time; 0: as many as the machine has processors for
-  int threads = 1;                ///< of each run
+  std::optional<int> threads;     ///< of each run; otherwise 1
   bool strict = false;            ///< runs whose results are not to be trusted have failed
   bool force = false;             ///< begin anew in a directory that holds a sweep
 };

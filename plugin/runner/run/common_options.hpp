@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <CLI/App.hpp>
+#include <filesystem>
+#include <optional>
+
+namespace hexaplast::runner {
+
+// Options that several commands share.
+
+void add_threads(CLI::App& command, std::optional<int>& threads,
+                 const char* help = "Number of threads; results do not depend on it");
+
+CLI::Option* add_steps(CLI::App& command, std::optional<long>& steps,
+                       const char* help = "Number of time steps; otherwise the scene's RunSettings say it");
+
+/// --final
+void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& file);
+
+void add_strict(CLI::App& command, bool& strict);
+
+}  // namespace hexaplast::runner
