@@ -105,10 +105,4 @@ TEST(UniformDamping, SlowsByTheDiscreteLawExplicitOrImplicit) {
   EXPECT_DOUBLE_EQ(speed("damping='0.4' implicit='true'"), 8 - 0.5 * 0.4 * 8 / (2 + 0.5 * 0.4));
 }
 
-TEST(ConstantForce, CountsFromTheEndOnRequest) {
-  scene::Scene scene =
-      read_and_init(four_nodes("<ConstantForceField name='load' indices='0 2' indexFromEnd='1' forces='1 2 3'/>"));
-  EXPECT_EQ(force_of(scene, "load", 0), rows({{0, 0, 0}, {1, 2, 3}, {0, 0, 0}, {1, 2, 3}}));
-}
-
 }  // namespace

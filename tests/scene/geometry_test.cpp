@@ -67,6 +67,21 @@ TEST(MeshTopology, WithoutNodesTakesThoseOfTheState) {
   EXPECT_EQ(at<scene::ForceField>(linked, "body").body()->mesh().num_elements(), 2);
 }
 
+TEST(Grid, NumbersItsNodesWithXFastest) {
+  scene::Scene scene =
+      read_and_init("<Node><RegularGridTopology name='grid' n='2 3 4' min='1 0 0' max='2 4 9'/></Node>");
+  auto& grid = at<scene::Topology>(scene, "grid");
+  ASSERT_EQ(grid.positions().rows(), 24);
+  EXPECT_EQ(grid.positions().row(1 + 2 * (2 + 3 * 1)), Eigen::RowVector3d(2, 4, 3));
+  EXPECT_EQ(grid.hexahedra().size(), 6u);
+  EXPECT_EQ(grid.hexahedra()[1], (Hexahedron{2, 3, 5, 4, 8, 9, 11, 10}));
+  EXPECT_EQ(grid.integers("hexahedra").size(), 48u);
+  EXPECT_EQ(errors_of("<Node><RegularGridTopology n='2 2'/></Node>"),
+            "test.scn:1: error: RegularGridTopology.n: 2 numbers given, must be three");
+  EXPECT_EQ(errors_of("<Node><RegularGridTopology min='0 1 0'/></Node>"),
+            "test.scn:1: error: RegularGridTopology.max: must be greater than min in every direction");
+}
+
 TEST(Grid, TakesItsSizeInEveryFormOfSofa) {
   const auto grid = [](const std::string& attributes) {
     scene::Scene scene = read_and_init("<Node><RegularGridTopology name='grid' " + attributes + "/></Node>");
@@ -99,6 +114,30 @@ TEST(Grid, HasQuadsAndEdges) {
   EXPECT_EQ(at<scene::Topology>(scene, "grid").integers("edges").size(), 2u * 20u);
 }
 
+TEST(State, IsScaledThenTurnedThenMoved) {
+  scene::Scene scene = read_and_init(in_root(
+      "",
+      "<MechanicalObject name='nodes' position='1 2 3  0 0 0' scale3d='2 1 1' rotation='90 0 90' translation='10 0 0'/>"
+      "<UniformMass totalMass='1'/>"));
+  // (1,2,3) -> (2,2,3) -> about x (2,-3,2) -> about z (3,2,2) -> (13,2,2)
+  auto& state = at<scene::MechanicalState>(scene, "nodes");
+  EXPECT_TRUE(state.positions().isApprox(rows({{13, 2, 2}, {10, 0, 0}}), 1e-14));
+  EXPECT_EQ(state.rest_positions(), state.positions());
+}
+
+TEST(State, FieldsHaveOneRowPerNode) {
+  EXPECT_EQ(errors_of(in_root(
+                "", "<MechanicalObject position='0 0 0  1 0 0' velocity='1 0 0'/><UniformMass totalMass='1'/>")),
+            "test.scn:1: error: MechanicalObject.velocity: 1 vectors given for 2 nodes");
+  EXPECT_EQ(errors_of(in_root("", "<MechanicalObject/><UniformMass totalMass='1'/>")),
+            "test.scn:1: error: MechanicalObject: has no nodes: needs position or a topology");
+}
+
+TEST(State, WithoutASolverNothingWouldMoveIt) {
+  EXPECT_EQ(errors_of("<Node><MechanicalObject position='0 0 0  1 0 0'/></Node>"),
+            "test.scn:1: error: MechanicalObject: nothing moves it: needs an OdeSolver in its node or above");
+}
+
 TEST(State, SecondTransformationLeavesTheRestShapeAlone) {
   scene::Scene scene = read_and_init(in_root(
       "",
@@ -107,103 +146,6 @@ TEST(State, SecondTransformationLeavesTheRestShapeAlone) {
   auto& state = at<scene::MechanicalState>(scene, "nodes");
   EXPECT_TRUE(state.rest_positions().isApprox(rows({{1, 0, 0}, {0, 2, 0}}), 1e-15));
   EXPECT_TRUE(state.positions().isApprox(rows({{5, 2, 0}, {1, 0, 0}}), 1e-15));
-}
-
-TEST(BoxROI, FindsCellsOfEveryKindAndTheirNodes) {
-  scene::Scene scene = read_and_init(in_root(
-      "",
-      "<RegularGridTopology n='3 2 2' max='2 1 1'/><MechanicalObject name='nodes'/><UniformMass totalMass='1'/>"
-      "<BoxROI name='roi' box='-1 -1 -1 1.1 2 2'/><BoxROI name='tilted' orientedBox='1 -1 -1  1 2 -1  1 2 2  0.1'/>"
-      "<BoxROI name='own' box='-1 -1 -1 1.1 2 2' triangles='0 1 3  1 2 4' quads='1 2 5 4'/>"));
-  auto& roi = at<scene::Engine>(scene, "roi");
-  EXPECT_EQ(roi.integers("hexahedronIndices"), (Numbers{0}));
-  EXPECT_EQ(roi.integers("hexahedraInROI"), (Numbers{0, 1, 4, 3, 6, 7, 10, 9}));
-  EXPECT_EQ(roi.integers("quadIndices").size(), 6u);
-  EXPECT_EQ(roi.integers("quadsInROI").size(), 24u);
-  EXPECT_EQ(roi.integers("edgeIndices").size(), 12u);
-  EXPECT_EQ(roi.integer("nbIndices"), 8);
-  EXPECT_EQ(at<scene::Engine>(scene, "tilted").integers("indices"), (Numbers{1, 4, 7, 10}));
-  EXPECT_EQ(at<scene::Engine>(scene, "own").integers("triangleIndices"), (Numbers{0}));
-  EXPECT_EQ(at<scene::Engine>(scene, "own").integers("trianglesInROI"), (Numbers{0, 1, 3}));
-  EXPECT_EQ(at<scene::Engine>(scene, "own").integers("quadIndices"), (Numbers{}));
-  EXPECT_EQ(errors_of(four_nodes("<BoxROI orientedBox='1 2 3'/>")),
-            "test.scn:1: error: BoxROI.orientedBox: 3 numbers given, must be groups of 10");
-}
-
-TEST(BoxROI, RefusesCellsOfNodesThatAreNotThereThoughNobodyAsksForThem) {
-  const std::string error =
-      errors_of(in_root("",
-                        "<RegularGridTopology n='3 2 2' max='2 1 1'/><MechanicalObject/><UniformMass totalMass='1'/>"
-                        "<BoxROI name='roi' box='-1 -1 -1 1.1 2 2' quads='1 2 5 12'/>"));
-  EXPECT_NE(error.find("12"), std::string::npos) << error;
-}
-
-TEST(SphereROI, CountsItsSurfaceAsInside) {
-  scene::Scene scene =
-      read_and_init(four_nodes("<SphereROI name='one' centers='0 0 0' radii='2'/>"
-                               "<SphereROI name='two' centers='0 0 4  1 0 1' radii='1 1.5'/>"
-                               "<SphereROI name='same' centers='0 0 3  1 0 0' radii='0.1'/>"));
-  EXPECT_EQ(at<scene::Engine>(scene, "one").integers("indices"), (Numbers{0, 1}));
-  EXPECT_EQ(at<scene::Engine>(scene, "two").integers("indices"), (Numbers{0, 2}));
-  EXPECT_EQ(at<scene::Engine>(scene, "same").integers("indices"), (Numbers{0, 2}));
-  EXPECT_EQ(errors_of(four_nodes("<SphereROI centers='0 0 0' radii='1 2'/>")),
-            "test.scn:1: error: SphereROI.radii: 2 radii given for 1 centers, must be one or as many");
-}
-
-// One box of 10 kg/m^3, 1 x 1 x 4 m as it stands and half as large in each direction at rest.
-TEST(MeshMatrixMass, CouplesNodesUnlessLumped) {
-  const auto product = [](const std::string& mass) {
-    scene::Scene scene =
-        read_and_init(in_root("gravity='0 0 0'",
-                              "<RegularGridTopology n='2 2 2' max='1 1 2'/><MechanicalObject name='nodes' "
-                              "scale3d='1 1 2' restScale='0.5'/><MeshMatrixMass name='mass' " +
-                                  mass + "/>"));
-    PointArray dx = PointArray::Zero(8, 3), df = dx;
-    dx(0, 1) = 1;
-    at<scene::Mass>(scene, "mass").add_product(1, dx, df);
-    BlockMatrix A(8);
-    at<scene::Mass>(scene, "mass").add_blocks(1, A);
-    for (const auto& entry : A.row(0)) EXPECT_NEAR(entry.block(1, 1), df(entry.column, 1), 1e-14);
-    PointArray weight = PointArray::Zero(8, 3);
-    at<scene::Mass>(scene, "mass").add_gravity(Vec3(0, 0, 1), weight);
-    EXPECT_NEAR(at<scene::Mass>(scene, "mass").kinetic_energy(dx), df(0, 1) / 2, 1e-14);
-    return std::pair(Eigen::VectorXd(df.col(1)), weight.col(2).sum());
-  };
-  const auto& [coupled, weight] = product("massDensity='10'");
-  EXPECT_NEAR(weight, 40, 1e-13);
-  Eigen::VectorXd expected(8);
-  expected << 8, 4, 4, 2, 4, 2, 2, 1;
-  EXPECT_TRUE(coupled.isApprox(expected * 40 / 216, 1e-13)) << coupled;
-  EXPECT_TRUE(product("massDensity='10' lumping='true'").first.isApprox(5 * Eigen::VectorXd::Unit(8, 0), 1e-14));
-  EXPECT_NEAR(product("massDensity='10' computeMassOnRest='true'").second, 40. / 8, 1e-14);
-  EXPECT_NEAR(product("totalMass='3'").second, 3, 1e-14);
-  EXPECT_NEAR(product("").second, 1, 1e-14);
-}
-
-// The coupled mass enters the operator: (M - h^2 K) dv = h f on a free box.
-TEST(MeshMatrixMass, EntersTheSystem) {
-  for (const std::string solver :
-       {"<SparseLDLSolver/>", "<CGLinearSolver iterations='99' tolerance='1e-14' threshold='0'/>"}) {
-    scene::Scene scene = read_and_init(
-        "<Node gravity='0 0 -2' dt='0.5'><DefaultAnimationLoop/><EulerImplicitSolver/>" + solver +
-        "<RegularGridTopology n='2 2 2'/><MechanicalObject name='nodes'/><MeshMatrixMass name='mass' massDensity='10'/>"
-        "<HexahedronElastoplasticFEMForceField name='body' youngModulus='100'/>"
-        "<ConstantForceField indices='3' forces='0 4 0'/></Node>");
-    const PointArray still = PointArray::Zero(8, 3);
-    PointArray elastic = still;
-    scene.step();
-    const PointArray& v = at<scene::MechanicalState>(scene, "nodes").velocities();
-    auto& body = at<scene::ForceField>(scene, "body");
-    PointArray momentum = still;
-    at<scene::Mass>(scene, "mass").add_product(1, v, momentum);
-    body.add_force(0, at<scene::MechanicalState>(scene, "nodes").rest_positions(), still, elastic);
-    body.add_stiffness_product(-0.25, v, momentum);
-
-    PointArray expected = still;
-    expected.col(2).setConstant(0.5 * -2 * 10. / 8);
-    expected(3, 1) = 0.5 * 4;
-    EXPECT_LE(support::max_abs(momentum - expected), 1e-12);
-  }
 }
 
 }  // namespace

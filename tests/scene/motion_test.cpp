@@ -48,6 +48,26 @@ TEST(Fixed, TakesAwayAVelocityOnRequest) {
             rows({{1, 0, 3}}));
 }
 
+TEST(FixedConstraint, ZeroesTheAccelerationAndKeepsAVelocity) {
+  scene::Scene scene = read_and_init(
+      in_root("gravity='0 0 -10' dt='0.5'",
+              "<MechanicalObject name='nodes' position='0 0 0  1 0 0  2 0 0' velocity='0 1 0  0 1 0  0 1 0'/>"
+              "<UniformMass vertexMass='3'/><FixedProjectiveConstraint indices='2 1'/>"));
+  scene.step();
+  const PointArray& v = at<scene::MechanicalState>(scene, "nodes").velocities();
+  EXPECT_TRUE(v.isApprox(rows({{0, 1, -5}, {0, 1, 0}, {0, 1, 0}}), 1e-15)) << v;
+}
+
+TEST(FixedConstraint, HoldsNodeZeroByDefaultAndAllOnRequest) {
+  const auto speeds = [](const std::string& constraint) {
+    scene::Scene scene = read_and_init(four_nodes("<ConstantForceField forces='2 0 0'/>" + constraint));
+    scene.step();
+    return PointArray(at<scene::MechanicalState>(scene, "nodes").velocities());
+  };
+  EXPECT_EQ(speeds("<FixedProjectiveConstraint/>"), rows({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}}));
+  EXPECT_EQ(speeds("<FixedProjectiveConstraint fixAll='true'/>"), PointArray::Zero(4, 3));
+}
+
 // h = .5. The step that begins at t ends with the movement m(t), and with the slope there; from the last key time on
 // the node is free and keeps the last velocity.
 TEST(LinearMovement, LagsByOneStepAndReleasesAtTheLastKey) {

@@ -169,6 +169,16 @@ TEST(SceneReading, AsSofaReadsUnknownThingsArePassedOver) {
     EXPECT_THROW(read_as_sofa(framed(wrong)), scene::SceneError) << wrong;
 }
 
+TEST(SceneReading, IgnoredDrawingIsNotedBookkeepingIsSilent) {
+  scene::Scene scene = read_and_init(
+      "<Node><LineAxis size='3' whatever='@nowhere'/>\n"
+      "<HexahedronSetGeometryAlgorithms template='Vec3d'/></Node>");
+  std::vector<std::string> said;
+  for (const scene::Message& message : scene.diagnostics().take_warnings()) said.push_back(scene::format(message));
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_EQ(said[1], "test.scn:1: note: LineAxis: visual: ignored here");
+}
+
 // The names are SOFA's: v26.06 has components of collision by each of them.
 TEST(SceneReading, ContactIsAnErrorAndAsSofaReadsOneWarning) {
   EXPECT_EQ(errors_of(framed("<CollisionPipeline/>\n<TriangleCollisionModel template='Other' moving='0'/>")),

@@ -11,6 +11,7 @@ namespace {
 using namespace hexaplast;
 using support::at;
 using support::errors_of;
+using support::in_root;
 using support::read_and_init;
 
 // A bar of 2 x 2 x 5 hexahedra, held at one end, pulled aside at the other.
@@ -199,6 +200,29 @@ TEST(MultigridCGLinearSolver, SaysOnceThatABodyHasNoCoarseMeshes) {
   };
   ASSERT_EQ(warnings("multigrid").size(), 1u);
   EXPECT_TRUE(warnings("auto").empty());
+}
+
+TEST(Solvers, DirectAndIterativeAgree) {
+  const auto positions = [](const std::string& solver) {
+    scene::Scene scene = read_and_init(
+        "<Node dt='0.02'><DefaultAnimationLoop/><EulerImplicitSolver/>" + solver +
+        "<RegularGridTopology n='3 2 2'/><MechanicalObject name='nodes'/><DiagonalMass massDensity='100'/>"
+        "<HexahedronElastoplasticFEMForceField/><FixedProjectiveConstraint indices='0 3 6 9'/></Node>");
+    for (int i = 0; i < 10; ++i) scene.step();
+    return PointArray(at<scene::MechanicalState>(scene, "nodes").positions());
+  };
+  const PointArray direct = positions("<SparseLDLSolver/>");
+  EXPECT_LT((positions("<CGLinearSolver iterations='500' tolerance='1e-14' threshold='1e-40'/>") - direct).norm(),
+            1e-10);
+  EXPECT_GT((direct - PointArray(PointArray::Zero(12, 3))).norm(), 1);
+}
+
+TEST(Solvers, OneStateAndAMassAreNeeded) {
+  EXPECT_EQ(errors_of(in_root("", "<MechanicalObject position='0 0 0'/>")),
+            "test.scn:1: error: EulerImplicitSolver: no mass in its node or below, must be at least one");
+  EXPECT_EQ(
+      errors_of("<Node><EulerImplicitSolver/><MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/></Node>"),
+      "test.scn:1: error: EulerImplicitSolver: needs a LinearSolver in its node or above");
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ class Listener final : public scene::Component {
   void end_step(double) override { heard.push_back(std::string(name()) + ": end_step"); }
 };
 
-scene::Scene read_and_init(const std::string& text) {
+scene::Scene read_and_listen(const std::string& text) {
   static scene::Factory factory;
   static scene::PluginLoader loader = [] {
     scene::PluginLoader plugins(factory, {HEXAPLAST_TEST_PLUGINS});
@@ -81,7 +81,7 @@ void tear_layer(scene::Scene& scene, int layer) {
 using Lines = std::vector<std::string>;
 
 TEST(RemovedHexahedra, AreAnnouncedToTheWholeSceneInTheStepInWhichTheyGo) {
-  scene::Scene scene = read_and_init(
+  scene::Scene scene = read_and_listen(
       layers("<Listener name='first'/>", "<Listener name='beside'/>", "<Node><Listener name='below'/></Node>"));
   scene::end_step(scene.root(), 0.01);
   EXPECT_EQ(heard, (Lines{"first: end_step", "beside: end_step", "below: end_step"})) << "nothing went";
@@ -124,7 +124,7 @@ class TornFiles : public testing::Test {
 };
 
 TEST_F(TornFiles, HoldTheCellsOfTheHexahedraThatAreLeft) {
-  scene::Scene scene = read_and_init(layers("", exporter("bar", "hexas='1' quads='1'")));
+  scene::Scene scene = read_and_listen(layers("", exporter("bar", "hexas='1' quads='1'")));
   scene::end_step(scene.root(), 0.01);
   const ImportedMesh whole = read_vtk(path("bar.vtu"));
   EXPECT_EQ(whole.hexahedra.size(), 6u);
@@ -157,7 +157,7 @@ TEST_F(TornFiles, HoldTheSurfaceThatIsLeftAndNothingThatFliesAway) {
       "<MeshTopology quads='0 1 4 3  0 1 2 6'/><IdentityMapping/>" + exporter("copy", "quads='1' edges='0'") +
       "</Node></Node>";
   scene::Scene scene =
-      read_and_init(layers("", "<ConstantForceField name='wind' indices='0-5' forces='0 0 -40'/>", skin));
+      read_and_listen(layers("", "<ConstantForceField name='wind' indices='0-5' forces='0 0 -40'/>", skin));
   const std::vector<Triangle> all = at<scene::Topology>(scene, "bar/skin/triangles").triangles();
   const auto written = [&] { return read_vtk(path("skin.vtu")); };
   scene::end_step(scene.root(), 0.01);
@@ -182,7 +182,7 @@ TEST_F(TornFiles, HoldTheSurfaceThatIsLeftAndNothingThatFliesAway) {
 
 // On the side faces x = 0 of the three layers: a third of the load goes with the middle one.
 TEST(FaceLoads, GoWithTheFacesTheyActOn) {
-  scene::Scene scene = read_and_init(
+  scene::Scene scene = read_and_listen(
       layers("",
              "<SurfacePressureForceField name='surface' pressure='6' min='-1 -1 -1' max='0.01 1 1'/>"
              "<QuadPressureForceField name='quads' pressure='0 5 0' normal='1 0 0' dmin='-0.01' dmax='0.01'/>"));

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "body_state.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/material/rows.hpp"
+#include "support/rows.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::force_of;
+using support::in_root;
+using support::read_and_init;
+
+std::string two_hexahedra(const std::string& body, const std::string& more = "") {
+  return in_root(
+      "gravity='0 0 0' dt='0.02'",
+      "<RegularGridTopology name='grid' n='3 2 2'/><MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
+      "<HexahedronElastoplasticFEMForceField name='body' " +
+          body + "/>" + more);
+}
+
+TEST(BodyField, HandsItsAttributesToTheBody) {
+  scene::Scene scene = read_and_init(two_hexahedra(
+      "youngModulus='1000 2000' poissonRatio='0.3' yieldStress='50 70' yieldNorm='spectral' plasticFlowRate='2' "
+      "rotationYield='0.1' rotationFlowRate='1.5' rotationPlasticity='none' hardening='0.3' volumeRestitution='4' "
+      "inversionThreshold='0.2'"));
+  const Body* body = at<scene::ForceField>(scene, "body").body();
+  ASSERT_TRUE(body);
+  const Model& model = body->state().model;
+  ASSERT_EQ(model.materials.size(), 2u);
+  const Material& second = model.materials[1];
+  EXPECT_EQ(model.materials[0].young_modulus, 1000);
+  EXPECT_EQ(second.young_modulus, 2000);
+  EXPECT_EQ(second.poisson_ratio, 0.3);
+  EXPECT_EQ(model.materials[0].yield_stress, 50);
+  EXPECT_EQ(second.yield_stress, 70);
+  EXPECT_EQ(second.flow_rate, 2);
+  EXPECT_EQ(second.rotation_yield, 0.1);
+  EXPECT_EQ(second.rotation_flow_rate, 1.5);
+  EXPECT_EQ(second.hardening, 0.3);
+  EXPECT_EQ(model.settings.yield_norm, YieldNorm::kSpectral);
+  EXPECT_EQ(model.settings.rotation_plasticity, RotationPlasticity::kNone);
+  EXPECT_EQ(model.settings.volume_restitution, 4);
+  EXPECT_EQ(model.settings.inversion_threshold, 0.2);
+}
+
+// Whatever rows the core has.
+TEST(BodyField, TakesEveryMemberOfMaterialAndSettings) {
+  const auto body_of = [](scene::Scene& scene) { return at<scene::ForceField>(scene, "body").body(); };
+  const auto text_of = [](const auto& row, double value) {
+    const auto place = static_cast<std::size_t>(value);
+    return row.at.type == MemberType::kWord ? std::string(row.words[place]) : fmt::format("{}", value);
+  };
+  for (const Row<Material>& row : material_rows()) {
+    const double value = support::another(row, row.at.get({}));
+    scene::Scene scene = read_and_init(two_hexahedra(fmt::format("{}='{}'", row.name, text_of(row, value))));
+    for (const Row<Material>& other : material_rows())
+      EXPECT_EQ(other.at.get(body_of(scene)->material(0)), &other == &row ? value : other.at.get({})) << other.name;
+  }
+  for (const Row<Settings>& row : settings_rows()) {
+    Settings expected;
+    row.at.set(expected, support::another(row, row.at.get({})));
+    scene::Scene scene =
+        read_and_init(two_hexahedra(fmt::format("{}='{}'", row.name, text_of(row, row.at.get(expected)))));
+    EXPECT_EQ(body_of(scene)->settings(), expected) << row.name;
+  }
+}
+
+TEST(BodyField, ShowsItsPlasticState) {
+  scene::Scene scene =
+      read_and_init(two_hexahedra("youngModulus='1000' yieldStress='5' plasticFlowRate='5' hardening='1'"));
+  auto& field = at<scene::ForceField>(scene, "body");
+  at<scene::MechanicalState>(scene, "nodes").positions().col(0) *= 1.3;
+  scene.step();
+  const History& history = field.body()->state().history;
+  EXPECT_GT(field.reals("plasticStrain")[1], 0);
+  EXPECT_GT(field.reals("presentYieldStress")[0], 5);
+  EXPECT_NEAR(field.reals("volumeRatio")[0], 1, 1e-3);
+  EXPECT_EQ(PointArray(field.vectors3("materialPositions")), history.material);
+  EXPECT_TRUE(field.integers("removed").empty());
+  field.remove_elements(std::vector<int>{1});
+  EXPECT_EQ(field.integers("removed"), std::vector<std::int64_t>{1});
+  EXPECT_EQ(field.reals("volumeRatio")[1], 0);
+}
+
+TEST(BodyField, MayBecomeOfAnotherMaterialDuringTheRun) {
+  scene::Scene scene = read_and_init(two_hexahedra("youngModulus='1000' yieldStress='5' plasticFlowRate='5'"));
+  auto& field = at<scene::ForceField>(scene, "body");
+  at<scene::MechanicalState>(scene, "nodes").positions().col(0) *= 1.3;
+  scene.step();
+  const double strain = field.reals("plasticStrain")[0];
+  field.find_data("youngModulus")->give(std::vector<double>{1000, 3000}, {});
+  scene.step();
+  EXPECT_EQ(field.body()->material(1).young_modulus, 3000);
+  EXPECT_GE(field.reals("plasticStrain")[0], strain);
+
+  EXPECT_THROW(field.find_data("youngModulus")->give(std::vector<double>{-1}, {}), InputError);
+  EXPECT_THROW(field.find_data("removed")->give(std::vector<std::int64_t>{1}, {}), InputError);
+  field.find_data("gradient")->give(std::string("vertex"), {});
+  EXPECT_THROW(scene.step(), scene::SceneError);
+}
+
+TEST(BodyField, IsElasticByDefault) {
+  scene::Scene scene = read_and_init(two_hexahedra(
+      "", "<ConstantForceField indices='2' forces='0 90 0'/><FixedProjectiveConstraint indices='0 3 6 9'/>"));
+  const auto& field = at<scene::ForceField>(scene, "body");
+  for (int i = 0; i < 50; ++i) {
+    scene.step();
+    EXPECT_EQ(field.flow_report()->yielded, 0);
+  }
+  EXPECT_EQ(field.body()->plastic_rest_positions(), field.body()->mesh().positions());
+}
+
+TEST(BodyField, FlowsOnceAtTheEndOfEachStep) {
+  scene::Scene scene = read_and_init(two_hexahedra(
+      "yieldStress='10' plasticFlowRate='2'",
+      "<ConstantForceField indices='2 5 8 11' forces='60 0 0'/><FixedProjectiveConstraint indices='0 3 6 9'/>"));
+  const auto& field = at<scene::ForceField>(scene, "body");
+  const long before = field.body()->state().history.version;
+  force_of(scene, "body", 0);
+  EXPECT_EQ(field.body()->state().history.version, before);
+  for (int i = 0; i < 60; ++i) scene.step();
+  EXPECT_GT(field.body()->state().history.version, before);
+  EXPECT_EQ(field.flow_report()->yielded, 2);
+  EXPECT_GT(field.body()->plastic_rest_positions().col(0).maxCoeff(), 1.01);
+
+  scene.reset();
+  EXPECT_EQ(field.body()->plastic_rest_positions(), field.body()->mesh().positions());
+}
+
+// The object's own damping enters the system matrix alone: A = M - h(h + s) K against M - h(h + r) K; the right-hand
+// side of a body at rest does not see either, so that one step from rest is the same.
+TEST(BodyField, OwnStiffnessDampingEntersTheMatrixAlone) {
+  const auto first_velocities = [](const std::string& solver_damping, const std::string& own_damping) {
+    scene::Scene scene = read_and_init(
+        "<Node gravity='0 0 0' dt='0.02'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='" +
+        solver_damping +
+        "'/><SparseLDLSolver/><RegularGridTopology n='3 2 2'/><MechanicalObject name='nodes'/><DiagonalMass "
+        "massDensity='1000'/>"
+        "<HexahedronElastoplasticFEMForceField rayleighStiffness='" +
+        own_damping +
+        "'/><ConstantForceField indices='2' forces='0 90 0'/><FixedProjectiveConstraint indices='0 3 6 9'/></Node>");
+    scene.step();
+    return PointArray(at<scene::MechanicalState>(scene, "nodes").velocities());
+  };
+  const PointArray by_solver = first_velocities("0.3", "0");
+  EXPECT_TRUE(first_velocities("0", "0.3").isApprox(by_solver, 1e-12));
+  EXPECT_FALSE(first_velocities("0", "0").isApprox(by_solver, 1e-2));
+}
+
+TEST(BodyField, RefusesWrongCountsAndUnstableRates) {
+  const std::string field = "test.scn:1: error: HexahedronElastoplasticFEMForceField";
+  EXPECT_EQ(errors_of(two_hexahedra("youngModulus='1 2 3'")),
+            field + ".youngModulus: 3 values given, must be one or 2 (one per hexahedron)");
+  EXPECT_EQ(errors_of(two_hexahedra("poissonRatio=''")),
+            field + ".poissonRatio: 0 values given, must be one or 2 (one per hexahedron)");
+  EXPECT_EQ(errors_of(two_hexahedra("yieldStress='1 2 3'")),
+            field + ".yieldStress: 3 values given, must be one or 2 (one per hexahedron)");
+  EXPECT_NE(errors_of(two_hexahedra("plasticFlowRate='51'")).find(field), std::string::npos);
+  EXPECT_NE(errors_of(two_hexahedra("volumeRestitution='34'")).find(field), std::string::npos);
+}
+
+TEST(BodyField, WarnsOfUnwiseRates) {
+  scene::Scene scene = read_and_init(two_hexahedra("plasticFlowRate='5' volumeRestitution='20'"));
+  EXPECT_EQ(scene.diagnostics().take_warnings().size(), 2u);
+}
+
+TEST(BodyField, StandsBehindItsState) {
+  EXPECT_EQ(errors_of(in_root("",
+                              "<RegularGridTopology/><HexahedronElastoplasticFEMForceField/><MechanicalObject "
+                              "name='nodes'/><UniformMass totalMass='1'/>")),
+            "test.scn:1: error: HexahedronElastoplasticFEMForceField: needs its MechanicalState ('nodes') before it in "
+            "the scene");
+}
+
+}  // namespace

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::four_nodes;
+using support::in_root;
+using support::read_and_init;
+
+using Numbers = std::vector<std::int64_t>;
+
+TEST(BoxROI, CountsItsBorderAsInsideAndSwapsItsCorners) {
+  scene::Scene scene =
+      read_and_init(four_nodes("<BoxROI name='exact' box='1 0 0 1 0 0'/><BoxROI name='swapped' box='1 2 0  -1 -1 0'/>"
+                               "<BoxROI name='two' box='0 0 3 0 0 3  -2 -2 4 0 0 5'/>"));
+  EXPECT_EQ(at<scene::Engine>(scene, "exact").integers("indices"), (Numbers{0}));
+  EXPECT_EQ(at<scene::Engine>(scene, "swapped").integers("indices"), (Numbers{0, 1}));
+  EXPECT_EQ(at<scene::Engine>(scene, "swapped").integers("indicesOut"), (Numbers{2, 3}));
+  EXPECT_EQ(at<scene::Engine>(scene, "two").integers("indices"), (Numbers{2, 3}));
+  EXPECT_EQ(at<scene::Engine>(scene, "two").reals("pointsInROI"), (std::vector<double>{0, 0, 3, -1, -1, 4}));
+}
+
+TEST(BoxROI, TakesHexahedraByAllNodesOrByCentre) {
+  scene::Scene scene = read_and_init(
+      in_root("",
+              "<RegularGridTopology n='4 2 2' max='3 1 1'/><MechanicalObject/><UniformMass totalMass='1'/>"
+              "<BoxROI name='strict' box='0 0 0 2.6 1 1'/>"
+              "<BoxROI name='centre' box='0 0 0 2.6 1 1' strict='false'/>"));
+  EXPECT_EQ(at<scene::Engine>(scene, "strict").integers("hexahedronIndices"), (Numbers{0, 1}));
+  EXPECT_EQ(at<scene::Engine>(scene, "centre").integers("hexahedronIndices"), (Numbers{0, 1, 2}));
+}
+
+TEST(BoxROI, WarnsWhenItHoldsNothing) {
+  scene::Scene scene = read_and_init(four_nodes("<BoxROI box='8 8 8 9 9 9'/>"));
+  const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(scene::format(warnings[0]), "test.scn:1: warning: BoxROI: holds no point");
+}
+
+TEST(BoxROI, FindsCellsOfEveryKindAndTheirNodes) {
+  scene::Scene scene = read_and_init(in_root(
+      "",
+      "<RegularGridTopology n='3 2 2' max='2 1 1'/><MechanicalObject name='nodes'/><UniformMass totalMass='1'/>"
+      "<BoxROI name='roi' box='-1 -1 -1 1.1 2 2'/><BoxROI name='tilted' orientedBox='1 -1 -1  1 2 -1  1 2 2  0.1'/>"
+      "<BoxROI name='own' box='-1 -1 -1 1.1 2 2' triangles='0 1 3  1 2 4' quads='1 2 5 4'/>"));
+  auto& roi = at<scene::Engine>(scene, "roi");
+  EXPECT_EQ(roi.integers("hexahedronIndices"), (Numbers{0}));
+  EXPECT_EQ(roi.integers("hexahedraInROI"), (Numbers{0, 1, 4, 3, 6, 7, 10, 9}));
+  EXPECT_EQ(roi.integers("quadIndices").size(), 6u);
+  EXPECT_EQ(roi.integers("quadsInROI").size(), 24u);
+  EXPECT_EQ(roi.integers("edgeIndices").size(), 12u);
+  EXPECT_EQ(roi.integer("nbIndices"), 8);
+  EXPECT_EQ(at<scene::Engine>(scene, "tilted").integers("indices"), (Numbers{1, 4, 7, 10}));
+  EXPECT_EQ(at<scene::Engine>(scene, "own").integers("triangleIndices"), (Numbers{0}));
+  EXPECT_EQ(at<scene::Engine>(scene, "own").integers("trianglesInROI"), (Numbers{0, 1, 3}));
+  EXPECT_EQ(at<scene::Engine>(scene, "own").integers("quadIndices"), (Numbers{}));
+  EXPECT_EQ(errors_of(four_nodes("<BoxROI orientedBox='1 2 3'/>")),
+            "test.scn:1: error: BoxROI.orientedBox: 3 numbers given, must be groups of 10");
+}
+
+TEST(BoxROI, RefusesCellsOfNodesThatAreNotThereThoughNobodyAsksForThem) {
+  const std::string error =
+      errors_of(in_root("",
+                        "<RegularGridTopology n='3 2 2' max='2 1 1'/><MechanicalObject/><UniformMass totalMass='1'/>"
+                        "<BoxROI name='roi' box='-1 -1 -1 1.1 2 2' quads='1 2 5 12'/>"));
+  EXPECT_NE(error.find("12"), std::string::npos) << error;
+}
+
+TEST(SphereROI, CountsItsSurfaceAsInside) {
+  scene::Scene scene =
+      read_and_init(four_nodes("<SphereROI name='one' centers='0 0 0' radii='2'/>"
+                               "<SphereROI name='two' centers='0 0 4  1 0 1' radii='1 1.5'/>"
+                               "<SphereROI name='same' centers='0 0 3  1 0 0' radii='0.1'/>"));
+  EXPECT_EQ(at<scene::Engine>(scene, "one").integers("indices"), (Numbers{0, 1}));
+  EXPECT_EQ(at<scene::Engine>(scene, "two").integers("indices"), (Numbers{0, 2}));
+  EXPECT_EQ(at<scene::Engine>(scene, "same").integers("indices"), (Numbers{0, 2}));
+  EXPECT_EQ(errors_of(four_nodes("<SphereROI centers='0 0 0' radii='1 2'/>")),
+            "test.scn:1: error: SphereROI.radii: 2 radii given for 1 centers, must be one or as many");
+}
+
+}  // namespace
