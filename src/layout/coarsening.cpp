@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <unordered_map>
+
+#include "hexaplast/base/disjoint_sets.hpp"
+#include "mesh/neighbours.hpp"
 
 namespace hexaplast {
 
@@ -51,34 +53,11 @@ Lattice least(const std::array<Lattice, kCorners>& corners) {
   return low;
 }
 
-/// Charts::across.
-std::vector<std::array<int, 6>> neighbours(const std::vector<Hexahedron>& hexahedra) {
-  struct Face {
-    Quad nodes;  // sorted
-    int element, side;
-  };
-  std::vector<Face> faces;
-  faces.reserve(hexahedra.size() * 6);
-  for (int e = 0; e < static_cast<int>(hexahedra.size()); ++e)
-    for (int side = 0; side < 6; ++side) faces.push_back({sorted(face_of(hexahedra[e], kFaces[side])), e, side});
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
-    return a.nodes != b.nodes ? a.nodes < b.nodes : a.element < b.element;
-  });
-  std::vector<std::array<int, 6>> across(hexahedra.size());
-  for (auto& row : across) row.fill(-1);
-  for (std::size_t k = 1; k < faces.size(); ++k) {
-    if (faces[k].nodes != faces[k - 1].nodes) continue;
-    across[faces[k].element][faces[k].side] = faces[k - 1].element;
-    across[faces[k - 1].element][faces[k - 1].side] = faces[k].element;
-  }
-  return across;
-}
-
 /// Follows neighbours across faces from a seed; an element that would land on a place that is taken starts a chart of
 /// its own.
 Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
   Charts charts;
-  charts.across = neighbours(hexahedra);
+  charts.across = neighbours_across_faces(hexahedra);
   charts.chart.assign(hexahedra.size(), -1);
   charts.corners.resize(hexahedra.size());
   NumberAtPlace taken;
@@ -178,12 +157,6 @@ Cells find_cells(const Charts& charts) {
     cells.children[found->second][corner_at(low[0] % 2, low[1] % 2, low[2] % 2)] = static_cast<int>(e);
   }
   return cells;
-}
-
-/// Root of a node in a forest of merged nodes.
-int root(std::vector<int>& parent, int node) {
-  while (parent[node] != node) node = parent[node] = parent[parent[node]];
-  return node;
 }
 
 /// Whether cells of elements that share a face share a corner. They do not across a seam of two charts at which the
@@ -304,14 +277,15 @@ std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& 
   // coarse nodes: one per even place of a chart, merged where charts, or two ends of one, share a node of the mesh
   Coarsening out;
   NumberAtPlace node_at;
-  std::vector<int> parent, coarse_of_fine(static_cast<std::size_t>(num_nodes), -1);
+  DisjointSets merged;
+  std::vector<int> coarse_of_fine(static_cast<std::size_t>(num_nodes), -1);
   out.cells.resize(cells.place.size());
   for (int c = 0; c < cells.count(); ++c)
     for (int a = 0; a < kCorners; ++a) {
       Lattice place = cells.place[c];
       for (int d = 0; d < 3; ++d) place[d] += kCornerSign[a][d] > 0;
-      const auto [found, is_new] = node_at.emplace(ChartPlace{cells.chart[c], place}, static_cast<int>(parent.size()));
-      if (is_new) parent.push_back(found->second);
+      const auto [found, is_new] = node_at.emplace(ChartPlace{cells.chart[c], place}, merged.num_members());
+      if (is_new) merged.add();
       out.cells[c][a] = found->second;
       const int child = cells.children[c][a];
       if (child < 0) continue;
@@ -322,13 +296,13 @@ std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& 
         if (coarse < 0)
           coarse = found->second;
         else
-          parent[root(parent, found->second)] = root(parent, coarse);
+          merged.join(coarse, found->second);
       }
     }
-  std::vector<int> number(parent.size(), -1);
+  std::vector<int> number(static_cast<std::size_t>(merged.num_members()), -1);
   for (Hexahedron& cell : out.cells)
     for (int& node : cell) {
-      int& at = number[root(parent, node)];
+      int& at = number[merged.root(node)];
       if (at < 0) at = out.num_nodes++;
       node = at;
     }
@@ -339,7 +313,7 @@ std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& 
   if (!are_connected(charts, cells, out.cells)) return std::nullopt;
   out.fine_node.resize(static_cast<std::size_t>(out.num_nodes), -1);
   for (int n = 0; n < num_nodes; ++n)
-    if (coarse_of_fine[n] >= 0) out.fine_node[number[root(parent, coarse_of_fine[n])]] = n;
+    if (coarse_of_fine[n] >= 0) out.fine_node[number[merged.root(coarse_of_fine[n])]] = n;
 
   out.children = cells.children;
   out.prolongation = trilinear(num_nodes, hexahedra, charts, cells, out.cells);

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "hexaplast/base/disjoint_sets.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/neighbours.hpp"
 #include "mesh/offenders.hpp"
 
 namespace hexaplast {
@@ -68,24 +68,14 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
 }
 
 std::vector<Quad> HexMesh::boundary_faces(std::span<const unsigned char> alive) const {
-  struct Face {
-    Quad corners;
-    int count = 0;
-  };
-  std::map<Quad, Face> faces;  // by sorted corners
+  const std::vector<std::array<int, 6>> across = neighbours_across_faces(hexahedra_, alive);
+  std::vector<Quad> boundary;
   for (int e = 0; e < num_elements(); ++e) {
     if (!alive.empty() && !alive[e]) continue;
-    const Hexahedron& hexahedron = hexahedra_[e];
-    for (const auto& local : kFaces) {
-      const Quad corners = face_of(hexahedron, local);
-      Face& face = faces[sorted(corners)];
-      face.corners = corners;
-      ++face.count;
-    }
+    for (int side = 0; side < 6; ++side)
+      if (across[e][side] < 0) boundary.push_back(face_of(hexahedra_[e], kFaces[side]));
   }
-  std::vector<Quad> boundary;
-  for (const auto& [key, face] : faces)
-    if (face.count == 1) boundary.push_back(face.corners);
+  std::ranges::sort(boundary, {}, [](const Quad& face) { return sorted(face); });
   return boundary;
 }
 

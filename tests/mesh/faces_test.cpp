@@ -7,6 +7,7 @@
 #include <set>
 
 #include "hexaplast/mesh/selection.hpp"
+#include "mesh/neighbours.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
@@ -61,6 +62,30 @@ TEST(Faces, OfAGridAreThoseOfItsCells) {
   EXPECT_GT(doubled_normal(quads.front(), mesh.positions()).z(), 0);
   EXPECT_LT(doubled_normal(quads[2 * 3 * 5], mesh.positions()).y(), 0);
   EXPECT_GT(doubled_normal(quads.back(), mesh.positions()).x(), 0);
+}
+
+// In a block the neighbours are a step away along the lattice of cells.
+TEST(Faces, LeadToTheElementsBeyondThem) {
+  const std::array<int, 3> cells = {2, 3, 4};
+  const std::vector<Hexahedron> hexahedra = block(cells, 1).hexahedra();
+  std::vector<unsigned char> alive(hexahedra.size(), 1);
+  const int gone = 1 + 2 * (1 + 3 * 2);
+  alive[gone] = 0;
+  const auto all = neighbours_across_faces(hexahedra), some = neighbours_across_faces(hexahedra, alive);
+  for (int e = 0; e < 24; ++e)
+    for (int side = 0; side < 6; ++side) {
+      std::array<int, 3> at = {e % 2, e / 2 % 3, e / 6};
+      for (int d = 0; d < 3; ++d) {  // the direction in which the four corners of the face agree
+        const auto end_of = [&](int corner) { return kCornerSign[corner][d] > 0 ? 1 : -1; };
+        const int end = end_of(kFaces[side][0]);
+        if (std::ranges::all_of(kFaces[side], [&](int corner) { return end_of(corner) == end; })) at[d] += end;
+      }
+      bool is_inside = true;
+      for (int d = 0; d < 3; ++d) is_inside = is_inside && at[d] >= 0 && at[d] < cells[d];
+      const int beyond = is_inside ? at[0] + 2 * (at[1] + 3 * at[2]) : -1;
+      EXPECT_EQ(all[e][side], beyond) << e << ", " << side;
+      EXPECT_EQ(some[e][side], e == gone || beyond == gone ? -1 : beyond) << e << ", " << side;
+    }
 }
 
 TEST(Faces, NodalMeansCountTheHexahedraThatAreLeft) {

@@ -7,11 +7,17 @@
 
 namespace hexaplast {
 
-/// Sets of the numbers [0, count) that grow together (union-find); every number is at first alone.
+/// Sets of the numbers from 0 that grow together (union-find); every number is at first alone.
 class DisjointSets {
  public:
-  explicit DisjointSets(int count) : parent_(static_cast<std::size_t>(count)), num_sets_(count) {
+  explicit DisjointSets(int count = 0) : parent_(static_cast<std::size_t>(count)), num_sets_(count) {
     std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  /// One number more.
+  void add() {
+    parent_.push_back(num_members());
+    ++num_sets_;
   }
 
   /// The set of `b` joins that of `a`, whose root stays.
@@ -30,6 +36,7 @@ class DisjointSets {
     return static_cast<int>(at);
   }
 
+  int num_members() const { return static_cast<int>(parent_.size()); }
   int num_sets() const { return num_sets_; }
 
  private:
