@@ -56,6 +56,21 @@ void subtract_product(MultigridLevel<T>& level) {
   });
 }
 
+/// The nodes of a chunk from those of another mesh, summed in single precision.
+template <class From, class To>
+void map_nodes(const NodalMap& map, const Partition& partition, int chunk, const AlignedVector<From>& from,
+               AlignedVector<To>& to) {
+  for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
+    float sum[4] = {0, 0, 0, 0};
+    for (int k = map.first[slot]; k < map.first[slot + 1]; ++k) {
+      const From* node = from.data() + 4 * static_cast<std::size_t>(map.column[k]);
+      for (int i = 0; i < 4; ++i) sum[i] += map.weight[k] * static_cast<float>(node[i]);
+    }
+    To* node = to.data() + 4 * static_cast<std::size_t>(slot);
+    for (int i = 0; i < 4; ++i) node[i] = static_cast<To>(sum[i]);
+  }
+}
+
 /// sum a b over the nodes, added chunk by chunk
 template <class T>
 double dot(MultigridLevel<T>& level, const AlignedVector<T>& a, const AlignedVector<T>& b) {
@@ -278,15 +293,7 @@ void Multigrid<T>::restrict_to(MultigridLevel<Finer>& finer, int coarse) {
   const NodalMap& map = operators_[coarse].mesh->restriction;
   const Partition& partition = level.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
-      float sum[4] = {0, 0, 0, 0};
-      for (int k = map.first[slot]; k < map.first[slot + 1]; ++k) {
-        const Finer* from = finer.r.data() + 4 * static_cast<std::size_t>(map.column[k]);
-        for (int i = 0; i < 4; ++i) sum[i] += map.weight[k] * static_cast<float>(from[i]);
-      }
-      float* to = level.r.data() + 4 * static_cast<std::size_t>(slot);
-      for (int i = 0; i < 4; ++i) to[i] = sum[i];
-    }
+    map_nodes(map, partition, chunk, finer.r, level.r);
     level.fixed.clear(chunk, level.r);
     const auto [first, size] = OwnedRange(partition, chunk);
     std::fill_n(level.x.begin() + static_cast<std::ptrdiff_t>(first), size, 0.0f);
@@ -303,15 +310,7 @@ void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
   const NodalMap& map = operators_[coarse].mesh->prolongation;
   const Partition& partition = finer.op->partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
-      float sum[4] = {0, 0, 0, 0};
-      for (int k = map.first[slot]; k < map.first[slot + 1]; ++k) {
-        const float* from = level.x.data() + 4 * static_cast<std::size_t>(map.column[k]);
-        for (int i = 0; i < 4; ++i) sum[i] += map.weight[k] * from[i];
-      }
-      Finer* to = finer.d.data() + 4 * static_cast<std::size_t>(slot);
-      for (int i = 0; i < 4; ++i) to[i] = static_cast<Finer>(sum[i]);
-    }
+    map_nodes(map, partition, chunk, level.x, finer.d);
     if (!finer.blocks.empty()) finer.blocks.follow(chunk, finer.d);
     finer.fixed.clear(chunk, finer.d);
     const auto [first, size] = OwnedRange(partition, chunk);
