@@ -73,20 +73,4 @@ ElementPoints sample_gradient(const RestOperator& rest, int sample) {
   return gradient;
 }
 
-ElementPoints gradient_transpose(const RestOperator& rest, const std::array<Mat3, kCorners>& tensors) {
-  Mat3 sum = Mat3::Zero();
-  for (const Mat3& T : tensors) sum += T;
-
-  ElementPoints f = rest.shared_gradient * sum.transpose();
-  for (int i = 0; i < kCorners; ++i) {
-    const Mat3 along_edges = rest.corner_share * tensors[i] * rest.inverse_jacobian[i].transpose();
-    for (int d = 0; d < 3; ++d) {
-      const Eigen::RowVector3d half_edge = 0.5 * kCornerSign[i][d] * along_edges.col(d).transpose();
-      f.row(i) += half_edge;
-      f.row(kEdgeNeighbour[i][d]) -= half_edge;
-    }
-  }
-  return f;
-}
-
 }  // namespace hexaplast

@@ -53,7 +53,4 @@ std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const
 /// g~_ia, one row per corner a: dF~_i = sum_a dxh_a (x) g~_ia.
 ElementPoints sample_gradient(const RestOperator& rest, int sample);
 
-/// Transpose of deformation_gradients: f_a = sum_i T_i g~_ia, for one tensor T_i per sample.
-ElementPoints gradient_transpose(const RestOperator& rest, const std::array<Mat3, kCorners>& tensors);
-
 }  // namespace hexaplast

@@ -95,15 +95,14 @@ Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
     const RestOperator rest = rest_operator(gather(model.mesh.positions(), corners), model.settings.gradient);
     const auto F = deformation_gradients(rest, gather(x, corners)),
                dF = deformation_gradients(rest, gather(p, corners));
-    std::array<Mat3, kCorners> P, dP;
+    ElementPoints f = ElementPoints::Zero(), k = ElementPoints::Zero();
     for (int i = 0; i < kCorners; ++i) {
+      const ElementPoints gradient = rest.volume / kCorners * sample_gradient(rest, i);
       const Polar at = polar(F[i]);
-      P[i] = at.R * stress(at.S, model.lame[e]);
+      f -= gradient * (at.R * stress(at.S, model.lame[e])).transpose();
+      k += gradient * stress_increment(at.R, dF[i], model.lame[e]).transpose();
       sum.energy += rest.volume / kCorners * energy_density(at.S, model.lame[e]);
-      dP[i] = stress_increment(at.R, dF[i], model.lame[e]);
     }
-    const ElementPoints f = -rest.volume / kCorners * gradient_transpose(rest, P),
-                        k = rest.volume / kCorners * gradient_transpose(rest, dP);
     for (int a = 0; a < kCorners; ++a) {
       sum.force.row(corners[a]) += f.row(a);
       sum.product.row(corners[a]) += k.row(a);

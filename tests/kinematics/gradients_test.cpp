@@ -149,17 +149,5 @@ TEST(SampleGradient, BuildsTheDeformationGradient) {
     EXPECT_TRUE(support::agrees(world.transpose() * sample_gradient(rest, q), F[q], 1e-12));
 }
 
-TEST(GradientTranspose, IsTheAdjoint) {
-  Random random(35);
-  const RestOperator rest = rest_operator(support::distorted_hexahedron(0.1, 0.2, 36));
-  const ElementPoints world = support::distorted_hexahedron(0.1, 0.4, 37);
-  std::array<Mat3, kCorners> tensors;
-  for (Mat3& T : tensors) T = random.matrix(1);
-  const auto F = deformation_gradients(rest, world);
-  double work = 0;
-  for (int q = 0; q < kCorners; ++q) work += tensors[q].cwiseProduct(F[q]).sum();
-  EXPECT_NEAR(gradient_transpose(rest, tensors).cwiseProduct(world).sum(), work, 1e-12 * std::abs(work));
-}
-
 }  // namespace
 }  // namespace hexaplast
