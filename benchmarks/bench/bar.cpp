@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <random>
 
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
@@ -18,21 +17,11 @@ constexpr double kDensity = 1000;  // [kg/m^3]
 HexMesh make_mesh(const BarSettings& settings) {
   const std::array<int, 3> cells = cells_for(settings.size);
   const double h = kBarLength / cells[2];
-  HexMesh grid = regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * h, cells[1] * h, kBarLength));
-  if (!settings.distorted) return grid;
-
-  PointArray X = grid.positions();
-  std::minstd_rand random(1);
-  for (int n = 0; n < X.rows(); ++n)
-    for (int axis = 0; axis < 3; ++axis) {
-      const double unit = static_cast<double>(random()) / std::minstd_rand::max();
-      if (axis < 2 || (X(n, 2) > 0 && X(n, 2) < kBarLength)) X(n, axis) += 0.1 * h * (2 * unit - 1);
-    }
-  return HexMesh(X, grid.hexahedra());
+  return regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * h, cells[1] * h, kBarLength));
 }
 
 Material make_material(const BarSettings& settings) {
-  Material material{.young_modulus = settings.young_modulus, .poisson_ratio = 0.45};
+  Material material{.young_modulus = 5000, .poisson_ratio = 0.45};
   if (settings.mode == Mode::kElastic) return material;
   material.flow_rate = 2;
   material.hardening = 0.2;

@@ -22,8 +22,6 @@ struct BarSettings {
   int size = 1000;  ///< hexahedra asked for; see cells_for
   Mode mode = Mode::kElastic;
   Precision precision = Precision::kDouble;
-  double young_modulus = 5000;  ///< [Pa]
-  bool distorted = false;       ///< nodes shaken by a tenth of an edge, so that no hexahedron is a parallelepiped
 };
 
 inline constexpr double kBarLength = 0.2;  ///< [m]
@@ -33,8 +31,8 @@ inline constexpr double kBarDt = 0.01;     ///< [s]
 /// and 100 thousand.
 std::array<int, 3> cells_for(int size);
 
-/// The body that everything is measured on: a soft-tissue bar of .2 m (nu = .45, 1000 kg/m^3), clamped at one end,
-/// under gravity across its length. Lumped masses, implicit Euler without damping.
+/// The body that everything is measured on: a soft-tissue bar of .2 m (E = 5 kPa, nu = .45, 1000 kg/m^3), clamped at
+/// one end, under gravity across its length. Lumped masses, implicit Euler without damping.
 class Bar final : public MechanicalSystem {
  public:
   explicit Bar(const BarSettings& settings);

@@ -157,9 +157,7 @@ class SizeRun {
   }
 
  private:
-  BarSettings settings(Mode mode, Precision precision) const {
-    return {size_, mode, precision, options_.young_modulus, options_.distorted};
-  }
+  BarSettings settings(Mode mode, Precision precision) const { return {size_, mode, precision}; }
 
   std::vector<Solver> solvers_for(Precision precision) {
     std::vector<Solver> solvers;
@@ -243,7 +241,7 @@ class SizeRun {
     const StepTimes times(std::move(ms));
     Record record;
     record.size = bar.num_elements();
-    record.shape = options_.distorted ? "general" : "box";
+    record.shape = "box";
     record.mode = name(mode);
     record.precision = precision == Precision::kDouble ? "double" : "mixed";
     record.solver = solver.name;

@@ -14,9 +14,7 @@ namespace hexaplast::bench {
 struct Options {
   std::vector<int> sizes{1000, 10000, 100000};  ///< hexahedra
   std::vector<int> threads{1, 2};
-  bool quick = false;           ///< 25 iterations and one converged solver only, few repetitions
-  double young_modulus = 5000;  ///< [Pa]
-  bool distorted = false;       ///< no hexahedron a parallelepiped
+  bool quick = false;  ///< 25 iterations and one converged solver only, few repetitions
 };
 
 struct Outcome {

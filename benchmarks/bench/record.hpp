@@ -14,7 +14,7 @@ inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 struct Record {
   // what was measured
   int size = 0;           ///< hexahedra
-  std::string shape;      ///< box: every rest shape a parallelepiped at the start; general; or the name of a scene
+  std::string shape;      ///< box: every rest shape a parallelepiped at the start; or the name of a scene
   std::string mode;       ///< elastic, plastic_idle, plastic
   std::string precision;  ///< double, mixed
   std::string solver;     ///< cg, jacobi, multigrid, auto; or the scene's

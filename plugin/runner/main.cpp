@@ -342,12 +342,6 @@ void add_bench(CLI::App& app, BenchOptions& options) {
       ->delimiter(',')
       ->check(CLI::Range(1, kMaxThreads));
   CLI::Option* quick = bench->add_flag("--quick", options.quick, "One iteration count, one solver, few repetitions");
-  CLI::Option* young =
-      bench->add_option("--young", options.young_modulus, "Young's modulus of the bars [Pa]. Default 5000")
-          ->type_name("E")
-          ->check(CLI::Range(1.0, 1e12));
-  CLI::Option* distorted =
-      bench->add_flag("--distorted", options.distorted, "Bars of which no hexahedron is a parallelepiped");
   bench->add_option("--simd", options.simd, "Instruction set of the kernels; otherwise the machine's best")
       ->type_name("TARGET");
   CLI::Option* baseline =
@@ -362,9 +356,7 @@ void add_bench(CLI::App& app, BenchOptions& options) {
   bench->add_option("--scene", options.scene.file, "Measure a scene instead of the bars")
       ->type_name("SCENE")
       ->excludes(sizes)
-      ->excludes(quick)
-      ->excludes(young)
-      ->excludes(distorted);
+      ->excludes(quick);
   add_plugin_options(*bench, options.scene.plugins, options.scene.plugin_path);
 }
 

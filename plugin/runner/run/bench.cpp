@@ -114,8 +114,6 @@ bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
   for (const std::string& size : options.sizes) wanted.sizes.push_back(parse_size(size));
   wanted.threads = options.threads;
   wanted.quick = options.quick;
-  wanted.young_modulus = options.young_modulus;
-  wanted.distorted = options.distorted;
 
   const bench::MachineLimits limits(options.threads);
   if (prints) {

@@ -16,8 +16,6 @@ struct BenchOptions {
   std::vector<std::string> sizes{"1k", "10k", "100k"};
   std::vector<int> threads{1, 2};
   bool quick = false;
-  double young_modulus = 5000;  ///< [Pa]
-  bool distorted = false;
   std::string simd;  ///< instruction set; empty: the best
   std::optional<std::filesystem::path> baseline;
   double ratio = 0.5;  ///< of the baseline's lead over the dense peer
