@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <type_traits>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
@@ -418,11 +419,16 @@ void open_standard_streams() {
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", access) != stream) std::_Exit(kInputOutput);
 }
 
-/// Carries out a subcommand and turns what it throws into a message about `subject` and an exit code.
+/// Carries out a subcommand, which may return an exit code, and turns what it throws into a message about `subject` and
+/// an exit code.
 template <class Action>
 int report_errors(const std::string& subject, const Action& action) {
   try {
-    const int code = action();
+    int code = kOk;
+    if constexpr (std::is_void_v<decltype(action())>)
+      action();
+    else
+      code = action();
     flush_standard_output();
     return code;
   } catch (const UsageError& error) {
@@ -453,10 +459,7 @@ int report_errors(const std::string& subject, const Action& action) {
 int run_mesh(const CLI::App& mesh, const MeshOptions& options) {
   const std::string command = mesh.get_subcommands().front()->get_name();
   const auto done = [&](const std::filesystem::path& subject, const auto& action, const auto& its_options) {
-    return report_errors(subject.string(), [&] {
-      action(its_options);
-      return kOk;
-    });
+    return report_errors(subject.string(), [&] { action(its_options); });
   };
   if (command == "offset") return done(options.offset.surface, make_shell, options.offset);
   if (command == "cage") return done(options.cage.surface, make_cage, options.cage);
@@ -520,41 +523,18 @@ int main(int argc, char** argv) {
     return report_errors("hexaplast", [&] {
       fmt::print("{}",
                  page_format == "man" ? man_page(app, HEXAPLAST_VERSION) : bash_completion(app, component_names()));
-      return kOk;
     });
-  if (app.got_subcommand("element"))
-    return report_errors(element_options.file, [&] {
-      run_element(element_options);
-      return kOk;
-    });
+  if (app.got_subcommand("element")) return report_errors(element_options.file, [&] { run_element(element_options); });
   if (app.got_subcommand("mesh")) return run_mesh(*app.get_subcommand("mesh"), mesh_options);
   if (app.got_subcommand("check"))
-    return report_errors(check_options.scene.file.string(), [&] {
-      check(check_options);
-      return kOk;
-    });
-  if (app.got_subcommand("compare"))
-    return report_errors("hexaplast compare", [&] {
-      compare(compare_options);
-      return kOk;
-    });
+    return report_errors(check_options.scene.file.string(), [&] { check(check_options); });
+  if (app.got_subcommand("compare")) return report_errors("hexaplast compare", [&] { compare(compare_options); });
   if (app.got_subcommand("bench")) {
     const bool has_scene = !bench_options.scene.file.empty();
-    return report_errors(has_scene ? bench_options.scene.file.string() : "hexaplast", [&] {
-      bench(bench_options);
-      return kOk;
-    });
+    return report_errors(has_scene ? bench_options.scene.file.string() : "hexaplast", [&] { bench(bench_options); });
   }
-  if (app.got_subcommand("list"))
-    return report_errors("hexaplast", [&] {
-      list(list_options);
-      return kOk;
-    });
-  if (app.got_subcommand("render"))
-    return report_errors(render_options.run.string(), [&] {
-      render(render_options);
-      return kOk;
-    });
+  if (app.got_subcommand("list")) return report_errors("hexaplast", [&] { list(list_options); });
+  if (app.got_subcommand("render")) return report_errors(render_options.run.string(), [&] { render(render_options); });
   if (app.got_subcommand("sweep"))
     return report_errors(sweep_options.scene.file.string(), [&] { return sweep(sweep_options); });
   if (app.got_subcommand("fit"))
