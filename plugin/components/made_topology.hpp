@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <optional>
+
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
@@ -12,6 +14,17 @@ class MadeTopology : public scene::Topology {
   using Topology::Topology;
 
   void provide(scene::Data& output) override;
+
+  const std::vector<Quad>& quads() final;
+  const std::vector<Edge>& edges() final;
+
+ private:
+  // those of the hexahedra, in their order, where a topology has no order of its own
+  virtual std::vector<Quad> make_quads();
+  virtual std::vector<Edge> make_edges();
+
+  std::optional<std::vector<Quad>> quads_;
+  std::optional<std::vector<Edge>> edges_;
 };
 
 }  // namespace hexaplast::components

@@ -7,7 +7,6 @@
 #include "components/made_topology.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/faces.hpp"
 #include "parts/grids.hpp"
 
 namespace hexaplast::components {
@@ -21,14 +20,6 @@ class ShapeTopology : public MadeTopology {
 
   const PointArray& positions() override { return mesh().positions(); }
   const std::vector<Hexahedron>& hexahedra() override { return mesh().hexahedra(); }
-  const std::vector<Quad>& quads() override {
-    if (!quads_) quads_ = faces_of(hexahedra());
-    return *quads_;
-  }
-  const std::vector<Edge>& edges() override {
-    if (!edges_) edges_ = edges_of(hexahedra());
-    return *edges_;
-  }
 
  protected:
   virtual HexMesh make() = 0;
@@ -50,8 +41,6 @@ class ShapeTopology : public MadeTopology {
   }
 
   std::optional<HexMesh> mesh_;
-  std::optional<std::vector<Quad>> quads_;
-  std::optional<std::vector<Edge>> edges_;
 };
 
 class TubeGridTopology final : public ShapeTopology {

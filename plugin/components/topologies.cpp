@@ -45,16 +45,11 @@ class RegularGridTopology final : public GridTopology {
 
   const PointArray& positions() override { return grid().positions(); }
   const std::vector<Hexahedron>& hexahedra() override { return grid().hexahedra(); }
-  const std::vector<Quad>& quads() override {
-    if (!quads_) quads_ = grid_quads((grid(), cells_));
-    return *quads_;
-  }
-  const std::vector<Edge>& edges() override {
-    if (!edges_) edges_ = grid_edges((grid(), cells_));
-    return *edges_;
-  }
 
  private:
+  std::vector<Quad> make_quads() override { return grid_quads((grid(), cells_)); }
+  std::vector<Edge> make_edges() override { return grid_edges((grid(), cells_)); }
+
   const HexMesh& grid() {
     if (!grid_) {
       const auto [least, most] = corners();
@@ -87,8 +82,6 @@ class RegularGridTopology final : public GridTopology {
 
   std::array<int, 3> cells_{};
   std::optional<HexMesh> grid_;
-  std::optional<std::vector<Quad>> quads_;
-  std::optional<std::vector<Edge>> edges_;
 };
 
 class SparseGridTopology final : public GridTopology {
@@ -106,14 +99,6 @@ class SparseGridTopology final : public GridTopology {
 
   const PointArray& positions() override { return cage().mesh.positions(); }
   const std::vector<Hexahedron>& hexahedra() override { return cage().mesh.hexahedra(); }
-  const std::vector<Quad>& quads() override {
-    if (!quads_) quads_ = faces_of(hexahedra());
-    return *quads_;
-  }
-  const std::vector<Edge>& edges() override {
-    if (!edges_) edges_ = edges_of(hexahedra());
-    return *edges_;
-  }
   std::span<const double> fill() override {
     cage();
     return fill_;
@@ -165,8 +150,6 @@ class SparseGridTopology final : public GridTopology {
   std::optional<Cage> cage_;
   std::vector<double> fill_;
   bool is_refused_ = false;
-  std::optional<std::vector<Quad>> quads_;
-  std::optional<std::vector<Edge>> edges_;
 };
 
 /// MeshTopology and HexahedronSetTopologyContainer.
