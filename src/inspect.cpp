@@ -17,6 +17,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kExactAveraging = 1e-11;  // relative residual
+constexpr double kMostStepsOfPath = 1e9;   // from one point to the next
 
 HexMesh mesh_of(const ElementPoints& original) { return HexMesh(original, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}); }
 
@@ -70,10 +71,17 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   return found;
 }
 
+/// Throws InputError.
+void require_time_step(double dt) {
+  if (!(dt > 0) || !std::isfinite(dt)) throw InputError(fmt::format("dt = {} s: must be in (0, inf)", dt));
+}
+
 HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings, double dt,
                             Names names) {
+  require_time_step(dt);
   Settings exact = settings;
   exact.averaging_tolerance = kExactAveraging;
+  exact.precision = Precision::kDouble;
   const Model model(mesh_of(state.original), {material}, exact);
   check_time_step(model.materials, settings, dt, names);
   const History before = history_of(model, state);
@@ -137,6 +145,7 @@ void follow_path(const ElementPoints& original, const Material& material, const 
                  const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report,
                  Names names) {
   if (path.empty()) throw InputError("a path needs at least one point");
+  require_time_step(dt);
   for (std::size_t k = 1; k < path.size(); ++k)
     if (!(path[k].time > path[k - 1].time))
       throw InputError(fmt::format("path: time {} does not come after {}", path[k].time, path[k - 1].time));
@@ -161,6 +170,9 @@ void follow_path(const ElementPoints& original, const Material& material, const 
   respond(path.front().time, path.front().F);
   for (std::size_t k = 1; k < path.size(); ++k) {
     const double span = path[k].time - path[k - 1].time;
+    if (!(span / dt <= kMostStepsOfPath))
+      throw InputError(fmt::format("dt = {} s: makes {:.3g} steps of the path from {} s to {} s, at most {:.3g}", dt,
+                                   span / dt, path[k - 1].time, path[k].time, kMostStepsOfPath));
     const int steps = std::max(1, static_cast<int>(std::ceil(span / dt * (1 - 1e-9))));
     if (body.can_flow()) check_time_step({material}, settings, span / steps, names);
     for (int n = 1; n <= steps; ++n) {

@@ -106,7 +106,11 @@ LoadedBody loaded(Body& body, const Motion& motion) {
 }
 
 constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 1, "motion"};
-constexpr unsigned char kLed = 2;  // a fixed node that moves in the next step, in a saved motion
+enum Held : unsigned char {
+  kFree,
+  kFixed,
+  kPrescribed  // fixed, and brought to its place by the velocity of the next step
+};
 
 }  // namespace
 
@@ -118,7 +122,7 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
       euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
       dt_(motion.dt),
-      is_fixed_(static_cast<std::size_t>(x.rows()), 0) {
+      held_(static_cast<std::size_t>(x.rows()), kFree) {
   check(motion, body);
   fix(motion.fixed);
 }
@@ -128,13 +132,14 @@ FlowReport MovingBody::step() {
   v_before_ = v;
   memory_before_ = euler_.memory();
   system_.refer_to(body);  // which may have moved together with this
+  for (std::size_t n = 0; n < held_.size(); ++n)
+    if (held_[n] == kFixed) v.row(static_cast<Eigen::Index>(n)).setZero();
   try {
     const SolveReport solved = euler_.step(system_, *solver_, time(), dt_, x, v);
     const FlowReport flowed = body.flow(x, dt_);
     latest = solved;
     ++steps_;
-    for (const int n : led_) v.row(n).setZero();
-    led_.clear();
+    arrive();
     return flowed;
   } catch (...) {
     x = x_before_;
@@ -179,7 +184,7 @@ void MovingBody::fix(std::span<const int> nodes) {
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
   require_rows("MovingBody", "v", v, body.mesh().num_nodes());
   for (const int n : nodes) {
-    is_fixed_[n] = 1;
+    held_[n] = kFixed;
     v.row(n).setZero();
   }
   tell_fixed();
@@ -192,15 +197,18 @@ void MovingBody::lead(std::span<const int> nodes, ConstPoints places) {
   if (!places.allFinite()) throw InputError("a place is not finite");
   require_rows("MovingBody", "x", x, body.mesh().num_nodes());
   fix(nodes);
-  led_.insert(led_.end(), nodes.begin(), nodes.end());
-  for (std::size_t i = 0; i < nodes.size(); ++i)
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    held_[nodes[i]] = kPrescribed;
     v.row(nodes[i]) = (places.row(static_cast<Eigen::Index>(i)) - x.row(nodes[i])) / dt_;
+  }
 }
 
 void MovingBody::release(std::span<const int> nodes) {
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
-  for (const int n : nodes) is_fixed_[n] = 0;
-  std::erase_if(led_, [&](int n) { return !is_fixed_[n]; });
+  for (const int n : nodes) {
+    if (held_[n] == kPrescribed) v.row(n).setZero();  // which was to bring it to its place
+    held_[n] = kFree;
+  }
   tell_fixed();
 }
 
@@ -209,9 +217,17 @@ void MovingBody::reset() {
   euler_.memory().reset();
   x = body.mesh().positions();
   v.setZero();
-  led_.clear();
+  arrive();
   latest = {};
   steps_ = 0;
+}
+
+void MovingBody::arrive() {
+  for (std::size_t n = 0; n < held_.size(); ++n) {
+    if (held_[n] != kPrescribed) continue;
+    v.row(static_cast<Eigen::Index>(n)).setZero();
+    held_[n] = kFixed;
+  }
 }
 
 std::uint64_t MovingBody::identity() const {
@@ -225,8 +241,7 @@ void MovingBody::save(std::ostream& out) const {
   write_saved(out, kSavedMotion, identity(), [&](Archive& archive) {
     PointArray positions = x, velocities = v;
     long steps = steps_;
-    std::vector<unsigned char> held = is_fixed_;
-    for (const int n : led_) held[n] = kLed;
+    std::vector<unsigned char> held = held_;
     SolverMemory memory = euler_.memory();
     archive(positions, velocities, steps, held);
     memory.serialize(archive);
@@ -249,7 +264,8 @@ void MovingBody::load(std::istream& in) {
     return field.rows() == body.mesh().num_nodes() && field.allFinite();
   };
   if (!has_all(positions) || !has_all(velocities) || !(memory.start.rows() == 0 || has_all(memory.start)) ||
-      steps < 0 || held.size() != num_nodes || archive.rest() != 0)
+      steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
+      std::ranges::any_of(held, [](unsigned char how) { return how > kPrescribed; }))
     throw InputError("the saved motion is of another body");
   body.load(in);
 
@@ -258,11 +274,7 @@ void MovingBody::load(std::istream& in) {
   euler_.memory() = std::move(memory);
   steps_ = steps;
   latest = {};
-  led_.clear();
-  for (std::size_t n = 0; n < num_nodes; ++n) {
-    is_fixed_[n] = held[n] != 0;
-    if (held[n] == kLed) led_.push_back(static_cast<int>(n));
-  }
+  held_ = std::move(held);
   tell_fixed();
 }
 
@@ -270,7 +282,7 @@ void MovingBody::tell_fixed() {
   system_.refer_to(body);  // which may have moved together with this
   std::vector<int> fixed;
   for (int n = 0; n < body.mesh().num_nodes(); ++n)
-    if (is_fixed_[n] || mass()[n] == 0) fixed.push_back(n);
+    if (held_[n] != kFree || mass()[n] == 0) fixed.push_back(n);
   system_.fix(std::move(fixed));
 }
 

@@ -135,15 +135,15 @@ class MovingBody {
   PointArray v;  ///< [m/s] num_nodes x 3
 
  private:
-  void tell_fixed();  // the system, what is_fixed_ says
+  void tell_fixed();  // the system, what held_ says
+  void arrive();      // prescribed nodes are fixed from here on
   std::uint64_t identity() const;
 
   LoadedBody system_;
   ImplicitEuler euler_;
   std::unique_ptr<LinearSolver> solver_;
   double dt_;
-  std::vector<unsigned char> is_fixed_;  // per node
-  std::vector<int> led_;                 // fixed nodes that move in the next step
+  std::vector<unsigned char> held_;  // per node: free, fixed, or prescribed for the next step
   long steps_ = 0;
   PointArray x_before_, v_before_;  // of the step under way
   SolverMemory memory_before_;

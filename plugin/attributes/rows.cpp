@@ -7,6 +7,7 @@
 #include <list>
 #include <string>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/material/rows.hpp"
 
 namespace hexaplast::attributes {
@@ -68,7 +69,9 @@ std::span<const Attribute> body_attributes() {
 }
 
 const Attribute& body_attribute(std::string_view name) {
-  return *std::ranges::find(body_attributes(), name, &Attribute::name);
+  const auto found = std::ranges::find(body_attributes(), name, &Attribute::name);
+  if (found == body_attributes().end()) throw InputError(fmt::format("a body has no attribute {}", name));
+  return *found;
 }
 
 std::vector<Attribute> joined(std::span<const Attribute> first, std::span<const Attribute> then) {

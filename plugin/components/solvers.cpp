@@ -40,7 +40,13 @@ class SystemSolver : public scene::OdeSolver {
     system_->project_motion(0);
   }
 
-  void serialize(Archive& archive) override { memory().serialize(archive); }
+  void serialize(Archive& archive) override {
+    SolverMemory saved = memory();
+    saved.serialize(archive);
+    const bool is_ours = saved.start.rows() == 0 || saved.start.rows() == system_->num_nodes();
+    if (!is_ours || !saved.start.allFinite()) throw InputError("the start of a solve is saved of other nodes");
+    memory() = std::move(saved);
+  }
 
   double kinetic_energy() const override { return system_->kinetic_energy(); }
 

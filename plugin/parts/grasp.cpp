@@ -72,11 +72,22 @@ void Grasp::reset() {
 }
 
 void Grasp::serialize(Archive& archive) {
-  archive(grip_.nodes, grip_.arms, has_closed_, elongations_, drag_.x(), drag_.y(), drag_.z());
-  const auto num_held = static_cast<Eigen::Index>(grip_.nodes.size());
-  if (grip_.arms.rows() != num_held || elongations_.rows() != num_held ||
-      std::ranges::any_of(grip_.nodes, [&](int node) { return node < 0 || node >= num_nodes_; }))
+  std::vector<int> nodes = grip_.nodes;
+  PointArray arms = grip_.arms, elongations = elongations_;
+  Vec3 drag = drag_;
+  bool has_closed = has_closed_;
+  archive(nodes, arms, has_closed, elongations, drag.x(), drag.y(), drag.z());
+  const auto num_held = static_cast<Eigen::Index>(nodes.size());
+  if (arms.rows() != num_held || elongations.rows() != num_held ||
+      std::ranges::any_of(nodes, [&](int node) { return node < 0 || node >= num_nodes_; }))
     throw InputError("a grip is saved on nodes that are not there");
+  if (!arms.allFinite() || !elongations.allFinite() || !drag.allFinite())
+    throw InputError("a grip is saved with numbers that are not finite");
+  grip_.nodes = std::move(nodes);
+  grip_.arms = std::move(arms);
+  elongations_ = std::move(elongations);
+  drag_ = drag;
+  has_closed_ = has_closed;
 }
 
 void Grasp::add_force(double time, ConstPoints x, ConstPoints v, Points f) {
@@ -101,7 +112,6 @@ Vec3 Grasp::tool_velocity_at(double time) const {
 }
 
 std::vector<Remark> Grasp::close(double time, ConstPoints x) {
-  has_closed_ = true;
   const Vec3 tool = tool_at(time);
   std::vector<int> held = nodes_near(x, candidates_, tool, *options_.radius);
   std::vector<Remark> warnings;
@@ -112,6 +122,7 @@ std::vector<Remark> Grasp::close(double time, ConstPoints x) {
                      *options_.radius, tool[0], tool[1], tool[2], time)});
   grip_.close(std::move(held), tool, x);
   elongations_ = PointArray::Zero(grip_.arms.rows(), 3);
+  has_closed_ = true;
   return warnings;
 }
 

@@ -124,8 +124,8 @@ void ThreadPool::run(int count, Range range, const void* body) {
   wait_for_those_inside();
   if (done == 0) return;
   const Clock::time_point end = Clock::now();
-  const auto alone = (own_end - begin) * count / done;  // what the loop would have taken
-  if (const auto loss = end - begin - alone; loss > kLoss)
+  const auto alone = (own_end - begin) * (static_cast<double>(count) / done);  // what the loop would have taken
+  if (const auto loss = std::chrono::duration_cast<Clock::duration>(end - begin - alone); loss > kLoss)
     alone_until_ = end + kAlonePerLoss * std::min<Clock::duration>(loss, kMostLoss);
 }
 

@@ -128,20 +128,6 @@ void DoublePrecisionOperator::add_product(int chunk, double factor, const double
   add_exact_product(*model_, *at_, chunk, factor, p, Ap);
 }
 
-void DoublePrecisionOperator::add_diagonal(int chunk, double factor, double* diagonal) const {
-  std::visit(
-      [&]<class T, class Coef>(const ElementOperator<T, Coef>& op) {
-        if constexpr (std::is_same_v<T, double>) {
-          op.add_diagonal(chunk, factor, diagonal);
-        } else {
-          AlignedVector<T> single = slot_vector<T>(op.partition());
-          op.add_diagonal(chunk, static_cast<T>(factor), single.data());
-          for (std::size_t i = 0; i < single.size(); ++i) diagonal[i] += static_cast<double>(single[i]);
-        }
-      },
-      at_->op);
-}
-
 void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, SlotScratch& slots,
                            ProductWorkspace& work, Points df) {
   std::visit(

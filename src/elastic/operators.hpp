@@ -24,7 +24,7 @@ void add_force(const Model& model, const Linearization& at, Points f);
 
 /// The stiffness of a linearization in double precision whatever its coefficients are: rotations are computed anew in
 /// each product. For residuals, which single precision would spoil.
-class DoublePrecisionOperator final : public ChunkedOperator<double> {
+class DoublePrecisionOperator final : public ChunkedProduct<double> {
  public:
   /// Both must outlive the use.
   void setup(const Model& model, const Linearization& at) {
@@ -33,8 +33,6 @@ class DoublePrecisionOperator final : public ChunkedOperator<double> {
   }
   const Partition& partition() const override { return *model_->partition; }
   void add_product(int chunk, double factor, const double* p, double* Ap) const override;
-  void add_diagonal(int chunk, double factor,
-                    double* diagonal) const override;  ///< to the precision of the coefficients
 
  private:
   const Model* model_ = nullptr;

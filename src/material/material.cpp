@@ -41,6 +41,7 @@ template <class Options>
 void check_rates(std::span<const Row<Options>> rows, std::span<const Options> all, double dt, Names names,
                  std::vector<std::string>& advice) {
   for (const Row<Options>& row : rows) {
+    if (std::isinf(row.per_step.most) && std::isinf(row.advised_per_step)) continue;
     double rate = 0;
     for (const Options& options : all) rate = std::max(rate, row.at.get(options));
     const double product = rate * dt;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <iterator>
 #include <numbers>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/material/rows.hpp"
 
 namespace hexaplast {
@@ -91,7 +94,8 @@ std::span<const Row<Material>> material_rows() { return kMaterialRows; }
 
 std::string_view called(std::string_view member, Names names) {
   if (const auto* row = find_row(material_rows(), member, Names::kMembers)) return row->called(names);
-  return find_row(settings_rows(), member, Names::kMembers)->called(names);
+  if (const auto* row = find_row(settings_rows(), member, Names::kMembers)) return row->called(names);
+  throw InputError(fmt::format("{} is no member of Material or Settings", member));
 }
 
 }  // namespace hexaplast

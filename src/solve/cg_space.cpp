@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "hexaplast/base/parallel.hpp"
 #include "solve/slot_kernels.hpp"
@@ -68,7 +69,7 @@ void from_slots(const Partition& partition, double factor, const AlignedVector<T
 }  // namespace
 
 template <class T>
-void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap) {
+void multiply(const ChunkedProduct<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap) {
   const Partition& partition = op.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     update_ghosts(partition, chunk, p.data());
@@ -101,16 +102,17 @@ void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector
 }
 
 template <class T>
-double norm_over(const Partition& partition, const AlignedVector<T>& inverse, const AlignedVector<T>& x) {
-  double sum = 0;
-  for (int chunk = 0; chunk < partition.num_chunks; ++chunk) {
+double norm_over(const Partition& partition, const AlignedVector<T>& inverse, const AlignedVector<T>& x,
+                 std::vector<double>& partial) {
+  partial.assign(static_cast<std::size_t>(partition.num_chunks), 0);
+  parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnedRange(partition, chunk);
     for (std::size_t i = first; i < first + size; ++i) {
       const double quotient = inverse[i] > T(0) ? static_cast<double>(x[i]) / static_cast<double>(inverse[i]) : 0;
-      sum += quotient * quotient;
+      partial[chunk] += quotient * quotient;
     }
-  }
-  return std::sqrt(sum);
+  });
+  return std::sqrt(std::accumulate(partial.begin(), partial.end(), 0.0));
 }
 
 template <class T>
@@ -258,7 +260,8 @@ void SlotCgSpace<T>::end(Points x) const {
 template <class T>
 double SlotCgSpace<T>::rounding_of_residual() {
   if (!is_preconditioned()) return 0;
-  const double norm = preconditioner_ ? preconditioner_->diagonal_norm(x_) : norm_over(*partition_, inverse_, x_);
+  const double norm =
+      preconditioner_ ? preconditioner_->diagonal_norm(x_) : norm_over(*partition_, inverse_, x_, partial_norm_);
   return 0.5 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm / scale_;
 }
 
@@ -267,7 +270,7 @@ double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, Con
   r.setZero(b.rows(), 3);  // the product, first
   if (system.others) system.others->add_product(x, r);
   for (const KernelBody& body : system.bodies) {
-    const ChunkedOperator<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;
+    const ChunkedProduct<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;
     const Partition& partition = op.partition();
     body.scratch->resize(partition);
     AlignedVector<double>&slots = body.scratch->first, &product = body.scratch->second;
@@ -287,15 +290,17 @@ double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, Con
   return std::sqrt(dot(r, r));
 }
 
-template void multiply(const ChunkedOperator<double>&, double, AlignedVector<double>&, AlignedVector<double>&);
-template void multiply(const ChunkedOperator<float>&, float, AlignedVector<float>&, AlignedVector<float>&);
+template void multiply(const ChunkedProduct<double>&, double, AlignedVector<double>&, AlignedVector<double>&);
+template void multiply(const ChunkedProduct<float>&, float, AlignedVector<float>&, AlignedVector<float>&);
 template void find_diagonal(const ChunkedOperator<double>&, double, AlignedVector<double>&);
 template void find_diagonal(const ChunkedOperator<float>&, float, AlignedVector<float>&);
 template void invert_diagonal(const ChunkedOperator<double>&, double, const AlignedVector<double>&,
                               AlignedVector<double>&);
 template void invert_diagonal(const ChunkedOperator<float>&, float, const AlignedVector<float>&, AlignedVector<float>&);
-template double norm_over(const Partition&, const AlignedVector<double>&, const AlignedVector<double>&);
-template double norm_over(const Partition&, const AlignedVector<float>&, const AlignedVector<float>&);
+template double norm_over(const Partition&, const AlignedVector<double>&, const AlignedVector<double>&,
+                          std::vector<double>&);
+template double norm_over(const Partition&, const AlignedVector<float>&, const AlignedVector<float>&,
+                          std::vector<double>&);
 template class BlockJacobi<double>;
 template class BlockJacobi<float>;
 template class SlotCgSpace<double>;

@@ -133,7 +133,7 @@ struct OwnedRange {
 
 /// Ap += factor L p for all chunks; what the chunks gathered for one another is still in their ghosts.
 template <class T>
-void multiply(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap);
+void multiply(const ChunkedProduct<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap);
 
 /// slots = factor diag(L) at the nodes of a body, 0 elsewhere. `slots` has their number.
 template <class T>
@@ -144,9 +144,10 @@ template <class T>
 void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
                      AlignedVector<T>& inverse);
 
-/// |x / inverse|, without the numbers where that is 0.
+/// |x / inverse|, without the numbers where that is 0. partial: scratch, a number per chunk.
 template <class T>
-double norm_over(const Partition& partition, const AlignedVector<T>& inverse, const AlignedVector<T>& x);
+double norm_over(const Partition& partition, const AlignedVector<T>& inverse, const AlignedVector<T>& x,
+                 std::vector<double>& partial);
 
 /// By the nodes' own part of a matrix, the diagonal of a body's operator included.
 template <class T>
@@ -154,11 +155,12 @@ class BlockJacobi final : public SlotPreconditioner<T> {
  public:
   void setup(const ChunkedOperator<T>& op, T factor, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
-  double diagonal_norm(const AlignedVector<T>& x) override { return norm_over(*partition_, inverse_, x); }
+  double diagonal_norm(const AlignedVector<T>& x) override { return norm_over(*partition_, inverse_, x, partial_); }
 
  private:
   const Partition* partition_ = nullptr;
   AlignedVector<T> diagonal_, inverse_;
+  std::vector<double> partial_;
   SlotBlocks<T> blocks_;
 };
 
@@ -197,7 +199,8 @@ class SlotCgSpace final : public CgSpace {
   ConstrainedDofs fixed_;
   long diagonal_version_ = 0;     // MatrixFreeSystem::diagonal_version of the system that it refers to
   std::vector<Partial> partial_;  // per chunk
-  PointArray field_, product_;    // num_nodes x 3, for the terms beside the body
+  std::vector<double> partial_norm_;
+  PointArray field_, product_;  // num_nodes x 3, for the terms beside the body
 };
 
 /// r = b - A x of the MatrixFreeSystem of A, in double precision: by exact operators where products are in single. x is

@@ -18,15 +18,36 @@
 
 namespace hexaplast {
 
+namespace {
+
+/// Whether exact_residual can be had.
+bool has_exact_products(const MatrixFreeSystem& system) {
+  return !system.bodies.empty() && std::ranges::all_of(system.bodies, [](const KernelBody& body) {
+    return body.scratch && (body.exact_operator || body.double_operator);
+  });
+}
+
+/// Whether products are in single precision, and could be had in double.
+bool rounds_products(const MatrixFreeSystem& system) {
+  return has_exact_products(system) && std::ranges::any_of(system.bodies, [](const KernelBody& body) {
+           return body.single_operator && body.exact_operator;
+         });
+}
+
+}  // namespace
+
 struct ConjugateGradients::Spaces {
   MatrixFreeSystem system;
   NodalCgSpace nodal;
   SlotCgSpace<double> in_double;
   SlotCgSpace<float> in_single;
+  bool rounds = false;  // rounds_products of the present system
 
   CgSpace& choose(const LinearSystem& A) {
     system.clear();
-    if (A.describe(system) && system.is_one_body()) {
+    const bool is_described = A.describe(system);
+    rounds = is_described && rounds_products(system);
+    if (is_described && system.is_one_body()) {
       if (system.bodies.front().double_operator) {
         in_double.setup(system, false);
         return in_double;
@@ -128,7 +149,7 @@ SolveReport ConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b,
   space.end(x);
   report.residual = std::sqrt(r_r) / norm_b;
   // what products with rounded coefficients leave is not what the system leaves; where nobody asks, it costs nothing
-  if (&space == &spaces_->in_single && settings_.tolerance > 0)
+  if (spaces_->rounds && settings_.tolerance > 0)
     report.residual = exact_residual(A, spaces_->system, b, x, spaces_->system.scratch) / norm_b;
   report.converged = report.converged || report.residual <= settings_.tolerance;
   memory.is_first = false;
@@ -275,6 +296,7 @@ class SinglePrecisionPreconditioner final : public SlotPreconditioner<double> {
     std::copy(z_.begin(), z_.end(), z.begin());
   }
   double diagonal_norm(const AlignedVector<double>& x) override {
+    r_.resize(x.size());
     std::transform(x.begin(), x.end(), r_.begin(), [](double entry) { return static_cast<float>(entry); });
     return multigrid_.diagonal_norm(r_);
   }
@@ -302,11 +324,8 @@ struct PreconditionedConjugateGradients::Spaces {
   PointArray correction;
 
   bool has_others() const { return knows_kernels && system.others; }
-  bool refines() const {
-    return knows_kernels && std::ranges::any_of(system.bodies, [](const KernelBody& body) {
-             return body.single_operator && body.exact_operator;
-           });
-  }
+  bool refines() const { return knows_kernels && rounds_products(system); }
+  bool knows_residual() const { return knows_kernels && has_exact_products(system); }
 
   CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, PreconditionedBy& chosen) {
     system.clear();
@@ -461,6 +480,7 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     space.end(x);
     // beside what is much stiffer than the body, rounding and half precision leave out much more than they do of it;
     // and rounding leaves more than the tolerance where the stiffness is far above what b asks for
+    if (!spaces_->knows_residual()) return report;
     if (!spaces_->has_others() && space.rounding_of_residual() <= kDoubt * enough * norm_b) return report;
   }
   double norm_r = exact_residual(A, spaces_->system, b, x, r);

@@ -36,7 +36,7 @@ class Multigrid final : public SlotPreconditioner<T> {
   void setup(const KernelBody& body, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
   double diagonal_norm(const AlignedVector<T>& x) override {
-    return norm_over(fine_.op->partition(), fine_.inverse, x);
+    return norm_over(fine_.op->partition(), fine_.inverse, x, fine_.partial);
   }
 
  private:

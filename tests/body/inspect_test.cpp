@@ -123,6 +123,27 @@ TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
   EXPECT_NEAR(answers[2].F(0, 0), 1.05, 1e-12);
 }
 
+TEST(HexahedronStep, IsExactWhateverThePrecisionOfABody) {
+  const HexahedronState state = deformed(kFlowing);
+  const HexahedronStep step = inspect_step(state, kFlowing, {.precision = Precision::kMixed}, .01);
+  EXPECT_EQ(step.material, inspect_step(state, kFlowing, {}, .01).material);
+}
+
+TEST(HexahedronStep, RefusesTimeStepsThatAreNone) {
+  const HexahedronState state = deformed(kFlowing);
+  const std::vector<PathPoint> path{{0, Mat3::Identity()}, {1, Mat3::Identity()}};
+  for (const double dt :
+       {0., -.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    EXPECT_TRUE(support::refuses<InputError>([&] { inspect_step(state, {}, {}, dt); }, {"dt = ", "(0, inf)"})) << dt;
+    EXPECT_TRUE(support::refuses<InputError>(
+        [&] { follow_path(state.original, {}, {}, dt, path, [](const PathResponse&) {}); }, {"dt = ", "(0, inf)"}))
+        << dt;
+  }
+  EXPECT_TRUE(support::refuses<InputError>(
+      [&] { follow_path(state.original, {}, {}, 1e-300, path, [](const PathResponse&) {}); },
+      {"dt = 1e-300", "steps of the path"}));
+}
+
 TEST(FollowPath, RefusesNoPathAndTimesThatDoNotAscend) {
   const auto follow = [](const std::vector<PathPoint>& path) {
     follow_path(support::cube(kEdge), kFlowing, {}, 0.01, path, [](const PathResponse&) {});

@@ -88,12 +88,16 @@ TEST(Rows, AMemberIsArchivedAsItLiesInMemory) {
   EXPECT_EQ(read, settings);
 }
 
+// An infinite yield stress times no time step is no number.
+TEST(Rows, OnlyRatesAreJudgedByTheTimeStep) { EXPECT_TRUE(check_time_step({Material{}}, {}, 0).empty()); }
+
 TEST(Rows, IntervalsShowWhichBoundsAreAdmissible) {
   EXPECT_EQ(interval({}, false), "(-inf, inf)");
   EXPECT_EQ(interval({.least = 0}, true), "[0, inf]");
   EXPECT_EQ(interval({.least = 0, .most = 1, .without_least = true}, false), "(0, 1]");
   EXPECT_EQ(called("flow_rate", Names::kScenes), "plasticFlowRate");
   EXPECT_EQ(called("rotation_plasticity", Names::kScenes), "rotationPlasticity");
+  EXPECT_TRUE(support::refuses<InputError>([] { return called("yieldStress", Names::kScenes); }, {"yieldStress"}));
 }
 
 }  // namespace

@@ -8,17 +8,22 @@ namespace hexaplast {
 struct Partition;
 struct CoarseMesh;
 
-/// A symmetric positive semi-definite operator on nodal vectors of the kernels (Partition), applied chunk by chunk.
+/// A symmetric positive semi-definite operator L on nodal vectors of the kernels (Partition), applied chunk by chunk.
 template <class T>
-class ChunkedOperator {
+class ChunkedProduct {
  public:
-  virtual ~ChunkedOperator() = default;
+  virtual ~ChunkedProduct() = default;
   virtual const Partition& partition() const = 0;
 
   /// Ap += factor L p for the elements of one chunk. p: ghosts up to date. Writes the slots of this chunk alone; what
   /// belongs to nodes of other chunks is left in its ghosts.
   virtual void add_product(int chunk, T factor, const T* p, T* Ap) const = 0;
+};
 
+/// The same with its diagonal.
+template <class T>
+class ChunkedOperator : public ChunkedProduct<T> {
+ public:
   /// diagonal += factor diag(L) for the elements of one chunk, written likewise.
   virtual void add_diagonal(int chunk, T factor, T* diagonal) const = 0;
 };

@@ -26,9 +26,9 @@ struct KernelBody {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
   const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null; beside
                                                              ///< double_operator it serves multigrid cycles alone
-  const ChunkedOperator<double>* exact_operator = nullptr;   ///< beside single_operator: L in double, slower
+  const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
   double factor = 0;                                         ///< of L
-  SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; there where others or exact_operator are
+  SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
   double spectral_radius = 0;      ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
   std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
 

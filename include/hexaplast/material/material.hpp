@@ -82,7 +82,7 @@ struct Settings {
   RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre
   AveragingMethod averaging =
       AveragingMethod::kGaussNewton;  ///< kVertex and kCentre know kLocalGlobal and kJacobi only
-  int averaging_steps = 1;            ///< per time step, >= 1
+  int averaging_steps = 1;            ///< per time step, in [1, 1000]
   double averaging_tolerance = 0;     ///< relative residual of its linear systems; 0: 1e-6, in mixed precision 1e-2
   Precision precision = Precision::kDouble;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3

@@ -50,7 +50,7 @@ class NewtonRaphson {
 
   /// Moves x [m] towards equilibrium under the loads at `time`; velocities are taken as zero. Throws NumericalError
   /// naming the first node that left the finite numbers, InputError where x has not one row per node of the system; x
-  /// is then as before.
+  /// is then as before, `memory` is not.
   NewtonReport solve(MechanicalSystem& system, LinearSolver& solver, double time, Points x);
 
   /// What the linear solver of the next iteration begins with (ImplicitEuler::memory).
