@@ -88,7 +88,7 @@ std::vector<SourceFile> sources() {
       const fs::path below = fs::relative(entry.path(), root / folder);
       const auto room = room_of(kHeight.count(folder) ? folder / below : below);
       EXPECT_TRUE(room) << entry.path() << " belongs to no room: name it in this test, at its height";
-      SourceFile& file = files.emplace_back(entry.path(), room.value_or(""));
+      SourceFile& file = files.emplace_back(SourceFile{entry.path(), room.value_or(""), {}});
       std::ifstream in(entry.path());
       for (std::string line; std::getline(in, line);) file.lines.push_back(line);
     }

@@ -43,7 +43,7 @@ TEST(Material, RefusesValuesOutsideTheirRangesAndNamesTheElement) {
       materials[5].*bad.at = value;
       for (const auto& [names, name] : {std::pair{Names::kMembers, bad.member}, std::pair{Names::kScenes, bad.name}})
         EXPECT_TRUE(
-            refuses<InputError>([&] { validate(materials, names); },
+            refuses<InputError>([&, names = names] { validate(materials, names); },
                                 {fmt::format("{} = {} of element 5: must lie in {}", name, value, bad.bounds)}));
     }
   }
