@@ -8,6 +8,9 @@ add_library(hexaplast_flags INTERFACE)
 # Contraction to FMA changes the last bit between machines; we promise the same bits.
 target_compile_options(hexaplast_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
                        $<$<BOOL:${HEXAPLAST_WARNINGS_AS_ERRORS}>:-Werror>)
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)  # which takes the files that are compiled at a time for headers
+  target_compile_options(hexaplast_flags INTERFACE -Wno-subobject-linkage)
+endif()
 # Tables of addresses are filled when a program starts and read-only from then on.
 target_link_options(hexaplast_flags INTERFACE -Wl,-z,relro,-z,now)
 if(HEXAPLAST_HARDENING)
