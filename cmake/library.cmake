@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Makes a target one of the shared libraries that are installed. `hexaplast_room` is found as Hexaplast::room.
+#
+# hexaplast_library(TARGET [FILES file...] [PUBLIC target...] [PRIVATE target...])
+function(hexaplast_library target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FILES;PUBLIC;PRIVATE")
+  string(REPLACE hexaplast_ "" room ${target})
+  add_library(${target} SHARED ${arg_FILES})
+  add_library(Hexaplast::${room} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${room} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+    INSTALL_RPATH "$ORIGIN")
+  target_link_options(${target} PRIVATE -Wl,--no-undefined)
+  target_compile_options(${target} PRIVATE $<$<BOOL:${HEXAPLAST_FUZZ}>:-fsanitize=fuzzer-no-link>)  # libFuzzer sees their lines
+  target_link_libraries(${target}
+    PUBLIC ${arg_PUBLIC} PRIVATE $<BUILD_INTERFACE:hexaplast_flags> fmt::fmt ${arg_PRIVATE})
+  install(TARGETS ${target} EXPORT HexaplastTargets
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development)
+endfunction()
+
+# hexaplast_plugin_headers(TARGET room...): the headers of rooms of plugin/, which are included as "room/file.hpp".
+function(hexaplast_plugin_headers target)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin>)
+  foreach(room IN LISTS ARGN)
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin
+            COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "json_file.hpp" EXCLUDE)  # of a library nobody else needs
+  endforeach()
+endfunction()
