@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Prints the instruction sets that a program on this machine never chooses: all but the baseline, which must be there, and the
-// best (lowest bit) that the processor has.
+// Prints the instruction sets that a program on this machine never chooses: all but the baseline, which must be there,
+// and the best (lowest bit) that the processor has.
 #include <cstdio>
 
 #include "hwy/targets.h"
