@@ -131,19 +131,6 @@ HWY_INLINE void unrolled(const F& f) {
   (std::make_index_sequence<N>());
 }
 
-/// 3 x 3, row by row.
-template <class V>
-struct Mat {
-  V m[3][3];
-  HWY_INLINE V& operator()(int i, int j) { return m[i][j]; }
-  HWY_INLINE const V& operator()(int i, int j) const { return m[i][j]; }
-};
-/// 3 x 3 symmetric.
-template <class V>
-struct Sym {
-  V xx, yy, zz, yz, zx, xy;
-};
-
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -8,6 +8,7 @@
 #endif
 
 #include "kinematics/gradients-inl.hpp"
+#include "material/corotated-inl.hpp"
 #include "state/element_operator.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -96,12 +97,7 @@ HWY_INLINE void apply_stiffness(const Coef* coef, const typename V::Scalar* weig
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) Z(r, c) += H(r, 0) * R(c, 0) + H(r, 1) * R(c, 1) + H(r, 2) * R(c, 2);
     }
-    const V trace = lambda * (Z(0, 0) + Z(1, 1) + Z(2, 2)), twice = mu + mu;
-    Mat<V> P;  // dP R^T: symmetric
-    for (int r = 0; r < 3; ++r) {
-      P(r, r) = twice * Z(r, r) + trace;
-      for (int c = 0; c < r; ++c) P(r, c) = P(c, r) = mu * (Z(r, c) + Z(c, r));
-    }
+    const Mat<V> P = stress_increment(Z, mu, lambda);  // dP R^T
     unrolled<3>([&](auto d) __attribute__((always_inline)) {
       for (int r = 0; r < 3; ++r) {
         V& to = q.at[d][kEdgeAt[i][d]][r];

@@ -6,7 +6,6 @@
 //
 #include "elastic/element_kernels-inl.hpp"
 #include "elastic/element_pass.hpp"
-#include "material/corotated-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -57,8 +56,7 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
     const Mat<V>& F = gradients[i % kAtOnce];
     const PolarLanes<V>& FRS = polars[i % kAtOnce];
     const Sym<V> s = stress(FRS.S, mu, lambda);
-    const Mat<V> sigma{{{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}}};
-    const Mat<V> P = FRS.R * sigma;
+    const Mat<V> P = FRS.R * matrix(s);
     for (int d = 0; d < 3; ++d)
       for (int r = 0; r < 3; ++r)
         q.at[d][kEdgeAt[i][d]][r] += P(r, 0) * A(d, 0) + P(r, 1) * A(d, 1) + P(r, 2) * A(d, 2);
@@ -135,13 +133,7 @@ HWY_INLINE void exact_lanes(const Model& model, const Linearization& at, int blo
     }
     const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
     const Mat<V>& R = polars[i % kAtOnce].R;
-    const Mat<V> Z = transposed_product(R, increment(i));  // R^T dF
-    const V trace = lambda * (Z(0, 0) + Z(1, 1) + Z(2, 2));
-    Mat<V> S;
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) S(r, c) = mu * (Z(r, c) + Z(c, r));
-    for (int r = 0; r < 3; ++r) S(r, r) += trace;
-    const Mat<V> P = R * S;
+    const Mat<V> P = R * stress_increment(transposed_product(R, increment(i)), mu, lambda);
     for (int d = 0; d < 3; ++d)
       for (int r = 0; r < 3; ++r)
         q.at[d][kEdgeAt[i][d]][r] += P(r, 0) * A(d, 0) + P(r, 1) * A(d, 1) + P(r, 2) * A(d, 2);

@@ -7,65 +7,11 @@
 #define HEXAPLAST_KINEMATICS_POLAR_INL
 #endif
 
-#include "base/lanes-inl.hpp"
+#include "base/tensors-inl.hpp"
 #include "kinematics/polar.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
-
-/// C = A B.
-template <class V>
-HWY_INLINE Mat<V> operator*(const Mat<V>& A, const Mat<V>& B) {
-  Mat<V> C;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) C(i, j) = A(i, 0) * B(0, j) + A(i, 1) * B(1, j) + A(i, 2) * B(2, j);
-  return C;
-}
-/// C = A^T B.
-template <class V>
-HWY_INLINE Mat<V> transposed_product(const Mat<V>& A, const Mat<V>& B) {
-  Mat<V> C;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) C(i, j) = A(0, i) * B(0, j) + A(1, i) * B(1, j) + A(2, i) * B(2, j);
-  return C;
-}
-/// C = A B^T.
-template <class V>
-HWY_INLINE Mat<V> product_transposed(const Mat<V>& A, const Mat<V>& B) {
-  Mat<V> C;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) C(i, j) = A(i, 0) * B(j, 0) + A(i, 1) * B(j, 1) + A(i, 2) * B(j, 2);
-  return C;
-}
-/// det(F) F^-T.
-template <class V>
-HWY_INLINE Mat<V> cofactor(const Mat<V>& F) {
-  Mat<V> C;
-  for (int i = 0; i < 3; ++i) {
-    const int k = (i + 1) % 3, l = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int m = (j + 1) % 3, n = (j + 2) % 3;
-      C(i, j) = F(k, m) * F(l, n) - F(k, n) * F(l, m);
-    }
-  }
-  return C;
-}
-template <class V>
-HWY_INLINE V dot(const Mat<V>& A, const Mat<V>& B) {
-  V sum = A(0, 0) * B(0, 0);
-  for (int k = 1; k < 9; ++k) sum += A(k / 3, k % 3) * B(k / 3, k % 3);
-  return sum;
-}
-
-/// The reciprocal basis of three edges (rows): row d is cross(e_{d+1}, e_{d+2}) / det, so that e_c . row d = [c == d].
-template <class V>
-HWY_INLINE Mat<V> reciprocal(const Mat<V>& rows, V& det) {
-  Mat<V> C = cofactor(rows);
-  det = rows(0, 0) * C(0, 0) + rows(0, 1) * C(0, 1) + rows(0, 2) * C(0, 2);
-  const V inverse = V(1) / det;
-  for (int k = 0; k < 9; ++k) C.m[k / 3][k % 3] *= inverse;
-  return C;
-}
 
 template <class V>
 struct PolarLanes {

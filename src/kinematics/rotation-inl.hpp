@@ -7,7 +7,7 @@
 #define HEXAPLAST_KINEMATICS_ROTATION_INL
 #endif
 
-#include "base/lanes-inl.hpp"
+#include "base/tensors-inl.hpp"
 #include "hwy/contrib/math/math-inl.h"
 
 HWY_BEFORE_NAMESPACE();

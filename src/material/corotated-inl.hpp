@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The law of corotated.hpp, one sample per SIMD lane.
+// The law of corotated.hpp, for samples in lanes and for one sample.
 #if defined(HEXAPLAST_MATERIAL_COROTATED_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_MATERIAL_COROTATED_INL
 #undef HEXAPLAST_MATERIAL_COROTATED_INL
@@ -7,25 +7,25 @@
 #define HEXAPLAST_MATERIAL_COROTATED_INL
 #endif
 
-#include "base/lanes-inl.hpp"
+#include "base/tensors-inl.hpp"
 #include "hexaplast/material/material.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
 /// mu |S - I|^2 + lambda / 2 tr(S - I)^2.                                                                   eq. 11
-template <class V>
-HWY_INLINE V energy_density(const Sym<V>& S, V mu, V lambda) {
-  const V one(1.0), xx = S.xx - one, yy = S.yy - one, zz = S.zz - one, trace = xx + yy + zz;
-  const V squared = xx * xx + yy * yy + zz * zz + V(2.0) * (S.yz * S.yz + S.zx * S.zx + S.xy * S.xy);
-  return mu * squared + V(0.5) * lambda * trace * trace;
+template <class N>
+HWY_INLINE N energy_density(const Sym<N>& S, N mu, N lambda) {
+  const N one(1.0), xx = S.xx - one, yy = S.yy - one, zz = S.zz - one, trace = xx + yy + zz;
+  const N squared = xx * xx + yy * yy + zz * zz + N(2.0) * (S.yz * S.yz + S.zx * S.zx + S.xy * S.xy);
+  return mu * squared + N(0.5) * lambda * trace * trace;
 }
 
 /// sigma = 2 mu (S - I) + lambda tr(S - I) I.                                                               eq. 12
-template <class V>
-HWY_INLINE Sym<V> stress(const Sym<V>& S, V mu, V lambda) {
-  const V twice = mu + mu, one(1.0), three(3.0);
-  const V pressure = lambda * (S.xx + S.yy + S.zz - three);
+template <class N>
+HWY_INLINE Sym<N> stress(const Sym<N>& S, N mu, N lambda) {
+  const N twice = mu + mu, one(1.0), three(3.0);
+  const N pressure = lambda * (S.xx + S.yy + S.zz - three);
   return {twice * (S.xx - one) + pressure,
           twice * (S.yy - one) + pressure,
           twice * (S.zz - one) + pressure,
@@ -34,13 +34,25 @@ HWY_INLINE Sym<V> stress(const Sym<V>& S, V mu, V lambda) {
           twice * S.xy};
 }
 
-/// The stress norm of the yield condition; of the spectral norm an upper bound.
-template <class V>
-HWY_INLINE V stress_norm_bound(const Sym<V>& s, YieldNorm norm) {
-  const V mean = norm == YieldNorm::kVonMises ? V(1.0 / 3) * (s.xx + s.yy + s.zz) : V(0.0);
-  const V xx = s.xx - mean, yy = s.yy - mean, zz = s.zz - mean;
-  const V squared = xx * xx + yy * yy + zz * zz + V(2.0) * (s.yz * s.yz + s.zx * s.zx + s.xy * s.xy);
-  return sqrt(norm == YieldNorm::kVonMises ? V(1.5) * squared : squared);
+/// 2 mu sym Z + lambda tr(Z) I: of Z = R^T dF it is R^T dP (eq. 14), of Z = dF R^T it is dP R^T (eq. 52).
+template <class N>
+HWY_INLINE Mat<N> stress_increment(const Mat<N>& Z, N mu, N lambda) {
+  const N trace = lambda * (Z(0, 0) + Z(1, 1) + Z(2, 2)), twice = mu + mu;
+  Mat<N> P;
+  for (int r = 0; r < 3; ++r) {
+    P(r, r) = twice * Z(r, r) + trace;
+    for (int c = 0; c < r; ++c) P(r, c) = P(c, r) = mu * (Z(r, c) + Z(c, r));
+  }
+  return P;
+}
+
+/// The stress norm of the yield condition; of the spectral norm, which takes eigenvalues, an upper bound.       eq. 20
+template <class N>
+HWY_INLINE N stress_norm_bound(const Sym<N>& s, YieldNorm norm) {
+  const N mean = norm == YieldNorm::kVonMises ? N(1.0 / 3) * (s.xx + s.yy + s.zz) : N(0.0);
+  const N xx = s.xx - mean, yy = s.yy - mean, zz = s.zz - mean;
+  const N squared = xx * xx + yy * yy + zz * zz + N(2.0) * (s.yz * s.yz + s.zx * s.zx + s.xy * s.xy);
+  return sqrt(norm == YieldNorm::kVonMises ? N(1.5) * squared : squared);
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -34,8 +34,6 @@ HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
   return lengths[kLengths - 1].terms;
 }
 
-HWY_INLINE Mat<V> matrix(const Sym<V>& S) { return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}}; }
-
 /// log S minus its mean, and whether the series held, per lane.                                            eq. 53
 ///
 ///   log S = log m + 2 atanh Z,  Z = (S - m)(S + m)^-1,  m = tr S / 3
@@ -45,8 +43,8 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   constexpr SeriesLength kLengths[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}};  // x^n / (2 n + 1) < 2e-17
   constexpr double kLargest = kLengths[3].size;                                          // of |Z|^2
   const V m = V(1.0 / 3) * (S.xx + S.yy + S.zz);
-  const Mat<V> minus = matrix({S.xx - m, S.yy - m, S.zz - m, S.yz, S.zx, S.xy});
-  const Mat<V> plus = matrix({S.xx + m, S.yy + m, S.zz + m, S.yz, S.zx, S.xy});
+  const Mat<V> minus = matrix(Sym<V>{S.xx - m, S.yy - m, S.zz - m, S.yz, S.zx, S.xy});
+  const Mat<V> plus = matrix(Sym<V>{S.xx + m, S.yy + m, S.zz + m, S.yz, S.zx, S.xy});
   V det;
   const Mat<V> Z = minus * reciprocal(plus, det);  // the reciprocal of a symmetric matrix is its inverse
   const V size = dot(Z, Z);
