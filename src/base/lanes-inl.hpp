@@ -9,6 +9,7 @@
 #endif
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -73,6 +74,19 @@ template <class T, class Mask>
 HWY_INLINE Lanes<T> select(Mask mask, Lanes<T> a, Lanes<T> b) {
   return hn::IfThenElse(mask, typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
 }
+template <class T>
+HWY_INLINE bool any_positive(Lanes<T> a) {
+  return !hn::AllFalse(typename Lanes<T>::Tag(), a > Lanes<T>(T(0)));
+}
+
+// The same of one number, so that a formula may be a template on its number type.
+HWY_INLINE double sqrt(double a) { return std::sqrt(a); }
+HWY_INLINE double abs(double a) { return std::abs(a); }
+HWY_INLINE double min(double a, double b) { return a < b ? a : b; }
+HWY_INLINE double max(double a, double b) { return a > b ? a : b; }
+HWY_INLINE double select(bool condition, double a, double b) { return condition ? a : b; }
+HWY_INLINE bool any_positive(double a) { return a > 0; }
+
 /// One bit per lane.
 template <class T, class Mask>
 HWY_INLINE std::uint32_t bits(Mask mask) {

@@ -6,6 +6,7 @@
 //
 #include "elastic/element_kernels-inl.hpp"
 #include "elastic/element_pass.hpp"
+#include "material/stress_norm-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

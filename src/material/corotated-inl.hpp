@@ -8,7 +8,6 @@
 #endif
 
 #include "base/tensors-inl.hpp"
-#include "hexaplast/material/material.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -44,15 +43,6 @@ HWY_INLINE Mat<N> stress_increment(const Mat<N>& Z, N mu, N lambda) {
     for (int c = 0; c < r; ++c) P(r, c) = P(c, r) = mu * (Z(r, c) + Z(c, r));
   }
   return P;
-}
-
-/// The stress norm of the yield condition; of the spectral norm, which takes eigenvalues, an upper bound.       eq. 20
-template <class N>
-HWY_INLINE N stress_norm_bound(const Sym<N>& s, YieldNorm norm) {
-  const N mean = norm == YieldNorm::kVonMises ? N(1.0 / 3) * (s.xx + s.yy + s.zz) : N(0.0);
-  const N xx = s.xx - mean, yy = s.yy - mean, zz = s.zz - mean;
-  const N squared = xx * xx + yy * yy + zz * zz + N(2.0) * (s.yz * s.yz + s.zx * s.zx + s.xy * s.xy);
-  return sqrt(norm == YieldNorm::kVonMises ? N(1.5) * squared : squared);
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -21,8 +21,7 @@ void flow_stretch(const ElementMoment& at, double dt, ElementStep& step) {
     step.yielded = true;
     step.dissipated += at.rest.volume / kCorners * flow.dissipated;
     step.next.plastic_strain[i] += flow.strain;
-    step.next.yield_stress[i] =
-        std::max(0.0, step.next.yield_stress[i] + at.material.hardening * flow.share * flow.norm);  // eq. 23
+    step.next.yield_stress[i] = hardened(step.next.yield_stress[i], at.material.hardening, flow.share, flow.norm);
   }
 }
 
@@ -54,7 +53,7 @@ void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
     }
     if (flow.share == 0) continue;
     step.yielded = true;
-    step.next.rotation_yield[i] = std::max(0.0, threshold + at.material.hardening * flow.share * flow.angle);  // eq. 25
+    step.next.rotation_yield[i] = hardened(threshold, at.material.hardening, flow.share, flow.angle);
   }
 }
 

@@ -12,94 +12,15 @@
 #include "kinematics/gradients-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
 #include "material/corotated-inl.hpp"
+#include "material/stress_norm-inl.hpp"
 #include "plastic/flow_pass.hpp"
+#include "plastic/point_flow-inl.hpp"
 #include "plastic/rest_shape.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
 using V = Lanes<double>;
-
-/// How many terms of a power series leave out less than rounding, by the size of its argument.
-struct SeriesLength {
-  double size;  ///< the largest for which the terms suffice
-  int terms;
-};
-
-template <std::size_t kLengths>
-HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
-  const double largest = hn::GetLane(hn::MaxOfLanes(V::Tag(), size.raw()));
-  for (const SeriesLength& length : lengths)
-    if (largest <= length.size) return length.terms;
-  return lengths[kLengths - 1].terms;
-}
-
-/// log S minus its mean, and whether the series held, per lane.                                            eq. 53
-///
-///   log S = log m + 2 atanh Z,  Z = (S - m)(S + m)^-1,  m = tr S / 3
-///
-/// Powers of Z^2 beyond the second are taken down by its characteristic equation: three numbers per term.
-HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
-  constexpr SeriesLength kLengths[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}};  // x^n / (2 n + 1) < 2e-17
-  constexpr double kLargest = kLengths[3].size;                                          // of |Z|^2
-  const V m = V(1.0 / 3) * (S.xx + S.yy + S.zz);
-  const Mat<V> minus = matrix(Sym<V>{S.xx - m, S.yy - m, S.zz - m, S.yz, S.zx, S.xy});
-  const Mat<V> plus = matrix(Sym<V>{S.xx + m, S.yy + m, S.zz + m, S.yz, S.zx, S.xy});
-  V det;
-  const Mat<V> Z = minus * reciprocal(plus, det);  // the reciprocal of a symmetric matrix is its inverse
-  const V size = dot(Z, Z);
-  fails |= bits<double>(hn::Not(hn::And(size<V(kLargest), m> V(0.0))));
-
-  const Mat<V> W = Z * Z;
-  const V i1 = W(0, 0) + W(1, 1) + W(2, 2);
-  const V i2 = V(0.5) * (i1 * i1 - dot(W, W));
-  const Mat<V> cof = cofactor(W);
-  const V i3 = W(0, 0) * cof(0, 0) + W(0, 1) * cof(0, 1) + W(0, 2) * cof(0, 2);
-  const int terms = terms_for(size, kLengths);
-  V a(1.0 / (2 * terms + 1)), b(0.0), c(0.0);  // a + b W + c W^2
-  for (int k = terms - 1; k >= 0; --k) {
-    const V above = c;
-    c = b + above * i1;
-    b = a - above * i2;
-    a = above * i3 + V(1.0 / (2 * k + 1));
-  }
-  const Mat<V> WW = W * W;
-  Mat<V> series;
-  for (int r = 0; r < 3; ++r)
-    for (int s = 0; s < 3; ++s) series(r, s) = (r == s ? a : V(0.0)) + b * W(r, s) + c * WW(r, s);
-  Mat<V> log = Z * series;
-  const V mean = V(1.0 / 3) * (log(0, 0) + log(1, 1) + log(2, 2));
-  for (int k = 0; k < 3; ++k) log(k, k) -= mean;
-  for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= V(2.0);
-  return log;
-}
-
-/// exp M of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d.                  eq. 54
-HWY_INLINE Mat<V> exponential(const Mat<V>& M) {
-  constexpr SeriesLength kLengths[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}};
-  const V size = dot(M, M);  // |M|^2 < 0.5: the first term left out is below 2e-16, the others 2e-17
-  const V j = V(0.5) * size;
-  const Mat<V> cof = cofactor(M);
-  const V d = M(0, 0) * cof(0, 0) + M(0, 1) * cof(0, 1) + M(0, 2) * cof(0, 2);
-  V a(1.0), b(0.0), c(0.0);  // Horner: 1 + M (1 + M / 2 (1 + M / 3 (...)))
-  for (int k = terms_for(size, kLengths); k >= 1; --k) {
-    const V share(1.0 / k), above = c;
-    c = share * b;
-    b = share * (a + above * j);
-    a = V(1.0) + share * above * d;
-  }
-  const Mat<V> MM = M * M;
-  Mat<V> E;
-  for (int r = 0; r < 3; ++r)
-    for (int s = 0; s < 3; ++s) E(r, s) = (r == s ? a : V(0.0)) + b * M(r, s) + c * MM(r, s);
-  return E;
-}
-
-/// clamp(rate dt (value - threshold) / value, 0, 1); 0 where value <= threshold.                             eq. 21
-HWY_INLINE V flow_share(V value, V threshold, V rate_dt) {
-  const V share = min(rate_dt * (value - threshold) / value, V(1.0));
-  return select(value > threshold, share, V(0.0));
-}
 
 /// The elements of one register; in the place of those that are not there the first one of the block.
 struct LaneElements {
@@ -194,27 +115,22 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
       const Sym<V> sigma = stress(FRS.S, mu, lambda);
       const V norm = stress_norm_bound(sigma, settings.yield_norm);
       const V tau = yield_stress[i];
-      const V share = flow_share(norm, tau, rate);  // gamma
-      if (bits<double>(share > V(0.0))) {
-        Mat<V> flow = deviatoric_log(FRS.S, fails);
-        for (int k = 0; k < 9; ++k) flow.m[k / 3][k % 3] *= share;
-        turn(exponential(flow), false);  // S^p                                                              eq. 22
+      const V share = flow_share(norm, tau, rate, norm);  // gamma
+      if (any_positive(share)) {
+        turn(stretch_increment(FRS.S, sigma, share, plastic_strain[i], dissipated, fails), false);
         flowing = max(flowing, share);
-        dissipated += dot(matrix(sigma), flow);
-        plastic_strain[i] += V(std::sqrt(2.0 / 3.0)) * sqrt(dot(flow, flow));
-        // select: a threshold of infinity times a share of zero is no number
-        yield_stress[i] = select(share > V(0.0), max(V(0.0), tau + hardening * share * norm), tau);  // eq. 23
+        yield_stress[i] = hardened(tau, hardening, share, norm);
       }
     }
     if (model.can_rotate) {
       const RotationVectorLanes<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
       fails |= Q.near_half_turn;
       const V tau = rotation_yield[i];
-      const V share = flow_share(Q.angle, tau, rotation_rate);  // eta
-      if (bits<double>(share > V(0.0))) {
+      const V share = flow_share(Q.angle, tau, rotation_rate, Q.angle);  // eta
+      if (any_positive(share)) {
         turn(rotation_exp(Q, share), false);  // R^p                                                         eq. 26
         flowing = max(flowing, share);
-        rotation_yield[i] = max(V(0.0), tau + hardening * share * Q.angle);  // eq. 25
+        rotation_yield[i] = hardened(tau, hardening, share, Q.angle);
       }
     }
     turn(Pi, true);

@@ -2,29 +2,27 @@
 #include "plastic/point_flow.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
 
 #include "material/corotated.hpp"
+#include "material/stress_norm-inl.hpp"
+#include "plastic/point_flow-inl.hpp"
 
 namespace hexaplast {
 
+namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
+
 double stress_norm(const Mat3& sigma, YieldNorm norm) {
-  switch (norm) {
-    case YieldNorm::kFrobenius:
-      return sigma.norm();
-    case YieldNorm::kSpectral:
-      return Eigen::SelfAdjointEigenSolver<Mat3>(sigma, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff();
-    case YieldNorm::kVonMises:
-      break;
-  }
-  const Mat3 deviator = sigma - sigma.trace() / 3 * Mat3::Identity();
-  return std::sqrt(1.5) * deviator.norm();
+  if (norm == YieldNorm::kSpectral)
+    return Eigen::SelfAdjointEigenSolver<Mat3>(sigma, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff();
+  return plain::stress_norm_bound(plain::symmetric_entries(sigma), norm);
 }
 
 double flow_share(double value, double threshold, double rate, double dt, double offset) {
-  if (!(value > threshold)) return 0;
-  return std::min(rate * dt * (value - threshold) / (value + offset), 1.0);
+  return plain::flow_share(value, threshold, rate * dt, value + offset);
+}
+
+double hardened(double threshold, double hardening, double share, double value) {
+  return plain::hardened(threshold, hardening, share, value);
 }
 
 StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yield_stress, double rate, double dt) {
@@ -35,13 +33,9 @@ StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yi
   flow.share = flow_share(flow.norm, yield_stress, rate, dt);
   if (flow.share == 0) return flow;
 
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
-  const Mat3& V = eigen.eigenvectors();
-  const Vec3 log_stretch = eigen.eigenvalues().array().log();
-  const Vec3 flowed = flow.share * (log_stretch.array() - log_stretch.mean());   // gamma dev log D
-  flow.increment = V * Vec3(flowed.array().exp()).asDiagonal() * V.transpose();  // eq. 22
-  flow.strain = std::sqrt(2.0 / 3.0) * flowed.norm();
-  flow.dissipated = (V.transpose() * sigma * V).diagonal().dot(flowed);
+  std::uint32_t fails = 0;  // eigenvectors do not
+  flow.increment = to_eigen(plain::stretch_increment(plain::symmetric_entries(S), plain::symmetric_entries(sigma),
+                                                     flow.share, flow.strain, flow.dissipated, fails));
   return flow;
 }
 

@@ -15,6 +15,9 @@ double stress_norm(const Mat3& sigma, YieldNorm norm);
 /// the paper's rotation modes.                                                               theory.md eq. 21, 25
 double flow_share(double value, double threshold, double rate, double dt, double offset = 0);
 
+/// The threshold [Pa or rad] after that: max(0, threshold + hardening share value).           theory.md eq. 23, 25
+double hardened(double threshold, double hardening, double share, double value);
+
 /// What one corner's stretch contributes in one step.
 struct StretchFlow {
   Mat3 increment = Mat3::Identity();  ///< S^p = V (D / det(D)^1/3)^gamma V^T, det = 1                      eq. 22

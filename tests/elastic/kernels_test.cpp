@@ -136,55 +136,57 @@ TEST_P(OnEverySet, ForceProductAndEnergyAreThoseOfTheElements) {
     }
 }
 
-/// One plastic step of a body of `cells` whose every corner yields, in stretch and in rotation.
-Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm) {
+/// One plastic step of a body of `cells` whose every corner yields, in stretch and in rotation; `size` is that of the
+/// displacements, in edges.
+Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double size = 0.1) {
   Material material;
-  material.yield_stress = 50;
+  material.yield_stress = 500 * size;
   material.flow_rate = 5;
-  material.rotation_yield = 0.002;
+  material.rotation_yield = 0.02 * size;
   material.rotation_flow_rate = 5;
   material.hardening = 0.3;
   Settings settings;
   settings.yield_norm = norm;
   Body body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
   Random random(94);
-  body.flow(body.mesh().positions() + random.field(body.mesh().num_nodes(), 0.1 * kEdge), 0.01);
+  body.flow(body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge), 0.01);
   return body;
 }
 
 TEST_P(OnEverySet, FlowIsThatOfTheElements) {
-  for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius}) {
-    const Body body = flown({3, 2, 3}, 0.15, norm);
-    const History virgin(body.state().model);
-    const PointArray X = body.mesh().positions();
-    Random random(94);
-    const PointArray x = X + random.field(body.mesh().num_nodes(), 0.1 * kEdge);
-    const Mat3 axes = Mat3::Identity();
-    for (int e = 0; e < body.mesh().num_elements(); ++e) {
-      const Hexahedron& corners = body.mesh().hexahedra()[e];
-      const ElementPoints material = gather(X, corners), world = gather(x, corners);
-      const RestOperator rest = rest_operator(material);
-      const ElementStep step = flow_element({.material = body.state().model.material(e),
-                                             .lame = body.state().model.lame[e],
-                                             .settings = body.state().model.settings,
-                                             .original_shape = body.state().model.original_shape(e),
-                                             .corner_jacobian = body.state().model.corner_jacobian(e),
-                                             .original_volume = body.state().model.volume[e],
-                                             .x = material,
-                                             .rest = rest,
-                                             .world = world,
-                                             .frame = axes},
-                                            virgin.element(e), 0.01);
-      ASSERT_TRUE(step.yielded);
-      const ElementHistory found = body.state().history.element(e);
-      EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);
-      for (int i = 0; i < kCorners; ++i) {
-        EXPECT_NEAR(found.yield_stress[i], step.next.yield_stress[i], 1e-11 * found.yield_stress[i]);
-        EXPECT_NEAR(found.rotation_yield[i], step.next.rotation_yield[i], 1e-13);
-        EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], 1e-14);
+  for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius})
+    for (const double size : {0.001, 0.01, 0.03, 0.1}) {  // power series of every length
+      const Body body = flown({3, 2, 3}, 0.15, norm, size);
+      const History virgin(body.state().model);
+      const PointArray X = body.mesh().positions();
+      Random random(94);
+      const PointArray x = X + random.field(body.mesh().num_nodes(), size * kEdge);
+      const Mat3 axes = Mat3::Identity();
+      for (int e = 0; e < body.mesh().num_elements(); ++e) {
+        const Hexahedron& corners = body.mesh().hexahedra()[e];
+        const ElementPoints material = gather(X, corners), world = gather(x, corners);
+        const RestOperator rest = rest_operator(material);
+        const ElementStep step = flow_element({.material = body.state().model.material(e),
+                                               .lame = body.state().model.lame[e],
+                                               .settings = body.state().model.settings,
+                                               .original_shape = body.state().model.original_shape(e),
+                                               .corner_jacobian = body.state().model.corner_jacobian(e),
+                                               .original_volume = body.state().model.volume[e],
+                                               .x = material,
+                                               .rest = rest,
+                                               .world = world,
+                                               .frame = axes},
+                                              virgin.element(e), 0.01);
+        ASSERT_TRUE(step.yielded);
+        const ElementHistory found = body.state().history.element(e);
+        EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);
+        for (int i = 0; i < kCorners; ++i) {
+          EXPECT_NEAR(found.yield_stress[i], step.next.yield_stress[i], 1e-11 * found.yield_stress[i]);
+          EXPECT_NEAR(found.rotation_yield[i], step.next.rotation_yield[i], 1e-13);
+          EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], 1e-14);
+        }
       }
     }
-  }
 }
 
 TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {

@@ -56,6 +56,16 @@ TEST(FlowShare, IsTheRateTimesTheExcessAndStaysWithinZeroAndOne) {
   EXPECT_EQ(flow_share(400, 0, 1000, 0.01), 1);
 }
 
+TEST(Hardened, GrowsByWhatFlowsAndIsNeverNegative) {
+  EXPECT_DOUBLE_EQ(hardened(300, 2, 0.01, 400), 308);
+  EXPECT_EQ(hardened(300, -100, 0.01, 400), 0);
+  EXPECT_EQ(hardened(300, 2, 0, 400), 300);
+  // infinity times zero is no number, and nothing flows beyond it
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(hardened(kInfinity, -2, 0, 400), kInfinity);
+  EXPECT_EQ(hardened(300, kInfinity, 0, 400), 300);
+}
+
 TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
   Random random(53);
   for (const YieldNorm norm : kYieldNorms) {

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Plastic flow at a corner, for corners in lanes and for one corner.                      theory.md sections 5.1, 5.2
+#if defined(HEXAPLAST_PLASTIC_POINT_FLOW_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HEXAPLAST_PLASTIC_POINT_FLOW_INL
+#undef HEXAPLAST_PLASTIC_POINT_FLOW_INL
+#else
+#define HEXAPLAST_PLASTIC_POINT_FLOW_INL
+#endif
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <concepts>
+
+#include "base/tensors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+/// clamp(rate dt (value - threshold) / size, 0, 1); 0 where value <= threshold.                         eq. 21, 25, 33
+template <class N>
+HWY_INLINE N flow_share(N value, N threshold, N rate_dt, N size) {
+  const N share = min(rate_dt * (value - threshold) / size, N(1.0));
+  return select(value > threshold, share, N(0.0));
+}
+
+/// max(0, threshold + hardening share value); the threshold itself where nothing flows.                     eq. 23, 25
+template <class N>
+HWY_INLINE N hardened(N threshold, N hardening, N share, N value) {
+  // select: a threshold of infinity times a share of zero is no number
+  return select(share > N(0.0), max(N(0.0), threshold + hardening * share * value), threshold);
+}
+
+/// How many terms of a power series leave out less than rounding, by the size of its argument.
+struct SeriesLength {
+  double size;  ///< the largest for which the terms suffice
+  int terms;
+};
+
+template <class V, std::size_t kLengths>
+HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
+  const double largest = hn::GetLane(hn::MaxOfLanes(typename V::Tag(), size.raw()));
+  for (const SeriesLength& length : lengths)
+    if (largest <= length.size) return length.terms;
+  return lengths[kLengths - 1].terms;
+}
+
+/// log S minus its mean; fails: bit per lane, the series does not suffice.                                   eq. 53
+///
+///   log S = log m + 2 atanh Z,  Z = (S - m)(S + m)^-1,  m = tr S / 3
+///
+/// Powers of Z^2 beyond the second are taken down by its characteristic equation: three numbers per term.
+template <class V>
+HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
+  constexpr SeriesLength kLengths[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}};  // x^n / (2 n + 1) < 2e-17
+  constexpr double kLargest = kLengths[3].size;                                          // of |Z|^2
+  const V m = V(1.0 / 3) * (S.xx + S.yy + S.zz);
+  const Mat<V> minus = matrix(Sym<V>{S.xx - m, S.yy - m, S.zz - m, S.yz, S.zx, S.xy});
+  const Mat<V> plus = matrix(Sym<V>{S.xx + m, S.yy + m, S.zz + m, S.yz, S.zx, S.xy});
+  V det;
+  const Mat<V> Z = minus * reciprocal(plus, det);  // the reciprocal of a symmetric matrix is its inverse
+  const V size = dot(Z, Z);
+  fails |= bits<double>(hn::Not(hn::And(size<V(kLargest), m> V(0.0))));
+
+  const Mat<V> W = Z * Z;
+  const V i1 = W(0, 0) + W(1, 1) + W(2, 2);
+  const V i2 = V(0.5) * (i1 * i1 - dot(W, W));
+  const Mat<V> cof = cofactor(W);
+  const V i3 = W(0, 0) * cof(0, 0) + W(0, 1) * cof(0, 1) + W(0, 2) * cof(0, 2);
+  const int terms = terms_for(size, kLengths);
+  V a(1.0 / (2 * terms + 1)), b(0.0), c(0.0);  // a + b W + c W^2
+  for (int k = terms - 1; k >= 0; --k) {
+    const V above = c;
+    c = b + above * i1;
+    b = a - above * i2;
+    a = above * i3 + V(1.0 / (2 * k + 1));
+  }
+  const Mat<V> WW = W * W;
+  Mat<V> series;
+  for (int r = 0; r < 3; ++r)
+    for (int s = 0; s < 3; ++s) series(r, s) = (r == s ? a : V(0.0)) + b * W(r, s) + c * WW(r, s);
+  Mat<V> log = Z * series;
+  const V mean = V(1.0 / 3) * (log(0, 0) + log(1, 1) + log(2, 2));
+  for (int k = 0; k < 3; ++k) log(k, k) -= mean;
+  for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= V(2.0);
+  return log;
+}
+
+/// exp M of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d.                  eq. 54
+template <class V>
+HWY_INLINE Mat<V> exponential(const Mat<V>& M) {
+  constexpr SeriesLength kLengths[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}};
+  const V size = dot(M, M);  // |M|^2 < 0.5: the first term left out is below 2e-16, the others 2e-17
+  const V j = V(0.5) * size;
+  const Mat<V> cof = cofactor(M);
+  const V d = M(0, 0) * cof(0, 0) + M(0, 1) * cof(0, 1) + M(0, 2) * cof(0, 2);
+  V a(1.0), b(0.0), c(0.0);  // Horner: 1 + M (1 + M / 2 (1 + M / 3 (...)))
+  for (int k = terms_for(size, kLengths); k >= 1; --k) {
+    const V share(1.0 / k), above = c;
+    c = share * b;
+    b = share * (a + above * j);
+    a = V(1.0) + share * above * d;
+  }
+  const Mat<V> MM = M * M;
+  Mat<V> E;
+  for (int r = 0; r < 3; ++r)
+    for (int s = 0; s < 3; ++s) E(r, s) = (r == s ? a : V(0.0)) + b * M(r, s) + c * MM(r, s);
+  return E;
+}
+
+/// exp(share dev log S), and its logarithm. Lanes need another form, because the search for eigenvectors branches;
+/// tests/elastic/kernels_test.cpp compares the two.                                                          eq. 22
+template <class V>
+HWY_INLINE Mat<V> stretch_power(const Sym<V>& S, V share, Mat<V>& log, std::uint32_t& fails) {
+  log = deviatoric_log(S, fails);
+  for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= share;
+  return exponential(log);
+}
+template <std::same_as<double> N>
+HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N share, Mat<N>& log, std::uint32_t& /*fails*/) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(to_eigen(matrix(S)));
+  const Mat3& V = eigen.eigenvectors();
+  const Vec3 log_stretch = eigen.eigenvalues().array().log();
+  const Vec3 flowed = share * (log_stretch.array() - log_stretch.mean());
+  log = entries(V * flowed.asDiagonal() * V.transpose());
+  return entries(V * Vec3(flowed.array().exp()).asDiagonal() * V.transpose());
+}
+
+/// S^p of a corner of stretch S and stress sigma, of which the fraction `share` flows. Adds the plastic strain [-],
+/// sqrt(2/3) share |dev log S|, and the dissipated energy [J/m^3], sigma : share dev log S. fails: bit per lane, the
+/// series does not suffice.                                                                        eq. 22, section 5.8
+template <class N>
+HWY_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, N share, N& strain, N& dissipated,
+                                    std::uint32_t& fails) {
+  Mat<N> log;
+  const Mat<N> increment = stretch_power(S, share, log, fails);
+  dissipated += dot(matrix(sigma), log);
+  strain += N(std::sqrt(2.0 / 3.0)) * sqrt(dot(log, log));
+  return increment;
+}
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
