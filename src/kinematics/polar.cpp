@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kinematics/polar.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/SVD>
-#include <cmath>
 #include <limits>
 
+#include "kinematics/rotation-inl.hpp"
+
 namespace hexaplast {
+
+namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
 
 SignedSvd signed_svd(const Mat3& F) {
   if (!F.allFinite()) {
@@ -31,20 +33,16 @@ Polar polar(const SignedSvd& F) { return {F.U * F.V.transpose(), F.V * F.d.asDia
 Polar polar(const Mat3& F) { return polar(signed_svd(F)); }
 
 Vec3 rotation_log(const Mat3& R) {
-  // through the quaternion: accurate for the smallest angles and at pi alike
-  const Eigen::Quaterniond q(R);
-  const double sine = q.vec().norm();
-  if (sine == 0) return Vec3::Zero();
-  const double angle = 2 * std::atan2(sine, std::abs(q.w()));
-  return std::copysign(angle / sine, q.w()) * q.vec();
+  const plain::RotationVector<double> w = plain::rotation_log(plain::entries(R));
+  return {w.axis_angle[0], w.axis_angle[1], w.axis_angle[2]};
 }
 
 Mat3 rotation_exp(const Vec3& w) {
-  const double angle = w.norm();
-  if (angle == 0) return Mat3::Identity();
-  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+  return to_eigen(plain::rotation_exp(plain::RotationVector<double>{{w[0], w[1], w[2]}, w.norm()}, 1.0));
 }
 
-Mat3 rotation_power(const Mat3& R, double power) { return rotation_exp(power * rotation_log(R)); }
+Mat3 rotation_power(const Mat3& R, double power) {
+  return to_eigen(plain::rotation_exp(plain::rotation_log(plain::entries(R)), power));
+}
 
 }  // namespace hexaplast

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Logarithm and power of rotations, one per SIMD lane.
+// Logarithm and power of rotations, for rotations in lanes and for one rotation.
 #if defined(HEXAPLAST_KINEMATICS_ROTATION_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_KINEMATICS_ROTATION_INL
 #undef HEXAPLAST_KINEMATICS_ROTATION_INL
 #else
 #define HEXAPLAST_KINEMATICS_ROTATION_INL
 #endif
+
+#include <cmath>
+#include <concepts>
 
 #include "base/tensors-inl.hpp"
 #include "hwy/contrib/math/math-inl.h"
@@ -14,18 +17,20 @@ HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
 /// Rotation vector: axis times angle.
-template <class V>
-struct RotationVectorLanes {
-  V axis_angle[3];
-  V angle;                       ///< [rad] in [0, pi)
-  std::uint32_t near_half_turn;  ///< bit per lane: the axis is lost in rounding; ask rotation_log of polar.hpp
+template <class N>
+struct RotationVector {
+  N axis_angle[3];
+  N angle;                           ///< [rad] in [0, pi]
+  std::uint32_t near_half_turn = 0;  ///< bit per lane: the axis is lost in rounding; ask the quaternion
 };
 
+// Lanes use sine and cosine. The quaternion is accurate for the smallest angles and at pi, but finding it branches;
+// tests/elastic/kernels_test.cpp compares the two.
 template <class V>
-HWY_INLINE RotationVectorLanes<V> rotation_log(const Mat<V>& R) {
+HWY_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
   const typename V::Tag d;
   const V cosine = V(0.5) * (R(0, 0) + R(1, 1) + R(2, 2) - V(1.0));
-  RotationVectorLanes<V> out;
+  RotationVector<V> out;
   out.axis_angle[0] = V(0.5) * (R(2, 1) - R(1, 2));
   out.axis_angle[1] = V(0.5) * (R(0, 2) - R(2, 0));
   out.axis_angle[2] = V(0.5) * (R(1, 0) - R(0, 1));
@@ -43,17 +48,36 @@ HWY_INLINE RotationVectorLanes<V> rotation_log(const Mat<V>& R) {
   for (V& component : out.axis_angle) component *= stretch;
   return out;
 }
+template <std::same_as<double> N>
+HWY_INLINE RotationVector<N> rotation_log(const Mat<N>& R) {
+  const Eigen::Quaterniond q(to_eigen(R));
+  const double sine = q.vec().norm();
+  if (sine == 0) return {{0, 0, 0}, 0};
+  const double angle = 2 * std::atan2(sine, std::abs(q.w()));
+  const Vec3 w = std::copysign(angle / sine, q.w()) * q.vec();
+  return {{w[0], w[1], w[2]}, angle};
+}
 
-/// exp(share w).
-template <class V>
-HWY_INLINE Mat<V> rotation_exp(const RotationVectorLanes<V>& w, V share) {
-  const typename V::Tag d;
-  const V half = V(0.5) * share * w.angle, small(1e-8);
-  const V sine(hn::Sin(d, half.raw())), cosine(hn::Cos(d, half.raw()));
+HWY_INLINE void sine_and_cosine(double angle, double& sine, double& cosine) {
+  sine = std::sin(angle);
+  cosine = std::cos(angle);
+}
+HWY_INLINE void sine_and_cosine(Lanes<double> angle, Lanes<double>& sine, Lanes<double>& cosine) {
+  const Lanes<double>::Tag d;
+  sine = hn::Sin(d, angle.raw());
+  cosine = hn::Cos(d, angle.raw());
+}
+
+/// exp(share w).                                                                                               eq. 26
+template <class N>
+HWY_INLINE Mat<N> rotation_exp(const RotationVector<N>& w, N share) {
+  const N half = N(0.5) * share * w.angle, small(1e-8);
+  N sine, cosine;
+  sine_and_cosine(half, sine, cosine);
   // q = (cos, axis sin): the axis is w / angle, and sin / half -> 1
-  const V ratio = V(0.5) * share * select(half > small, sine / max(half, small), V(1.0));
-  const V x = ratio * w.axis_angle[0], y = ratio * w.axis_angle[1], z = ratio * w.axis_angle[2];
-  const V two(2.0), one(1.0);
+  const N ratio = N(0.5) * share * select(half > small, sine / max(half, small), N(1.0));
+  const N x = ratio * w.axis_angle[0], y = ratio * w.axis_angle[1], z = ratio * w.axis_angle[2];
+  const N two(2.0), one(1.0);
   return {{{one - two * (y * y + z * z), two * (x * y - cosine * z), two * (x * z + cosine * y)},
            {two * (x * y + cosine * z), one - two * (x * x + z * z), two * (y * z - cosine * x)},
            {two * (x * z - cosine * y), two * (y * z + cosine * x), one - two * (x * x + y * y)}}};

@@ -123,7 +123,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
       }
     }
     if (model.can_rotate) {
-      const RotationVectorLanes<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
+      const RotationVector<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
       fails |= Q.near_half_turn;
       const V tau = rotation_yield[i];
       const V share = flow_share(Q.angle, tau, rotation_rate, Q.angle);  // eta
