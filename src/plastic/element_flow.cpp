@@ -109,8 +109,7 @@ ElementStep flow_element(const ElementMoment& at, const ElementHistory& before, 
     step.repaired = true;
   }
   step.volume_ratio = at.rest.volume / at.original_volume;
-  if (std::abs(step.volume_ratio - 1) >= kVolumeAtRest)
-    restore_volume(step.volume_ratio, at.settings.volume_restitution, dt, step.next.rest_shape);
+  restore_volume(step.volume_ratio, at.settings.volume_restitution, dt, step.next.rest_shape);
   return step;
 }
 

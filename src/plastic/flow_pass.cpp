@@ -15,7 +15,7 @@
 #include "material/stress_norm-inl.hpp"
 #include "plastic/flow_pass.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/rest_shape.hpp"
+#include "plastic/rest_shape-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -141,9 +141,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   }
 
   const V beta = rest.volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
-  const V c(settings.volume_restitution * dt);
-  const V scale = select(abs(beta - V(1.0)) < V(kVolumeAtRest), V(1.0),
-                         min(max(V(1.0) + c * (V(1.0) - beta), V(kLeastScale)), V(kGreatestScale)));  // eq. 28
+  const V scale = restitution_scale(beta, V(settings.volume_restitution * dt));
   // what did not flow keeps its bits
   const auto has_flowed = flowing > V(0.0);
   for (int i = 0; i < kCorners; ++i)

@@ -4,8 +4,11 @@
 #include <algorithm>
 
 #include "kinematics/polar.hpp"
+#include "plastic/rest_shape-inl.hpp"
 
 namespace hexaplast {
+
+namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
 
 namespace {
 
@@ -28,7 +31,7 @@ void repair_rest_shape(const ElementPoints& original, double dt, ElementPoints& 
 }
 
 void restore_volume(double volume_ratio, double rate, double dt, ElementPoints& y) {
-  y *= std::clamp(1 + rate * dt * (1 - volume_ratio), kLeastScale, kGreatestScale);
+  y *= plain::restitution_scale(volume_ratio, rate * dt);
 }
 
 Mat3 fit_rotation(const ElementPoints& from, const ElementPoints& to) { return polar(to.transpose() * from).R; }

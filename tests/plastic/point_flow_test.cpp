@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "material/corotated.hpp"
+#include "plastic/rest_shape.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 
@@ -64,6 +65,21 @@ TEST(Hardened, GrowsByWhatFlowsAndIsNeverNegative) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(hardened(kInfinity, -2, 0, 400), kInfinity);
   EXPECT_EQ(hardened(300, kInfinity, 0, 400), 300);
+}
+
+TEST(RestoreVolume, ScalesLengthsByTheRateTimesTheErrorAndWithinAFactorOfTwo) {
+  Random random(58);
+  const ElementPoints shape = random.field(8, 1);
+  const auto scale = [&](double volume_ratio, double rate, double dt) {
+    ElementPoints y = shape;
+    restore_volume(volume_ratio, rate, dt, y);
+    return y(7, 2) / shape(7, 2);
+  };
+  EXPECT_DOUBLE_EQ(scale(1.2, 5, 0.01), 1 - 0.05 * 0.2);
+  EXPECT_DOUBLE_EQ(scale(0.7, 5, 0.01), 1 + 0.05 * 0.3);
+  EXPECT_EQ(scale(1 + 1e-13, 1e12, 1), 1);  // rounding of volumes is left alone
+  EXPECT_DOUBLE_EQ(scale(3, 50, 0.01), 0.5);
+  EXPECT_DOUBLE_EQ(scale(-5, 50, 0.01), 2);
 }
 
 TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
