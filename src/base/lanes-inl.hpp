@@ -8,6 +8,7 @@
 #define HEXAPLAST_BASE_LANES_INL
 #endif
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -82,8 +83,8 @@ HWY_INLINE bool any_positive(Lanes<T> a) {
 // The same of one number, so that a formula may be a template on its number type.
 HWY_INLINE double sqrt(double a) { return std::sqrt(a); }
 HWY_INLINE double abs(double a) { return std::abs(a); }
-HWY_INLINE double min(double a, double b) { return a < b ? a : b; }
-HWY_INLINE double max(double a, double b) { return a > b ? a : b; }
+HWY_INLINE double min(double a, double b) { return std::min(a, b); }
+HWY_INLINE double max(double a, double b) { return std::max(a, b); }
 HWY_INLINE double select(bool condition, double a, double b) { return condition ? a : b; }
 HWY_INLINE bool any_positive(double a) { return a > 0; }
 
