@@ -71,7 +71,7 @@ class LegacyVtkFile {
     source_.line();  // title
     const std::string_view form = source_.word();
     is_binary_ = form == "BINARY";
-    if (!is_binary_ && form != "ASCII") source_.refuse("neither ASCII nor BINARY stands in the third line");
+    if (!is_binary_ && form != "ASCII") source_.refuse("the third line is neither ASCII nor BINARY");
     source_.expect("DATASET");
     if (source_.word() != "UNSTRUCTURED_GRID") source_.refuse("the data set must be an UNSTRUCTURED_GRID");
   }

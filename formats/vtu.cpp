@@ -319,7 +319,7 @@ class VtuFile {
     const std::size_t most = (kBytesOfAnyFile + kMostBytesPerByte * num_taken_) / sizeof(double);
     if (num_numbers_ > most)
       refuse(at,
-             fmt::format("{} numbers so far: {} bytes of data stand for {} at most", num_numbers_, num_taken_, most));
+             fmt::format("{} numbers so far: {} bytes of data can contain at most {}", num_numbers_, num_taken_, most));
   }
 
   /// `size` bytes of data: raw from byte `begin` on; in base64 those of the part that begins where the base64 of the

@@ -53,9 +53,9 @@ bool is_known_reference(std::string_view from_ampersand) {
 }
 
 /// Refuses what the parser would let pass, would take too long over, or would only say a word about.
-class Screen {
+class InputValidator {
  public:
-  Screen(std::string_view text, const XmlLimits& limits) : text_(text), limits_(limits) {}
+  InputValidator(std::string_view text, const XmlLimits& limits) : text_(text), limits_(limits) {}
 
   int pass() {
     require_text();
@@ -233,7 +233,7 @@ class Screen {
 }  // namespace
 
 int parse_xml(std::string_view text, const XmlLimits& limits, tinyxml2::XMLDocument& document) {
-  const int num_elements = Screen(text, limits).pass();
+  const int num_elements = InputValidator(text, limits).pass();
   const tinyxml2::XMLError error = document.Parse(text.data(), text.size());
   if (error != tinyxml2::XML_SUCCESS && error != tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
     throw XmlError(document.ErrorLineNum(), fmt::format("not well-formed XML ({})", document.ErrorName()));

@@ -27,7 +27,7 @@ class Observer(Controller):
         if self.steps % 50:
             return
         strain = self.body.plasticStrain.value
-        z = self.body.materialPositions.value[:, 2]
+        z = self.body.plasticRestPositions.value[:, 2]
         print(f"step {self.steps}: greatest plastic strain {max(strain):.3f}, length without forces "
               f"{z.max() - z.min():.4f} m")
 

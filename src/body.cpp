@@ -191,14 +191,14 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   }
   require_finite(x, "position");
   state_->not_linearized_since = "flow";
-  if (state_->mostly_flows)
+  if (state_->skip_screening)
     set_positions(state_->model, state_->history, x, state_->at);
   else
     hexaplast::linearize(state_->model, state_->history, x, state_->at);
   if (!state_->flow) return count_inverted(state_->model, state_->at);
   const FlowReport report =
       hexaplast::flow(state_->model, state_->at, dt, state_->averaging_solver, state_->history, *state_->flow);
-  state_->mostly_flows = 2 * report.yielded > state_->model.mesh.num_elements();
+  state_->skip_screening = 2 * report.yielded > state_->model.mesh.num_elements();
   return report;
 }
 
@@ -243,7 +243,7 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   not_linearized_since = call;
   flow.reset();
   if (model.can_flow()) flow.emplace(model, history);
-  mostly_flows = false;
+  skip_screening = false;
   checked_dt = kNone;
   hierarchy.reset();
 }
@@ -288,7 +288,7 @@ void Body::reset() {
   state_->history = History(state_->model);
   state_->history.version = version + 1;  // what was derived from the old history is old
   state_->not_linearized_since = "reset";
-  state_->mostly_flows = false;
+  state_->skip_screening = false;
   if (state_->flow) state_->flow.emplace(state_->model, state_->history);
 }
 
@@ -327,14 +327,14 @@ double Body::volume(ConstPoints x) const {
   return sum;
 }
 
-double Body::original_volume() const {
+double Body::initial_volume() const {
   double sum = 0;
   for (int e = 0; e < state_->model.mesh.num_elements(); ++e)
     if (state_->history.alive[e]) sum += state_->model.volume[e];
   return sum;
 }
 
-double Body::original_volume(int hexahedron) const {
+double Body::initial_volume(int hexahedron) const {
   state_->require_hexahedron(hexahedron);
   return state_->model.volume[hexahedron];
 }

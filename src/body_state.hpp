@@ -38,7 +38,7 @@ struct Body::State {
   const char* not_linearized_since = "the body was made";  // null while `at` is what the caller linearized
   std::optional<FlowWorkspace> flow;                       // of bodies that can flow
   PreconditionedConjugateGradients averaging_solver;
-  bool mostly_flows = false;  // in the latest plastic step: looking first would be in vain
+  bool skip_screening = false;  // in the latest plastic step: screening first would be in vain
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double checked_dt = kNone;                  // time step that passed check_time_step
   SlotScratch own_slots;                      // of bodies that cannot flow

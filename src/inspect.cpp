@@ -36,7 +36,7 @@ Mat3 frame_of(const HexahedronState& state, RotationFrame frame) {
 
 }  // namespace
 
-HexahedronState virgin_hexahedron(const ElementPoints& original, const Material& material) {
+HexahedronState initial_hexahedron(const ElementPoints& original, const Material& material) {
   const Model model(mesh_of(original), {material}, {});
   return {original, original, original, History(model).element(0)};
 }
@@ -114,20 +114,20 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
                                          .settings = settings,
                                          .original_shape = model.original_shape(0),
                                          .corner_jacobian = model.corner_jacobian(0),
-                                         .original_volume = model.volume[0],
+                                         .initial_volume = model.volume[0],
                                          .x = state.material,
                                          .rest = rest,
                                          .world = state.world,
                                          .frame = frame_of(state, settings.rotation_frame)},
                                         before.element(0), dt);
   for (int i = 0; i < kCorners; ++i) {
-    found.stretch_share[i] = step.stretch[i].share;
+    found.stretch_flow_fraction[i] = step.stretch[i].share;
     found.stretch_increment[i] = step.stretch[i].increment;
-    found.rotation_share[i] = step.rotation[i].share;
+    found.rotation_flow_fraction[i] = step.rotation[i].share;
     found.rotation_increment[i] = step.rotation[i].increment;
   }
   found.volume_ratio = step.volume_ratio;
-  found.guarded = step.guarded;
+  found.skipped = step.skipped;
 
   // and the step as a body takes it
   History after = before;
@@ -158,7 +158,7 @@ void follow_path(const ElementPoints& original, const Material& material, const 
     const ElementFields fields = body.fields(x);
     report({.time = time,
             .F = F,
-            .P = -(f.transpose() * original) / body.original_volume(),  // what the forces do on the corners
+            .P = -(f.transpose() * original) / body.initial_volume(),  // what the forces do on the corners
             .stress_norm = fields.stress_norm[0],
             .plastic_strain = fields.plastic_strain[0],
             .yield_stress = fields.yield_stress[0],

@@ -17,7 +17,7 @@ namespace hexaplast {
 
 std::vector<double> lumped_masses(const Body& body, double density) {
   std::vector<double> mass(static_cast<std::size_t>(body.mesh().num_elements()));
-  for (std::size_t e = 0; e < mass.size(); ++e) mass[e] = density * body.original_volume(static_cast<int>(e));
+  for (std::size_t e = 0; e < mass.size(); ++e) mass[e] = density * body.initial_volume(static_cast<int>(e));
   const Eigen::VectorXd nodal = lumped_masses(body.mesh().num_nodes(), body.mesh().hexahedra(), mass);
   return {nodal.begin(), nodal.end()};
 }
@@ -109,7 +109,7 @@ constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 1, "
 enum Held : unsigned char {
   kFree,
   kFixed,
-  kPrescribed  // fixed, and brought to its place by the velocity of the next step
+  kPrescribed  // fixed, and brought to its position by the velocity of the next step
 };
 
 }  // namespace
@@ -160,7 +160,7 @@ void RunReport::add(const SolveReport& solved, const FlowReport& flowed) {
 
   raise(flow.yielded, flowed.yielded);
   raise(flow.inverted, flowed.inverted);
-  raise(flow.guarded, flowed.guarded);
+  raise(flow.skipped, flowed.skipped);
   raise(flow.repaired, flowed.repaired);
   flow.removed += flowed.removed;
   raise(flow.worst_volume_error, flowed.worst_volume_error);
@@ -191,22 +191,22 @@ void MovingBody::fix(std::span<const int> nodes) {
 }
 
 // Constraints zero the change of a velocity, so that a fixed node moves by the one it has.
-void MovingBody::lead(std::span<const int> nodes, ConstPoints places) {
-  if (places.rows() != static_cast<Eigen::Index>(nodes.size()))
-    throw InputError(fmt::format("{} places are given for {} nodes", places.rows(), nodes.size()));
-  if (!places.allFinite()) throw InputError("a place is not finite");
+void MovingBody::prescribe(std::span<const int> nodes, ConstPoints positions) {
+  if (positions.rows() != static_cast<Eigen::Index>(nodes.size()))
+    throw InputError(fmt::format("{} positions are given for {} nodes", positions.rows(), nodes.size()));
+  if (!positions.allFinite()) throw InputError("a position is not finite");
   require_rows("MovingBody", "x", x, body.mesh().num_nodes());
   fix(nodes);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     held_[nodes[i]] = kPrescribed;
-    v.row(nodes[i]) = (places.row(static_cast<Eigen::Index>(i)) - x.row(nodes[i])) / dt_;
+    v.row(nodes[i]) = (positions.row(static_cast<Eigen::Index>(i)) - x.row(nodes[i])) / dt_;
   }
 }
 
 void MovingBody::release(std::span<const int> nodes) {
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
   for (const int n : nodes) {
-    if (held_[n] == kPrescribed) v.row(n).setZero();  // which was to bring it to its place
+    if (held_[n] == kPrescribed) v.row(n).setZero();  // which was to bring it to its position
     held_[n] = kFree;
   }
   tell_fixed();

@@ -32,7 +32,7 @@ const std::map<std::string, int> kHeight{
     {"plastic", 5},
     {"body", 6},
     {"inspect", 7},
-    {"survey", 7},
+    {"model_check", 7},
     {"moving_body", 7},
     {"attributes", 8},
     {"parts", 9},

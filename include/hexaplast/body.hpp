@@ -22,10 +22,10 @@ struct MatrixFreeSystem;
 /// yield stress; its other values are 0.
 struct ElementFields {
   std::vector<double> plastic_strain;  ///< [-] mean over the corners of the accumulated plastic strain
-  std::vector<double> yield_stress;    ///< [Pa] greatest of the corners; infinite where it never yields
+  std::vector<double> yield_stress;    ///< [Pa] maximum of the corners; infinite if it never yields
   std::vector<double> volume_ratio;    ///< [-] material volume / original volume
-  std::vector<double> stress_norm;     ///< [Pa] greatest of the corners, in the body's yield norm
-  std::vector<double> strain;          ///< [-] greatest |D - 1| of the corners
+  std::vector<double> stress_norm;     ///< [Pa] maximum of the corners, in the body's yield norm
+  std::vector<double> strain;          ///< [-] largest |D - 1| of the corners
 };
 
 /// A deformable, plastically flowing body: Model, History and Linearization behind a few verbs. The one place that
@@ -85,7 +85,7 @@ class Body {
   /// before.
   void set_materials(std::vector<Material> materials);
 
-  /// Back to the virgin state.
+  /// Back to the initial state.
   void reset();
 
   /// Writes the history, and the materials that its thresholds belong to, so that a body that loads it goes on as this
@@ -120,7 +120,7 @@ class Body {
   const PointArray& plastic_rest_positions() const;        ///< [m] num_nodes x 3: where nodes would be without forces
   std::span<const unsigned char> alive() const;            ///< per hexahedron: 0 once it is removed
   std::span<const int> removed() const;                    ///< in the order of their removal
-  std::span<const CornerValues> yield_stress() const;      ///< [Pa] per hexahedron; infinite where it never yields
+  std::span<const CornerValues> yield_stress() const;      ///< [Pa] per hexahedron; infinite if it never yields
   std::span<const CornerValues> plastic_strain() const;    ///< [-] per hexahedron, accumulated
   double dissipated_energy() const;                        ///< [J] accumulated plastic work
   ElementPoints element_rest_shape(int hexahedron) const;  ///< [m] its isolated one, Pi y, about its mean
@@ -130,8 +130,8 @@ class Body {
   /// Volume [m^3] of the elements that are left, at any nodal positions (world or material) and in their original
   /// shape.
   double volume(ConstPoints x) const;
-  double original_volume() const;
-  double original_volume(int hexahedron) const;  ///< also of one that is gone
+  double initial_volume() const;
+  double initial_volume(int hexahedron) const;  ///< also of one that is gone
 
   /// Adds every History array, in declaration order, as raw little-endian bytes.
   void add_to(StateHash& hash) const;

@@ -20,8 +20,8 @@ struct HexahedronState {
   ElementHistory history;  ///< isolated rest shape, rotation maps, thresholds
 };
 
-/// The virgin state: material and world positions are the original ones.
-HexahedronState virgin_hexahedron(const ElementPoints& original, const Material& material);
+/// The initial state: material and world positions are the original ones.
+HexahedronState initial_hexahedron(const ElementPoints& original, const Material& material);
 
 struct HexahedronElasticity {
   CornerTensors corner_jacobian;                        ///< [m] J_i of the material shape                    eq. 2
@@ -40,27 +40,27 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
                                         const Settings& settings);
 
 struct HexahedronStep {
-  CornerTensors F_corner;      ///< F_i                                                                          eq. 1
-  Mat3 F_centre;               ///< F_o                                                                          eq. 1
-  CornerTensors F_blended;     ///< (F_i + F_o) / 2
-  CornerTensors F;             ///< F~, the gradient of the chosen scheme                                        eq. 7
-  CornerTensors R, S;          ///< of F~                                                                        eq. 6
-  Mat3 R_centre;               ///< R_o
-  CornerTensors Q;             ///< R_o^T R_i
-  CornerValues phi;            ///< [rad]; in the centre mode the greatest of the corners                        eq. 24
-  CornerTensors strain;        ///< S - I
-  CornerTensors stress;        ///< [Pa] sigma                                                                   eq. 12
-  CornerValues stress_norm;    ///< [Pa]                                                              eq. 20
-  CornerValues stretch_share;  ///< gamma                                                             eq. 21
-  CornerTensors stretch_increment;   ///< S^p                                                               eq. 22
-  CornerValues rotation_share;       ///< eta                                                           eq. 25, 33
-  CornerTensors rotation_increment;  ///< R^p                                                           eq. 26, 34
-  double volume_ratio;               ///< beta = material / original volume
-  bool guarded;                      ///< kept elastic: inside out or nearly so
-  ElementHistory history;            ///< after the step
-  double rest_volume;                ///< [m^3] of the rest shape after the step
-  ElementPoints material;            ///< [m] x after the step                                              eq. 31
-  double material_volume;            ///< [m^3] of it
+  CornerTensors F_corner;    ///< F_i                                                                          eq. 1
+  Mat3 F_centre;             ///< F_o                                                                          eq. 1
+  CornerTensors F_blended;   ///< (F_i + F_o) / 2
+  CornerTensors F;           ///< F~, the gradient of the chosen scheme                                        eq. 7
+  CornerTensors R, S;        ///< of F~                                                                        eq. 6
+  Mat3 R_centre;             ///< R_o
+  CornerTensors Q;           ///< R_o^T R_i
+  CornerValues phi;          ///< [rad]; in the centre mode the maximum of the corners                        eq. 24
+  CornerTensors strain;      ///< S - I
+  CornerTensors stress;      ///< [Pa] sigma                                                                   eq. 12
+  CornerValues stress_norm;  ///< [Pa]                                                              eq. 20
+  CornerValues stretch_flow_fraction;   ///< gamma                                                             eq. 21
+  CornerTensors stretch_increment;      ///< S^p                                                               eq. 22
+  CornerValues rotation_flow_fraction;  ///< eta                                                           eq. 25, 33
+  CornerTensors rotation_increment;     ///< R^p                                                           eq. 26, 34
+  double volume_ratio;                  ///< beta = material / original volume
+  bool skipped;                         ///< without flow: inverted or nearly so
+  ElementHistory history;               ///< after the step
+  double rest_volume;                   ///< [m^3] of the rest shape after the step
+  ElementPoints material;               ///< [m] x after the step                                              eq. 31
+  double material_volume;               ///< [m^3] of it
 };
 
 /// One plastic step over dt [s], averaging included; what does not flow in the chosen mode is identity or 0. Throws
@@ -79,15 +79,15 @@ struct PathResponse {
   double time;               ///< [s]
   Mat3 F;                    ///< imposed
   Mat3 P;                    ///< [Pa] mean first Piola stress with respect to the original shape
-  double stress_norm;        ///< [Pa] greatest of the corners
+  double stress_norm;        ///< [Pa] maximum of the corners
   double plastic_strain;     ///< mean of the corners, accumulated
-  double yield_stress;       ///< [Pa] greatest of the corners
+  double yield_stress;       ///< [Pa] maximum of the corners
   double volume_ratio;       ///< material / original volume
   double energy;             ///< [J] elastic
   double dissipated_energy;  ///< [J] accumulated
 };
 
-/// Drives a virgin hexahedron through F(t), linear between the points, in steps of at most dt [s] with a plastic step
+/// Deforms an initial hexahedron along F(t), linear between the points, in steps of at most dt [s] with a plastic step
 /// after each, and hands every moment to `report`. Throws as inspect_step does, and InputError where the path is empty
 /// or its times do not ascend.
 void follow_path(const ElementPoints& original, const Material& material, const Settings& settings, double dt,

@@ -70,8 +70,8 @@ struct Motion {
 struct RunReport {
   int steps = 0;
   int stalled = 0;  ///< steps in which the linear solver, or the one of the averaging, stopped before its tolerance
-  SolveReport solve = {};  ///< most iterations of a step, greatest residual; converged: in every step
-  FlowReport flow = {};    ///< greatest counts of a step, but all that were removed; averaging: as for `solve`
+  SolveReport solve = {};  ///< most iterations of a step, largest residual; converged: in every step
+  FlowReport flow = {};    ///< largest counts of a step, but all that were removed; averaging: as for `solve`
 
   void add(const SolveReport& solved, const FlowReport& flowed);
 };
@@ -86,8 +86,8 @@ class MovingBody {
   MovingBody(Body body, Motion motion, std::unique_ptr<LinearSolver> solver = nullptr);
 
   /// One time step. Throws NumericalError naming the first node or element that left the finite numbers, and what the
-  /// load throws; everything is then as before the step, time, nodes that are led and solver_memory() included, to the
-  /// last bit.
+  /// load throws; everything is then as before the step, time, prescribed displacements and solver_memory() included,
+  /// to the last bit.
   FlowReport step();
   SolveReport latest;  ///< of the latest step
 
@@ -97,19 +97,20 @@ class MovingBody {
   /// Nodes stay where they are from now on. Throws InputError where a node does not exist, as do the two below.
   void fix(std::span<const int> nodes);
 
-  /// The same, but in the next step they move to `places` [m] (one row per node), at the velocity that this takes: the
-  /// other nodes feel it within the step. After it they stand still.
-  void lead(std::span<const int> nodes, ConstPoints places);
+  /// The same, but in the next step they move to `positions` [m] (one row per node), at the velocity that this takes:
+  /// the other nodes feel it within the step. After it they stand still.
+  void prescribe(std::span<const int> nodes, ConstPoints positions);
 
   /// Nodes move freely from now on.
   void release(std::span<const int> nodes);
 
-  /// Back to the beginning: the virgin body at rest, at time 0, without solver memory. Nodes that are fixed stay so.
+  /// Back to the beginning: the initial body at rest, at time 0, without solver memory. Nodes that are fixed stay so.
   void reset();
 
   /// Writes all that the next step depends on besides what the constructor was given: x, v, the number of steps, fixed
-  /// and led nodes, solver_memory() and the body (Body::save). A motion that loads it goes on as this one does, bit for
-  /// bit, whatever it and its solver have done before. Throws InputError when the stream does not take it all.
+  /// nodes, prescribed displacements, solver_memory() and the body (Body::save). A motion that loads it goes on as this
+  /// one does, bit for bit, whatever it and its solver have done before. Throws InputError when the stream does not
+  /// take it all.
   void save(std::ostream& out) const;
 
   /// Takes over what `save` wrote for a body of the same mesh and settings, with the same masses and dt; reads no byte

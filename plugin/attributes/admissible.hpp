@@ -12,13 +12,13 @@ namespace hexaplast::attributes {
 
 /// "must be > 0", "must lie in [0, 0.5)"; empty when every number is admissible.
 inline std::string describe(const Range& range) {
-  const bool below = std::isfinite(range.least), above = std::isfinite(range.most);
+  const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
   if (below && above) {
-    return fmt::format("must lie in {}{:.10g}, {:.10g}{}", range.without_least ? '(' : '[', range.least, range.most,
-                       range.without_most ? ')' : ']');
+    return fmt::format("must lie in {}{:.10g}, {:.10g}{}", range.exclusive_min ? '(' : '[', range.min, range.max,
+                       range.exclusive_max ? ')' : ']');
   }
-  if (below) return fmt::format("must be {} {:.10g}", range.without_least ? ">" : ">=", range.least);
-  if (above) return fmt::format("must be {} {:.10g}", range.without_most ? "<" : "<=", range.most);
+  if (below) return fmt::format("must be {} {:.10g}", range.exclusive_min ? ">" : ">=", range.min);
+  if (above) return fmt::format("must be {} {:.10g}", range.exclusive_max ? "<" : "<=", range.max);
   return {};
 }
 

@@ -70,9 +70,9 @@ enum class Access {
 
 using hexaplast::Range;
 
-inline constexpr Range kPositive{.least = 0, .without_least = true};
-inline constexpr Range kNotNegative{.least = 0};
-inline constexpr Range kIndex{.least = 0, .most = 2147483646};  // node and element numbers are ints
+inline constexpr Range kPositive{.min = 0, .exclusive_min = true};
+inline constexpr Range kNotNegative{.min = 0};
+inline constexpr Range kIndex{.min = 0, .max = 2147483646};  // node and element numbers are ints
 
 struct Attribute {
   std::string_view name = {};
@@ -113,7 +113,7 @@ constexpr std::array<Attribute, N + M> joined(const Attribute (&first)[N], const
 
 /// What every node and component takes besides its own attributes.
 inline constexpr Attribute kCommon[] = {
-    {.name = "name", .type = Type::kText, .help = "Name in links; ClassName1, ClassName2, ... where it is not given."},
+    {.name = "name", .type = Type::kText, .help = "Name in links; default: ClassName1, ClassName2, ..."},
     {.name = "src",
      .type = Type::kLink,
      .help = "A component, mostly a loader: every attribute that it has too, and that is not given here, follows its."},

@@ -11,25 +11,25 @@ inline constexpr Attribute kMultigridCGLinearSolverAttributes[] = {
      .type = Type::kWord,
      .initial = "auto",
      .words = "auto multigrid diagonal",
-     .help = "multigrid: a cycle over coarser meshes, as many iterations whatever the size, few where cells are not "
-             "flat; needs hexahedra that form a lattice, as grids, tubes, shells and cages do, else the diagonal takes "
-             "its place. diagonal: cheaper where a pressure wave passes fewer than "
-             "about four hexahedra in a time step. auto: the cheaper one."},
+     .help = "multigrid: a V-cycle on coarser meshes; the number of iterations does not depend on the size, and is "
+             "small where cells are not flat. Needs hexahedra that form a lattice (grids, tubes, shells, cages); "
+             "otherwise the diagonal is used. diagonal: cheaper if a pressure wave travels less than about four "
+             "hexahedra in a time step. auto: the cheaper one."},
     {.name = "tolerance",
      .type = Type::kReal,
      .initial = "0.01",
-     .range = {.least = 0, .most = 1, .without_least = true},
-     .help = "Ends when |r| / |b| is not greater."},
+     .range = {.min = 0, .max = 1, .exclusive_min = true},
+     .help = "Stops when |r| / |b| <= this value."},
     {.name = "iterations",
      .type = Type::kInteger,
      .initial = "500",
-     .range = {.least = 1, .most = 1000000000},
+     .range = {.min = 1, .max = 1000000000},
      .help = "Largest number of iterations."},
 };
 inline constexpr Description kMultigridCGLinearSolver{
     .class_name = "MultigridCGLinearSolver",
     .category = "LinearSolver",
-    .help = "Preconditioned conjugate gradients that end when the answer is as good as asked for.",
+    .help = "Preconditioned conjugate gradients with a relative tolerance.",
     .attributes = kMultigridCGLinearSolverAttributes};
 
 inline constexpr Attribute kTangentialForceAttributes[] = {
@@ -37,7 +37,7 @@ inline constexpr Attribute kTangentialForceAttributes[] = {
     {.name = "groupSize",
      .type = Type::kInteger,
      .initial = "1",
-     .range = {.least = 1, .most = 2147483646},
+     .range = {.min = 1, .max = 2147483646},
      .help = "Consecutive indices that form a group: 1 for nodes, 2 for the centres of edges."},
     {.name = "axis",
      .type = Type::kVector3,
@@ -56,7 +56,7 @@ inline constexpr Description kTangentialForceField{
     .category = "ForceField",
     .help =
         "Forces around an axis that turn with the body. The force on a group acts along axis x (p - centre), p being "
-        "the mean of the group's present positions, and is shared equally by its nodes.",
+        "the mean of the group's current positions, and is divided equally among its nodes.",
     .templates = kVec3Templates,
     .attributes = kTangentialForceAttributes};
 
@@ -65,8 +65,8 @@ inline constexpr Attribute kGraspAttributes[] = {
     {.name = "positions",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Where the tool is at each key time, linear in between; it stays at the first position before the first "
-             "time and at the last one after the last. Evaluated at the beginning of a step."},
+     .help = "Position of the tool at each key time, linear in between; it stays at the first position before the "
+             "first time and at the last one after the last. Evaluated at the beginning of a step."},
     {.name = "graspTime",
      .type = Type::kReal,
      .initial = "0",
@@ -83,33 +83,28 @@ inline constexpr Attribute kGraspAttributes[] = {
      .unit = "m",
      .range = kPositive,
      .help =
-         "The grip holds the nodes that are as near to the tool when it closes. Where there are none a warning says "
-         "so."},
-    {.name = "indices",
-     .type = Type::kIntegers,
-     .range = kIndex,
-     .help = "Nodes that can be held; all where not given."},
+         "Radius around the tool in which the grip holds nodes when it closes. A warning appears if there are none."},
+    {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes that can be held; default: all."},
     {.name = "stiffness",
      .type = Type::kReal,
      .initial = "1000",
      .unit = "N/m",
      .range = kPositive,
-     .help = "Of the grip as a whole: each of n held nodes is tied by a spring of 1/n of it to the place that it had, "
-             "relative to the tool, when the grip closed."},
+     .help = "Stiffness of the whole grip. Each of n held nodes has a spring of 1/n of it to its place relative to the "
+             "tool when the grip closed."},
     {.name = "maxForce",
      .type = Type::kReal,
      .unit = "N",
      .range = kPositive,
-     .help = "Limit of the grip as a whole: no spring pulls harder than 1/n of it, and its node then lags behind the "
-             "tool. Without it there is no limit."},
+     .help = "Maximum force of the whole grip. Each spring pulls with at most 1/n of it; its node then stays behind "
+             "the tool. Without it there is no limit."},
     {.name = "damping",
      .type = Type::kReal,
      .initial = "0",
      .unit = "N s/m",
      .range = kNotNegative,
-     .help =
-         "Of the grip as a whole: beside each spring stands a dashpot of 1/n of it, against the velocity of the node "
-         "relative to the tool; maxForce does not limit it."},
+     .help = "Damping of the whole grip. A dashpot of 1/n of it is parallel to each spring and acts against the "
+             "velocity of the node relative to the tool. maxForce does not limit it."},
     {.name = "rayleighStiffness",
      .type = Type::kReal,
      .initial = "0",
@@ -121,31 +116,29 @@ inline constexpr Attribute kGraspAttributes[] = {
      .type = Type::kVector3,
      .unit = "N",
      .access = Access::kOutput,
-     .help = "What the tool exerted on the body at the beginning of the latest step."},
+     .help = "Force of the tool on the body at the beginning of the last step."},
 };
 inline constexpr Description kGraspForceField{
     .class_name = "GraspForceField",
     .category = "ForceField",
     .help =
-        "An instrument: takes hold of the nodes around it, moves along a path and lets go, with a limited force. It "
-        "acts "
-        "on the nearest state, which may be one of embedded points. In SOFA, LinearMovementProjectiveConstraint moves "
-        "chosen nodes exactly and frees them at its last key time; RestShapeSpringsForceField, with "
-        "external_rest_shape "
-        "on points that such a constraint moves, ties them by springs, and AttachProjectiveConstraint rigidly; none of "
-        "them chooses nodes during the run or limits the force.",
+        "An instrument: it grasps the nodes around it, moves along a path and releases them, with a limited force. It "
+        "acts on the nearest state, which may be one of embedded points. In SOFA, LinearMovementProjectiveConstraint "
+        "moves chosen nodes exactly and frees them at its last key time; RestShapeSpringsForceField, with "
+        "external_rest_shape on points that such a constraint moves, ties them by springs, and "
+        "AttachProjectiveConstraint rigidly; none of them chooses nodes during the run or limits the force.",
     .templates = kVec3Templates,
     .attributes = kGraspAttributes};
 
 inline constexpr Attribute kRunSettingsAttributes[] = {
     {.name = "steps",
      .type = Type::kInteger,
-     .range = {.least = 0, .most = 1e9},
+     .range = {.min = 0, .max = 1e9},
      .help = "Number of time steps of a run, unless the command line gives one."},
     {.name = "outputEvery",
      .type = Type::kInteger,
      .initial = "25",
-     .range = {.least = 1, .most = 1e9},
+     .range = {.min = 1, .max = 1e9},
      .help = "Steps between two saved states."},
 };
 inline constexpr Description kRunSettings{.class_name = "RunSettings",

@@ -6,7 +6,7 @@
 /// Our own topologies: grids bent into the shapes of organs. SOFA has none of them.
 namespace hexaplast::attributes {
 
-inline constexpr Range kShapeCells{.least = 1, .most = 1000000};
+inline constexpr Range kShapeCells{.min = 1, .max = 1000000};
 
 inline constexpr Attribute kShapePosition{.name = "position",
                                           .type = Type::kVectors3,
@@ -50,13 +50,13 @@ inline constexpr Attribute kTubeGridTopologyAttributes[] = {
      .initial = "0.1",
      .unit = "m",
      .range = kPositive,
-     .help = "From the origin along z. Does not count beside a centreline."},
+     .help = "From the origin along z. Ignored if a centreline is given."},
     {.name = "bend",
      .type = Type::kReal,
      .initial = "0",
      .unit = "deg",
-     .range = {.least = -360, .most = 360, .without_least = true, .without_most = true},
-     .help = "Angle by which the tube is bent towards x on its way, along an arc. Does not count beside a centreline."},
+     .range = {.min = -360, .max = 360, .exclusive_min = true, .exclusive_max = true},
+     .help = "Angle by which the tube is bent towards x, along an arc. Ignored if a centreline is given."},
     {.name = "centreline",
      .type = Type::kVectors3,
      .unit = "m",
@@ -121,7 +121,7 @@ inline constexpr Attribute kSpherePatchGridTopologyAttributes[] = {
      .type = Type::kReal,
      .initial = "90",
      .unit = "deg",
-     .range = {.least = 0, .most = 180, .without_least = true, .without_most = true},
+     .range = {.min = 0, .max = 180, .exclusive_min = true, .exclusive_max = true},
      .help = "From side to side, seen from the centre."},
     kShapePosition,
     kShapeHexahedra,

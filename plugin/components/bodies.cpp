@@ -118,7 +118,7 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
   void provide(scene::Data& output) override {
     if (!body()) return;
     const std::string_view name = output.attribute().name;
-    if (name == "materialPositions") {
+    if (name == "plasticRestPositions") {
       output.set(flattened(body()->plastic_rest_positions()));
     } else if (name == "removed") {
       output.set(std::vector<std::int64_t>(body()->removed().begin(), body()->removed().end()));
@@ -138,7 +138,7 @@ class HexahedronFEMForceField final : public HexahedronField {
   void init() override {
     HexahedronField::init();
     if (text("method") == "small")
-      remark(scene::Severity::kWarning, "method", "is small: rotations are taken out here all the same");
+      remark(scene::Severity::kWarning, "method", "is small: rotations are removed nevertheless");
   }
 };
 

@@ -111,7 +111,7 @@ class VTKExporter final : public Exporter {
   struct Cells {
     Cells(VTKExporter& exporter, int points) : owner(exporter), num_points(points) {
       scene::MechanicalState* state = owner.node().nearest<scene::MechanicalState>();
-      if (state && state->num_nodes() == num_points) remains.emplace(*state);
+      if (state && state->num_nodes() == num_points) surviving.emplace(*state);
     }
 
     template <std::size_t N>
@@ -120,7 +120,7 @@ class VTKExporter final : public Exporter {
       for (const std::array<int, N>& cell : all) {
         if (const int node = std::ranges::max(cell); node >= num_points)
           owner.reject(fmt::format("a cell of its topology has node {}, there are {} points", node, num_points));
-        is_left.push_back(!remains || remains->has(cell));
+        is_left.push_back(!surviving || surviving->has(cell));
         if (is_left.back()) left.push_back(cell);
       }
       return left;
@@ -139,7 +139,7 @@ class VTKExporter final : public Exporter {
 
     VTKExporter& owner;
     int num_points;
-    std::optional<scene::Remains> remains;
+    std::optional<scene::SurvivingCells> surviving;
     std::vector<bool> is_left;  // of all cells, one kind after the other
     std::vector<Edge> edges;
     std::vector<Triangle> triangles;
@@ -241,7 +241,7 @@ class WriteState final : public Exporter {
     times_ = reals("time");
     period_ = real_if_given("period");
     if (period_ && times_.size() > 1)
-      reject("time", fmt::format("{} times given beside a period, must be one", times_.size()));
+      reject("time", fmt::format("{} times given together with a period, must be one", times_.size()));
     if (times_.empty()) {
       times_ = {0};
       if (!period_) period_ = node().clock().dt;

@@ -34,7 +34,7 @@ class MeshLoader final : public scene::Component {
 
  private:
   const ImportedMesh& mesh() {
-    if (stage() == Stage::kFailed || is_refused_) throw scene::Consequence();
+    if (stage() == Stage::kFailed || is_refused_) throw scene::DependencyFailure();
     if (mesh_) return *mesh_;
     is_refused_ = true;  // until it is there: whoever asks again has no more to say
     mesh_ = loaded();

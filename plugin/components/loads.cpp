@@ -143,11 +143,11 @@ class FaceLoad : public PrescribedLoad {
 
   void hexahedra_removed(const scene::ForceField&, std::span<const int>) override {
     has_lost_faces_ = true;
-    leave_out(scene::Remains(needed_ready<scene::MechanicalState>()));
+    leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
   }
   void refresh() override {
     init();
-    if (has_lost_faces_) leave_out(scene::Remains(needed_ready<scene::MechanicalState>()));
+    if (has_lost_faces_) leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
   }
   void reset() override {
     if (has_lost_faces_) init();
@@ -156,11 +156,11 @@ class FaceLoad : public PrescribedLoad {
   void serialize(Archive& archive) override {
     if (archive.reads()) reset();
     archive(has_lost_faces_);
-    if (archive.reads() && has_lost_faces_) leave_out(scene::Remains(needed_ready<scene::MechanicalState>()));
+    if (archive.reads() && has_lost_faces_) leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
   }
 
  protected:
-  virtual void leave_out(const scene::Remains& remains) = 0;  ///< all faces that are not left
+  virtual void leave_out(const scene::SurvivingCells& surviving) = 0;  ///< all faces that are not left
 
   scene::Topology& fitting_topology() {
     scene::Topology& topology = linked<scene::Topology>("topology");
@@ -217,12 +217,12 @@ class SurfacePressureForceField final : public FaceLoad {
       if (!quads_depend_on_box_ || lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
     for (const Triangle& face : triangles_)
       if (!triangles_depend_on_box_ || lies_in_box(face, x))
-        add_pressure(face, pressure_ * share_along(face, direction_, x), x, f);
+        add_pressure(face, pressure_ * fraction_along(face, direction_, x), x, f);
   }
 
  private:
-  void leave_out(const scene::Remains& remains) override {
-    const auto has_gone = [&](const auto& face) { return !remains.has(face); };
+  void leave_out(const scene::SurvivingCells& surviving) override {
+    const auto has_gone = [&](const auto& face) { return !surviving.has(face); };
     std::erase_if(quads_, has_gone);
     std::erase_if(triangles_, has_gone);
   }
@@ -271,8 +271,8 @@ class QuadPressureForceField final : public FaceLoad {
   void add_load(double, ConstPoints, ConstPoints, Points f) const override { f += force_; }
 
  private:
-  void leave_out(const scene::Remains& remains) override {
-    std::erase_if(quads_, [&](const Quad& quad) { return !remains.has(quad); });
+  void leave_out(const scene::SurvivingCells& surviving) override {
+    std::erase_if(quads_, [&](const Quad& quad) { return !surviving.has(quad); });
     load_quads();
   }
 
@@ -312,7 +312,7 @@ class PlaneForceField final : public scene::ForceField, public scene::Load {
                  .distance = real("d"),
                  .stiffness = real("stiffness"),
                  .damping = real("damping"),
-                 .most_force = real("maxForce"),
+                 .max_force = real("maxForce"),
                  .bilateral = boolean("bilateral")};
     rayleigh_stiffness_ = real("rayleighStiffness");
     if (obstacle_.normal.isZero(0)) reject("normal", "is zero, must have a direction");

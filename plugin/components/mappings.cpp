@@ -22,9 +22,9 @@ class StateMapping : public scene::Mapping {
     output_ = following();
     if (!output_) return carry_visual_model();
     input_ = &followed();
-    if (input_ == output_) reject("input", "leads to the state that follows: must be another one");
+    if (input_ == output_) reject("input", "is the mapped state itself: must be another one");
     for (const scene::Component* end : {input_, output_})
-      if (end->stage() != Stage::kReady) throw scene::Consequence();
+      if (end->stage() != Stage::kReady) throw scene::DependencyFailure();
     connect(*input_, *output_);
   }
 
@@ -76,7 +76,7 @@ class BarycentricMapping final : public StateMapping {
   void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const override {
     embedding_->add_transposed_blocks(below, above);
   }
-  bool is_left(std::span<const int> cell, const scene::Remains& above) const override {
+  bool is_left(std::span<const int> cell, const scene::SurvivingCells& above) const override {
     return embedding_->is_left(cell, [&](std::span<const int> nodes) { return above.has(nodes); });
   }
 
@@ -109,7 +109,7 @@ class IdentityMapping final : public StateMapping {
     for (int n = 0; n < below.num_nodes(); ++n)
       for (const BlockMatrix::Entry& entry : below.row(n)) above.add(n, entry.column, entry.block);
   }
-  bool is_left(std::span<const int> cell, const scene::Remains& above) const override { return above.has(cell); }
+  bool is_left(std::span<const int> cell, const scene::SurvivingCells& above) const override { return above.has(cell); }
 
  private:
   void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {

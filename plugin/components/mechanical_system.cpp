@@ -7,7 +7,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/survey.hpp"
+#include "hexaplast/model_check.hpp"
 #include "scene/parts.hpp"
 
 namespace hexaplast::components {
@@ -241,12 +241,12 @@ double NodeSystem::highest_frequency() const {
   for (const Layer& layer : layers_) {
     const double mass = scene::total_mass(layer.masses, *layer.state);
     PointArray diagonal = PointArray::Zero(layer.state->num_nodes(), 3);
-    double Survey::*highest = &Survey::highest_frequency;
+    double ModelCheck::*highest = &ModelCheck::highest_frequency;
     for (const scene::Mass* part : layer.masses)
-      if (!part->add_diagonal(0, diagonal)) highest = &Survey::highest_frequency_consistent;
+      if (!part->add_diagonal(0, diagonal)) highest = &ModelCheck::highest_frequency_consistent;
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body())
-        frequency = std::max(frequency, survey(*body, mass, node_.clock().dt).*highest);
+        frequency = std::max(frequency, check_model(*body, mass, node_.clock().dt).*highest);
   }
   return frequency;
 }

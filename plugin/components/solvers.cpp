@@ -30,7 +30,7 @@ class SystemSolver : public scene::OdeSolver {
     linear_solver_ = &linked<scene::LinearSolver>("linearSolver");
     linear_solver_->method();  // complains here, where something is wrong with it
     for (scene::Component* component : node().all<scene::Component>())
-      if (component->stage() == Stage::kFailed) throw scene::Consequence();
+      if (component->stage() == Stage::kFailed) throw scene::DependencyFailure();
     system_.emplace(node());
     system_->project_motion(0);
   }
@@ -87,7 +87,7 @@ class EulerImplicitSolver final : public SystemSolver {
   }
 
   SolveReport solve(double time, double dt) override {
-    settle();
+    update_balance();
     scene::MechanicalState& state = system().state();
     const SolveReport report =
         heeded(euler_->step(system(), linear_solver(), time, dt, state.positions(), state.velocities()));
@@ -101,34 +101,34 @@ class EulerImplicitSolver final : public SystemSolver {
     system().project_motion(time);
     balance_->add_motion_of_supports(inertial_energy(),
                                      state.positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
-    owes_ = Owes::kFlow;
+    pending_ = Pending::kFlow;
     return report;
   }
 
   void reset() override {
     SystemSolver::reset();
-    owes_ = Owes::kBeginning;
+    pending_ = Pending::kBeginning;
   }
 
   void keep_energy_balance() override {
     euler_->measure_energy();
     balance_.emplace();
-    owes_ = Owes::kBeginning;
+    pending_ = Pending::kBeginning;
   }
 
   const EnergyBalance* energy_balance() override {
-    settle();
+    update_balance();
     return balance_ ? &*balance_ : nullptr;
   }
 
   void serialize(Archive& archive) override {
     SystemSolver::serialize(archive);
-    settle();
+    update_balance();
     bool is_kept = balance_.has_value();
     archive(is_kept);
     if (!is_kept) return;
     if (!balance_) keep_energy_balance();
-    owes_ = Owes::kNothing;
+    pending_ = Pending::kNothing;
     archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
             balance_->damping_loss, balance_->numerical_loss, balance_->flow_loss);
   }
@@ -154,17 +154,17 @@ class EulerImplicitSolver final : public SystemSolver {
 
   /// Bodies flow at the end of a step, and return to their beginning, after this: the balance learns of it when the
   /// next step begins, or when somebody asks.
-  void settle() {
-    if (balance_ && owes_ == Owes::kBeginning) balance_->begin(inertial_energy(), system().elastic_energy());
-    if (balance_ && owes_ == Owes::kFlow) balance_->add_flow(system().elastic_energy());
-    owes_ = Owes::kNothing;
+  void update_balance() {
+    if (balance_ && pending_ == Pending::kBeginning) balance_->begin(inertial_energy(), system().elastic_energy());
+    if (balance_ && pending_ == Pending::kFlow) balance_->add_flow(system().elastic_energy());
+    pending_ = Pending::kNothing;
   }
 
-  enum class Owes { kNothing, kBeginning, kFlow };
+  enum class Pending { kNothing, kBeginning, kFlow };
 
   std::optional<ImplicitEuler> euler_;
   std::optional<EnergyBalance> balance_;  // absent: nobody asked for it
-  Owes owes_ = Owes::kNothing;            // what the balance has to learn of
+  Pending pending_ = Pending::kNothing;   // what the balance has to learn of
   PointArray stepped_to_;                 // [m] before supports moved nodes
 };
 

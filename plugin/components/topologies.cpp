@@ -90,7 +90,7 @@ class SparseGridTopology final : public GridTopology {
 
   void init() override {
     if (cage().num_parts > 1)
-      remark(scene::Severity::kWarning, {}, fmt::format("falls into {} parts that share no face", cage().num_parts));
+      remark(scene::Severity::kWarning, {}, fmt::format("has {} parts that share no face", cage().num_parts));
     if (cage().num_hinges > 0)
       remark(scene::Severity::kWarning, {},
              fmt::format("hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
@@ -106,7 +106,7 @@ class SparseGridTopology final : public GridTopology {
 
  private:
   const Cage& cage() {
-    if (stage() == Stage::kFailed || is_refused_) throw scene::Consequence();
+    if (stage() == Stage::kFailed || is_refused_) throw scene::DependencyFailure();
     if (cage_) return *cage_;
     is_refused_ = true;  // until it is there: whoever asks again has no more to say
     const ImportedMesh surface = loaded();
@@ -133,13 +133,13 @@ class SparseGridTopology final : public GridTopology {
   }
 
   CageGrid given_grid(ConstPoints surface) {
-    CageGrid grid{.least = vector3("min"), .most = vector3("max")};
-    if (grid.least.isZero(0) && grid.most.isZero(0)) {
+    CageGrid grid{.min = vector3("min"), .max = vector3("max")};
+    if (grid.min.isZero(0) && grid.max.isZero(0)) {
       const Eigen::AlignedBox3d box = box_around(surface);
-      grid.least = box.min();
-      grid.most = box.max();
+      grid.min = box.min();
+      grid.max = box.max();
     }
-    const Vec3 count = num_cells(grid.most - grid.least);
+    const Vec3 count = num_cells(grid.max - grid.min);
     accepted(*this, [&] { parts::check_num_cells("n", count.prod()); });  // of which the surface may meet few
     for (int d = 0; d < 3; ++d) grid.cells[d] = static_cast<int>(count[d]);
     return grid;

@@ -89,7 +89,7 @@ class InteractiveCamera final : public scene::Camera {
     const std::vector<double>& turn = reals("orientation");
     if (turn.size() != 4) reject("orientation", "must be four numbers, a quaternion x y z w");
     const Eigen::Quaterniond quaternion(turn[3], turn[0], turn[1], turn[2]);
-    if (!(quaternion.norm() > 0)) reject("orientation", "is 0 0 0 0, which turns to nowhere");
+    if (!(quaternion.norm() > 0)) reject("orientation", "is 0 0 0 0, the zero quaternion");
     return quaternion.normalized();
   }
 

@@ -55,7 +55,7 @@ void Grasp::set_options(GraspOptions options) {
     std::iota(candidates_.begin(), candidates_.end(), 0);
   }
   grip_.stiffness = options_.stiffness;
-  grip_.most_force = options_.max_force.value_or(kInfinity);
+  grip_.max_force = options_.max_force.value_or(kInfinity);
   grip_.damping = options_.damping;
 }
 
@@ -92,7 +92,7 @@ void Grasp::serialize(Archive& archive) {
 
 void Grasp::add_force(double time, ConstPoints x, ConstPoints v, Points f) {
   const Vec3 tool = tool_at(time);
-  grip_.lags_at(tool, x, elongations_);
+  grip_.elongations_at(tool, x, elongations_);
   grip_.add_force(tool, x, f);
   drag_ = grip_.add_damping_force(tool_velocity_at(time), v, f);
 }

@@ -8,7 +8,7 @@
 #include "hexaplast/base/memory.hpp"
 #include "hexaplast/material/filling.hpp"
 #include "hexaplast/mesh/quality.hpp"
-#include "hexaplast/survey.hpp"
+#include "hexaplast/model_check.hpp"
 
 namespace hexaplast::parts {
 namespace {
@@ -58,7 +58,7 @@ Body HexahedralBody::made(ConstPoints rest, const std::vector<Hexahedron>& hexah
 void HexahedralBody::check(const HexahedralBodyOptions& options, double dt) {
   validate(options.materials, Names::kScenes);
   warn(check_time_step(options.materials, options.settings, dt, Names::kScenes));
-  warn(fracture_advice(options.materials, Names::kScenes));
+  warn(fracture_warnings(options.materials, Names::kScenes));
   dt_ = dt;
 }
 
@@ -92,7 +92,7 @@ void HexahedralBody::reset() {
 
 void HexahedralBody::serialize(Archive& archive) {
   body_.serialize(archive);
-  archive(report_.yielded, report_.inverted, report_.guarded, report_.repaired, report_.removed,
+  archive(report_.yielded, report_.inverted, report_.skipped, report_.repaired, report_.removed,
           report_.worst_volume_error, report_.averaging.skipped, report_.averaging.fell_back,
           report_.averaging.iterations, report_.averaging.residual, report_.averaging.converged);
   num_announced_ = body_.removed().size();

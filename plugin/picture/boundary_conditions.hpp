@@ -20,7 +20,7 @@ struct Instrument {
 
 /// What holds and loads a body at a moment, but for its weight.
 struct BoundaryConditions {
-  std::vector<unsigned char> fixed;     ///< one per node, 1 where all three directions are held or led; empty: none
+  std::vector<unsigned char> fixed;     ///< per node: 1 where all directions are fixed or prescribed; empty: none
   PointArray loads = PointArray(0, 3);  ///< [N] external forces, pulls included: num_nodes x 3; empty: none
   std::vector<Instrument> instruments;
 };

@@ -17,9 +17,9 @@ using Eigen::Vector3f;
 constexpr float kLongestArrow = 0.13f;  // in parts of the diagonal of the body's box
 constexpr float kNoLoad = 1e-6f;        // of the strongest: rounding that is left of loads without pulls
 
-std::vector<Surface::Face> faces_of(const Skin& skin) {
-  std::vector<Surface::Face> faces = skin.quads;
-  for (const auto& [a, b, c] : skin.triangles) faces.push_back({a, b, c, c});
+std::vector<Surface::Face> faces_of(const EmbeddedSurface& embedded) {
+  std::vector<Surface::Face> faces = embedded.quads;
+  for (const auto& [a, b, c] : embedded.triangles) faces.push_back({a, b, c, c});
   return faces;
 }
 
@@ -71,11 +71,12 @@ Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Stag
       longest_arrow_(kLongestArrow * diagonal(mesh.positions())),
       original_(std::make_shared<Boundary>(mesh, std::span<const unsigned char>())),
       current_(original_) {
-  for (const Skin& skin : staging_.skins) {
-    std::vector<Surface::Face> faces = output::faces_of(skin);
-    auto whole = std::make_shared<Surface>(single(skin.points), faces);
-    skins_.push_back({Embedding(mesh.positions(), mesh.hexahedra(), skin.points), std::move(faces), std::move(whole)});
-    current_skins_.push_back(skins_.back().whole);
+  for (const EmbeddedSurface& embedded : staging_.embedded_surfaces) {
+    std::vector<Surface::Face> faces = output::faces_of(embedded);
+    auto whole = std::make_shared<Surface>(single(embedded.points), faces);
+    embedded_surfaces_.push_back(
+        {Embedding(mesh.positions(), mesh.hexahedra(), embedded.points), std::move(faces), std::move(whole)});
+    current_embedded_surfaces_.push_back(embedded_surfaces_.back().whole);
   }
   if (staging_.cut) {
     // what is left lies above
@@ -90,16 +91,17 @@ void Gallery::follow(std::span<const unsigned char> alive) {
   const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
   if (all_alive) {
     current_ = original_;
-    for (std::size_t s = 0; s < skins_.size(); ++s) current_skins_[s] = skins_[s].whole;
+    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s)
+      current_embedded_surfaces_[s] = embedded_surfaces_[s].whole;
     current_alive_.clear();
   } else if (!std::ranges::equal(alive, current_alive_)) {
     current_ = std::make_shared<Boundary>(mesh_, alive);
-    for (std::size_t s = 0; s < skins_.size(); ++s) {
-      const EmbeddedSkin& skin = skins_[s];
+    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
+      const CarriedSurface& embedded = embedded_surfaces_[s];
       std::vector<Surface::Face> left;
-      for (const Surface::Face& face : skin.faces)
-        if (is_carried(face, skin.embedding, alive)) left.push_back(face);
-      current_skins_[s] = std::make_shared<Surface>(skin.whole->original(), std::move(left));
+      for (const Surface::Face& face : embedded.faces)
+        if (is_carried(face, embedded.embedding, alive)) left.push_back(face);
+      current_embedded_surfaces_[s] = std::make_shared<Surface>(embedded.whole->original(), std::move(left));
     }
     current_alive_.assign(alive.begin(), alive.end());
   }
@@ -116,24 +118,24 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
       (entry_of(staging_.quantity).of_nodes ? values : nodal_means(mesh_, values, alive)).data(), mesh_.num_nodes());
   state.body = {current_->surface, current_->points_at(positions), {}};
   for (const int node : current_->node_of_point) state.body.values.push_back(static_cast<float>(at_nodes(node, 0)));
-  // a skin that reaches out of the hexahedra continues their values, and shall not pass them
+  // an embedded surface that reaches out of the hexahedra continues their values, and shall not pass them
   float least = std::numeric_limits<float>::infinity(), most = -least;
   for (const float value : state.body.values) {
     if (!std::isfinite(value)) continue;
     least = std::min(least, value);
     most = std::max(most, value);
   }
-  for (std::size_t s = 0; s < skins_.size(); ++s) {
-    const Embedding& embedding = skins_[s].embedding;
+  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
+    const Embedding& embedding = embedded_surfaces_[s].embedding;
     PointArray points(embedding.num_points(), 3), blended(embedding.num_points(), 3);
     embedding.apply(positions, points);
     embedding.apply(at_nodes, blended);
-    Shown shown{current_skins_[s], single(points), {}};
+    Shown shown{current_embedded_surfaces_[s], single(points), {}};
     for (Eigen::Index n = 0; n < blended.rows(); ++n) {
       const auto value = static_cast<float>(blended(n, 0));
       shown.values.push_back(std::isfinite(value) && least <= most ? std::clamp(value, least, most) : value);
     }
-    state.skins.push_back(std::move(shown));
+    state.embedded_surfaces.push_back(std::move(shown));
   }
   if (!staging_.ghost.empty()) state.ghosts = ghosts_at(ghost);
   if (staging_.cut && shows_body()) state.cut = cut_face(positions, at_nodes, alive);
@@ -173,16 +175,16 @@ std::vector<Gallery::Load> Gallery::loads_of(const BoundaryConditions& condition
 
 std::vector<Gallery::Shown> Gallery::ghosts_at(const PointArray* nodes) const {
   std::vector<Shown> ghosts;
-  if (skins_.empty() && nodes) ghosts.push_back({current_->surface, current_->points_at(*nodes), {}});
-  if (skins_.empty() && !nodes) ghosts.push_back({original_->surface, original_->surface->original(), {}});
-  for (std::size_t s = 0; s < skins_.size(); ++s) {
+  if (embedded_surfaces_.empty() && nodes) ghosts.push_back({current_->surface, current_->points_at(*nodes), {}});
+  if (embedded_surfaces_.empty() && !nodes) ghosts.push_back({original_->surface, original_->surface->original(), {}});
+  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
     if (!nodes) {
-      ghosts.push_back({skins_[s].whole, skins_[s].whole->original(), {}});
+      ghosts.push_back({embedded_surfaces_[s].whole, embedded_surfaces_[s].whole->original(), {}});
       continue;
     }
-    PointArray points(skins_[s].embedding.num_points(), 3);
-    skins_[s].embedding.apply(*nodes, points);
-    ghosts.push_back({current_skins_[s], single(points), {}});
+    PointArray points(embedded_surfaces_[s].embedding.num_points(), 3);
+    embedded_surfaces_[s].embedding.apply(*nodes, points);
+    ghosts.push_back({current_embedded_surfaces_[s], single(points), {}});
   }
   return ghosts;
 }

@@ -13,42 +13,42 @@
 #include "picture/arrow.hpp"
 #include "picture/boundary_conditions.hpp"
 #include "picture/camera.hpp"
+#include "picture/embedded_surface.hpp"
 #include "picture/page.hpp"
 #include "picture/quantity.hpp"
 #include "picture/renderer.hpp"
-#include "picture/skin.hpp"
 #include "picture/surface.hpp"
 
 namespace hexaplast::output {
 
 /// What pictures of a body show besides its state, and from where.
 struct Staging {
-  std::vector<Skin> skins;             ///< shown in place of the hexahedra
-  bool shows_hexahedra = true;         ///< beside skins: as edges
-  bool shows_edges = true;             ///< those of hexahedra
-  bool is_wireframe = false;           ///< edges in colours, and nothing else
-  bool shows_loads = true;             ///< as arrows
-  Vec3 gravity = Vec3::Zero();         ///< [m/s^2] its direction is shown where it is not 0
-  std::optional<Viewpoint> viewpoint;  ///< none: beside the long axis, and above
+  std::vector<EmbeddedSurface> embedded_surfaces;  ///< shown in place of the hexahedra
+  bool shows_hexahedra = true;                     ///< beside embedded surfaces: as edges
+  bool shows_edges = true;                         ///< those of hexahedra
+  bool is_wireframe = false;                       ///< edges in colours, and nothing else
+  bool shows_loads = true;                         ///< as arrows
+  Vec3 gravity = Vec3::Zero();                     ///< [m/s^2] its direction is shown where it is not 0
+  std::optional<Viewpoint> viewpoint;              ///< none: beside the long axis, and above
   Quantity quantity = Quantity::kPlasticStrain;
   std::optional<std::pair<double, double>> range;  ///< of the colours, ascending; none: of what is shown
-  std::optional<Plane> cut;              ///< what lies on the viewer's side of it is left out; either side may be above
-  std::string ghost = "original shape";  ///< name of the pale shape behind; empty: there is none
-  int width = 1280, height = 720;        ///< [pixels]
+  std::optional<Plane> cut;             ///< what lies on the viewer's side of it is left out; either side may be above
+  std::string ghost = "initial shape";  ///< name of the pale shape behind; empty: there is none
+  int width = 1280, height = 720;       ///< [pixels]
 };
 
 /// Enough decimals to tell the times of neighbouring steps apart, and not fewer than people expect of seconds. dt: [s]
 int time_decimals(double dt);
 
-/// Collects states of a run and shows them: the smooth-shaded surface of the hexahedra with their edges, or the skins
-/// that are embedded in them, coloured by a quantity. Values of hexahedra are averaged at nodes and blended between
-/// them. Fixed nodes are dots, instruments rings, loads and pulls arrows. All pictures share one camera, fitted to
-/// every state collected, one colour scale and one length of arrows per newton; that is why states are kept (in single
-/// precision, surface only) until the run is over.
+/// Collects states of a run and shows them: the smooth-shaded surface of the hexahedra with their edges, or the
+/// embedded surfaces that are embedded in them, coloured by a quantity. Values of hexahedra are averaged at nodes and
+/// blended between them. Fixed nodes are dots, instruments rings, loads and pulls arrows. All pictures share one
+/// camera, fitted to every state collected, one colour scale and one length of arrows per newton; that is why states
+/// are kept (in single precision, surface only) until the run is over.
 class Gallery {
  public:
   /// title: shown in every picture. time_decimals: of the time stamps. The mesh must outlive the gallery. Throws
-  /// InputError or NumericalError where a skin cannot be embedded.
+  /// InputError or NumericalError where a surface cannot be embedded.
   Gallery(const HexMesh& mesh, std::string title, int time_decimals, Staging staging = {});
 
   /// positions: num_nodes x 3 [m]; values: of the quantity, one per hexahedron or per node; alive, if not empty: one
@@ -75,8 +75,8 @@ class Gallery {
  private:
   using Places = std::vector<Eigen::Vector3f>;
 
-  /// What a skin's points are, and who moves them.
-  struct EmbeddedSkin {
+  /// What an embedded surface's points are, and who moves them.
+  struct CarriedSurface {
     Embedding embedding;
     std::vector<Surface::Face> faces;
     std::shared_ptr<const Surface> whole;
@@ -120,7 +120,7 @@ class Gallery {
     Eigen::Vector3f force;  // [N]
   };
 
-  /// The greatest forces of all states [N]: their arrows are the longest.
+  /// The largest forces of all states [N]: their arrows are the longest.
   struct Strongest {
     float load = 0, pull = 0;
   };
@@ -129,7 +129,7 @@ class Gallery {
     long step = 0;
     double time = 0;  // [s]
     Shown body;
-    std::vector<Shown> skins;
+    std::vector<Shown> embedded_surfaces;
     std::vector<Shown> ghosts;  // without values
     CutFace cut;
     Places fixed;  // [m]
@@ -137,8 +137,8 @@ class Gallery {
     std::vector<Pull> pulls;
   };
 
-  bool shows_cage() const { return !skins_.empty() && staging_.shows_hexahedra; }
-  bool shows_body() const { return skins_.empty() && staging_.shows_hexahedra; }
+  bool shows_cage() const { return !embedded_surfaces_.empty() && staging_.shows_hexahedra; }
+  bool shows_body() const { return embedded_surfaces_.empty() && staging_.shows_hexahedra; }
 
   void follow(std::span<const unsigned char> alive);
   std::vector<Shown> ghosts_at(const PointArray* nodes) const;
@@ -169,9 +169,9 @@ class Gallery {
   Staging staging_;
   Viewpoint viewpoint_;
   float longest_arrow_;  // [m]
-  std::vector<EmbeddedSkin> skins_;
+  std::vector<CarriedSurface> embedded_surfaces_;
   std::shared_ptr<const Boundary> original_, current_;
-  std::vector<std::shared_ptr<const Surface>> current_skins_;
+  std::vector<std::shared_ptr<const Surface>> current_embedded_surfaces_;
   std::vector<unsigned char> current_alive_;  // that current_ belongs to; empty: all
   std::vector<State> states_;
 };

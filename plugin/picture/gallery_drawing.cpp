@@ -71,7 +71,7 @@ bool straddles(const Plane& plane, const std::vector<Vector3f>& points, const Su
 std::vector<const Gallery::Shown*> Gallery::shown_in(const State& state) const {
   std::vector<const Shown*> shown;
   if (shows_body()) shown.push_back(&state.body);
-  for (const Shown& skin : state.skins) shown.push_back(&skin);
+  for (const Shown& embedded : state.embedded_surfaces) shown.push_back(&embedded);
   return shown;
 }
 
@@ -116,8 +116,8 @@ void Gallery::fit(Camera& camera, Scale& scale, const Strongest& strongest) cons
     if (arrow) camera.see(std::array{arrow->from, arrow->to});
   };
   for (const State& state : states_) {
-    if (skins_.empty() || shows_cage()) camera.see(state.body.points);
-    for (const Shown& skin : state.skins) camera.see(skin.points);
+    if (embedded_surfaces_.empty() || shows_cage()) camera.see(state.body.points);
+    for (const Shown& embedded : state.embedded_surfaces) camera.see(embedded.points);
     for (const Shown& ghost : state.ghosts) camera.see(ghost.points);
     for (const Load& load : state.loads) see(arrow_of(load, strongest));
     for (const Pull& pull : state.pulls) {
@@ -127,7 +127,7 @@ void Gallery::fit(Camera& camera, Scale& scale, const Strongest& strongest) cons
     for (const Shown* shown : shown_in(state)) scale.see(shown->values);
     scale.see(state.cut.values);
   }
-  if (skins_.empty() || shows_cage()) camera.see(original_->surface->original());
+  if (embedded_surfaces_.empty() || shows_cage()) camera.see(original_->surface->original());
   camera.fit(Page(staging_.width, staging_.height).window());
 }
 
@@ -291,7 +291,7 @@ void Gallery::draw_wires(const State& state, const Camera& camera, const Scale& 
   const Pen pen(camera, sides(camera), picture);
   std::vector<const Shown*> shown;
   if (staging_.shows_hexahedra) shown.push_back(&state.body);
-  for (const Shown& skin : state.skins) shown.push_back(&skin);
+  for (const Shown& embedded : state.embedded_surfaces) shown.push_back(&embedded);
   for (const Shown* one : shown)
     for (const auto& [a, b] : one->surface->edges())
       pen.line({one->points[a], scale.colour(one->values[a])}, {one->points[b], scale.colour(one->values[b])},

@@ -25,7 +25,7 @@ inline constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
 /// Which values the colours stand for.
 class Scale {
  public:
-  /// range: least and greatest value; none: those that are shown, from 0 where the quantity begins there.
+  /// range: least and largest value; none: those that are shown, from 0 where the quantity begins there.
   explicit Scale(Quantity quantity, std::optional<std::pair<double, double>> range = {});
 
   /// Takes in values that are going to be shown. Those that are not finite have no colour of the scale.

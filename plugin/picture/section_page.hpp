@@ -22,7 +22,7 @@ struct SectionPage {
   Quantity quantity = Quantity::kPlasticStrain;
   std::optional<std::pair<double, double>> range;  ///< of the colours; none: of what is shown
   bool shows_edges = true;                         ///< between hexahedra
-  std::string ghost = "original shape";            ///< name of the pale sections behind; empty: there are none
+  std::string ghost = "initial shape";             ///< name of the pale sections behind; empty: there are none
   int width = 1280, height = 720;                  ///< [pixels]
 
   /// positions: num_nodes x 3 [m]; values: of the quantity, one per hexahedron or per node; alive: one per hexahedron,

@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 /// Goes through a text without keeping any of it, up to the limits. A value costs up to 80 bytes of memory, however few
 /// it takes in the file.
-class Screen final : public nlohmann::json_sax<Json> {
+class InputValidator final : public nlohmann::json_sax<Json> {
  public:
   bool null() override { return count(); }
   bool boolean(bool) override { return count(); }
@@ -56,9 +56,9 @@ class Screen final : public nlohmann::json_sax<Json> {
 nlohmann::ordered_json read_json(const std::filesystem::path& file) {
   require_readable(file);
   std::ifstream in(file);
-  Screen screen;
-  Json::sax_parse(in, &screen);  // what is wrong otherwise the parser says
-  if (!screen.has_passed())
+  InputValidator validator;
+  Json::sax_parse(in, &validator);  // what is wrong otherwise the parser says
+  if (!validator.has_passed())
     throw Json::other_error::create(599, "more than a million values, or a hundred in one another", nullptr);
   in.clear();
   in.seekg(0);

@@ -5,9 +5,9 @@
 
 namespace hexaplast::output {
 
-Ruler::Ruler(const Body& body) : body_(body), ends_(end_sections(body.mesh())) {}
+Measurement::Measurement(const Body& body) : body_(body), ends_(end_sections(body.mesh())) {}
 
-Measures Ruler::measure(ConstPoints positions) const {
+Measures Measurement::measure(ConstPoints positions) const {
   constexpr double kDegrees = 180 / std::numbers::pi;
   const PointArray& material = body_.plastic_rest_positions();
 
@@ -16,7 +16,7 @@ Measures Ruler::measure(ConstPoints positions) const {
   found.plastic_twist_deg = twist(body_.mesh(), ends_, material) * kDegrees;
   found.world_elongation = elongation(ends_, positions);
   found.world_twist_deg = twist(body_.mesh(), ends_, positions) * kDegrees;
-  const double original = body_.original_volume();
+  const double original = body_.initial_volume();
   found.material_volume_ratio = original > 0 ? body_.volume(material) / original : 0;
   found.world_volume_ratio = original > 0 ? body_.volume(positions) / original : 0;
   return found;

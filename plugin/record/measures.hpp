@@ -18,9 +18,9 @@ struct Measures {
 };
 
 /// Measures one body again and again. The body must outlive it.
-class Ruler {
+class Measurement {
  public:
-  explicit Ruler(const Body& body);
+  explicit Measurement(const Body& body);
 
   /// positions: num_nodes x 3 [m], the world state; the material mesh is the body's present one.
   Measures measure(ConstPoints positions) const;

@@ -123,11 +123,11 @@ RecordedRun::RecordedRun(const fs::path& place) {
   }
 }
 
-std::vector<Skin> RecordedRun::skins() const {
+std::vector<EmbeddedSurface> RecordedRun::embedded_surfaces() const {
   std::error_code error;
   const fs::path surfaces = directory_ / "surface.pvd";
   if (!fs::exists(surfaces, error)) return {};
-  return read_skins(entries_of(surfaces).front().file);
+  return read_embedded_surfaces(entries_of(surfaces).front().file);
 }
 
 RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) const {

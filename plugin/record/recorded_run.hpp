@@ -8,8 +8,8 @@
 
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "picture/boundary_conditions.hpp"
+#include "picture/embedded_surface.hpp"
 #include "picture/quantity.hpp"
-#include "picture/skin.hpp"
 
 namespace hexaplast::output {
 
@@ -43,7 +43,7 @@ class RecordedRun {
 
   /// The surfaces that it carries, where surface.pvd beside the .pvd file names some. Throws OutputError or InputError
   /// as above.
-  std::vector<Skin> skins() const;
+  std::vector<EmbeddedSurface> embedded_surfaces() const;
 
   /// Reads a state, with the instruments where instruments.pvd names a file of the same time. Throws InputError for a
   /// file that is missing or damaged, lacks an array that is needed, or belongs to another mesh.

@@ -99,11 +99,11 @@ struct Recorder::Files {
         directory(prepared(std::move(where), plan)),
         body(of),
         renderer(std::move(source)),
-        ruler(body),
+        measurement(body),
         history(directory / "history.csv"),
         removed(directory / "removed.csv"),
         meshes(directory / "mesh.pvd"),
-        skins(body.mesh(), plan.staging.skins),
+        embedded_surfaces(body.mesh(), plan.staging.embedded_surfaces),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
     history.append(std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : ""));
@@ -117,11 +117,11 @@ struct Recorder::Files {
         directory(std::move(where)),
         body(of),
         renderer(std::move(source)),
-        ruler(body),
+        measurement(body),
         history(directory / "history.csv", saved),
         removed(directory / "removed.csv", saved),
         meshes(directory / "mesh.pvd"),
-        skins(body.mesh(), plan.staging.skins),
+        embedded_surfaces(body.mesh(), plan.staging.embedded_surfaces),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     long step = 0;
     meshes.serialize(saved);
@@ -150,12 +150,12 @@ struct Recorder::Files {
   fs::path directory;
   const Body& body;
   RendererSource renderer;
-  Ruler ruler;
+  Measurement measurement;
   LineFile history, removed;
   TimeSeries meshes;
   std::optional<TimeSeries> surfaces, instruments;  // of the same steps; absent: there are none
   std::vector<std::string> lost;                    // .vtu files that had gone
-  CarriedSkins skins;
+  CarriedSurfaces embedded_surfaces;
   std::vector<long> to_draw, to_film;  // ascending
   std::optional<Gallery> gallery;      // absent: no pictures wanted
 
@@ -171,7 +171,7 @@ struct Recorder::Files {
     if (plan.num_frames > 0 || film) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
   }
   void open_companions() {
-    if (!skins.empty()) surfaces = meshes.with_prefix(directory / "surface.pvd", kMesh, kSurface);
+    if (!embedded_surfaces.empty()) surfaces = meshes.with_prefix(directory / "surface.pvd", kMesh, kSurface);
     if (plan.has_instruments) instruments = meshes.with_prefix(directory / "instruments.pvd", kMesh, kInstruments);
   }
   bool wants_state(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
@@ -239,7 +239,7 @@ void Recorder::Files::append_removed(const StepRecord& record) {
 }
 
 std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
-  const Measures measures = ruler.measure(positions);
+  const Measures measures = measurement.measure(positions);
   const std::string row = fmt::format(
       "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time, record.kinetic_energy,
       record.energy ? record.energy->elastic : body.energy(positions), body.dissipated_energy(),
@@ -263,7 +263,8 @@ void Recorder::Files::write_state() {
   };
   if (surfaces) {
     const std::vector<double> strains = nodal_means(body.mesh(), fields.plastic_strain, alive);
-    write(*surfaces, kSurface, [&](const fs::path& file) { skins.write(file, latest_positions, strains, alive); });
+    write(*surfaces, kSurface,
+          [&](const fs::path& file) { embedded_surfaces.write(file, latest_positions, strains, alive); });
   }
   if (instruments)
     write(*instruments, kInstruments,
@@ -309,7 +310,7 @@ void require_saved_files(const fs::path& directory, Archive& saved) {
 
 Summary summarise(const Body& body, ConstPoints positions) {
   const ElementFields fields = body.fields(positions);
-  Summary summary{Ruler(body).measure(positions)};
+  Summary summary{Measurement(body).measure(positions)};
   const std::span<const unsigned char> alive = body.alive();
   summary.num_pieces = connected_parts(body.mesh(), alive).count;
   for (std::size_t e = 0; e < alive.size(); ++e)

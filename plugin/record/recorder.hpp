@@ -46,7 +46,7 @@ struct StepRecord {
 };
 
 /// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png;
-/// where the staging has skins, surface.pvd with surface_<step>.vtu, and where the plan says that there are
+/// where the staging has embedded surfaces, surface.pvd with surface_<step>.vtu, and where the plan says that there are
 /// instruments, instruments.pvd with instruments_<step>.vtu, for the same steps. history.csv (docs/output.md; the
 /// columns of the energy balance only where the run has one) grows by a whole row per step, removed.csv by a row
 /// `step,time,hexahedron` per hexahedron that the body has lost in it, in the order of their removal; every other file
@@ -92,7 +92,7 @@ class Recorder {
   std::unique_ptr<Files> files_;
 };
 
-/// The greatest value of the hexahedra that are left, and where it is.
+/// The largest value of the hexahedra that are left, and where it is.
 struct Largest {
   double value = 0;
   int hexahedron = -1;        ///< the first one with that value; -1: none is left
@@ -101,8 +101,8 @@ struct Largest {
 
 /// What the summary at the end of a run shows, computed from a body and its world state.
 struct Summary : Measures {
-  double worst_element_volume_error = 0;  ///< greatest |material volume / original - 1| of a hexahedron that is left
-  Largest strain = {};                    ///< [-] greatest |D - 1| of a corner
+  double worst_element_volume_error = 0;  ///< largest |material volume / original - 1| of a hexahedron that is left
+  Largest strain = {};                    ///< [-] largest |D - 1| of a corner
   Largest plastic_strain = {};            ///< [-] mean over the corners of the accumulated plastic strain
   int num_pieces = 0;                     ///< connected parts of what is left
 };

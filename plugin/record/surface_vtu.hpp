@@ -5,22 +5,22 @@
 #include <vector>
 
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "picture/skin.hpp"
+#include "picture/embedded_surface.hpp"
 
 namespace hexaplast::output {
 
 /// The surfaces that a body carries, as .vtu files show them beside its hexahedra.
-class CarriedSkins {
+class CarriedSurfaces {
  public:
-  /// Throws InputError or NumericalError where a skin cannot be embedded.
-  CarriedSkins(const HexMesh& mesh, std::vector<Skin> skins);
+  /// Throws InputError or NumericalError where a surface cannot be embedded.
+  CarriedSurfaces(const HexMesh& mesh, std::vector<EmbeddedSurface> embedded_surfaces);
 
-  bool empty() const { return skins_.empty(); }
+  bool empty() const { return embedded_surfaces_.empty(); }
 
-  /// Writes all skins as one VTK unstructured grid of triangles and quads (formats/vtu_grid.hpp), whose points move
-  /// with the nodes at `positions` [m]:
+  /// Writes all embedded surfaces as one VTK unstructured grid of triangles and quads (formats/vtu_grid.hpp), whose
+  /// points move with the nodes at `positions` [m]:
   ///
-  ///   point data: displacement [m], surface (number of the skin), plastic_strain [-]
+  ///   point data: displacement [m], surface (number of the embedded surface), plastic_strain [-]
   ///
   /// strains: plastic strain at the nodes, which is blended between them; alive: one per hexahedron, 0 for those that
   /// are removed: faces go with the hexahedra that carry them. Throws OutputError.
@@ -28,11 +28,11 @@ class CarriedSkins {
              std::span<const unsigned char> alive) const;
 
  private:
-  std::vector<Skin> skins_;
+  std::vector<EmbeddedSurface> embedded_surfaces_;
   std::vector<Embedding> embeddings_;
 };
 
-/// The skins of a file that was written when all faces were there. Throws InputError.
-std::vector<Skin> read_skins(const std::filesystem::path& file);
+/// The embedded surfaces of a file that was written when all faces were there. Throws InputError.
+std::vector<EmbeddedSurface> read_embedded_surfaces(const std::filesystem::path& file);
 
 }  // namespace hexaplast::output

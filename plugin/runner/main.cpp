@@ -105,7 +105,7 @@ void add_run(CLI::App& app, RunOptions& options) {
              "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory")
           ->type_name("DIR");
   add_final_state(*run, options.final_state);
-  run->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
+  run->add_option("--summary", options.summary, "Write the results of the run as JSON")->type_name("FILE");
   add_threads(*run, options.threads);
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")
@@ -113,7 +113,7 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->needs(out);
   run->add_option_function<std::string>(
          "--checkpoint", [&options](const std::string& text) { options.checkpoint_every = parse_every(text); },
-         "Write a checkpoint every N steps, at the end and when a signal ends the run: hexaplast resume goes on from "
+         "Write a checkpoint every N steps, at the end and when a signal ends the run: hexaplast resume continues from "
          "it")
       ->type_name("every=N")
       ->needs(out);
@@ -129,14 +129,14 @@ void add_run(CLI::App& app, RunOptions& options) {
 }
 
 void add_element(CLI::App& app, ElementOptions& options) {
-  CLI::App* element = app.add_subcommand("element", "Print every intermediate of one hexahedron as JSON");
+  CLI::App* element = app.add_subcommand("element", "Print all intermediate results of one hexahedron as JSON");
   element->footer(kExitCodes);
   element
       ->add_option("file", options.file, "JSON that describes the hexahedron (docs/element.md); - for standard input")
       ->type_name("FILE.json|-");
   element
       ->add_option("--path", options.path,
-                   "CSV rows time,F11,F12,...,F33: drive the hexahedron through them and print its response as CSV")
+                   "CSV rows time,F11,F12,...,F33: deform the hexahedron along them and print its response as CSV")
       ->type_name("FILE.csv");
 }
 
@@ -154,7 +154,7 @@ void add_mesh_export(CLI::App& mesh, MeshExportOptions& options) {
   command->add_option("-o,--out", options.out, "File to write; replaces an older one")->type_name("FILE")->required();
   command
       ->add_option("--time", options.time,
-                   "Loads of this time [s]; otherwise of the first step of the run at which they are greatest")
+                   "Loads at this time [s]; default: at the first step of the run at which they are largest")
       ->type_name("T")
       ->check(CLI::NonNegativeNumber);
 }
@@ -172,7 +172,7 @@ void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
   command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
       ->type_name("FILE")
       ->required();
-  command->add_flag("--allow-parts", options.allow_parts, "Accept a cage that falls into parts");
+  command->add_flag("--allow-parts", options.allow_parts, "Accept a cage with unconnected parts");
 }
 
 constexpr const char* kMeshFormats = "File to write, .vtu, .msh or .inp; replaces an older one";
@@ -191,7 +191,7 @@ CLI::App* add_shape(CLI::App& mesh, const char* name, const char* help, const ch
   return command;
 }
 
-/// A length that makes sense; CLI11's own check names the greatest number there is.
+/// A length that makes sense; CLI11's own check names the largest number there is.
 std::string refuse_length(const std::string& word) {
   double length = 0;
   const bool is_length = CLI::detail::lexical_cast(word, length) && length > 0 && std::isfinite(length);
@@ -209,7 +209,7 @@ void add_mesh_grid(CLI::App& mesh, MeshGridOptions& options) {
       ->type_name("M M M")
       ->check(refuse_length)
       ->required();
-  command->add_option("--origin", options.origin, "Its least corner [m]")->type_name("M M M")->capture_default_str();
+  command->add_option("--origin", options.origin, "Its lower corner [m]")->type_name("M M M")->capture_default_str();
 }
 
 void add_mesh_sheet(CLI::App& mesh, MeshSheetOptions& options) {
@@ -310,7 +310,7 @@ void add_view(CLI::App& app, ViewOptions& options) {
 }
 
 void add_check(CLI::App& app, CheckOptions& options) {
-  CLI::App* check = app.add_subcommand("check", "Read a scene as run does and print what it means, without a step");
+  CLI::App* check = app.add_subcommand("check", "Read a scene as run does and print a model check, without a step");
   add_scene(*check, options.scene);
   check->add_option("--out", options.out, "Directory that the run would have")->type_name("DIR");
   add_write_below(*check, options.write_below);
@@ -329,8 +329,9 @@ void add_list(CLI::App& app, ListOptions& options) {
 }
 
 void add_bench(CLI::App& app, BenchOptions& options) {
-  CLI::App* bench = app.add_subcommand(
-      "bench", "Measure implicit steps of a soft bar, or of a scene, beside a dense peer; check that threads agree");
+  CLI::App* bench = app.add_subcommand("bench",
+                                       "Measure implicit steps of a soft bar, or of a scene, and of a dense reference "
+                                       "implementation; check that results do not depend on threads");
   bench->footer(kExitCodes);
   bench->add_option("--json", options.json, "Write the records as JSON; - for standard output, without the table")
       ->type_name("FILE|-");
@@ -350,7 +351,7 @@ void add_bench(CLI::App& app, BenchOptions& options) {
           ->type_name("FILE");
   bench
       ->add_option("--ratio", options.ratio,
-                   "How much of the baseline's lead over the dense peer must be left. Default 0.5")
+                   "Fraction of the baseline's speed relative to the dense reference that is required. Default 0.5")
       ->type_name("R")
       ->check(CLI::Range(0.0, 10.0))
       ->needs(baseline);

@@ -28,7 +28,7 @@ void Component::reject_late(std::string_view category, const Component& other) {
 }
 
 void Component::require_sound(const Component& other) const {
-  if (other.stage() == Stage::kFailed) throw Consequence();
+  if (other.stage() == Stage::kFailed) throw DependencyFailure();
 }
 
 Node::Node(Node* parent) : Object(attributes::kNode), parent_(parent) {}

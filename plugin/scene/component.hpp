@@ -90,6 +90,6 @@ class Component : public Object {
 };
 
 /// Thrown when a component needs another one that has failed already: nothing new to report.
-struct Consequence {};
+struct DependencyFailure {};
 
 }  // namespace hexaplast::scene

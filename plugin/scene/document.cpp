@@ -43,7 +43,7 @@ class Importer {
     for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling()) {
       const bool is_harmless = node == root || node->ToComment() || node->ToDeclaration();
       if (!is_harmless)
-        refuse_file(origin, node->GetLineNum(), "something stands beside the root element, must be one <Node> alone");
+        refuse_file(origin, node->GetLineNum(), "content outside the root element, must be one <Node> alone");
     }
 
     open_files_.push_back({origin, fs::weakly_canonical(file)});

@@ -31,18 +31,18 @@ const std::vector<Edge>& Topology::edges() {
   return none;
 }
 
-Remains::Remains(MechanicalState& state) {
+SurvivingCells::SurvivingCells(MechanicalState& state) {
   Node& root = state.node().root();
   for (const ForceField* field : root.all<ForceField>())
     if (field->body() && acts_on(*field, state)) bodies_.push_back(field->body());
   for (const Mapping* mapping : root.all<Mapping>()) {
     if (mapping->output() != &state) continue;
     mapping_ = mapping;
-    above_ = std::make_unique<const Remains>(*mapping->input());
+    above_ = std::make_unique<const SurvivingCells>(*mapping->input());
   }
 }
 
-bool Remains::has(std::span<const int> cell) const {
+bool SurvivingCells::has(std::span<const int> cell) const {
   const bool is_held =
       std::ranges::all_of(bodies_, [&](const Body* body) { return hold_together(body->mesh(), body->alive(), cell); });
   return is_held && (!mapping_ || mapping_->is_left(cell, *above_));
@@ -62,7 +62,7 @@ void Engine::provide(Data& output) {
   if (is_computing_) reject(output.attribute().name, "depends on itself through links");
   if (num_asking >= kMostEngines)
     reject(output.attribute().name, "more than " + std::to_string(kMostEngines) + " components follow one another");
-  if (stage() == Stage::kFailed) throw Consequence();
+  if (stage() == Stage::kFailed) throw DependencyFailure();
 
   // Reset on every way out, a refusal of the scene included.
   struct Computing {

@@ -124,7 +124,7 @@ class ProjectiveConstraint : public Component {
   virtual void project_motion(double /*time*/, Points /*x*/, Points /*v*/) const {}
 };
 
-class Remains;
+class SurvivingCells;
 
 /// Makes the state of its node follow another one, by a fixed linear map J: positions, velocities and displacements go
 /// down, forces and stiffness come up. Nodal fields of the followed state are `above`, those of its own `below`.
@@ -142,23 +142,23 @@ class Mapping : public Component {
   virtual void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const = 0;  ///< above += J^T below J
 
   /// Whether a cell of the state that follows is left: `above` tells of nodes of the followed state.
-  virtual bool is_left(std::span<const int> cell, const Remains& above) const = 0;
+  virtual bool is_left(std::span<const int> cell, const SurvivingCells& above) const = 0;
 };
 
 /// What is left of a mechanical state's cells where bodies have lost hexahedra: cells of the bodies' nodes, and cells
 /// of points that follow them. Looks at the bodies as they are at the moment; to be made when it is needed.
-class Remains {
+class SurvivingCells {
  public:
-  explicit Remains(MechanicalState& state);
+  explicit SurvivingCells(MechanicalState& state);
 
   /// cell: nodes of the state, at least one. False when all hexahedra are gone that had the whole cell, on their nodes
   /// or, through mappings, within them.
   bool has(std::span<const int> cell) const;
 
  private:
-  std::vector<const Body*> bodies_;       // on the state
-  const Mapping* mapping_ = nullptr;      // that the state follows; null: none
-  std::unique_ptr<const Remains> above_;  // of the followed state
+  std::vector<const Body*> bodies_;              // on the state
+  const Mapping* mapping_ = nullptr;             // that the state follows; null: none
+  std::unique_ptr<const SurvivingCells> above_;  // of the followed state
 };
 
 /// The states below a node that follow no other one.

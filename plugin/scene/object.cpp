@@ -58,7 +58,7 @@ void Data::give(Value value, Place place) {
   set(std::move(value));
 }
 
-void Data::take_back() {
+void Data::unset() {
   is_given_ = false;
   source_ = nullptr;
   link_.clear();

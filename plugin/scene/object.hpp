@@ -37,7 +37,7 @@ class Data {
   void give(Value value, Place place);
 
   /// As if it had never been given: the value is the default one again.
-  void take_back();
+  void unset();
 
   /// "@path" as written; empty when there is none.
   const std::string& link() const { return link_; }

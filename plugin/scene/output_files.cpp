@@ -53,8 +53,7 @@ void require_room(const fs::path& file) {
   const long most = ::pathconf(folder.c_str(), _PC_NAME_MAX);  // -1: unknown
   for (const fs::path& word : part_of(file).lexically_relative(folder))
     if (most > 0 && word.native().size() > static_cast<std::size_t>(most))
-      refuse(fmt::format("'{}' is too long a name: with all that is put behind it, {} bytes are the most",
-                         word.string(), most));
+      refuse(fmt::format("'{}' is too long a name: with all suffixes, at most {} bytes", word.string(), most));
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     refuse(fmt::format("'{}' cannot be written: {}", folder.string(), std::strerror(errno)), {}, Fault::kFiles);
 }

@@ -24,7 +24,7 @@ MechanicalState& only_state(Scene& scene) {
   return only_one(scene, independent_states(scene.root()), "mechanical states");
 }
 
-OdeSolver& only_solver(Scene& scene) { return only_one(scene, scene.root().all<OdeSolver>(), "solvers of motion"); }
+OdeSolver& only_solver(Scene& scene) { return only_one(scene, scene.root().all<OdeSolver>(), "time integrators"); }
 
 ForceField* find_body(Scene& scene) {
   ForceField* found = nullptr;

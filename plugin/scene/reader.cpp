@@ -183,10 +183,11 @@ class Reader {
           component.place(), fmt::format("{}: there is no contact between bodies", component.class_name()),
           is_first ? "leave it out, or pass over it with --sofa-compat: bodies pass through each other" : "");
     } else if (is_first) {
-      diagnostics_.add(Severity::kWarning, component.place(),
-                       fmt::format("{}: there is no contact: bodies pass through each other, whatever the scene's "
-                                   "components of collision say",
-                                   component.class_name()));
+      diagnostics_.add(
+          Severity::kWarning, component.place(),
+          fmt::format(
+              "{}: there is no contact: bodies pass through each other, whatever collision components the scene has",
+              component.class_name()));
     }
   }
 

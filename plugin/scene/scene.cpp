@@ -23,7 +23,7 @@ void Scene::attempt(Component& component, const Call& call) {
     fail(rejection.message());
   } catch (const InputError& error) {
     fail({Severity::kError, component.place(), fmt::format("{}: {}", component.class_name(), error.what()), {}});
-  } catch (const Consequence&) {
+  } catch (const DependencyFailure&) {
     component.stage_ = Component::Stage::kFailed;
   }
 }
@@ -88,17 +88,17 @@ SolveReport Scene::step() {
     trouble_ = nullptr;
     return report;
   } catch (const Rejection& rejection) {
-    take_back_motion();
+    restore_motion();
     throw SceneError(rejection.what());
   } catch (...) {
-    take_back_motion();
+    restore_motion();
     throw;
   }
 }
 
 void Scene::require_whole() const {
   if (trouble_)
-    throw InputError(fmt::format("{}: the scene goes on from reset, or from a state that is read", trouble_));
+    throw InputError(fmt::format("{}: the scene continues after reset, or after a state is loaded", trouble_));
 }
 
 void Scene::keep_motion() {
@@ -112,7 +112,7 @@ void Scene::keep_motion() {
   });
 }
 
-void Scene::take_back_motion() {
+void Scene::restore_motion() {
   root_->clock().time = time_before_;
   auto before = motion_before_.begin();
   root_->for_each<MechanicalState>([&](MechanicalState& state) {

@@ -55,7 +55,7 @@ class Scene {
   void restore(Archive& archive);
   void require_whole() const;
   void keep_motion();
-  void take_back_motion();
+  void restore_motion();
   void bwd_init(Component& component);
   template <class Call>
   void attempt(Component& component, const Call& call);

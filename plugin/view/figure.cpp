@@ -17,9 +17,9 @@ std::vector<Vector3f> single(ConstPoints points) {
   return places;
 }
 
-std::vector<Surface::Face> faces_of(const output::Skin& skin) {
-  std::vector<Surface::Face> faces = skin.quads;
-  for (const auto& [a, b, c] : skin.triangles) faces.push_back({a, b, c, c});
+std::vector<Surface::Face> faces_of(const output::EmbeddedSurface& embedded) {
+  std::vector<Surface::Face> faces = embedded.quads;
+  for (const auto& [a, b, c] : embedded.triangles) faces.push_back({a, b, c, c});
   return faces;
 }
 
@@ -33,11 +33,11 @@ void extend(Eigen::AlignedBox3d& box, ConstPoints points) {
 Figure::Figure(const HexMesh& mesh, output::Staging staging, std::vector<int> fixed_nodes)
     : mesh_(mesh), staging_(std::move(staging)), fixed_nodes_(std::move(fixed_nodes)) {
   body_.original = mesh.positions();
-  for (const output::Skin& skin : staging_.skins) {
-    Sheet& sheet = skins_.emplace_back();
-    sheet.embedding.emplace(mesh.positions(), mesh.hexahedra(), skin.points);
-    sheet.original = skin.points;
-    sheet.faces = faces_of(skin);
+  for (const output::EmbeddedSurface& embedded : staging_.embedded_surfaces) {
+    Sheet& sheet = embedded_surfaces_.emplace_back();
+    sheet.embedding.emplace(mesh.positions(), mesh.hexahedra(), embedded.points);
+    sheet.original = embedded.points;
+    sheet.faces = faces_of(embedded);
   }
   leave(std::vector<unsigned char>(static_cast<std::size_t>(mesh.num_elements()), 1));
 }
@@ -46,12 +46,12 @@ void Figure::leave(std::span<const unsigned char> alive) {
   alive_.assign(alive.begin(), alive.end());
   body_.faces = mesh_.boundary_faces(alive_);
   body_.surface = std::make_unique<Surface>(single(body_.original), body_.faces);
-  for (Sheet& skin : skins_) {
+  for (Sheet& embedded : embedded_surfaces_) {
     std::vector<Face> left;
-    for (const Face& face : skin.faces)
-      if (std::ranges::all_of(face, [&](int point) { return alive_[skin.embedding->hexahedron_of(point)] != 0; }))
+    for (const Face& face : embedded.faces)
+      if (std::ranges::all_of(face, [&](int point) { return alive_[embedded.embedding->hexahedron_of(point)] != 0; }))
         left.push_back(face);
-    skin.surface = std::make_unique<Surface>(single(skin.original), std::move(left));
+    embedded.surface = std::make_unique<Surface>(single(embedded.original), std::move(left));
   }
 }
 
@@ -71,25 +71,25 @@ void Figure::update(const Snapshot& snapshot, const Look& look) {
   ghost_edges_.clear();
   fixed_places_.clear();
   range_.setEmpty();
-  shows_skins_ = look.shows_skins && has_skins();
+  shows_embedded_surfaces_ = look.shows_embedded_surfaces && has_embedded_surfaces();
 
   if (look.ghost != Ghost::kNone) {
     const ConstPoints nodes = look.ghost == Ghost::kOriginal ? mesh_.positions() : snapshot.material;
-    if (!shows_skins_) draw_ghost(body_, nodes);
-    for (Sheet& skin : skins_)
-      if (shows_skins_) draw_ghost(skin, nodes);
+    if (!shows_embedded_surfaces_) draw_ghost(body_, nodes);
+    for (Sheet& embedded : embedded_surfaces_)
+      if (shows_embedded_surfaces_) draw_ghost(embedded, nodes);
   }
 
   place(body_, snapshot.positions);
-  for (Sheet& skin : skins_) place(skin, snapshot.positions);
-  if (!shows_skins_) draw(body_, snapshot.values);
-  for (const Sheet& skin : skins_)
-    if (shows_skins_) draw(skin, snapshot.values);
+  for (Sheet& embedded : embedded_surfaces_) place(embedded, snapshot.positions);
+  if (!shows_embedded_surfaces_) draw(body_, snapshot.values);
+  for (const Sheet& embedded : embedded_surfaces_)
+    if (shows_embedded_surfaces_) draw(embedded, snapshot.values);
 
   const Places nodes = single(snapshot.positions);
   if (look.shows_edges)
     for (const auto& [a, b] : body_.surface->edges()) edges_.insert(edges_.end(), {nodes[a], nodes[b]});
-  if (!shows_skins_)
+  if (!shows_embedded_surfaces_)
     for (const int node : fixed_nodes_) fixed_places_.push_back(nodes[node]);
 
   // with the original, so that the depths of two moments differ little
@@ -142,10 +142,10 @@ void Figure::draw_ghost(Sheet& sheet, ConstPoints nodes) {
 }
 
 std::optional<Hit> Figure::hit(const Ray& ray) const {
-  if (!shows_skins_) return first_hit(ray, body_.points, body_.surface->faces());
+  if (!shows_embedded_surfaces_) return first_hit(ray, body_.points, body_.surface->faces());
   std::optional<Hit> first;
-  for (const Sheet& skin : skins_) {
-    const std::optional<Hit> found = first_hit(ray, skin.points, skin.surface->faces());
+  for (const Sheet& embedded : embedded_surfaces_) {
+    const std::optional<Hit> found = first_hit(ray, embedded.points, embedded.surface->faces());
     if (found && (!first || found->distance < first->distance)) first = found;
   }
   return first;

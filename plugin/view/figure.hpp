@@ -19,8 +19,8 @@ enum class Ghost { kNone, kOriginal, kMaterial };
 
 /// What is drawn of the body.
 struct Look {
-  bool shows_skins = true;  ///< the embedded surfaces, where the scene has some; otherwise the faces of the hexahedra
-  bool shows_edges = true;  ///< of the hexahedra
+  bool shows_embedded_surfaces = true;  ///< where the scene has some; otherwise the faces of the hexahedra
+  bool shows_edges = true;              ///< of the hexahedra
   Ghost ghost = Ghost::kOriginal;
 };
 
@@ -36,8 +36,8 @@ class Figure {
   /// The mesh must outlive the figure. Throws what Embedding throws.
   Figure(const HexMesh& mesh, output::Staging staging, std::vector<int> fixed_nodes = {});
 
-  bool has_skins() const { return !skins_.empty(); }
-  bool shows_skins() const { return shows_skins_; }
+  bool has_embedded_surfaces() const { return !embedded_surfaces_.empty(); }
+  bool shows_embedded_surfaces() const { return shows_embedded_surfaces_; }
   const output::Staging& staging() const { return staging_; }
 
   /// Shows another moment.
@@ -50,7 +50,7 @@ class Figure {
   const std::vector<Eigen::Vector3f>& fixed_places() const { return fixed_places_; }
   const Eigen::AlignedBox3d& box() const { return box_; }  ///< [m] of all of it
 
-  /// Least and greatest value shown; empty where the quantity has none (yield stress of what never yields).
+  /// Least and largest value shown; empty where the quantity has none (yield stress of what never yields).
   const Eigen::AlignedBox1d& range() const { return range_; }
 
   /// Where a ray first meets what is shown.
@@ -79,8 +79,8 @@ class Figure {
   std::vector<int> fixed_nodes_;
   std::vector<unsigned char> alive_;
   Sheet body_;
-  std::vector<Sheet> skins_;
-  bool shows_skins_ = false;
+  std::vector<Sheet> embedded_surfaces_;
+  bool shows_embedded_surfaces_ = false;
 
   std::vector<Vertex> triangles_;
   Places edges_, ghost_triangles_, ghost_edges_, fixed_places_;

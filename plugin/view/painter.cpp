@@ -280,7 +280,7 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   glUseProgram(flat_);
   glUniform1f(place_of(flat_, "nearer"), 2e-4f);
   glDepthMask(GL_FALSE);
-  draw_places(figure.edges(), GL_LINES, figure.shows_skins() ? kCage : kEdge);
+  draw_places(figure.edges(), GL_LINES, figure.shows_embedded_surfaces() ? kCage : kEdge);
   glUniform1f(place_of(flat_, "nearer"), 2e-3f);
   draw_places(figure.fixed_places(), GL_POINTS, kFixed, kFixedSize);
   glDepthMask(GL_TRUE);

@@ -13,29 +13,29 @@
 namespace hexaplast::view {
 namespace {
 
-constexpr std::array kGhosts{"none", "original", "without forces"};
+constexpr std::array kGhosts{"none", "initial", "without load"};
 
-void draw_knob(Session& session, const Knob& knob, std::optional<double> value) {
-  const std::string name(knob.attribute->name), unit(knob.attribute->unit);
-  const bool is_factor = !knob.of_hexahedra.empty();
+void draw_parameter(Session& session, const Parameter& parameter, std::optional<double> value) {
+  const std::string name(parameter.attribute->name), unit(parameter.attribute->unit);
+  const bool is_factor = !parameter.of_hexahedra.empty();
   const std::string help = fmt::format(
-      "{}\n{}{}{}", knob.attribute->help, unit.empty() ? "" : "[" + unit + "]  ",
-      attributes::describe(knob.attribute->range),
+      "{}\n{}{}{}", parameter.attribute->help, unit.empty() ? "" : "[" + unit + "]  ",
+      attributes::describe(parameter.attribute->range),
       is_factor ? "\nEach hexahedron has its own; all of them are multiplied by the number on the slider." : "");
   const float end = ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x * 0.5f;
   ImGui::PushID(name.c_str());
-  if (knob.may_be_none) {
+  if (parameter.may_be_none) {
     bool is_given = value.has_value();
     if (ImGui::Checkbox("##given", &is_given))
-      session.set(name, is_given ? std::optional(knob.value.value_or(knob.suggested)) : std::nullopt);
-    explain(help + "\nWithout a tick there is none.");
+      session.set(name, is_given ? std::optional(parameter.value.value_or(parameter.suggested)) : std::nullopt);
+    explain(help + "\nWithout a check mark there is no limit.");
     ImGui::SameLine();
   }
   if (value) {
     const ImGuiSliderFlags flags =
-        ImGuiSliderFlags_NoRoundToFormat | (knob.is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+        ImGuiSliderFlags_NoRoundToFormat | (parameter.is_logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     ImGui::SetNextItemWidth(end - ImGui::GetCursorPosX());
-    if (ImGui::SliderScalar(name.c_str(), ImGuiDataType_Double, &*value, &knob.least, &knob.most,
+    if (ImGui::SliderScalar(name.c_str(), ImGuiDataType_Double, &*value, &parameter.min, &parameter.max,
                             is_factor ? "%.3g times" : fmt::format("%.4g {}", unit).c_str(), flags))
       session.set(name, *value);
   } else {
@@ -66,7 +66,7 @@ void draw_controls(WindowState& window) {
   bool is_real_time = window.pace == Pace::kRealTime;
   if (ImGui::Checkbox("real time", &is_real_time))
     window.session.set_pace(window.pace = is_real_time ? Pace::kRealTime : Pace::kFree);
-  explain("As the clock on the wall, where steps are fast enough. Otherwise as fast as it goes.");
+  explain("Steps in real time if they are fast enough. Otherwise as fast as possible.");
   ImGui::SameLine();
   if (ImGui::Button("picture")) window.wants_picture = true;
   explain("P: writes a PNG file of this window");
@@ -84,43 +84,44 @@ void draw_controls(WindowState& window) {
   int ghost = static_cast<int>(window.look.ghost);
   if (ImGui::Combo("ghost", &ghost, kGhosts.data(), static_cast<int>(kGhosts.size())))
     window.look.ghost = static_cast<Ghost>(ghost);
-  explain("The shape behind the body: the original one, or the one that it would have without forces (G)");
-  ImGui::Checkbox(window.figure.has_skins() ? "cage" : "edges", &window.look.shows_edges);
+  explain("Shape behind the body: the initial shape, or the shape without load (G)");
+  ImGui::Checkbox(window.figure.has_embedded_surfaces() ? "cage" : "edges", &window.look.shows_edges);
   explain("W: edges of the hexahedra");
-  if (window.figure.has_skins()) {
+  if (window.figure.has_embedded_surfaces()) {
     ImGui::SameLine();
-    ImGui::Checkbox("embedded surfaces", &window.look.shows_skins);
+    ImGui::Checkbox("embedded surfaces", &window.look.shows_embedded_surfaces);
   }
 
   heading("material");
-  for (std::size_t k = 0; k < window.session.knobs().size(); ++k)
-    draw_knob(window.session, window.session.knobs()[k], window.now.knob_values[k]);
+  for (std::size_t k = 0; k < window.session.parameters().size(); ++k)
+    draw_parameter(window.session, window.session.parameters()[k], window.now.parameter_values[k]);
 
   heading("hand");
   ImGui::PushItemWidth(across * 0.5f);
   const HandSettings& usual = window.session.suggested_hand();
   slider("radius", "m", window.hand.radius, usual.radius / 5, usual.radius * 10,
-         "The hand holds the nodes of the surface that are as near to where it grips.");
+         "The hand holds the nodes of the surface within this distance of its grip.");
   slider("stiffness", "N/m", window.hand.stiffness, usual.stiffness / 100, usual.stiffness * 100,
-         "Of the spring between the mouse and what is held");
-  slider("greatest force", "N", window.hand.most_force, usual.most_force / 100, usual.most_force * 100,
-         "However far the mouse goes, the hand pulls no harder.");
+         "Of the spring between the mouse and the held nodes");
+  slider("max force", "N", window.hand.max_force, usual.max_force / 100, usual.max_force * 100,
+         "Largest force of the hand, for any distance of the mouse.");
   slider("damping", "N s/m", window.hand.damping, usual.damping / 100, usual.damping * 10,
-         "Of a dashpot beside the spring: tissue follows the mouse without swinging about it.");
+         "Of a dashpot parallel to the spring: it prevents oscillation about the mouse.");
   ImGui::PopItemWidth();
 
-  if (!window.now.failure.empty()) tell(kRust, window.now.failure + "\nReset leads back to the beginning.");
+  if (!window.now.failure.empty()) tell(kRust, window.now.failure + "\nReset returns to the initial state.");
   if (!window.message.empty()) tell(kFaint, window.message);
 }
 
 void draw_plots(const WindowState& window) {
   const double end = std::max(window.now.sample.time, Traces::kSpan), begin = end - Traces::kSpan;
   plot("elongation", "%",
-       {{"world", kSteel, window.traces.world_elongation}, {"plastic", kRust, window.traces.plastic_elongation}}, begin,
-       end);
-  plot("greatest plastic strain", "-", {{"", kRust, window.traces.plastic_strain}}, begin, end);
+       {{"current", kSteel, window.traces.world_elongation}, {"plastic", kRust, window.traces.plastic_elongation}},
+       begin, end);
+  plot("max plastic strain", "-", {{"", kRust, window.traces.plastic_strain}}, begin, end);
   plot("volume error", "%",
-       {{"world", kSteel, window.traces.world_volume}, {"plastic", kRust, window.traces.material_volume}}, begin, end);
+       {{"current", kSteel, window.traces.world_volume}, {"plastic", kRust, window.traces.material_volume}}, begin,
+       end);
   plot("energy", "J",
        {{"kin", kLeaf, window.traces.kinetic},
         {"el", kSteel, window.traces.elastic},

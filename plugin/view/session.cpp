@@ -52,47 +52,47 @@ std::optional<double> factor_of(scene::Data& data, const std::vector<double>& of
   return *greatest > 0 ? (*reals)[static_cast<std::size_t>(greatest - of_hexahedra.begin())] / *greatest : 1;
 }
 
-std::optional<double> value_of(scene::Data& data, const Knob& knob) {
-  return knob.of_hexahedra.empty() ? first_value(data) : factor_of(data, knob.of_hexahedra);
+std::optional<double> value_of(scene::Data& data, const Parameter& parameter) {
+  return parameter.of_hexahedra.empty() ? first_value(data) : factor_of(data, parameter.of_hexahedra);
 }
 
 /// From where to where it makes sense to move a number: within its range, around what it is, and no rate faster than
 /// is wise for the time step.
-Knob knob_of(scene::Data& data, const Body& body, double dt) {
+Parameter parameter_of(scene::Data& data, const Body& body, double dt) {
   const Attribute& attribute = data.attribute();
   const Material& material = body.materials().front();
-  Knob knob{.attribute = &attribute, .value = first_value(data), .may_be_none = attribute.initial.empty()};
+  Parameter parameter{.attribute = &attribute, .value = first_value(data), .may_be_none = attribute.initial.empty()};
   const auto* reals = std::get_if<std::vector<double>>(&data.value());
-  const double fastest = kAdvisedFlowPerStep / dt;
+  const double fastest = kRecommendedFlowPerStep / dt;
   if (reals && reals->size() > 1) {
     const double greatest = std::ranges::max(*reals);
-    const double bound = attribute.unit == "1/s" ? fastest : attribute.range.most;
-    knob.of_hexahedra = *reals;
-    knob.value = knob.suggested = 1;
-    knob.least = 1 / kSliderReach;
-    knob.most = greatest > 0 ? std::clamp(bound / greatest, 1.0, kSliderReach) : kSliderReach;
-    knob.is_logarithmic = true;
-    return knob;
+    const double bound = attribute.unit == "1/s" ? fastest : attribute.range.max;
+    parameter.of_hexahedra = *reals;
+    parameter.value = parameter.suggested = 1;
+    parameter.min = 1 / kSliderReach;
+    parameter.max = greatest > 0 ? std::clamp(bound / greatest, 1.0, kSliderReach) : kSliderReach;
+    parameter.is_logarithmic = true;
+    return parameter;
   }
 
-  const bool is_stretch = attribute.range.least == 1;
-  knob.suggested = is_stretch ? 2 : material.young_modulus / 20;
-  const double value = knob.value.value_or(knob.suggested);
+  const bool is_stretch = attribute.range.min == 1;
+  parameter.suggested = is_stretch ? 2 : material.young_modulus / 20;
+  const double value = parameter.value.value_or(parameter.suggested);
   if (attribute.unit == "1/s") {
-    knob.least = 0;
-    knob.most = std::max(value, fastest);
+    parameter.min = 0;
+    parameter.max = std::max(value, fastest);
   } else if (attribute.unit == "Pa" && value > 0) {
-    knob.least = value / kSliderReach;
-    knob.most = value * kSliderReach;
-    knob.is_logarithmic = true;
+    parameter.min = value / kSliderReach;
+    parameter.max = value * kSliderReach;
+    parameter.is_logarithmic = true;
   } else {
     const double reach = std::max(std::abs(value), 1.0);
-    knob.least = std::max(attribute.range.least, -2 * reach);
-    knob.most = std::min(attribute.range.most, 5 * reach);
-    if (attribute.range.without_least) knob.least += 1e-3;
-    if (attribute.range.without_most) knob.most -= 1e-3;
+    parameter.min = std::max(attribute.range.min, -2 * reach);
+    parameter.max = std::min(attribute.range.max, 5 * reach);
+    if (attribute.range.exclusive_min) parameter.min += 1e-3;
+    if (attribute.range.exclusive_max) parameter.max -= 1e-3;
   }
-  return knob;
+  return parameter;
 }
 
 }  // namespace
@@ -102,16 +102,16 @@ Session::Session(Subject subject, std::unique_ptr<scene::Component> hand)
       state_(&only_state(subject_.scene)),
       field_(&only_body(subject_.scene)),
       dt_(subject_.scene.dt()),
-      ruler_(body()) {
+      measurement_(body()) {
   for (const Row<Material>& row : material_rows())  // what a body may take anew between two steps
-    if (scene::Data* data = field_->find_data(row.name)) knobs_.push_back(knob_of(*data, body(), dt_));
+    if (scene::Data* data = field_->find_data(row.name)) parameters_.push_back(parameter_of(*data, body(), dt_));
 
   // a hand that is about as strong as a cube of the same matter, and holds a handful of nodes
-  const double size = std::cbrt(body().original_volume());
+  const double size = std::cbrt(body().initial_volume());
   const double young = body().materials().front().young_modulus;
-  suggested_hand_ = {.radius = 1.8 * std::cbrt(body().original_volume() / mesh().num_elements()),
+  suggested_hand_ = {.radius = 1.8 * std::cbrt(body().initial_volume() / mesh().num_elements()),
                      .stiffness = young * size,
-                     .most_force = young * size * size / 2,
+                     .max_force = young * size * size / 2,
                      .damping = kHandDelay * young * size};
 
   hand_ = hand.get();
@@ -205,7 +205,7 @@ void Session::grab(const Vec3& place, const HandSettings& settings) {
     change(*hand_, "indices", std::vector<std::int64_t>(held.begin(), held.end()));
     change(*hand_, "positions", std::vector<double>(place.begin(), place.end()));
     change(*hand_, "stiffness", settings.stiffness);
-    change(*hand_, "maxForce", settings.most_force);
+    change(*hand_, "maxForce", settings.max_force);
     change(*hand_, "damping", settings.damping);
     change(*hand_, "graspTime", subject_.scene.time());
     hand_->begin_step();  // it closes here, and not where the mouse will be when the next step begins
@@ -221,12 +221,13 @@ void Session::release() {
 }
 
 void Session::set(std::string_view attribute, std::optional<double> value) {
-  const auto knob = std::ranges::find(knobs_, attribute, [](const Knob& one) { return one.attribute->name; });
-  post([this, &knob = *knob, value] {
-    const std::string_view name = knob.attribute->name;
+  const auto parameter =
+      std::ranges::find(parameters_, attribute, [](const Parameter& one) { return one.attribute->name; });
+  post([this, &parameter = *parameter, value] {
+    const std::string_view name = parameter.attribute->name;
     if (!value) return change(*field_, name, std::nullopt);
-    if (knob.attribute->type != Type::kReals) return change(*field_, name, scene::Value(*value));
-    std::vector<double> values = knob.of_hexahedra.empty() ? std::vector{1.0} : knob.of_hexahedra;
+    if (parameter.attribute->type != Type::kReals) return change(*field_, name, scene::Value(*value));
+    std::vector<double> values = parameter.of_hexahedra.empty() ? std::vector{1.0} : parameter.of_hexahedra;
     for (double& one : values) one *= *value;
     change(*field_, name, scene::Value(std::move(values)));
   });
@@ -302,7 +303,7 @@ void Session::change(scene::Component& component, std::string_view attribute, st
     if (one)
       data.give(std::move(*one), kWindow);
     else
-      data.take_back();
+      data.unset();
   };
   const auto before = data.is_given() ? std::optional(data.value()) : std::nullopt;
   try {
@@ -358,13 +359,14 @@ void Session::publish() {
   back_.alive.assign(body().alive().begin(), body().alive().end());
   back_.quantity = quantity_;
   back_.values = values_of(quantity_, fields);
-  back_.knob_values.clear();
-  for (const Knob& knob : knobs_) back_.knob_values.push_back(value_of(*field_->find_data(knob.attribute->name), knob));
+  back_.parameter_values.clear();
+  for (const Parameter& parameter : parameters_)
+    back_.parameter_values.push_back(value_of(*field_->find_data(parameter.attribute->name), parameter));
   const std::vector<std::int64_t>& held = hand_->integers("grasped");
   back_.held.assign(held.begin(), held.end());
   back_.grip_force = hand_->vector3("force");
   back_.sample = {.time = subject_.scene.time(),
-                  .measures = ruler_.measure(x),
+                  .measures = measurement_.measure(x),
                   .greatest_plastic_strain = std::ranges::max(fields.plastic_strain),
                   .kinetic_energy = latest_.kinetic_energy,
                   .elastic_energy = body().energy(x),

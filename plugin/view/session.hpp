@@ -36,19 +36,19 @@ enum class Pace {
 
 /// How the hand holds tissue (solve/grip.hpp).
 struct HandSettings {
-  double radius = 0;      ///< [m] around the place that is taken hold of; the nearest node is held in any case
-  double stiffness = 0;   ///< [N/m]
-  double most_force = 0;  ///< [N]
-  double damping = 0;     ///< [N s/m]
+  double radius = 0;     ///< [m] around the place that is taken hold of; the nearest node is held in any case
+  double stiffness = 0;  ///< [N/m]
+  double max_force = 0;  ///< [N]
+  double damping = 0;    ///< [N s/m]
 };
 
 /// A number of the body's material that may change while it moves.
-struct Knob {
+struct Parameter {
   const attributes::Attribute* attribute;
   std::optional<double> value;            ///< at first; none: not given
-  std::vector<double> of_hexahedra = {};  ///< values of their own; the knob is then a factor on all of them, at first 1
+  std::vector<double> of_hexahedra = {};  ///< own values; the slider is then a factor on all of them, at first 1
   bool may_be_none = false;               ///< the body can do without
-  double least = 0, most = 0;             ///< where a slider begins and ends
+  double min = 0, max = 0;                ///< where a slider begins and ends
   double suggested = 0;                   ///< for one that is not given
   bool is_logarithmic = false;            ///< equal ways of the slider are equal factors
 };
@@ -74,9 +74,9 @@ struct Snapshot {
   std::vector<unsigned char> alive;   ///< per hexahedron
   Quantity quantity = Quantity::kPlasticStrain;
   std::vector<double> values;  ///< of the quantity, per node; infinite for the yield stress of what never yields
-  std::vector<std::optional<double>> knob_values;  ///< of each knob, as it is now; none: not given
-  std::vector<int> held;                           ///< nodes in the hand
-  Vec3 grip_force = Vec3::Zero();                  ///< [N] of the hand on the body, in the latest step
+  std::vector<std::optional<double>> parameter_values;  ///< of each parameter, as it is now; none: not given
+  std::vector<int> held;                                ///< nodes in the hand
+  Vec3 grip_force = Vec3::Zero();                       ///< [N] of the hand on the body, in the latest step
   Sample sample;
   std::vector<float> step_ms;  ///< wall time of each step since the last snapshot
 };
@@ -120,7 +120,7 @@ class Session {
   // what does not change while it runs
   const std::string& title() const { return subject_.title; }
   const HexMesh& mesh() const { return body().mesh(); }
-  const std::vector<Knob>& knobs() const { return knobs_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
   const HandSettings& suggested_hand() const { return suggested_hand_; }
   double dt() const { return dt_; }  ///< [s]
 
@@ -145,11 +145,11 @@ class Session {
   scene::ForceField* field_ = nullptr;
   scene::Component* hand_ = nullptr;
   double dt_ = 0;
-  std::vector<Knob> knobs_;
+  std::vector<Parameter> parameters_;
   HandSettings suggested_hand_;
 
   // read and written by the thread alone
-  output::Ruler ruler_;
+  output::Measurement measurement_;
   output::StepRecord latest_;
   bool is_running_ = false;
   long steps_asked_ = 0;

@@ -27,8 +27,8 @@ WindowState::WindowState(WindowCall& call)
       camera(first_camera(session.mesh(), call.staging)),
       hand(session.suggested_hand()),
       pace(call.options.pace) {
-  look.shows_edges = call.staging.shows_hexahedra || !figure.has_skins();
-  look.shows_skins = figure.has_skins();
+  look.shows_edges = call.staging.shows_hexahedra || !figure.has_embedded_surfaces();
+  look.shows_embedded_surfaces = figure.has_embedded_surfaces();
   session.set_pace(pace);
 }
 

@@ -30,7 +30,7 @@ def bar(yield_stress, flow_rate):
 def stretch(yield_stress, flow_rate):
     """Rows of time [s], elongation of the bar and elongation that would stay [-]."""
     body = bar(yield_stress, flow_rate)
-    x, y, z = body.original_positions.T
+    x, y, z = body.initial_positions.T
     low, high = z < -0.49, z > 0.49
     centre = (abs(x) < 0.06) & (abs(y) < 0.06)  # the four nodes of an end's central face
 
@@ -47,7 +47,7 @@ def stretch(yield_stress, flow_rate):
         forces[high & centre, 2] = share * PULL / 4
         forces[low & centre, 2] = -share * PULL / 4
         simulation.step(forces)
-        curve.append((simulation.time, elongation(simulation.positions), elongation(body.material_positions)))
+        curve.append((simulation.time, elongation(simulation.positions), elongation(body.plastic_rest_positions)))
     return np.array(curve)
 
 

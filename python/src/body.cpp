@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "deprecated.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "rows.hpp"
@@ -121,18 +122,31 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
     type.def("__eq__", [](const Options& options, const Options& other) { return options == other; });
 }
 
+/// The older name of a property, with a DeprecationWarning.
+template <class... Options>
+void add_old_name(py::class_<Options...>& type, const char* old_name, const char* name) {
+  type.def_property_readonly(
+      old_name,
+      [old_name, name](const py::object& self) {
+        warn_deprecated(old_name, name);
+        return py::object(self.attr(name));
+      },
+      fmt::format("Deprecated: {}", name).c_str());
+}
+
 void add_reports(py::module_& module) {
-  py::class_<FlowReport>(module, "FlowReport", "What happened in one plastic step. Counts are hexahedra.")
-      .def_readonly("yielded", &FlowReport::yielded, "with flow at some corner")
-      .def_readonly("inverted", &FlowReport::inverted, "turned inside out at some corner")
-      .def_readonly("guarded", &FlowReport::guarded, "kept elastic because they are inverted or nearly so")
-      .def_readonly("repaired", &FlowReport::repaired, "whose material shape was led back towards the original one")
+  py::class_<FlowReport> report(module, "FlowReport", "What happened in one plastic step. Counts are hexahedra.");
+  report.def_readonly("yielded", &FlowReport::yielded, "with flow at some corner")
+      .def_readonly("inverted", &FlowReport::inverted, "inverted at some corner")
+      .def_readonly("skipped", &FlowReport::skipped, "without flow, because inverted or nearly so")
+      .def_readonly("repaired", &FlowReport::repaired, "whose plastic rest shape was moved towards the initial one")
       .def_readonly("removed", &FlowReport::removed, "broken in this step: the last ones of Body.removed")
       .def_readonly("worst_volume_error", &FlowReport::worst_volume_error,
-                    "[-] greatest |material volume / original volume - 1| before the step")
+                    "[-] max |volume without load / initial volume - 1| before the step")
       .def_property_readonly(
           "averaging_converged", [](const FlowReport& r) { return r.averaging.converged; },
           "False: the averaging stopped before its tolerance");
+  add_old_name(report, "guarded", "skipped");
 
   py::class_<ElementFields>(module, "Fields",
                             "One value per hexahedron, shape (m,). Removed ones: 0 but for the first two.")
@@ -141,27 +155,27 @@ void add_reports(py::module_& module) {
           "[-] mean over the corners of the accumulated plastic strain")
       .def_property_readonly(
           "yield_stress", [](py::object self) { return view(self.cast<ElementFields&>().yield_stress, self); },
-          "[Pa] greatest of the corners; infinite where it never yields")
+          "[Pa] maximum of the corners; infinite if it never yields")
       .def_property_readonly(
           "volume_ratio", [](py::object self) { return view(self.cast<ElementFields&>().volume_ratio, self); },
-          "[-] material volume / original volume")
+          "[-] volume without load / initial volume")
       .def_property_readonly(
           "stress_norm", [](py::object self) { return view(self.cast<ElementFields&>().stress_norm, self); },
-          "[Pa] greatest of the corners, in the body's yield norm")
+          "[Pa] maximum of the corners, in the body's yield norm")
       .def_property_readonly(
           "strain", [](py::object self) { return view(self.cast<ElementFields&>().strain, self); },
-          "[-] greatest |D - 1| of the corners");
+          "[-] max |D - 1| of the corners");
 }
 
 void add_body_state(py::module_& module) {
-  py::class_<BodyState, std::shared_ptr<BodyState>>(
+  py::class_<BodyState, std::shared_ptr<BodyState>> type(
       module, "BodyState",
-      "What can be read of a body. material_positions, corner_plastic_strain, corner_yield_stress and alive are\n"
-      "read-only views that follow the body: taken once, they show its present state after every step.")
-      .def_property_readonly("num_nodes", [](const BodyState& b) { return b.body().mesh().num_nodes(); })
+      "What can be read of a body. plastic_rest_positions, corner_plastic_strain, corner_yield_stress and alive are\n"
+      "read-only views that follow the body: taken once, they show its present state after every step.");
+  type.def_property_readonly("num_nodes", [](const BodyState& b) { return b.body().mesh().num_nodes(); })
       .def_property_readonly("num_hexahedra", [](const BodyState& b) { return b.body().mesh().num_elements(); })
       .def_property_readonly(
-          "original_positions", [](const BodyState& b) { return view(b.body().mesh().positions(), b.keeper()); },
+          "initial_positions", [](const BodyState& b) { return view(b.body().mesh().positions(), b.keeper()); },
           "(n, 3) [m]")
       .def_property_readonly(
           "hexahedra",
@@ -172,7 +186,7 @@ void add_body_state(py::module_& module) {
           },
           "(m, 8) node numbers, in the corner order of VTK's hexahedron")
       .def_property_readonly(
-          "material_positions",
+          "plastic_rest_positions",
           [](py::object self) {
             auto& state = self.cast<BodyState&>();
             const Turn turn(state.taken());
@@ -219,10 +233,10 @@ void add_body_state(py::module_& module) {
           },
           "[J] plastic work so far")
       .def_property_readonly(
-          "original_volume",
+          "initial_volume",
           [](BodyState& b) {
             const Turn turn(b.taken());
-            return b.body().original_volume();
+            return b.body().initial_volume();
           },
           "[m^3] of the hexahedra that are left")
       .def(
@@ -255,6 +269,9 @@ void add_body_state(py::module_& module) {
             return hash.text();
           },
           "16 hexadecimal digits: equal where the plastic histories are equal to the last bit");
+  add_old_name(type, "original_positions", "initial_positions");
+  add_old_name(type, "material_positions", "plastic_rest_positions");
+  add_old_name(type, "original_volume", "initial_volume");
 }
 
 void add_owned_body(py::module_& module) {
@@ -321,7 +338,7 @@ void add_owned_body(py::module_& module) {
             b.body().reset();
             b.refresh();
           },
-          "Back to the virgin state")
+          "Returns to the initial state")
       .def(
           "save",
           [](Body& b) {
@@ -330,8 +347,9 @@ void add_owned_body(py::module_& module) {
             b.body().save(out);
             return py::bytes(out.str());
           },
-          "Plastic history and materials, with a checksum: what load() of a body of the same mesh and settings goes on "
-          "from, bit for bit. Positions and velocities are not among it")
+          "Plastic history and materials, with a checksum: load() of a body with the same mesh and settings continues "
+          "from "
+          "them, bit for bit. Positions and velocities are not included")
       .def(
           "load",
           [](Body& b, const py::bytes& data) {

@@ -46,8 +46,8 @@ py::array_t<int> cells_of(const std::vector<Hexahedron>& hexahedra) {
   return cells;
 }
 
-py::tuple grid(std::array<int, 3> cells, std::array<double, 3> least, std::array<double, 3> most) {
-  const HexMesh mesh = regular_grid(cells, Vec3(least[0], least[1], least[2]), Vec3(most[0], most[1], most[2]));
+py::tuple grid(std::array<int, 3> cells, std::array<double, 3> min, std::array<double, 3> max) {
+  const HexMesh mesh = regular_grid(cells, Vec3(min[0], min[1], min[2]), Vec3(max[0], max[1], max[2]));
   return py::make_tuple(taken(mesh.positions()), cells_of(mesh.hexahedra()));
 }
 
@@ -73,7 +73,7 @@ PYBIND11_MODULE(_hexaplast, module) {
   add_body(module);
   add_simulation(module);
   add_scene(module);
-  module.def("grid", &grid, py::arg("cells"), py::arg("least"), py::arg("most"),
+  module.def("grid", &grid, py::arg("cells"), py::arg("min"), py::arg("max"),
              "A box of hexahedra between two corners [m]: positions (n, 3) and hexahedra (m, 8), x fastest");
   module.def("read_mesh", &read, py::arg("file"),
              "Positions (n, 3) and hexahedra (m, 8) of a .vtu, .vtk, .msh, .obj or .inp file");

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "body.hpp"
+#include "deprecated.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
@@ -104,7 +105,8 @@ void add_simulation(py::module_& module) {
 
   py::class_<Simulation>(
       module, "Simulation",
-      "A body in motion: lumped masses, gravity, nodal forces, nodes that are fixed or led. One step is one implicit\n"
+      "A body in motion: lumped masses, gravity, nodal forces, fixed nodes and prescribed displacements. One step is "
+      "one implicit\n"
       "Euler step of the world and one plastic flow. positions and velocities are read-only views that follow it.")
       .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
                        double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
@@ -169,17 +171,25 @@ void add_simulation(py::module_& module) {
             const Turn turn(s.taken());
             s.get().fix(numbers);
           },
-          py::arg("nodes"), "Nodes (numbers, or a mask) keep their places from now on")
+          py::arg("nodes"), "Nodes (numbers, or a mask) keep their positions from now on")
+      .def(
+          "prescribe",
+          [](Simulation& s, py::handle nodes, py::handle positions) {
+            const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
+            const RealArray to = points("positions", positions, static_cast<Eigen::Index>(numbers.size()));
+            const Turn turn(s.taken());
+            s.get().prescribe(numbers, as_points(to));
+          },
+          py::arg("nodes"), py::arg("positions"),
+          "Nodes (numbers, or a mask) move to positions (one row [m] per node) in the next step, and stand still after "
+          "it")
       .def(
           "lead",
-          [](Simulation& s, py::handle nodes, py::handle places) {
-            const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
-            const RealArray to = points("places", places, static_cast<Eigen::Index>(numbers.size()));
-            const Turn turn(s.taken());
-            s.get().lead(numbers, as_points(to));
+          [](const py::object& self, py::handle nodes, py::handle places) {
+            warn_deprecated("lead", "prescribe");
+            self.attr("prescribe")(nodes, places);
           },
-          py::arg("nodes"), py::arg("places"),
-          "Nodes (numbers, or a mask) move to places (one row [m] per node) in the next step, and stand still after it")
+          py::arg("nodes"), py::arg("places"), "Deprecated: prescribe")
       .def(
           "release",
           [](Simulation& s, py::handle nodes) {

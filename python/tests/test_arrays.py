@@ -106,8 +106,8 @@ def test_nodes_are_numbers_or_a_mask():
         simulation.fix(np.ones(35, dtype=bool))
     with pytest.raises(TypeError, match="float64"):
         simulation.fix([0.0])
-    with pytest.raises(ValueError, match=r"places: shape \(1, 3\), must be \(2, 3\)"):
-        simulation.lead([0, 1], [[0, 0, 0]])
+    with pytest.raises(ValueError, match=r"positions: shape \(1, 3\), must be \(2, 3\)"):
+        simulation.prescribe([0, 1], [[0, 0, 0]])
     simulation.fix([])
 
     by_mask, by_number = (hexaplast.Simulation(hexaplast.Body(POSITIONS, HEXAHEDRA), gravity=(0, 0, -10)) for _ in "ab")
@@ -127,7 +127,7 @@ def test_views_are_read_only_and_follow_the_simulation_without_copies():
     live = {
         "positions": (simulation, simulation.positions),
         "velocities": (simulation, simulation.velocities),
-        "material_positions": (body, body.material_positions),
+        "plastic_rest_positions": (body, body.plastic_rest_positions),
         "corner_plastic_strain": (body, body.corner_plastic_strain),
         "corner_yield_stress": (body, body.corner_yield_stress),
         "alive": (body, body.alive),
@@ -151,7 +151,7 @@ def test_views_are_read_only_and_follow_the_simulation_without_copies():
 def test_views_of_the_mesh_stay_what_they_are_when_the_body_loads():
     simulation, _ = stretched_simulation()
     body = simulation.body
-    views = [body.original_positions, body.hexahedra]
+    views = [body.initial_positions, body.hexahedra]
     expected = [view.copy() for view in views]
     body.load(body.save())
     body.set_material(hexaplast.Material())

@@ -67,9 +67,9 @@ def test_flow_is_that_of_hand():
     strain = share * math.sqrt(2 / 3) * math.log(s) * math.sqrt(1.5)
     assert body.corner_plastic_strain == pytest.approx(np.full((4, 8), strain), rel=1e-12)
     assert body.corner_yield_stress == pytest.approx(np.full((4, 8), tau + 0.5 * share * mises), rel=1e-12)
-    length = np.ptp(body.material_positions[:, 2])
+    length = np.ptp(body.plastic_rest_positions[:, 2])
     assert length == pytest.approx(0.2 * s**share, rel=1e-6)
-    assert body.volume(body.material_positions) == pytest.approx(VOLUME, rel=1e-9)
+    assert body.volume(body.plastic_rest_positions) == pytest.approx(VOLUME, rel=1e-9)
     assert body.dissipated_energy > 0
 
     fields = body.fields(POSITIONS)
@@ -81,14 +81,14 @@ def test_flow_is_that_of_hand():
 
 def test_evaluation_leaves_the_history_alone_and_reset_clears_it():
     body = hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(yield_stress=50, flow_rate=4))
-    virgin = body.history_hash()
+    initial = body.history_hash()
     x = POSITIONS * [1, 1, 1.2]
     body.energy(x), body.force(x), body.fields(x), body.stiffness_product(x, x)
-    assert body.history_hash() == virgin
+    assert body.history_hash() == initial
     body.flow(x, 0.01)
-    assert body.history_hash() != virgin
+    assert body.history_hash() != initial
     body.reset()
-    assert body.history_hash() == virgin
+    assert body.history_hash() == initial
 
 
 def test_a_saved_body_goes_on_as_the_one_that_was_not():
@@ -118,9 +118,9 @@ def test_a_saved_body_goes_on_as_the_one_that_was_not():
 def test_another_material_leaves_what_has_flowed():
     body = hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(yield_stress=50, flow_rate=4, hardening=0.5))
     body.flow(POSITIONS * [1, 1, 1.2], 0.01)
-    shape, threshold = body.material_positions.copy(), body.corner_yield_stress.copy()
+    shape, threshold = body.plastic_rest_positions.copy(), body.corner_yield_stress.copy()
     body.set_material(hexaplast.Material(yield_stress=80, flow_rate=4, rotation_yield=0.1, rotation_flow_rate=1))
-    assert (body.material_positions == shape).all()
+    assert (body.plastic_rest_positions == shape).all()
     assert body.corner_yield_stress == pytest.approx(threshold + 30, rel=1e-12)
     with pytest.raises(ValueError, match="3"):
         body.set_material([hexaplast.Material()] * 3)
@@ -143,7 +143,7 @@ def test_removed_hexahedra_carry_nothing():
     assert body.removed == [3, 1]
     assert body.alive.tolist() == [True, False, True, False]
     assert body.energy(x) == pytest.approx(whole / 2, rel=1e-12)
-    assert body.original_volume == pytest.approx(VOLUME / 2, rel=1e-12)
+    assert body.initial_volume == pytest.approx(VOLUME / 2, rel=1e-12)
 
 
 def test_what_the_library_refuses_is_a_value_error_with_its_message():

@@ -31,7 +31,7 @@ def test_a_scene_has_the_bits_of_the_command(tmp_path):
     assert scene.state_hash() == state["state_hash"]
     assert scene.positions.tolist() == state["positions"]
     assert scene.velocities.tolist() == state["velocities"]
-    assert scene.body.material_positions.tolist() == state["material_positions"]
+    assert scene.body.plastic_rest_positions.tolist() == state["material_positions"]
     assert scene.body.fields(scene.positions).volume_ratio.tolist() == state["volume_ratio"]
     assert scene.time == pytest.approx(0.4) and scene.num_steps == 40 and scene.dt == 0.01
     assert scene.planned_steps == 500
@@ -76,7 +76,7 @@ def test_the_same_bar_from_arrays_moves_alike():
 
 def test_views_of_a_scene_keep_it_alive():
     scene = hexaplast.run(BAR, steps=15)
-    views = [scene.positions, scene.body.material_positions, scene.body.hexahedra]
+    views = [scene.positions, scene.body.plastic_rest_positions, scene.body.hexahedra]
     body = scene.body
     expected = [view.copy() for view in views]
     energy = body.energy(expected[0])

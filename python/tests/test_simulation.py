@@ -19,7 +19,7 @@ def test_free_fall_is_that_of_implicit_euler():
     simulation = hexaplast.Simulation(bar(), density=700, dt=0.02, gravity=(0, 0, -10))
     simulation.run(10)
     fall = -10 * 0.02**2 * 55  # 1 + 2 + ... + 10
-    assert simulation.positions[:, 2] == pytest.approx(simulation.body.original_positions[:, 2] + fall, abs=1e-12)
+    assert simulation.positions[:, 2] == pytest.approx(simulation.body.initial_positions[:, 2] + fall, abs=1e-12)
     assert simulation.velocities[:, 2] == pytest.approx(np.full(20, -2.0), abs=1e-10)
     assert simulation.num_steps == 10 and simulation.time == pytest.approx(0.2) and simulation.dt == 0.02
     mass = 700 * 0.1 * 0.1 * 0.4
@@ -33,7 +33,7 @@ def test_a_bar_at_rest_under_a_pull_has_the_length_of_hand(solver):
     # without lateral contraction the axial stress is E (s - 1), also at large stretch: s = 1 + F / (E A)
     body = bar(young_modulus=5000, poisson_ratio=0)
     simulation = hexaplast.Simulation(body, rayleigh_mass=5, rayleigh_stiffness=0.1, solver=solver, tolerance=1e-10)
-    z = body.original_positions[:, 2]
+    z = body.initial_positions[:, 2]
     simulation.fix(z == 0)
     forces = np.zeros((20, 3))
     forces[z == 0.4, 2] = 10 / 4
@@ -52,12 +52,12 @@ def test_a_bar_at_rest_under_a_pull_has_the_length_of_hand(solver):
 def test_led_nodes_arrive_and_then_stand_still():
     body = bar(young_modulus=5000, poisson_ratio=0.3)
     simulation = hexaplast.Simulation(body, rayleigh_stiffness=0.05)
-    z = body.original_positions[:, 2]
+    z = body.initial_positions[:, 2]
     top = z == 0.4
     simulation.fix(z == 0)
     for k in range(1, 6):
-        places = body.original_positions[top] + [0, 0.002 * k, 0.004 * k]
-        simulation.lead(top, places)
+        places = body.initial_positions[top] + [0, 0.002 * k, 0.004 * k]
+        simulation.prescribe(top, places)
         simulation.step()
         assert simulation.positions[top] == pytest.approx(places, abs=1e-14)
     simulation.run(5)
@@ -70,9 +70,9 @@ def test_led_nodes_arrive_and_then_stand_still():
 def test_what_was_stretched_past_yield_stays_longer_and_reset_repeats_the_bits():
     body = bar(cells=(2, 2, 6), yield_stress=100, flow_rate=4)
     simulation = hexaplast.Simulation(body, rayleigh_mass=1, rayleigh_stiffness=0.1)
-    z = body.original_positions[:, 2]
+    z = body.initial_positions[:, 2]
     simulation.fix(z == 0)
-    forces = np.zeros_like(body.original_positions)
+    forces = np.zeros_like(body.initial_positions)
     forces[z == 0.4, 2] = 5 / 9
 
     def run():
@@ -81,7 +81,7 @@ def test_what_was_stretched_past_yield_stays_longer_and_reset_repeats_the_bits()
         return simulation.state_hash()
 
     once = run()
-    assert body.material_positions[z == 0.4, 2].mean() > 0.42
+    assert body.plastic_rest_positions[z == 0.4, 2].mean() > 0.42
     fields = simulation.fields()
     assert fields.plastic_strain == pytest.approx(body.corner_plastic_strain.mean(axis=1), rel=1e-12)
     assert fields.yield_stress == pytest.approx(body.corner_yield_stress.max(axis=1), rel=1e-15)
@@ -92,7 +92,7 @@ def test_what_was_stretched_past_yield_stays_longer_and_reset_repeats_the_bits()
 
 def test_set_state_replaces_positions_and_velocities():
     simulation = hexaplast.Simulation(bar(), gravity=(0, 0, 0))
-    x = simulation.body.original_positions + [1, 2, 3]
+    x = simulation.body.initial_positions + [1, 2, 3]
     simulation.set_state(x, np.tile([0.5, 0, 0], (20, 1)))
     simulation.step()
     assert simulation.positions == pytest.approx(x + [0.005, 0, 0], abs=1e-12)
@@ -120,7 +120,7 @@ def test_the_same_state_goes_on_with_the_same_bits_whatever_was_before(solver):
     def make():
         body = bar(cells=(3, 3, 8), poisson_ratio=0.45, yield_stress=100, flow_rate=4)
         simulation = hexaplast.Simulation(body, gravity=(1, 2, -3), solver=solver)
-        simulation.fix(body.original_positions[:, 2] == 0)
+        simulation.fix(body.initial_positions[:, 2] == 0)
         return simulation
 
     worked = make()
@@ -147,8 +147,8 @@ def test_the_same_state_goes_on_with_the_same_bits_whatever_was_before(solver):
 def test_a_run_reports_its_worst_step():
     body = bar(cells=(2, 2, 8), young_modulus=1e5)
     simulation = hexaplast.Simulation(body, solver="cg", tolerance=1e-9, iterations=3)
-    simulation.fix(body.original_positions[:, 2] == 0)
-    forces = np.zeros_like(body.original_positions)
+    simulation.fix(body.initial_positions[:, 2] == 0)
+    forces = np.zeros_like(body.initial_positions)
     forces[-9:, 2] = 1
     report = simulation.run(4, forces)
     assert report.steps == 4 and report.stalled == 4 and not report.converged and report.residual > 1e-9
@@ -191,7 +191,7 @@ def test_wrong_arguments_are_refused():
 
 def test_steps_let_other_threads_run_and_refuse_a_second_caller():
     simulation = hexaplast.Simulation(bar(cells=(6, 6, 18)))
-    simulation.fix(simulation.body.original_positions[:, 2] == 0)
+    simulation.fix(simulation.body.initial_positions[:, 2] == 0)
     refused = 0
     thread = threading.Thread(target=simulation.step)
     thread.start()
@@ -216,7 +216,7 @@ def test_results_do_not_depend_on_the_number_of_threads():
             hexaplast.set_num_threads(count)
             assert hexaplast.num_threads() == count
             simulation = hexaplast.Simulation(bar(cells=(3, 3, 9), yield_stress=20, flow_rate=4), gravity=(0, 0, 9))
-            simulation.fix(simulation.body.original_positions[:, 2] == 0)
+            simulation.fix(simulation.body.initial_positions[:, 2] == 0)
             simulation.run(15)
             hashes.add(simulation.state_hash())
     finally:
@@ -224,3 +224,22 @@ def test_results_do_not_depend_on_the_number_of_threads():
     assert len(hashes) == 1
     with pytest.raises(ValueError):
         hexaplast.set_num_threads(0)
+
+
+def test_older_names_work_with_a_warning():
+    simulation = hexaplast.Simulation(bar(), gravity=(0, 0, 0))
+    body = simulation.body
+    for old, name in (
+        ("original_positions", "initial_positions"),
+        ("material_positions", "plastic_rest_positions"),
+        ("original_volume", "initial_volume"),
+    ):
+        with pytest.deprecated_call(match=f"{old} is deprecated: use {name}"):
+            assert np.array_equal(getattr(body, old), getattr(body, name))
+    target = body.initial_positions[:1] + [0, 0, 0.001]
+    with pytest.deprecated_call(match="use prescribe"):
+        simulation.lead([0], target)
+    report = simulation.step()
+    assert simulation.positions[:1] == pytest.approx(target, abs=1e-14)
+    with pytest.deprecated_call(match="use skipped"):
+        assert report.flow.guarded == report.flow.skipped == 0

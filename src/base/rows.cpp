@@ -13,8 +13,8 @@ std::string interval(const Range& range, bool with_infinity) {
   const auto is_open = [&](double bound, bool is_without) {
     return is_without || (std::isinf(bound) && !(with_infinity && bound > 0));
   };
-  return fmt::format("{}{:.10g}, {:.10g}{}", is_open(range.least, range.without_least) ? '(' : '[', range.least,
-                     range.most, is_open(range.most, range.without_most) ? ')' : ']');
+  return fmt::format("{}{:.10g}, {:.10g}{}", is_open(range.min, range.exclusive_min) ? '(' : '[', range.min, range.max,
+                     is_open(range.max, range.exclusive_max) ? ')' : ']');
 }
 
 std::string alternatives(std::span<const std::string_view> words) {

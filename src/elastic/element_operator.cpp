@@ -13,7 +13,7 @@ template <class T, class Coef>
 void add_product(const ElementOperator<T, Coef>& op, int chunk, T factor, const T* p, T* Ap) {
   using V = Lanes<T>;
   const Partition& partition = op.partition();
-  const V share(static_cast<T>(op.corner_share)), f(factor);
+  const V share(static_cast<T>(op.corner_weight)), f(factor);
   const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     const auto* coef = stored(op, block);
@@ -37,7 +37,7 @@ template <class T, class Coef>
 void add_diagonal(const ElementOperator<T, Coef>& op, int chunk, T factor, T* diagonal) {
   using V = Lanes<T>;
   const Partition& partition = op.partition();
-  const V share(static_cast<T>(op.corner_share)), quarter(static_cast<T>((1 - op.corner_share) / 4)), f(factor);
+  const V share(static_cast<T>(op.corner_weight)), quarter(static_cast<T>((1 - op.corner_weight) / 4)), f(factor);
   const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     const bool general = op.per_sample || op.is_general[block];

@@ -30,7 +30,7 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
   const double* lame = pass.lame + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   const V mu = load(lame), lambda = load(lame + kBlock);
   const V eighth = V(-1.0 / kCorners) * volume;
-  float* watch = pass.watch + static_cast<std::size_t>(block) * Watch::kQuantities * kBlock + lane;
+  float* screen = pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
   auto* coef = reinterpret_cast<typename Stored<Coef>::type*>(pass.op.coef.data() + pass.op.offset[block]) + lane;
   T* weight = pass.op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   const V per_sample = V(1 / (kCorners * pass.length * pass.length)) * volume;
@@ -39,7 +39,7 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
   const V length(pass.length);
 
   Mat<V> R_centre = rest.inverse[0];  // overwritten where it is wanted
-  if (pass.watches_rotation) R_centre = safe_polar(centre_gradient(x, u)).R;
+  if (pass.screens_rotation) R_centre = safe_polar(centre_gradient(x, u)).R;
 
   EdgeLanes<V> q;
   Mat<V> Q;
@@ -66,14 +66,14 @@ HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int
 
     store_mat(product_transposed(A, FRS.R), length, coef + 9 * i * kBlock);
     if constexpr (kGeneral) store_mat(FRS.R, V(1.0), coef + (9 * kCorners + 9 * i) * kBlock);
-    store_as(stress_norm_bound(s, pass.norm), watch + (Watch::kNorm + i) * kBlock);
+    store_as(stress_norm_bound(s, pass.norm), screen + (YieldScreen::kNorm + i) * kBlock);
     const Mat<V> cof = cofactor(F);
     least_det = min(least_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
-    if (pass.watches_rotation)
-      store_as(V(0.5) * (dot(R_centre, FRS.R) - V(1.0)), watch + (Watch::kCosine + i) * kBlock);
+    if (pass.screens_rotation)
+      store_as(V(0.5) * (dot(R_centre, FRS.R) - V(1.0)), screen + (YieldScreen::kCosine + i) * kBlock);
   }
-  store_as(least_det, watch + Watch::kLeastDet * kBlock);
-  store_as(rest.least_jacobian, watch + Watch::kLeastJacobian * kBlock);
+  store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
+  store_as(rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
 
   CornerLanes<V> f;
   if constexpr (kGeneral) {
@@ -203,7 +203,7 @@ void linearize_coarse(const Partition& partition, const double* material, const 
       gather(partition, block, lane, material, x);
       gather(partition, block, lane, world, u);
       RestLanes<true, V> rest;
-      // corners beyond the mesh may lie anywhere: cells that they turn inside out do not help
+      // corners beyond the mesh may lie anywhere: cells that they invert do not help
       for (int attempt = 0; attempt < 2; ++attempt) {
         replace_absent(present, x);
         replace_absent(present, u);

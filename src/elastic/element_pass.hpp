@@ -16,12 +16,12 @@ struct ElementPass {
   const unsigned char* is_general;  ///< per block
   GradientScheme gradient;
   YieldNorm norm;
-  bool watches_rotation;  ///< fills Watch::kCosine
+  bool screens_rotation;  ///< fills YieldScreen::kCosine
   double length;          ///< [m] unit of the coefficients
   ElementOperator<T, Coef>& op;
   double* force;   ///< [N] slots, added to
   double* volume;  ///< [m^3] [block][element]
-  float* watch;    ///< Watch, per block
+  float* screen;   ///< YieldScreen, per block
 };
 
 template <class T, class Coef>

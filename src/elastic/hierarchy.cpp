@@ -63,7 +63,7 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
       gather_weights(mesh.children, *finer, level.op);
     else
       std::visit([&](const auto& op) { gather_weights(mesh.children, op, level.op); }, at.op);
-    level.op.corner_share = std::visit([](const auto& op) { return op.corner_share; }, at.op);
+    level.op.corner_weight = std::visit([](const auto& op) { return op.corner_weight; }, at.op);
     parallel_for(mesh.partition->num_chunks, [&](int chunk) {
       linearize_cells(*mesh.partition, level.material.data(), level.world.data(), model.settings.gradient, model.length,
                       chunk, level.op);

@@ -76,7 +76,7 @@ void update_material(const Model& model, const History& history, Linearization& 
   });
   std::visit(
       [&](auto& op) {
-        op.corner_share = corner_share(model.settings.gradient);
+        op.corner_weight = corner_weight(model.settings.gradient);
         op.resize(at.is_general);
       },
       at.op);
@@ -109,12 +109,12 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .is_general = at.is_general.data(),
                                         .gradient = model.settings.gradient,
                                         .norm = model.settings.yield_norm,
-                                        .watches_rotation = model.can_rotate,
+                                        .screens_rotation = model.can_rotate,
                                         .length = model.length,
                                         .op = op,
                                         .force = at.force.data(),
                                         .volume = at.volume.data(),
-                                        .watch = at.watch.data()};
+                                        .screen = at.screen.data()};
         parallel_for(partition.num_chunks, [&](int chunk) { linearize_elements(pass, chunk); });
       },
       at.op);

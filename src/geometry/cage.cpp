@@ -25,7 +25,7 @@ using GridCell = std::array<int, 3>;
 class Cells {
  public:
   explicit Cells(const CageGrid& grid)
-      : grid_(grid), width_((grid.most - grid.least).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]))) {
+      : grid_(grid), width_((grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]))) {
     kind_.assign(static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2], Kind::kUntouched);
   }
 
@@ -41,11 +41,11 @@ class Cells {
   GridCell cell_at(const Vec3& point) const {
     GridCell c;
     for (int d = 0; d < 3; ++d)
-      c[d] = static_cast<int>(std::clamp(std::floor((point[d] - grid_.least[d]) / width_[d]), 0., grid_.cells[d] - 1.));
+      c[d] = static_cast<int>(std::clamp(std::floor((point[d] - grid_.min[d]) / width_[d]), 0., grid_.cells[d] - 1.));
     return c;
   }
   Vec3 centre(const GridCell& c) const {
-    return grid_.least + width_.cwiseProduct(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
+    return grid_.min + width_.cwiseProduct(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
   }
 
   /// In the order of the grid: x fastest.
@@ -145,12 +145,12 @@ HexMesh mesh_of(const std::vector<GridCell>& kept, const CageGrid& grid) {
   std::ranges::sort(keys);
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 
-  const Vec3 spacing = (grid.most - grid.least).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
+  const Vec3 spacing = (grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
   PointArray positions(static_cast<Eigen::Index>(keys.size()), 3);
   for (std::size_t n = 0; n < keys.size(); ++n) {
     const Vec3 at(static_cast<double>(keys[n] / (ny * nz)), static_cast<double>(keys[n] / nz % ny),
                   static_cast<double>(keys[n] % nz));
-    positions.row(static_cast<Eigen::Index>(n)) = (grid.least + at.cwiseProduct(spacing)).transpose();
+    positions.row(static_cast<Eigen::Index>(n)) = (grid.min + at.cwiseProduct(spacing)).transpose();
   }
 
   std::vector<Hexahedron> hexahedra;
@@ -192,9 +192,9 @@ void require_grid(const CageGrid& grid) {
   for (int d = 0; d < 3; ++d) {
     if (grid.cells[d] < 1)
       throw InputError(fmt::format("a cage of {} cells in direction {}: at least 1 needed", grid.cells[d], d));
-    if (!(grid.least[d] < grid.most[d]))
+    if (!(grid.min[d] < grid.max[d]))
       throw InputError(
-          fmt::format("a cage from {} to {} in direction {}: the box is empty", grid.least[d], grid.most[d], d));
+          fmt::format("a cage from {} to {} in direction {}: the box is empty", grid.min[d], grid.max[d], d));
     count *= grid.cells[d];
   }
   if (count > kMostCageCells)
@@ -226,8 +226,8 @@ CageGrid cubes_around(ConstPoints points, int cells) {
     size[d] = grid.cells[d] * width;
   }
   const Vec3 centre = box_around(points).center();
-  grid.least = centre - size / 2;
-  grid.most = centre + size / 2;
+  grid.min = centre - size / 2;
+  grid.max = centre + size / 2;
   return grid;
 }
 
@@ -236,7 +236,7 @@ Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<c
   if (triangles.empty() && quads.empty()) throw InputError("the surface has neither triangles nor quads");
   require_grid(grid);
   Cells cells(grid);
-  const Eigen::AlignedBox3d box(Vec3(grid.least - kTouch * cells.width()), Vec3(grid.most + kTouch * cells.width()));
+  const Eigen::AlignedBox3d box(Vec3(grid.min - kTouch * cells.width()), Vec3(grid.max + kTouch * cells.width()));
   const auto corner = [&](int node) -> Vec3 {
     if (node < 0 || node >= x.rows())
       throw InputError(fmt::format("a face of the surface has node {}: must lie in [0, {})", node, x.rows()));
@@ -245,8 +245,7 @@ Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<c
       throw InputError(fmt::format(
           "node {} of the surface, at ({:.6g}, {:.6g}, {:.6g}), lies outside the box from ({:.6g}, {:.6g}, {:.6g}) to "
           "({:.6g}, {:.6g}, {:.6g})",
-          node, p[0], p[1], p[2], grid.least[0], grid.least[1], grid.least[2], grid.most[0], grid.most[1],
-          grid.most[2]));
+          node, p[0], p[1], p[2], grid.min[0], grid.min[1], grid.min[2], grid.max[0], grid.max[1], grid.max[2]));
     return p;
   };
   const auto mark = [&](int a, int b, int c) { mark_touched({corner(a), corner(b), corner(c)}, cells); };

@@ -8,19 +8,19 @@
 
 namespace hexaplast {
 
-HexMesh regular_grid(std::array<int, 3> cells, const Vec3& least, const Vec3& most) {
+HexMesh regular_grid(std::array<int, 3> cells, const Vec3& min, const Vec3& max) {
   const NodeLattice lattice{cells};
   lattice.check();
   for (int d = 0; d < 3; ++d)
-    if (!(least[d] < most[d]))
-      throw InputError(fmt::format("a grid from {} to {} in direction {}: the box is empty", least[d], most[d], d));
+    if (!(min[d] < max[d]))
+      throw InputError(fmt::format("a grid from {} to {} in direction {}: the box is empty", min[d], max[d], d));
 
-  const Vec3 spacing = (most - least).cwiseQuotient(Vec3(cells[0], cells[1], cells[2]));
+  const Vec3 spacing = (max - min).cwiseQuotient(Vec3(cells[0], cells[1], cells[2]));
   PointArray positions(lattice.num_nodes(), 3);
   for (int k = 0; k <= cells[2]; ++k)
     for (int j = 0; j <= cells[1]; ++j)
       for (int i = 0; i <= cells[0]; ++i)
-        positions.row(lattice.node(i, j, k)) = (least + Vec3(i, j, k).cwiseProduct(spacing)).transpose();
+        positions.row(lattice.node(i, j, k)) = (min + Vec3(i, j, k).cwiseProduct(spacing)).transpose();
   return HexMesh(std::move(positions), lattice.hexahedra());
 }
 

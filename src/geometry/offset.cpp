@@ -13,7 +13,7 @@
 namespace hexaplast {
 namespace {
 
-// Eigenvalue of sum a n n^T, relative to the greatest, from which on a direction counts as one in which the surface
+// Eigenvalue of sum a n n^T, relative to the largest, from which on a direction counts as one in which the surface
 // bends sharply: an edge of 25 degrees between two faces.
 constexpr double kSharp = 0.05;
 

@@ -65,7 +65,7 @@ QuadSurface::QuadSurface(PointArray positions, std::vector<Quad> quads)
   for (int n = 0; n < num_vertices(); ++n)
     if (incident(n).empty()) unused.add(n);
   unused.refuse("vertices without a quad", "every vertex must belong to one");
-  coincident(positions_).refuse("vertices at the place of another one", "quads that meet must share their vertices");
+  coincident(positions_).refuse("duplicate vertices", "quads that meet must share their vertices");
   check_edges();
   check_fans();
   check_shapes();

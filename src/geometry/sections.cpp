@@ -51,17 +51,17 @@ EndSections end_sections(const HexMesh& mesh) {
     if (extent[d] > extent[ends.axis] * (1 + kSameCoordinate)) ends.axis = d;
   ends.length = extent[ends.axis];
   for (int n = 0; n < mesh.num_nodes(); ++n) {
-    if (X(n, ends.axis) - least[ends.axis] <= kSameCoordinate * ends.length) ends.least.push_back(n);
-    if (most[ends.axis] - X(n, ends.axis) <= kSameCoordinate * ends.length) ends.most.push_back(n);
+    if (X(n, ends.axis) - least[ends.axis] <= kSameCoordinate * ends.length) ends.min.push_back(n);
+    if (most[ends.axis] - X(n, ends.axis) <= kSameCoordinate * ends.length) ends.max.push_back(n);
   }
   ends.layers = layers_along(mesh, ends);
   return ends;
 }
 
 double elongation(const EndSections& ends, ConstPoints at) {
-  require_nodes("elongation", ends.most, at.rows());
-  require_nodes("elongation", ends.least, at.rows());
-  return (mean_coordinate(ends.most, ends.axis, at) - mean_coordinate(ends.least, ends.axis, at)) / ends.length - 1;
+  require_nodes("elongation", ends.max, at.rows());
+  require_nodes("elongation", ends.min, at.rows());
+  return (mean_coordinate(ends.max, ends.axis, at) - mean_coordinate(ends.min, ends.axis, at)) / ends.length - 1;
 }
 
 double section_angle(const HexMesh& mesh, const std::vector<int>& section, int axis, ConstPoints at) {

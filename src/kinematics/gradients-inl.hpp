@@ -142,7 +142,7 @@ struct RestLanes {
   CornerLanes<V> h;                         ///< of general shapes
   V volume;
   V least_jacobian;  ///< smallest det J_i
-  V share;           ///< RestOperator::corner_share
+  V share;           ///< RestOperator::corner_weight
 };
 
 template <bool kGeneral, class V>

@@ -39,7 +39,7 @@ ElementPoints mean_gradient(const ElementPoints& x) {
 
 RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme) {
   RestOperator rest;
-  rest.corner_share = corner_share(scheme);
+  rest.corner_weight = corner_weight(scheme);
   rest.volume = volume(material);
   for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
 
@@ -63,13 +63,13 @@ std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const
   const Mat3 shared = world.transpose() * rest.shared_gradient;
   std::array<Mat3, kCorners> F;
   for (int i = 0; i < kCorners; ++i)
-    F[i] = rest.corner_share * corner_jacobian(world, i) * rest.inverse_jacobian[i] + shared;
+    F[i] = rest.corner_weight * corner_jacobian(world, i) * rest.inverse_jacobian[i] + shared;
   return F;
 }
 
 ElementPoints sample_gradient(const RestOperator& rest, int sample) {
   ElementPoints gradient = rest.shared_gradient;
-  add_corner_gradient(rest.inverse_jacobian[sample], sample, rest.corner_share, gradient);
+  add_corner_gradient(rest.inverse_jacobian[sample], sample, rest.corner_weight, gradient);
   return gradient;
 }
 

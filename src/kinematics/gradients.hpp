@@ -14,7 +14,7 @@ namespace hexaplast {
 ElementPoints mean_gradient(const ElementPoints& x);
 
 /// [-] of the gradient at the corner in that of a sample; the rest is the same in all samples.
-constexpr double corner_share(GradientScheme scheme) {
+constexpr double corner_weight(GradientScheme scheme) {
   switch (scheme) {
     case GradientScheme::kVertex:
       return 1;
@@ -41,7 +41,7 @@ constexpr double corner_share(GradientScheme scheme) {
 struct RestOperator {
   std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
   ElementPoints shared_gradient;                ///< [1/m] h_a
-  double corner_share = 0.5;                    ///< [-] of F_i: hexaplast::corner_share
+  double corner_weight = 0.5;                   ///< [-] of F_i: hexaplast::corner_weight
   double volume = 0;                            ///< [m^3] each sample carries an eighth of it
 };
 

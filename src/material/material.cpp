@@ -36,12 +36,12 @@ void require_fracture_beyond_yield(const std::vector<Material>& materials, Names
          fmt::format("lie in [{}, inf] Pa, from {} on", least->yield_stress, called("yield_stress", names)));
 }
 
-/// The rates among the members: their greatest products with the time step.
+/// The rates among the members: their largest products with the time step.
 template <class Options>
 void check_rates(std::span<const Row<Options>> rows, std::span<const Options> all, double dt, Names names,
-                 std::vector<std::string>& advice) {
+                 std::vector<std::string>& warnings) {
   for (const Row<Options>& row : rows) {
-    if (std::isinf(row.per_step.most) && std::isinf(row.advised_per_step)) continue;
+    if (std::isinf(row.per_step.max) && std::isinf(row.recommended_per_step)) continue;
     double rate = 0;
     for (const Options& options : all) rate = std::max(rate, row.at.get(options));
     const double product = rate * dt;
@@ -51,9 +51,9 @@ void check_rates(std::span<const Row<Options>> rows, std::span<const Options> al
     };
     if (!row.per_step.contains(product))
       throw InputError(sentence(
-          fmt::format("must be {} {:.6g}", row.per_step.without_most ? "below" : "at most", row.per_step.most)));
-    if (product > row.advised_per_step)
-      advice.push_back(sentence(fmt::format("results lose accuracy above {}", row.advised_per_step)));
+          fmt::format("must be {} {:.6g}", row.per_step.exclusive_max ? "below" : "at most", row.per_step.max)));
+    if (product > row.recommended_per_step)
+      warnings.push_back(sentence(fmt::format("results lose accuracy above {}", row.recommended_per_step)));
   }
 }
 
@@ -100,10 +100,10 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
 
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
                                          Names names) {
-  std::vector<std::string> advice;
-  check_rates<Material>(material_rows(), materials, dt, names, advice);
-  check_rates<Settings>(settings_rows(), std::span(&settings, 1), dt, names, advice);
-  return advice;
+  std::vector<std::string> warnings;
+  check_rates<Material>(material_rows(), materials, dt, names, warnings);
+  check_rates<Settings>(settings_rows(), std::span(&settings, 1), dt, names, warnings);
+  return warnings;
 }
 
 }  // namespace hexaplast

@@ -24,7 +24,7 @@ MeshQuality quality(const HexMesh& mesh) {
   for (int n = 0; n < mesh.num_nodes(); ++n) found.num_unused_nodes += mesh.incident(n).empty();
   if (mesh.num_elements() == 0) return found;
 
-  found.least_scaled_jacobian = found.shortest_edge = std::numeric_limits<double>::infinity();
+  found.min_scaled_jacobian = found.shortest_edge = std::numeric_limits<double>::infinity();
   for (int e = 0; e < mesh.num_elements(); ++e) {
     const ElementPoints x = gather(mesh.positions(), mesh.hexahedra()[e]);
     found.volume += volume(x);
@@ -34,9 +34,9 @@ MeshQuality quality(const HexMesh& mesh) {
       found.longest_edge = std::max(found.longest_edge, edges.maxCoeff());
     }
     const double shape = scaled_jacobian(x);
-    found.num_inside_out += shape <= 0;
-    if (shape < found.least_scaled_jacobian) {
-      found.least_scaled_jacobian = shape;
+    found.num_inverted += shape <= 0;
+    if (shape < found.min_scaled_jacobian) {
+      found.min_scaled_jacobian = shape;
       found.worst_element = e;
     }
   }
@@ -45,16 +45,16 @@ MeshQuality quality(const HexMesh& mesh) {
 
 std::vector<std::string> check_shapes(const MeshQuality& quality) {
   std::vector<std::string> sentences;
-  if (quality.num_inside_out > 0) {
+  if (quality.num_inverted > 0) {
     sentences.push_back(
-        fmt::format("{} of the hexahedra {} inside out at a corner, the worst is hexahedron {}: its scaled Jacobian is "
-                    "{:.3g}, results are wrong where it is not positive",
-                    quality.num_inside_out, quality.num_inside_out == 1 ? "is" : "are", quality.worst_element,
-                    quality.least_scaled_jacobian));
-  } else if (quality.least_scaled_jacobian < kPoorShape) {
+        fmt::format("{} of the hexahedra {} inverted at a corner; the worst is hexahedron {}: its scaled Jacobian is "
+                    "{:.3g}, and results are wrong unless it is positive",
+                    quality.num_inverted, quality.num_inverted == 1 ? "is" : "are", quality.worst_element,
+                    quality.min_scaled_jacobian));
+  } else if (quality.min_scaled_jacobian < kPoorShape) {
     sentences.push_back(
         fmt::format("hexahedron {} is badly shaped: its scaled Jacobian is {:.3g}, results are poor below {}",
-                    quality.worst_element, quality.least_scaled_jacobian, kPoorShape));
+                    quality.worst_element, quality.min_scaled_jacobian, kPoorShape));
   }
   return sentences;
 }

@@ -179,7 +179,7 @@ class Averaging::System final : public LinearSystem {
   }
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
-  bool leaves_turns() const { return projects_ && model_.settings.averaging == AveragingMethod::kGaussNewton; }
+  bool leaves_rotation() const { return projects_ && model_.settings.averaging == AveragingMethod::kGaussNewton; }
 
   void apply(ConstPoints p, Points Ap) const override {
     const Partition& partition = *model_.partition;
@@ -306,7 +306,7 @@ const ConnectedParts& Averaging::parts(const Model& model, const History& histor
   return parts_;
 }
 
-void Averaging::take_means_out(PointArray& field) {
+void Averaging::remove_translation(PointArray& field) {
   for (Part& part : of_part_) part.sum.setZero();
   for (int n = 0; n < field.rows(); ++n)
     if (const int part = parts_.part_of_node[n]; part >= 0) of_part_[part].sum += field.row(n).transpose();
@@ -319,7 +319,7 @@ void Averaging::take_means_out(PointArray& field) {
   }
 }
 
-void Averaging::take_turns_out(PointArray& field, ConstPoints positions) {
+void Averaging::remove_rotation(PointArray& field, ConstPoints positions) {
   for (Part& part : of_part_) {
     part.centre.setZero();
     part.spread.setZero();
@@ -358,11 +358,11 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
   for (int n = 0; n < model.mesh.num_nodes(); ++n)
     for (int i = 0; i < 3; ++i)
       gradient_(n, i) = kernels_->gradient()[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
-  take_means_out(gradient_);  // they are rounding, and outside the range of H and P
+  remove_translation(gradient_);  // they are rounding, and outside the range of H and P
   before_ = history.material;
-  const auto move = [&](bool leaves_turns) {
-    take_means_out(increment_);
-    if (leaves_turns) take_turns_out(increment_, before_);
+  const auto move = [&](bool leaves_rotation) {
+    remove_translation(increment_);
+    if (leaves_rotation) remove_rotation(increment_, before_);
     history.material = before_ + increment_;
     ++history.version;
   };
@@ -374,7 +374,7 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
     report.iterations += solved.iterations;
     report.residual = solved.residual;
     report.converged = report.converged && solved.converged;
-    move(system.leaves_turns());
+    move(system.leaves_rotation());
     if (warm) history.averaging_increment = increment_;
   };
 

@@ -63,8 +63,8 @@ class Averaging {
   };
 
   void step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report);
-  void take_means_out(PointArray& field);                         // of each connected part
-  void take_turns_out(PointArray& field, ConstPoints positions);  // of a field without means
+  void remove_translation(PointArray& field);                      // of each connected part
+  void remove_rotation(PointArray& field, ConstPoints positions);  // of a field without means
   void choose_elements(const Model& model, History& history, std::span<const unsigned char> changed);
 
   ConnectedParts parts_;

@@ -12,7 +12,7 @@ namespace hexaplast {
 namespace {
 
 /// Stretch at every corner: what flows, and what it does to thresholds and accumulated quantities.
-void flow_stretch(const ElementMoment& at, double dt, ElementStep& step) {
+void flow_stretch(const FlowInput& at, double dt, ElementStep& step) {
   for (int i = 0; i < kCorners; ++i) {
     StretchFlow& flow = step.stretch[i];
     flow = stretch_flow(step.polar[i].S, at.lame, at.settings.yield_norm, step.next.yield_stress[i],
@@ -26,7 +26,7 @@ void flow_stretch(const ElementMoment& at, double dt, ElementStep& step) {
 }
 
 /// Rotation at every corner, relative to the centre (objective) or to the frame (the paper's modes, eq. 33 and 34).
-void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
+void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
   step.R_centre = polar(centre_jacobian(at.world) * centre_jacobian(at.x).inverse()).R;
   const Mat3 pose = at.frame.transpose() * step.R_centre;
   const double pose_angle = rotation_log(pose).norm();
@@ -58,7 +58,7 @@ void flow_rotation(const ElementMoment& at, double dt, ElementStep& step) {
 }
 
 /// Takes the increments into the rest shape; in the paper's modes rotation goes into the maps instead (eq. 35).
-void apply_increments(const ElementMoment& at, bool tracks_stretch, ElementStep& step) {
+void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& step) {
   const bool objective = at.settings.rotation_plasticity == RotationPlasticity::kObjective;
   CornerTensors increments;
   for (int i = 0; i < kCorners; ++i) {
@@ -84,20 +84,20 @@ double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x
   return least;
 }
 
-ElementStep flow_element(const ElementMoment& at, const ElementHistory& before, double dt) {
+ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt) {
   ElementStep step;
   step.next = before;
   step.F = deformation_gradients(at.rest, at.world);
 
-  // guard: nothing flows in an element that is inside out or nearly so, in the world or in the material
+  // guard: nothing flows in an element that is inverted or nearly so, in the world or in the material
   double least_det = std::numeric_limits<double>::infinity();
   for (const Mat3& F : step.F) least_det = std::min(least_det, F.determinant());
   const double least_jacobian = least_jacobian_ratio(at.corner_jacobian, at.x);
   step.inverted = least_det < 0;
-  step.guarded = std::min(least_det, least_jacobian) < at.settings.inversion_threshold;
+  step.skipped = std::min(least_det, least_jacobian) < at.settings.inversion_threshold;
 
   const bool stretches = can_stretch(at.material), rotates = can_rotate(at.material, at.settings);
-  if (!step.guarded && (stretches || rotates)) {
+  if (!step.skipped && (stretches || rotates)) {
     for (int i = 0; i < kCorners; ++i) step.polar[i] = polar(step.F[i]);
     if (stretches) flow_stretch(at, dt, step);
     if (rotates) flow_rotation(at, dt, step);
@@ -108,7 +108,7 @@ ElementStep flow_element(const ElementMoment& at, const ElementHistory& before, 
     repair_rest_shape(at.original_shape, dt, step.next.rest_shape);
     step.repaired = true;
   }
-  step.volume_ratio = at.rest.volume / at.original_volume;
+  step.volume_ratio = at.rest.volume / at.initial_volume;
   restore_volume(step.volume_ratio, at.settings.volume_restitution, dt, step.next.rest_shape);
   return step;
 }

@@ -10,13 +10,13 @@
 namespace hexaplast {
 
 /// What a plastic step finds of one element; all references must outlive the call.
-struct ElementMoment {
+struct FlowInput {
   const Material& material;
   const Lame& lame;
   const Settings& settings;
   ElementPoints original_shape;  ///< [m] corners of the original mesh about their mean
   CornerValues corner_jacobian;  ///< [m^3] det J_i of the original mesh
-  double original_volume;        ///< [m^3] V0
+  double initial_volume;         ///< [m^3] V0
   const ElementPoints& x;        ///< [m] material corners
   const RestOperator& rest;      ///< of x
   const ElementPoints& world;    ///< [m] world corners
@@ -25,12 +25,12 @@ struct ElementMoment {
 
 /// One plastic step of one element, with every intermediate.                        theory.md sections 5.1 to 5.4
 struct ElementStep {
-  bool inverted = false;              ///< inside out at some corner (det F~ < 0)
-  bool guarded = false;               ///< kept elastic: inverted or nearly so
-  bool repaired = false;              ///< the material shape was led back towards the original one
+  bool inverted = false;              ///< inverted at some corner (det F~ < 0)
+  bool skipped = false;               ///< without flow: inverted or nearly so
+  bool repaired = false;              ///< the plastic rest shape was moved towards the initial one
   bool yielded = false;               ///< stretch or rotation flowed at some corner
   CornerTensors F;                    ///< deformation gradient at the samples
-  std::array<Polar, kCorners> polar;  ///< R, S; set unless guarded, or nothing can flow
+  std::array<Polar, kCorners> polar;  ///< R, S; set unless skipped, or nothing can flow
   Mat3 R_centre = Mat3::Identity();   ///< R_o; set where rotation can flow
   std::array<StretchFlow, kCorners> stretch;
   std::array<RotationFlow, kCorners> rotation;
@@ -39,7 +39,7 @@ struct ElementStep {
   ElementHistory next;      ///< the element's history after the step, before the averaging
 };
 
-ElementStep flow_element(const ElementMoment& at, const ElementHistory& before, double dt);
+ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt);
 
 /// Smallest det J_i(x) / det J_i(X) of an element's corners.
 double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x);

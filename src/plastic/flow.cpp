@@ -40,26 +40,26 @@ void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints w
   for (PartFrame& frame : frames) frame.rotation = polar(frame.rotation).R;
 }
 
-constexpr double kSinglePrecision = 1e-5;  // the watch may be wrong by this share
+constexpr double kSinglePrecision = 1e-5;  // the screen may be wrong by this share
 
 /// Whether the plastic step would leave an element as it is, as far as single precision can tell. Errs on the safe
 /// side.
 bool is_idle(const Model& model, const Linearization& at, int e, const History& history) {
   const int place = model.partition->place_of_element[e];
-  const float* watch =
-      at.watch.data() + static_cast<std::size_t>(place / kBlock) * Watch::kQuantities * kBlock + place % kBlock;
+  const float* screen =
+      at.screen.data() + static_cast<std::size_t>(place / kBlock) * YieldScreen::kQuantities * kBlock + place % kBlock;
   const Material& material = model.material(e);
   for (int i = 0; i < kCorners; ++i) {
-    if (!(watch[(Watch::kNorm + i) * kBlock] < (1 - kSinglePrecision) * history.yield_stress[e][i]) &&
+    if (!(screen[(YieldScreen::kNorm + i) * kBlock] < (1 - kSinglePrecision) * history.yield_stress[e][i]) &&
         material.flow_rate > 0)
       return false;
     if (model.can_rotate && material.rotation_flow_rate > 0 &&
-        !(watch[(Watch::kCosine + i) * kBlock] > std::cos(history.rotation_yield[e][i]) + kSinglePrecision))
+        !(screen[(YieldScreen::kCosine + i) * kBlock] > std::cos(history.rotation_yield[e][i]) + kSinglePrecision))
       return false;
   }
   const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
-  return watch[Watch::kLeastDet * kBlock] > guard &&
-         watch[Watch::kLeastJacobian * kBlock] > guard * model.largest_jacobian[e] &&
+  return screen[YieldScreen::kMinDet * kBlock] > guard &&
+         screen[YieldScreen::kMinJacobian * kBlock] > guard * model.largest_jacobian[e] &&
          std::abs(at.volume[place] / model.volume[e] - 1) < kVolumeAtRest;
 }
 
@@ -78,10 +78,10 @@ void copy_element(const History& from, int e, History& to) {
 /// not made.
 bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
                    FlowWorkspace& work) {
-  const bool looks = at.is_current && model.maps_per_element() == 1;
+  const bool can_skip_idle = at.is_current && model.maps_per_element() == 1;
   parallel_for(model.mesh.num_elements(), [&](int e) {
     work.flows[e] = {};
-    work.flows[e].idle = !history.alive[e] || (looks && is_idle(model, at, e, history));
+    work.flows[e].idle = !history.alive[e] || (can_skip_idle && is_idle(model, at, e, history));
   });
   if (std::all_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.idle; })) return false;
 
@@ -94,21 +94,21 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementPoints material = gather(history.material, corners), world = gather(at.x, corners);
     const RestOperator rest = rest_operator(material, model.settings.gradient);
-    const ElementMoment moment{.material = model.material(e),
-                               .lame = model.lame[e],
-                               .settings = model.settings,
-                               .original_shape = model.original_shape(e),
-                               .corner_jacobian = model.corner_jacobian(e),
-                               .original_volume = model.volume[e],
-                               .x = material,
-                               .rest = rest,
-                               .world = world,
-                               .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
-    const ElementStep step = flow_element(moment, history.element(e), dt);
+    const FlowInput input{.material = model.material(e),
+                          .lame = model.lame[e],
+                          .settings = model.settings,
+                          .original_shape = model.original_shape(e),
+                          .corner_jacobian = model.corner_jacobian(e),
+                          .initial_volume = model.volume[e],
+                          .x = material,
+                          .rest = rest,
+                          .world = world,
+                          .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
+    const ElementStep step = flow_element(input, history.element(e), dt);
     work.trial.set_element(e, step.next);
     work.flows[e] = {.yielded = step.yielded,
                      .inverted = step.inverted,
-                     .guarded = step.guarded,
+                     .skipped = step.skipped,
                      .repaired = step.repaired,
                      .volume_error = std::abs(step.volume_ratio - 1),
                      .dissipated = step.dissipated};
@@ -167,7 +167,7 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
       std::count_if(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.collapsing; }));
 }
 
-/// Rest-to-material averaging that never presses an element inside out.
+/// Rest-to-material averaging that never inverts an element.
 AveragingReport average_safely(const Model& model, LinearSolver& solver, const History& history, FlowWorkspace& work) {
   for (std::size_t e = 0; e < work.flows.size(); ++e) {
     const ElementFlow& f = work.flows[e];
@@ -226,11 +226,11 @@ FlowReport count_inverted(const Model& model, const Linearization& at) {
   FlowReport report;
   for (int block = 0; block < model.partition->num_blocks; ++block) {
     const float* least_det =
-        at.watch.data() + (static_cast<std::size_t>(block) * Watch::kQuantities + Watch::kLeastDet) * kBlock;
+        at.screen.data() + (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinDet) * kBlock;
     for (int place = 0; place < kBlock; ++place) {
       if (!(at.present[block] >> place & 1)) continue;
       report.inverted += least_det[place] < 0;
-      report.guarded += least_det[place] < model.settings.inversion_threshold;
+      report.skipped += least_det[place] < model.settings.inversion_threshold;
     }
   }
   return report;
@@ -248,7 +248,7 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
         std::count_if(work.flows.begin(), work.flows.end(), [&](const ElementFlow& f) { return f.*mark; }));
   };
   report.inverted = count(&ElementFlow::inverted);
-  report.guarded = count(&ElementFlow::guarded);
+  report.skipped = count(&ElementFlow::skipped);
   report.repaired = count(&ElementFlow::repaired);
   for (const ElementFlow& f : work.flows)
     report.worst_volume_error = std::max(report.worst_volume_error, f.volume_error);

@@ -13,7 +13,7 @@ namespace hexaplast {
 /// What is left of an element's step once it is in the trial history.
 struct ElementFlow {
   bool idle = false;  ///< gone, or at rest: the step leaves it as it is
-  bool yielded = false, inverted = false, guarded = false, repaired = false;
+  bool yielded = false, inverted = false, skipped = false, repaired = false;
   bool collapsing = false;  ///< the averaging pressed it towards inversion
   bool overflowed = false;  ///< some number of its history, or its dissipated energy, is not finite
   double volume_error = 0;  ///< [-] |material volume / original volume - 1| before the step
@@ -38,12 +38,12 @@ struct FlowWorkspace {
   std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
 };
 
-/// What the plastic step reports of a body that cannot flow, whose history never changes: the elements inside out and
-/// nearly so at the positions that `at` holds, as its watch sees them in single precision.
+/// What the plastic step reports of a body that cannot flow, whose history never changes: the inverted elements and
+/// nearly so at the positions that `at` holds, as its screen sees them in single precision.
 FlowReport count_inverted(const Model& model, const Linearization& at);
 
 /// One plastic step at the accepted world positions that `at` holds (theory.md section 5). Where `at` is current,
-/// elements that its watch finds at rest are passed over; without, all are looked at, to the same result: stretch and
+/// elements that its screen finds at rest are passed over; without, all are looked at, to the same result: stretch and
 /// rotation flow at every corner, rest shapes, volume restitution, hardening, rest-to-material averaging. Throws
 /// NumericalError naming the element whose history, or the node whose material position, is not finite; the history is
 /// then as before.

@@ -6,7 +6,7 @@
 namespace hexaplast {
 
 /// Steps 5.1 to 5.4 of the theory for the elements of one block that are not idle: history -> trial, flows. Returns the
-/// elements (a bit each) that it leaves to flow_element: guarded or collapsed ones, strains beyond its series,
+/// elements (a bit each) that it leaves to flow_element: skipped or collapsed ones, strains beyond its series,
 /// rotations that are not unique or near half a turn, and what only comparison modes and criteria need.
 std::uint32_t flow_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
                          History& trial, ElementFlow* flows);

@@ -33,7 +33,7 @@ class CgSpace {
   /// Whether z is a diagonal's or a cycle's approximation of A^-1 r, rather than r or whatever a system makes of it.
   virtual bool is_preconditioned() const = 0;
 
-  /// p.Ap that is not told from 0, relative to p.Mp times the greatest eigenvalue of M^-1 A, M being the
+  /// p.Ap that is not told from 0, relative to p.Mp times the largest eigenvalue of M^-1 A, M being the
   /// preconditioner. Of rigid motions rounding leaves the square of its own size: 1e-32 and 1e-14. The softest
   /// directions of a sound body have 1e-8 in a bar of 200 hexahedra, and more iterations are needed than anybody waits
   /// for where it is less.

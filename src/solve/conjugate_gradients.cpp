@@ -163,7 +163,7 @@ namespace {
 /// Tells whether conjugate gradients can go on along a direction p = z + beta p', z = M^-1 r, M being the
 /// preconditioner. As r is orthogonal to p',
 ///
-///   p.Mp = r.z + beta^2 p'.Mp',   and p.Ap / p.Mp lies between the least and the greatest eigenvalue of M^-1 A
+///   p.Mp = r.z + beta^2 p'.Mp',   and p.Ap / p.Mp lies between the smallest and the largest eigenvalue of M^-1 A
 class Curvature {
  public:
   /// rounding: CgSpace::rounding. known: p.Ap / p.Mp that M^-1 A has at least somewhere, 0 where none is known.

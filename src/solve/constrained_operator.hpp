@@ -7,12 +7,13 @@
 
 namespace hexaplast {
 
-/// m M + b B + k K of a mechanical system with its constraints, as a linear system. `loose`: nodes on which it does not
-/// act; the assembled matrix holds them, so that it is not singular.
+/// m M + b B + k K of a mechanical system with its constraints, as a linear system. `unsupported`: nodes on which it
+/// does not act; the assembled matrix holds them, so that it is not singular.
 class ConstrainedOperator final : public LinearSystem {
  public:
-  ConstrainedOperator(const MechanicalSystem& system, const OperatorFactors& factors, std::span<const int> loose = {})
-      : system_(system), factors_(factors), loose_(loose) {}
+  ConstrainedOperator(const MechanicalSystem& system, const OperatorFactors& factors,
+                      std::span<const int> unsupported = {})
+      : system_(system), factors_(factors), unsupported_(unsupported) {}
 
   int num_nodes() const override { return system_.num_nodes(); }
 
@@ -25,7 +26,7 @@ class ConstrainedOperator final : public LinearSystem {
   void assemble(BlockMatrix& A) const override {
     system_.add_blocks(factors_, A);
     system_.pin(A);
-    for (const int n : loose_)
+    for (const int n : unsupported_)
       for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }
 
@@ -42,7 +43,7 @@ class ConstrainedOperator final : public LinearSystem {
  private:
   const MechanicalSystem& system_;
   OperatorFactors factors_;
-  std::span<const int> loose_;
+  std::span<const int> unsupported_;
 };
 
 }  // namespace hexaplast

@@ -28,8 +28,8 @@ void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f) {
   add_pressure(Triangle{face[0], face[2], face[3]}, pressure, x, f);
 }
 
-double share_along(const Triangle& face, const Vec3& direction, ConstPoints x) {
-  require_nodes("share_along", face, x.rows());
+double fraction_along(const Triangle& face, const Vec3& direction, ConstPoints x) {
+  require_nodes("fraction_along", face, x.rows());
   if (direction.isZero(0)) return 1;
   return std::abs(doubled_area(x, face[0], face[1], face[2]).normalized().dot(direction));
 }
@@ -53,7 +53,7 @@ void Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
     if (!touches(d)) continue;
     Eigen::RowVector3d force = -stiffness * d * normal.transpose() + damping * d * v.row(node);
     const double size = force.norm();
-    if (most_force > 0 && size > most_force) force *= most_force / size;
+    if (max_force > 0 && size > max_force) force *= max_force / size;
     f.row(node) += force;
   }
 }

@@ -19,14 +19,14 @@ constexpr double kOfInitial = 2;
 
 /// Nodes on which the stiffness does not act, as those are whose elements are all gone. A displacement without any
 /// regularity moves a force at every other node.
-void find_loose(const MechanicalSystem& system, PointArray& displacement, PointArray& product,
-                std::vector<int>& loose) {
+void find_unsupported(const MechanicalSystem& system, PointArray& displacement, PointArray& product,
+                      std::vector<int>& unsupported) {
   fill_irregularly(displacement);
   product.setZero();
   system.add_product({.mass = 0, .damping = 0, .stiffness = -1}, displacement, product);
-  loose.clear();
+  unsupported.clear();
   for (int n = 0; n < product.rows(); ++n)
-    if (product.row(n).isZero(0)) loose.push_back(n);
+    if (product.row(n).isZero(0)) unsupported.push_back(n);
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
   const auto norm = [](ConstPoints field) { return std::sqrt(dot(field, field)); };
   const auto project = [&](PointArray& f) {
     system.project(f);
-    for (const int n : loose_) f.row(n).setZero();
+    for (const int n : unsupported_) f.row(n).setZero();
   };
   const auto residual_at = [&](ConstPoints at, PointArray& f) {
     system.compute_force(time, at, velocity_, f);
@@ -55,7 +55,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
 
   NewtonReport report;
   system.compute_force(time, position_, velocity_, force_);
-  find_loose(system, increment_, trial_force_, loose_);
+  find_unsupported(system, increment_, trial_force_, unsupported_);
   project(force_);
   report.initial_residual = report.residual = norm(force_);
   if (report.residual == 0 || below(report.residual, settings_.absolute_residual)) {
@@ -65,7 +65,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
 
   while (report.iterations < settings_.iterations && report.status == NewtonStatus::kNotConverged) {
     ++report.iterations;
-    const ConstrainedOperator A(system, {.mass = 0, .damping = 0, .stiffness = -1}, loose_);
+    const ConstrainedOperator A(system, {.mass = 0, .damping = 0, .stiffness = -1}, unsupported_);
     const SolveReport solved = solver.solve_next(A, force_, increment_, memory_);
     report.linear_iterations += solved.iterations;
     report.preconditioner = solved.preconditioner;

@@ -40,7 +40,7 @@ class ElementOperator final : public ChunkedOperator<T> {
   /// Bytes that are kept, all of which one application reads.
   std::size_t bytes() const { return coef.size() * sizeof(Coef) + weight.size() * sizeof(T); }
 
-  double corner_share = 0.5;              ///< RestOperator::corner_share
+  double corner_weight = 0.5;             ///< RestOperator::corner_weight
   bool per_sample = false;                ///< weights differ between the samples of an element
   std::vector<unsigned char> is_general;  ///< per block
   std::vector<std::size_t> offset;        ///< per block: into coef

@@ -27,7 +27,7 @@ struct History {
                                    ///< in mixed precision, otherwise empty
   long version = 0;  ///< grows whenever `material` or `alive` changes, so that derived data know they are old
 
-  /// The virgin state of a model: material = original positions.
+  /// The initial state of a model: material = original positions.
   explicit History(const Model& model);
 
   ElementHistory element(int e) const;

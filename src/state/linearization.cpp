@@ -44,7 +44,7 @@ Linearization::Linearization(const Model& model)
       volume(per_element(model)),
       world(slot_vector<double>(*model.partition)),
       force(slot_vector<double>(*model.partition)),
-      watch(per_element(model) * Watch::kQuantities),
+      screen(per_element(model) * YieldScreen::kQuantities),
       op(operator_of(model)) {}
 
 }  // namespace hexaplast

@@ -10,12 +10,12 @@ namespace hexaplast {
 
 /// What the plastic step asks of every sample before it looks closer, in single precision: per block
 /// [quantity][element of the block].
-struct Watch {
-  static constexpr int kNorm = 0;                       ///< [Pa] at least the stress norm, per sample
-  static constexpr int kCosine = kCorners;              ///< of the angle between the rotations of sample and centre
-  static constexpr int kLeastDet = 2 * kCorners;        ///< smallest det F~
-  static constexpr int kLeastJacobian = kLeastDet + 1;  ///< [m^3] smallest det J of the material shape's corners
-  static constexpr int kQuantities = kLeastJacobian + 1;
+struct YieldScreen {
+  static constexpr int kNorm = 0;                   ///< [Pa] at least the stress norm, per sample
+  static constexpr int kCosine = kCorners;          ///< of the angle between the rotations of sample and centre
+  static constexpr int kMinDet = 2 * kCorners;      ///< smallest det F~
+  static constexpr int kMinJacobian = kMinDet + 1;  ///< [m^3] smallest det J of the material shape's corners
+  static constexpr int kQuantities = kMinJacobian + 1;
 };
 
 /// Everything computed at one set of world positions, and at one material shape. May be thrown away at any time.
@@ -35,7 +35,7 @@ struct Linearization {
   PointArray x;                 ///< [m] world positions
   AlignedVector<double> world;  ///< [m] slots
   AlignedVector<double> force;  ///< [N] slots
-  AlignedVector<float> watch;   ///< Watch, per block
+  AlignedVector<float> screen;  ///< YieldScreen, per block
   std::variant<ElementOperator<double, double>, ElementOperator<float, Half>, ElementOperator<float, float>> op;
 };
 

@@ -19,7 +19,7 @@ struct Model {
   Settings settings;
   std::vector<Lame> lame;                ///< [Pa] per element
   std::vector<double> volume;            ///< [m^3] V0, original volume per element
-  std::vector<double> largest_jacobian;  ///< [m^3] greatest det J_i(X) of the corners, per element
+  std::vector<double> largest_jacobian;  ///< [m^3] largest det J_i(X) of the corners, per element
 
   std::shared_ptr<const Partition> partition;  ///< of the mesh, for the kernels
   AlignedVector<double> lame_blocks;           ///< [Pa] [block][mu, lambda][element]

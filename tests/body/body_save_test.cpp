@@ -184,12 +184,12 @@ TEST(SavedBody, KeepsTheBytesOfItsFormat) {
 
 TEST(SavedBody, KnowsEveryMember) {
   const HexMesh mesh = support::distorted_block({1, 1, 1}, kEdge, 0.15, 162);
-  const std::string virgin = saved(Body(mesh, {{}}));
+  const std::string initial = saved(Body(mesh, {{}}));
   for (const Row<Settings>& row : settings_rows()) {
     Settings settings;
     row.at.set(settings, support::another(row, row.at.get(settings)));
     Body other(mesh, {{}}, settings);
-    EXPECT_NE(refusal(other, virgin).find("another mesh or other settings"), std::string::npos) << row.member;
+    EXPECT_NE(refusal(other, initial).find("another mesh or other settings"), std::string::npos) << row.member;
   }
   for (const Row<Material>& row : material_rows()) {
     Material material;

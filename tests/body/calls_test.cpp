@@ -162,7 +162,7 @@ class SizesOfCalls : public testing::Test {
   SizesOfCalls() {
     body.linearize(x);
     grip.close({5, 0, 30}, Vec3::Zero(), x);
-    grip.lags_at(Vec3(0.1, 0, 0), x, lags);
+    grip.elongations_at(Vec3(0.1, 0, 0), x, elongations);
   }
 
   /// Every size that is not `right`: refused with the name of the call, the argument and both numbers.
@@ -188,7 +188,7 @@ class SizesOfCalls : public testing::Test {
   Body body = called_body();
   PointArray x = called_world(), v = PointArray::Zero(kRows, 3), f = PointArray::Zero(kRows, 3);
   Grip grip{.stiffness = 100, .damping = 2};
-  PointArray lags;
+  PointArray elongations;
 };
 
 TEST_F(SizesOfCalls, OfABody) {
@@ -283,17 +283,18 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
   const Triangle triangle{0, 1, 2};
   expect_refusals({
       {"Grip::add_force", "f", kRows, [&](PointArray& wrong) { grip.add_force(Vec3::Zero(), x, wrong); }},
-      {"Grip::total_force", "lags", 3, [&](PointArray& wrong) { grip.total_force(wrong); }},
-      {"Grip::add_stiffness_product", "lags", 3,
+      {"Grip::total_force", "elongations", 3, [&](PointArray& wrong) { grip.total_force(wrong); }},
+      {"Grip::add_stiffness_product", "elongations", 3,
        [&](PointArray& wrong) { grip.add_stiffness_product(wrong, 1, x, f); }},
       {"Grip::add_stiffness_product", "df", kRows,
-       [&](PointArray& wrong) { grip.add_stiffness_product(lags, 1, x, wrong); }},
-      {"Grip::add_stiffness_blocks", "lags", 3,
+       [&](PointArray& wrong) { grip.add_stiffness_product(elongations, 1, x, wrong); }},
+      {"Grip::add_stiffness_blocks", "elongations", 3,
        [&](PointArray& wrong) {
          BlockMatrix A(kRows);
          grip.add_stiffness_blocks(wrong, 1, A);
        }},
-      {"Grip::add_stiffness_diagonal", "lags", 3, [&](PointArray& wrong) { grip.add_stiffness_diagonal(wrong, 1, f); }},
+      {"Grip::add_stiffness_diagonal", "elongations", 3,
+       [&](PointArray& wrong) { grip.add_stiffness_diagonal(wrong, 1, f); }},
       {"Grip::add_damping_force", "f", kRows,
        [&](PointArray& wrong) { grip.add_damping_force(Vec3::Zero(), v, wrong); }},
       {"Grip::add_damping_product", "df", kRows, [&](PointArray& wrong) { grip.add_damping_product(1, v, wrong); }},
@@ -312,12 +313,12 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
   expect_refusal_of_missing_nodes({
       {"nodes_near", [&] { nodes_near(x, std::vector{kRows}, Vec3::Zero(), 1); }},
       {"Grip::close", [&] { grip.close({kRows}, Vec3::Zero(), x); }},
-      {"Grip::lags_at", [&] { grip.lags_at(Vec3::Zero(), few, lags); }},
+      {"Grip::elongations_at", [&] { grip.elongations_at(Vec3::Zero(), few, elongations); }},
       {"Grip::add_force", [&] { grip.add_force(Vec3::Zero(), few, few_f); }},
       {"Grip::energy", [&] { grip.energy(Vec3::Zero(), few); }},
-      {"Grip::add_stiffness_product", [&] { grip.add_stiffness_product(lags, 1, few, few_f); }},
-      {"Grip::add_stiffness_blocks", [&] { grip.add_stiffness_blocks(lags, 1, small); }},
-      {"Grip::add_stiffness_diagonal", [&] { grip.add_stiffness_diagonal(lags, 1, few_f); }},
+      {"Grip::add_stiffness_product", [&] { grip.add_stiffness_product(elongations, 1, few, few_f); }},
+      {"Grip::add_stiffness_blocks", [&] { grip.add_stiffness_blocks(elongations, 1, small); }},
+      {"Grip::add_stiffness_diagonal", [&] { grip.add_stiffness_diagonal(elongations, 1, few_f); }},
       {"Grip::add_damping_force", [&] { grip.add_damping_force(Vec3::Zero(), few, few_f); }},
       {"Grip::add_damping_product", [&] { grip.add_damping_product(1, few, few_f); }},
       {"Grip::add_damping_blocks", [&] { grip.add_damping_blocks(1, small); }},
@@ -330,9 +331,9 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
        [&] {
          add_pressure(Quad{-1, 1, 2, 3}, 1, few, few_f);
        }},
-      {"share_along",
+      {"fraction_along",
        [&] {
-         share_along({0, 1, 30}, Vec3::UnitX(), few);
+         fraction_along({0, 1, 30}, Vec3::UnitX(), few);
        }},
       {"area",
        [&] {
@@ -395,7 +396,7 @@ TEST_F(SizesOfCalls, OfWhatFollowsOrMeasuresAMesh) {
       {"kinetic_energy", "v", 3, [&](PointArray& wrong) { kinetic_energy(Eigen::Vector3d(1, 2, 3), wrong); }},
       {"axial_pull", "forces", kRows, [&](PointArray& wrong) { axial_pull(kCalled, ends, wrong); }},
       {"twist", "at", kRows, [&](PointArray& wrong) { twist(kCalled, ends, wrong); }},
-      {"section_angle", "at", kRows, [&](PointArray& wrong) { section_angle(kCalled, ends.most, 2, wrong); }},
+      {"section_angle", "at", kRows, [&](PointArray& wrong) { section_angle(kCalled, ends.max, 2, wrong); }},
   });
 
   const PointArray few = X.topRows(20);

@@ -20,13 +20,13 @@ const Material kFlowing = support::yielding(100, 0.001);
 
 /// A distorted hexahedron whose corners have been moved by up to a tenth of its edge.
 HexahedronState deformed(const Material& material) {
-  HexahedronState state = virgin_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 411), material);
+  HexahedronState state = initial_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 411), material);
   state.world += support::Random(412).field(kCorners, 0.1 * kEdge);
   return state;
 }
 
 TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceWhereNothingTurns) {
-  HexahedronState state = virgin_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 413), kFlowing);
+  HexahedronState state = initial_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 413), kFlowing);
   const auto at = [&](int corner, int axis, double h) {
     HexahedronState moved = state;
     moved.world(corner, axis) += h;
@@ -76,13 +76,13 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
 TEST(HexahedronStep, WhatFlowsFollowsFromTheIntermediatesThatAreShown) {
   const HexahedronState state = deformed(kFlowing);
   const HexahedronStep step = inspect_step(state, kFlowing, {}, 0.01);
-  ASSERT_FALSE(step.guarded);
+  ASSERT_FALSE(step.skipped);
   for (int i = 0; i < kCorners; ++i) {
     EXPECT_TRUE(agrees(step.R[i] * step.S[i], step.F[i], 1e-12));
     EXPECT_TRUE(agrees(step.R_centre * step.Q[i], step.R[i], 1e-12));
-    EXPECT_NEAR(step.stretch_share[i], 3 * 0.01 * (1 - 100 / step.stress_norm[i]), 1e-12);
-    EXPECT_NEAR(step.rotation_share[i], 2 * 0.01 * (1 - 0.001 / step.phi[i]), 1e-12);
-    EXPECT_NEAR(step.history.yield_stress[i], 100 + 0.2 * step.stretch_share[i] * step.stress_norm[i], 1e-9);
+    EXPECT_NEAR(step.stretch_flow_fraction[i], 3 * 0.01 * (1 - 100 / step.stress_norm[i]), 1e-12);
+    EXPECT_NEAR(step.rotation_flow_fraction[i], 2 * 0.01 * (1 - 0.001 / step.phi[i]), 1e-12);
+    EXPECT_NEAR(step.history.yield_stress[i], 100 + 0.2 * step.stretch_flow_fraction[i] * step.stress_norm[i], 1e-9);
     EXPECT_NEAR(step.stretch_increment[i].determinant(), 1, 1e-12);
   }
   EXPECT_NEAR(step.volume_ratio, 1, 1e-12);
@@ -92,11 +92,11 @@ TEST(HexahedronStep, ShowsTheDeformationOfAGuardedHexahedronThatDoesNotFlow) {
   HexahedronState state = deformed(kFlowing);
   state.world.col(0) *= -1;
   const HexahedronStep step = inspect_step(state, kFlowing, {}, 0.01);
-  EXPECT_TRUE(step.guarded);
+  EXPECT_TRUE(step.skipped);
   for (int i = 0; i < kCorners; ++i) {
     EXPECT_LT(step.F[i].determinant(), 0);
     EXPECT_GT(step.stress_norm[i], 100);
-    EXPECT_EQ(step.stretch_share[i], 0);
+    EXPECT_EQ(step.stretch_flow_fraction[i], 0);
   }
   EXPECT_EQ(step.material, state.material);
 }

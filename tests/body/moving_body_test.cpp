@@ -34,7 +34,7 @@ TEST(MovingBody, FallsFreely) {
   }
   double sum = 0;
   for (const double m : mass) sum += m;
-  EXPECT_NEAR(sum, 500 * body.body.original_volume(), 1e-9);
+  EXPECT_NEAR(sum, 500 * body.body.initial_volume(), 1e-9);
 }
 
 /// The example of include/hexaplast/README.md.
@@ -90,7 +90,7 @@ TEST(MovingBody, LeadsNodesAndTheOthersAlongWithThem) {
   const auto moved = [&](int steps) -> PointArray { return start.rowwise() + 0.01 * steps * velocity.transpose(); };
   moving.v.rowwise() = velocity.transpose();
   for (int k = 1; k <= 5; ++k) {
-    moving.lead(kEnd, moved(k).bottomRows(9));
+    moving.prescribe(kEnd, moved(k).bottomRows(9));
     moving.step();
     EXPECT_LE(support::max_abs(moving.x - moved(k)), 1e-12) << "step " << k;
   }
@@ -160,7 +160,7 @@ TEST(MovingBody, IsHeldRightAfterAMove) {
   const std::vector<int> nodes = {0, 1};
   const PointArray places = yielding_bar().mesh().positions().topRows(2).array() + 1e-4;
   const std::function<void(MovingBody&)> calls[] = {[&](MovingBody& moving) { moving.fix(nodes); },
-                                                    [&](MovingBody& moving) { moving.lead(nodes, places); },
+                                                    [&](MovingBody& moving) { moving.prescribe(nodes, places); },
                                                     [&](MovingBody& moving) { moving.release(nodes); }};
   for (const auto& call : calls) {
     MovingBody straight(yielding_bar(), pulling());
@@ -258,14 +258,14 @@ TEST(MovingBody, IsAsBeforeWhereAStepThrows) {
                       if (throws) throw std::runtime_error("thrown by the load");
                     }};
       MovingBody moving(yielding_bar(), motion, make_solver()), untroubled(yielding_bar(), motion, make_solver());
-      const std::vector<int> led{72, 73};
+      const std::vector<int> prescribed{72, 73};
       const auto go_on = [&](MovingBody& of, int steps) {
-        of.lead(led, of.x.middleRows(72, 2) * 1.001);
+        of.prescribe(prescribed, of.x.middleRows(72, 2) * 1.001);
         for (int k = 0; k < steps; ++k) of.step();
       };
       for (MovingBody* of : {&moving, &untroubled}) {
         if (first_steps % 2 == 1) of->run(20);  // else it fails in the very first step
-        of->lead(led, of->x.middleRows(72, 2) * 1.002);
+        of->prescribe(prescribed, of->x.middleRows(72, 2) * 1.002);
       }
       ++first_steps;
       const MotionState before(moving);
@@ -330,7 +330,7 @@ TEST(MovingBody, ReportsTheWorstOfARun) {
   flowed.averaging = {.skipped = false, .fell_back = true, .iterations = 5, .residual = 0.3, .converged = false};
   sum.add(solved, flowed);
   flowed.yielded = 4;
-  flowed.inverted = flowed.guarded = flowed.repaired = 1;
+  flowed.inverted = flowed.skipped = flowed.repaired = 1;
   flowed.worst_volume_error = 0.1;
   flowed.averaging = {};
   sum.add({.iterations = 2, .residual = 0.4, .converged = false}, flowed);
@@ -342,7 +342,7 @@ TEST(MovingBody, ReportsTheWorstOfARun) {
   EXPECT_FALSE(sum.solve.converged);
   EXPECT_EQ(sum.flow.yielded, 7);
   EXPECT_EQ(sum.flow.removed, 4);
-  EXPECT_EQ(sum.flow.inverted + sum.flow.guarded + sum.flow.repaired, 3);
+  EXPECT_EQ(sum.flow.inverted + sum.flow.skipped + sum.flow.repaired, 3);
   EXPECT_EQ(sum.flow.worst_volume_error, 0.2);
   EXPECT_TRUE(sum.flow.averaging.fell_back);
   EXPECT_FALSE(sum.flow.averaging.skipped);
@@ -423,9 +423,9 @@ TEST_P(SavedMotion, GoesOnWithTheSameBitsWhateverWasSolvedBefore) {
   straight->run(10);
   if (tears()) straight->body.remove(std::vector{30, 31, 40});
   straight->run(3);
-  const std::vector<int> led{140, 141};
+  const std::vector<int> prescribed{140, 141};
   straight->fix(std::vector{142});
-  straight->lead(led, straight->x.middleRows(140, 2) * 1.001);
+  straight->prescribe(prescribed, straight->x.middleRows(140, 2) * 1.001);
   const std::string bytes = saved(*straight);
   straight->run(9);
   EXPECT_EQ(straight->body.removed().size() > 3, tears()) << straight->body.removed().size();
@@ -528,7 +528,7 @@ TEST(MovingBody, FixedNodesStayWhateverTheirVelocitiesSay) {
 TEST(MovingBody, NodesThatAreReleasedBeforeTheStepDoNotKeepTheVelocityToTheirPlace) {
   MovingBody moving(yielding_bar(), {.fixed = {0, 1, 2}});
   const std::vector<int> nodes{40, 41};
-  moving.lead(nodes, moving.x.middleRows(40, 2) * 1.5);
+  moving.prescribe(nodes, moving.x.middleRows(40, 2) * 1.5);
   moving.release(nodes);
   EXPECT_TRUE(moving.v.isZero(0));
 }
@@ -582,8 +582,8 @@ TEST(MovingBody, RefusesWhatCannotMove) {
   MovingBody moving(yielding_bar(), {});
   EXPECT_TRUE(refuses<InputError>([&] { moving.fix(std::vector{-1}); }, {"node -1", "[0, 81)"}));
   EXPECT_TRUE(refuses<InputError>([&] { moving.release(std::vector{81}); }, {"81"}));
-  EXPECT_TRUE(refuses<InputError>([&] { moving.lead(kEnd, PointArray::Zero(8, 3)); }, {"8 places", "9 nodes"}));
-  EXPECT_TRUE(refuses<InputError>([&] { moving.lead(kEnd, PointArray::Constant(9, 3, infinite)); }, {"finite"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.prescribe(kEnd, PointArray::Zero(8, 3)); }, {"8 positions", "9 nodes"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.prescribe(kEnd, PointArray::Constant(9, 3, infinite)); }, {"finite"}));
 }
 
 }  // namespace

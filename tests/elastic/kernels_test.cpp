@@ -157,7 +157,7 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
   for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius})
     for (const double size : {0.001, 0.01, 0.03, 0.1}) {  // power series of every length
       const Body body = flown({3, 2, 3}, 0.15, norm, size);
-      const History virgin(body.state().model);
+      const History initial(body.state().model);
       const PointArray X = body.mesh().positions();
       Random random(94);
       const PointArray x = X + random.field(body.mesh().num_nodes(), size * kEdge);
@@ -171,12 +171,12 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
                                                .settings = body.state().model.settings,
                                                .original_shape = body.state().model.original_shape(e),
                                                .corner_jacobian = body.state().model.corner_jacobian(e),
-                                               .original_volume = body.state().model.volume[e],
+                                               .initial_volume = body.state().model.volume[e],
                                                .x = material,
                                                .rest = rest,
                                                .world = world,
                                                .frame = axes},
-                                              virgin.element(e), 0.01);
+                                              initial.element(e), 0.01);
         ASSERT_TRUE(step.yielded);
         const ElementHistory found = body.state().history.element(e);
         EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);

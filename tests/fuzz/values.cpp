@@ -17,10 +17,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
                              Type::kWord,  Type::kIntegers,  Type::kVector3, Type::kVectors3,
                              Type::kBoxes, Type::kHexahedra, Type::kReals,   Type::kLink};
   if (size == 0) return 0;
-  const Attribute attribute{.name = "any",
-                            .type = kTypes[data[0] % std::size(kTypes)],
-                            .range = {.least = -8, .most = 1e6},
-                            .words = "one two"};
+  const Attribute attribute{
+      .name = "any", .type = kTypes[data[0] % std::size(kTypes)], .range = {.min = -8, .max = 1e6}, .words = "one two"};
   scene::Value value;
   try {
     value = scene::read_value(attribute, fuzz::text_of(data + 1, size - 1));

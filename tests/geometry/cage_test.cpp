@@ -74,10 +74,10 @@ TEST(Cage, HoldsTheCellsThatABallReaches) {
   const Vec3 centre(0.31, -0.22, 1.13);
   const double radius = 0.5;
   const int count = 100;
-  const CageGrid grid{.cells = {9, 7, 8}, .least = {-0.3, -0.75, 0.6}, .most = {0.9, 0.35, 1.7}};
+  const CageGrid grid{.cells = {9, 7, 8}, .min = {-0.3, -0.75, 0.6}, .max = {0.9, 0.35, 1.7}};
   const Cage cage = cage_of(sphere(centre, radius, count), grid);
 
-  const HexMesh all = regular_grid(grid.cells, grid.least, grid.most);
+  const HexMesh all = regular_grid(grid.cells, grid.min, grid.max);
   const double deviation = radius * std::pow(std::numbers::pi / count, 2);
   int num_touched = 0, num_enclosed = 0;
   for (const Hexahedron& corners : all.hexahedra()) {
@@ -127,7 +127,7 @@ TEST(Cage, TouchedAreTheCellsOfATriangle) {
   support::Random random(61);
   for (int trial = 0; trial < 20; ++trial) {
     const PointArray x = random.field(3, 1);
-    const CageGrid grid{.cells = {7, 6, 5}, .least = Vec3::Constant(-1), .most = Vec3::Ones()};
+    const CageGrid grid{.cells = {7, 6, 5}, .min = Vec3::Constant(-1), .max = Vec3::Ones()};
     const std::vector<Triangle> triangles{{0, 1, 2}};
     const Cage cage = cage_around(x, triangles, {}, grid);
     std::vector<bool> holds_sample(static_cast<std::size_t>(cage.mesh.num_elements()), false);
@@ -152,7 +152,7 @@ TEST(Cage, TouchedAreTheCellsOfATriangle) {
 // touches both.
 TEST(Cage, IsNumberedAsSofaNumbersIt) {
   const Cage cage = cage_of(box(Vec3(0.1, 0.1, 0.1), Vec3(2.9, 2.9, 2.9)),
-                            {.cells = {3, 3, 3}, .least = Vec3::Zero(), .most = Vec3::Constant(3)});
+                            {.cells = {3, 3, 3}, .min = Vec3::Zero(), .max = Vec3::Constant(3)});
   ASSERT_EQ(cage.mesh.num_elements(), 27);
   EXPECT_EQ(cage.num_touched, 26);
   const auto first_corner = [&](int e) -> Vec3 {
@@ -165,7 +165,7 @@ TEST(Cage, IsNumberedAsSofaNumbersIt) {
 
   const Cage wall = cage_around((PointArray(3, 3) << 1, 0.2, 0.2, 1, 0.8, 0.2, 1, 0.2, 0.8).finished(),
                                 std::vector<Triangle>{{0, 1, 2}}, {},
-                                {.cells = {4, 2, 1}, .least = Vec3::Zero(), .most = Vec3(4, 2, 1)});
+                                {.cells = {4, 2, 1}, .min = Vec3::Zero(), .max = Vec3(4, 2, 1)});
   EXPECT_EQ(wall.mesh.num_elements(), 2);
 }
 
@@ -174,20 +174,20 @@ TEST(Cage, CubesCoverTheBoxAroundTheSurface) {
   const PointArray x = box(Vec3(-1, 2, 0), Vec3(1, 2.5, 0.9)).x;
   const CageGrid grid = cubes_around(x, 10);
   EXPECT_EQ(grid.cells, (std::array<int, 3>{10, 3, 5}));
-  const Vec3 size = grid.most - grid.least;
+  const Vec3 size = grid.max - grid.min;
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(size[d] / grid.cells[d], 0.204, 1e-14);
-  EXPECT_LE(max_abs((grid.most + grid.least) / 2 - Vec3(0, 2.25, 0.45)), 1e-14);
+  EXPECT_LE(max_abs((grid.max + grid.min) / 2 - Vec3(0, 2.25, 0.45)), 1e-14);
 
   // a sheet lies in the middle of one layer
   const PointArray flat = box(Vec3(0, 0, 1), Vec3(1, 1, 2)).x.topRows(4);
   const CageGrid layer = cubes_around(flat, 4);
   EXPECT_EQ(layer.cells, (std::array<int, 3>{4, 4, 1}));
-  EXPECT_NEAR(layer.least[2] + layer.most[2], 2, 1e-14);
+  EXPECT_NEAR(layer.min[2] + layer.max[2], 2, 1e-14);
   EXPECT_EQ(cage_around(flat, {}, std::vector<Quad>{{0, 1, 3, 2}}, layer).mesh.num_elements(), 16);
 }
 
 TEST(Cage, CountsPartsAndHinges) {
-  const CageGrid grid{.cells = {5, 5, 5}, .least = Vec3::Zero(), .most = Vec3::Constant(5)};
+  const CageGrid grid{.cells = {5, 5, 5}, .min = Vec3::Zero(), .max = Vec3::Constant(5)};
   const Surface first = box(Vec3(0.2, 0.2, 0.2), Vec3(1.8, 1.8, 1.8));
   const auto with = [&](const Vec3& least) {
     return cage_of(joined(first, box(least, least + Vec3::Constant(0.6))), grid);
@@ -203,7 +203,7 @@ TEST(Cage, CountsPartsAndHinges) {
 
 // Without its lid a box holds nothing.
 TEST(Cage, AnOpenSurfaceEnclosesNothing) {
-  const CageGrid grid{.cells = {6, 6, 6}, .least = Vec3::Zero(), .most = Vec3::Constant(6)};
+  const CageGrid grid{.cells = {6, 6, 6}, .min = Vec3::Zero(), .max = Vec3::Constant(6)};
   Surface open = box(Vec3(0.5, 0.5, 0.5), Vec3(5.5, 5.5, 5.5));
   EXPECT_EQ(cage_of(open, grid).mesh.num_elements(), 216);
   open.quads.pop_back();
@@ -215,14 +215,14 @@ TEST(Cage, AnOpenSurfaceEnclosesNothing) {
 
 TEST(Cage, RefusesWhatCannotBeCaged) {
   const Surface good = box(Vec3(0.5, 0.5, 0.5), Vec3(1.5, 1.5, 1.5));
-  const CageGrid grid{.cells = {2, 2, 2}, .least = Vec3::Zero(), .most = Vec3::Constant(2)};
+  const CageGrid grid{.cells = {2, 2, 2}, .min = Vec3::Zero(), .max = Vec3::Constant(2)};
   EXPECT_TRUE(refuses<InputError>([&] { cage_around(good.x, {}, {}, grid); }, {"neither triangles nor quads"}));
   const std::vector<Quad> wrong{{0, 1, 2, 8}};
   EXPECT_TRUE(refuses<InputError>([&] { cage_around(good.x, {}, wrong, grid); }, {"node 8: must lie in [0, 8)"}));
   CageGrid small = grid;
-  small.most[1] = 1;
+  small.max[1] = 1;
   EXPECT_TRUE(refuses<InputError>([&] { cage_of(good, small); }, {"(0.5, 1.5, 0.5), lies outside the box"}));
-  small.most[1] = 0;
+  small.max[1] = 0;
   EXPECT_TRUE(refuses<InputError>([&] { cage_of(good, small); }, {"from 0 to 0 in direction 1: the box is empty"}));
   CageGrid large = grid;
   large.cells = {2000000000, 2000000000, 2000000000};

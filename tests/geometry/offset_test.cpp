@@ -57,7 +57,7 @@ TEST(Offset, OfAPlaneIsABlock) {
   EXPECT_EQ(shell.mesh.num_elements(), 6 * 5);
   EXPECT_EQ(shell.mesh.num_nodes(), 12 * 6);
   EXPECT_NEAR(shell.quality.volume, 6 * 1.25, 1e-14);
-  EXPECT_NEAR(shell.quality.least_scaled_jacobian, 1, 1e-14);
+  EXPECT_NEAR(shell.quality.min_scaled_jacobian, 1, 1e-14);
   // vertex 5 = (1, 1), layer by layer outward
   for (int l = 0; l <= 5; ++l)
     EXPECT_TRUE(shell.mesh.positions().row(5 * 6 + l).isApprox(Eigen::RowVector3d(1, 1, -0.25 + 0.25 * l), 1e-14));
@@ -204,7 +204,7 @@ TEST(Offset, KnowsHowFarItCanGo) {
 
 TEST(Offset, RefusesToFold) {
   const QuadSurface prism = support::prism(16, 2, 1, 1);
-  EXPECT_GT(offset(prism, {0.95, 0, 4}).quality.least_scaled_jacobian, 0);
+  EXPECT_GT(offset(prism, {0.95, 0, 4}).quality.min_scaled_jacobian, 0);
   EXPECT_TRUE(refuses<InputError>(
       [&] {
         offset(prism, {1.1, 0, 4});
@@ -298,7 +298,7 @@ TEST(QuadSurface, RefusesWhatIsNoSurface) {
   EXPECT_TRUE(refuses<InputError>(made([](auto&, auto& quads) { quads[4][1] = quads[4][3]; }), {"twice: 4;"}));
   EXPECT_TRUE(
       refuses<InputError>(made([](auto&, auto& quads) { quads.erase(quads.begin()); }), {"without a quad: 0;"}));
-  EXPECT_TRUE(refuses<InputError>(made([](auto& x, auto&) { x.row(3) = x.row(8); }), {"another one: 3, 8;"}));
+  EXPECT_TRUE(refuses<InputError>(made([](auto& x, auto&) { x.row(3) = x.row(8); }), {"duplicate vertices: 3, 8;"}));
 }
 
 // A seam: neighbours with vertices of their own at the same places.
@@ -309,7 +309,7 @@ TEST(QuadSurface, RefusesSeams) {
       [&] {
         QuadSurface(x, {{0, 1, 2, 3}, {4, 5, 6, 7}});
       },
-      {"4 vertices at the place of another one: 1, 2, 4, 7;", "must share"}));
+      {"4 duplicate vertices: 1, 2, 4, 7;", "must share"}));
 }
 
 TEST(QuadSurface, RefusesEdgesAndVerticesThatAreNoManifold) {

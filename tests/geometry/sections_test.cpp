@@ -28,8 +28,8 @@ TEST(EndSections, LieAcrossTheLongestAxis) {
   const EndSections ends = end_sections(mesh);
   EXPECT_EQ(ends.axis, 1);
   EXPECT_DOUBLE_EQ(ends.length, 2);
-  EXPECT_EQ(ends.least, support::nodes_at(mesh, 1, -1));
-  EXPECT_EQ(ends.most, support::nodes_at(mesh, 1, 1));
+  EXPECT_EQ(ends.min, support::nodes_at(mesh, 1, -1));
+  EXPECT_EQ(ends.max, support::nodes_at(mesh, 1, 1));
 }
 
 TEST(Elongation, IsTheMeanChangeOfLength) {
@@ -72,11 +72,11 @@ TEST(AxialPull, IsTheSameForOneLoadedEndAndForTwo) {
   const auto load = [&](const std::vector<int>& section, double force) {
     for (const int n : section) forces.row(n) += Vec3(3, -1, force / static_cast<double>(section.size())).transpose();
   };
-  load(ends.most, 7);
+  load(ends.max, 7);
   EXPECT_NEAR(axial_pull(mesh, ends, forces), 7, 1e-12);
-  load(ends.least, -7);
+  load(ends.min, -7);
   EXPECT_NEAR(axial_pull(mesh, ends, forces), 7, 1e-12);
-  load(ends.most, -7);
+  load(ends.max, -7);
   EXPECT_NEAR(axial_pull(mesh, ends, forces), 7, 1e-12);
   EXPECT_NEAR(axial_pull(mesh, ends, -forces), -7, 1e-12);  // it is compressed
 }

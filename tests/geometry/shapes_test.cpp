@@ -24,7 +24,7 @@ TEST(Sheet, IsABoxUnlessItIsBent) {
   EXPECT_TRUE(flat.positions().row(0).isApprox(Eigen::RowVector3d(-0.2, -0.3, -0.005)));
   EXPECT_TRUE(flat.positions().row(1 + 5 * (2 + 4 * 2)).isApprox(Eigen::RowVector3d(-0.1, 0.1, 0.005)));
   EXPECT_NEAR(quality(flat).volume, 0.4 * 0.6 * 0.01, 1e-15);
-  EXPECT_NEAR(quality(flat).least_scaled_jacobian, 1, 1e-12);
+  EXPECT_NEAR(quality(flat).min_scaled_jacobian, 1, 1e-12);
 }
 
 // A ring's sector keeps the volume of the sheet, as its middle keeps its length; chords lose what a polygon does.
@@ -94,7 +94,7 @@ TEST(Tube, DoesNotTwistAboutAHelix) {
   };
   const double expected = -torsion * scale * turns;
   EXPECT_NEAR(std::remainder(angle(sections) - angle(0) - expected, 2 * pi), 0, 1e-4);
-  EXPECT_GT(quality(mesh).least_scaled_jacobian, 0.9);
+  EXPECT_GT(quality(mesh).min_scaled_jacobian, 0.9);
 }
 
 TEST(CurveThrough, PassesItsPointsAtEqualSteps) {

@@ -55,8 +55,8 @@ void expect_validation(std::span<const Row<Options>> rows, const Validate& valid
     if (row.at.type == MemberType::kWord) {
       wrong = {-1, static_cast<double>(row.words.size())};
     } else {
-      for (const double bound : {row.range.least, row.range.most})
-        if (std::isfinite(bound)) wrong.push_back(bound == row.range.least ? bound - 1 : bound + 1);
+      for (const double bound : {row.range.min, row.range.max})
+        if (std::isfinite(bound)) wrong.push_back(bound == row.range.min ? bound - 1 : bound + 1);
       if (row.at.type == MemberType::kReal) wrong.push_back(std::numeric_limits<double>::quiet_NaN());
     }
     for (const double value : wrong) {
@@ -93,8 +93,8 @@ TEST(Rows, OnlyRatesAreJudgedByTheTimeStep) { EXPECT_TRUE(check_time_step({Mater
 
 TEST(Rows, IntervalsShowWhichBoundsAreAdmissible) {
   EXPECT_EQ(interval({}, false), "(-inf, inf)");
-  EXPECT_EQ(interval({.least = 0}, true), "[0, inf]");
-  EXPECT_EQ(interval({.least = 0, .most = 1, .without_least = true}, false), "(0, 1]");
+  EXPECT_EQ(interval({.min = 0}, true), "[0, inf]");
+  EXPECT_EQ(interval({.min = 0, .max = 1, .exclusive_min = true}, false), "(0, 1]");
   EXPECT_EQ(called("flow_rate", Names::kScenes), "plasticFlowRate");
   EXPECT_EQ(called("rotation_plasticity", Names::kScenes), "rotationPlasticity");
   EXPECT_TRUE(support::refuses<InputError>([] { return called("yieldStress", Names::kScenes); }, {"yieldStress"}));

@@ -165,12 +165,12 @@ TEST(GoldenPicture, OfLoads) {
 // The middle plane of the bar as a surface, in the cage of its edges.
 TEST(GoldenPicture, OfASurfaceInACage) {
   Staging staging = small();
-  output::Skin& skin = staging.skins.emplace_back();
-  skin.points.resize(16, 3);
+  output::EmbeddedSurface& embedded = staging.embedded_surfaces.emplace_back();
+  embedded.points.resize(16, 3);
   for (int k = 0; k < 8; ++k) {
-    skin.points.row(2 * k) << 0.07, 0.05, 0.1 * k;
-    skin.points.row(2 * k + 1) << 0.12, 0.25, 0.1 * k;
-    if (k > 0) skin.quads.push_back({2 * k - 2, 2 * k - 1, 2 * k + 1, 2 * k});
+    embedded.points.row(2 * k) << 0.07, 0.05, 0.1 * k;
+    embedded.points.row(2 * k + 1) << 0.12, 0.25, 0.1 * k;
+    if (k > 0) embedded.quads.push_back({2 * k - 2, 2 * k - 1, 2 * k + 1, 2 * k});
   }
   staging.width = 360;
   staging.height = 360;

@@ -156,21 +156,21 @@ TEST(Picture, BlendsTheStrainOfNeighbours) {
 
 /// A square of two triangles in the middle plane of a bar of 1 x 1 x 4 hexahedra, from z = 0.05 to z = 0.35, cut into
 /// three pieces along the bar.
-output::Skin skin_of_bar() {
-  output::Skin skin;
-  skin.points.resize(8, 3);
+output::EmbeddedSurface surface_of_bar() {
+  output::EmbeddedSurface embedded;
+  embedded.points.resize(8, 3);
   for (int k = 0; k < 4; ++k) {
-    skin.points.row(2 * k) << 0.05, 0.02, 0.05 + 0.1 * k;
-    skin.points.row(2 * k + 1) << 0.05, 0.08, 0.05 + 0.1 * k;
+    embedded.points.row(2 * k) << 0.05, 0.02, 0.05 + 0.1 * k;
+    embedded.points.row(2 * k + 1) << 0.05, 0.08, 0.05 + 0.1 * k;
   }
-  skin.quads = {{0, 1, 3, 2}, {4, 5, 7, 6}};
-  skin.triangles = {{2, 3, 5}, {2, 5, 4}};
-  return skin;
+  embedded.quads = {{0, 1, 3, 2}, {4, 5, 7, 6}};
+  embedded.triangles = {{2, 3, 5}, {2, 5, 4}};
+  return embedded;
 }
 
-output::Staging with_skin_of_bar(bool shows_hexahedra) {
+output::Staging with_surface_of_bar(bool shows_hexahedra) {
   output::Staging staging;
-  staging.skins = {skin_of_bar()};
+  staging.embedded_surfaces = {surface_of_bar()};
   staging.shows_hexahedra = shows_hexahedra;
   staging.viewpoint = output::Viewpoint{.towards = Vec3(1, 0, 0), .up = {}};
   return staging;
@@ -181,10 +181,10 @@ int num_translucent_lines(const Drawing& drawing) {
       std::ranges::count_if(drawing.lines, [](const Drawing::Line& line) { return line.opacity < 1; }));
 }
 
-TEST(Skin, IsShownInPlaceOfTheHexahedraAndFollowsThem) {
+TEST(EmbeddedSurface, IsShownInPlaceOfTheHexahedraAndFollowsThem) {
   const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
   const std::vector<double> strain{0.3, 0.3, 0.3, 0.3};
-  Gallery gallery(body.mesh(), "skin", 2, with_skin_of_bar(false));
+  Gallery gallery(body.mesh(), "skin", 2, with_surface_of_bar(false));
   gallery.add(0, 0, body.mesh().positions(), strain);
   gallery.add(1, 0, support::mapped(body.mesh().positions(), Vec3(1, 1, 1.5).asDiagonal()), strain);
   gallery.add(2, 0, body.mesh().positions(), strain, std::vector<unsigned char>{1, 0, 1, 1});
@@ -199,16 +199,16 @@ TEST(Skin, IsShownInPlaceOfTheHexahedraAndFollowsThem) {
   for (const Drawing& drawing : drawings_of(gallery)) EXPECT_EQ(num_translucent_lines(drawing), 0);
 }
 
-TEST(Skin, HasItsCageAroundItWhereItIsWanted) {
+TEST(EmbeddedSurface, HasItsCageAroundItWhereItIsWanted) {
   const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
-  Gallery gallery(body.mesh(), "cage", 2, with_skin_of_bar(true));
+  Gallery gallery(body.mesh(), "cage", 2, with_surface_of_bar(true));
   gallery.add(0, 0, body.mesh().positions(), {0, 0, 0, 1});
   EXPECT_EQ(num_translucent_lines(drawings_of(gallery)[0]), 4 * 4 + 5 * 4) << "the edges of the bar";
 }
 
-TEST(Skin, BlendsStrainByItsPlaceInTheHexahedra) {
+TEST(EmbeddedSurface, BlendsStrainByItsPlaceInTheHexahedra) {
   const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
-  Gallery gallery(body.mesh(), "skin", 2, with_skin_of_bar(false));
+  Gallery gallery(body.mesh(), "skin", 2, with_surface_of_bar(false));
   gallery.add(0, 0, body.mesh().positions(), {0, 0.1, 0.2, 0.3});
   // from the middle of the first hexahedron, 1/12 of 0.3, to that of the last one, 11/12, which is the greatest shown
   const Image image = pictures_of(gallery)[0];

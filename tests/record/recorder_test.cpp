@@ -51,8 +51,8 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
   EXPECT_EQ(last[2], 0.1 / 3);
   EXPECT_EQ(last[3], body.energy(x));
   EXPECT_EQ(last[4], body.dissipated_energy());
-  EXPECT_EQ(last[5], body.volume(x) / body.original_volume());
-  EXPECT_EQ(last[6], body.volume(body.plastic_rest_positions()) / body.original_volume());
+  EXPECT_EQ(last[5], body.volume(x) / body.initial_volume());
+  EXPECT_EQ(last[6], body.volume(body.plastic_rest_positions()) / body.initial_volume());
   EXPECT_EQ(last[7], summary.plastic_elongation);
   EXPECT_EQ(last[8], summary.plastic_twist_deg);
   EXPECT_EQ(last[9], ((x.row(3) - X.row(3)).norm() + (x.row(17) - X.row(17)).norm()) / 2);

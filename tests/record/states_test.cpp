@@ -118,24 +118,25 @@ TEST(TimeSeries, OfARunThatEndedEarlyHasItsLastState) {
   EXPECT_EQ(series.back().second.filename(), "mesh_000006.vtu");
 }
 
-/// Two skins in the block of 2 x 3 x 5 hexahedra: a quad and a triangle, and a triangle that reaches out of it.
-std::vector<output::Skin> two_skins() {
-  std::vector<output::Skin> skins(2);
-  skins[0].points.resize(5, 3);
-  skins[0].points << .02, .03, .05, .02, .27, .05, .17, .27, .31, .17, .03, .31, .1, .1, .47;
-  skins[0].quads = {{0, 1, 2, 3}};
-  skins[0].triangles = {{3, 2, 4}};
-  skins[1].points.resize(3, 3);
-  skins[1].points << .11, .12, .21, .11, .19, .55, .3, .12, .3;
-  skins[1].triangles = {{0, 1, 2}};
-  return skins;
+/// Two embedded surfaces in the block of 2 x 3 x 5 hexahedra: a quad and a triangle, and a triangle that reaches out of
+/// it.
+std::vector<output::EmbeddedSurface> two_surfaces() {
+  std::vector<output::EmbeddedSurface> embedded_surfaces(2);
+  embedded_surfaces[0].points.resize(5, 3);
+  embedded_surfaces[0].points << .02, .03, .05, .02, .27, .05, .17, .27, .31, .17, .03, .31, .1, .1, .47;
+  embedded_surfaces[0].quads = {{0, 1, 2, 3}};
+  embedded_surfaces[0].triangles = {{3, 2, 4}};
+  embedded_surfaces[1].points.resize(3, 3);
+  embedded_surfaces[1].points << .11, .12, .21, .11, .19, .55, .3, .12, .3;
+  embedded_surfaces[1].triangles = {{0, 1, 2}};
+  return embedded_surfaces;
 }
 
 TEST(Companions, AreSeriesOfTheSameTimes) {
   const Scratch scratch;
   Body body = support::yielding_block();
   RunPlan run = plan(10, 4);
-  run.staging.skins = two_skins();
+  run.staging.embedded_surfaces = two_surfaces();
   run.has_instruments = true;
   Recorder recorder(scratch / "run", body, run);
   support::record_stretch(recorder, body, 10);
@@ -155,8 +156,8 @@ TEST(SurfaceFile, ShowsWhereTheHexahedraCarryIt) {
   const Scratch scratch;
   Body body = support::yielding_block();
   RunPlan run = plan(5, 5);
-  const std::vector<output::Skin> skins = two_skins();
-  run.staging.skins = skins;
+  const std::vector<output::EmbeddedSurface> embedded_surfaces = two_surfaces();
+  run.staging.embedded_surfaces = embedded_surfaces;
   Recorder recorder(scratch / "run", body, run);
   support::record_stretch(recorder, body, 5);
   const auto read = read_with_meshio(scratch, scratch / "run/surface_000005.vtu",
@@ -168,7 +169,7 @@ TEST(SurfaceFile, ShowsWhereTheHexahedraCarryIt) {
                                      .colPivHouseholderQr()
                                      .solve(moved);
   PointArray X(8, 3);
-  X << skins[0].points, skins[1].points;
+  X << embedded_surfaces[0].points, embedded_surfaces[1].points;
   const PointArray x = (Eigen::MatrixXd(8, 4) << X, Eigen::VectorXd::Ones(8)).finished() * affine;
   const auto numbers = [&](const char* name) {
     PointArray points(8, 3);
@@ -190,24 +191,24 @@ TEST(SurfaceFile, ShowsWhereTheHexahedraCarryIt) {
   EXPECT_GT(std::ranges::max(shown), std::ranges::min(shown));
 
   // and what was put in comes out again, from the state at rest with all its bits
-  const std::vector<output::Skin> back = output::read_skins(scratch / "run/surface_000000.vtu");
+  const std::vector<output::EmbeddedSurface> back = output::read_embedded_surfaces(scratch / "run/surface_000000.vtu");
   ASSERT_EQ(back.size(), 2u);
   for (std::size_t s = 0; s < 2; ++s) {
-    EXPECT_LT((back[s].points - skins[s].points).cwiseAbs().maxCoeff(), 1e-16);
-    EXPECT_EQ(back[s].triangles, skins[s].triangles);
-    EXPECT_EQ(back[s].quads, skins[s].quads);
+    EXPECT_LT((back[s].points - embedded_surfaces[s].points).cwiseAbs().maxCoeff(), 1e-16);
+    EXPECT_EQ(back[s].triangles, embedded_surfaces[s].triangles);
+    EXPECT_EQ(back[s].quads, embedded_surfaces[s].quads);
   }
 }
 
 TEST(SurfaceFile, LosesFacesWithTheirHexahedra) {
   const Scratch scratch;
   const HexMesh mesh = support::distorted_block({2, 3, 5}, 0.1, 0.12, 11);
-  const std::vector<output::Skin> skins = two_skins();
-  const output::CarriedSkins carried(mesh, skins);
+  const std::vector<output::EmbeddedSurface> embedded_surfaces = two_surfaces();
+  const output::CarriedSurfaces carried(mesh, embedded_surfaces);
   const std::vector<double> strains(mesh.num_nodes(), 0.1);
   std::vector<unsigned char> alive(mesh.num_elements(), 1);
-  const Embedding embedding(mesh.positions(), mesh.hexahedra(), skins[0].points);
-  alive[embedding.hexahedron_of(4)] = 0;  // only the triangle of the first skin has this corner
+  const Embedding embedding(mesh.positions(), mesh.hexahedra(), embedded_surfaces[0].points);
+  alive[embedding.hexahedron_of(4)] = 0;  // only the triangle of the first embedded surface has this corner
   carried.write(scratch / "torn.vtu", mesh.positions(), strains, alive);
   EXPECT_EQ(read_with_meshio(scratch, scratch / "torn.vtu", {"kinds"}).at("kinds"), "quad triangle");
 }

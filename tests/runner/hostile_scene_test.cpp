@@ -108,7 +108,7 @@ TEST_F(HostileScene, NestingAndSize) {
 TEST_F(HostileScene, WhatIsNoText) {
   expect_refused(std::string("<Node>\n\n\0</Node>", 16), ":3: error: the file contains a NUL byte");
   expect_refused("<Node>\n\xFF</Node>", ":2: error: the file is not valid UTF-8");
-  expect_refused("<Node/>\n<Node/>", ":2: error: something stands beside the root element");
+  expect_refused("<Node/>\n<Node/>", ":2: error: content outside the root element");
   expect_refused("<Node>\n<Node dt='1' dt='2'/></Node>", ":2: error: Node.dt: is given twice");
 }
 

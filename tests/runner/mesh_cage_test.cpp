@@ -49,8 +49,7 @@ TEST_F(MeshCage, RefusesPartsUnlessAskedFor) {
   const Outcome refused = hexaplast("mesh cage two.obj --cells 10 -o cage.vtu");
   EXPECT_EQ(refused.code, 3);
   EXPECT_EQ(refused.err,
-            "two.obj: error: the cage falls into 2 parts that share no face: take fewer cells, which are larger, or "
-            "--allow-parts\n");
+            "two.obj: error: the cage has 2 parts that share no face: use fewer, larger cells, or --allow-parts\n");
   EXPECT_FALSE(std::filesystem::exists(directory_ / "cage.vtu"));
   EXPECT_EQ(hexaplast("mesh cage two.obj --cells 10 -o cage.vtu --allow-parts").code, 0);
   EXPECT_EQ(hexaplast("mesh cage two.obj --cells 1 -o cage.vtu").code, 0);

@@ -48,7 +48,7 @@ TEST_F(MeshMake, OffsetsAnOpenSurface) {
             "  nodes               18\n"
             "  hexahedra           4 in 1 part, 16 faces outside\n"
             "  size                1.1 x 2 x 1.1 m, 0.42 m^3\n"
-            "  shape               least scaled Jacobian 0.707 (hexahedron 0), edges 0.05 to 2 m\n"
+            "  shape               min scaled Jacobian 0.707 (hexahedron 0), edges 0.05 to 2 m\n"
             "  worst shaped over   quads 0, 1\n");
   EXPECT_NEAR(info("shell.vtu")["body"]["volume"].get<double>(), 2 * (1.1 * 1.1 - 1), 1e-14);
   // the corner of the walls is mitred: 1 x 1 without .9 x .9, and half a layer on either side of both
@@ -172,7 +172,7 @@ TEST_F(MeshMake, TheSheetOfTheReadmeIsGrownAndTorn) {
   const Outcome check = hexaplast("check sheet.scn");
   EXPECT_EQ(check.code, 0) << check.err;
   EXPECT_EQ(check.err, "");
-  EXPECT_NE(check.out.find("351, of which 54 are held"), std::string::npos) << check.out;
+  EXPECT_NE(check.out.find("351, of which 54 are fixed"), std::string::npos) << check.out;
   const Outcome run = hexaplast("run sheet.scn --steps 110 --final final.json");
   EXPECT_EQ(run.code, 0) << run.err;
   const Json final = Json::parse(support::content(directory_ / "final.json"));

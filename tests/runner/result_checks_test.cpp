@@ -53,7 +53,7 @@ TEST_F(Results, AreNotDoubtedWithoutReason) {
 // In the terminal, in the record of the run, in its report, and in the summary for programs.
 TEST_F(Results, OfABodyThatIsInsideOutAreDoubted) {
   write("bar.scn", kCrushed);
-  const std::string end = "4 of 4 hexahedra are inside out at the end";
+  const std::string end = "4 of 4 hexahedra are inverted at the end";
   const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --summary summary.json");
   EXPECT_EQ(outcome.code, 0);
   EXPECT_NE(outcome.err.find("warning: " + end), std::string::npos) << outcome.err;
@@ -80,8 +80,8 @@ TEST_F(Results, OfABodyThatWasInsideOutAreDoubted) {
   ASSERT_EQ(history.number(100, "inverted"), 0);
   ASSERT_GT(most, 1);
   ASSERT_LT(step, 90u);
-  const std::string doubt = "warning: " + std::to_string(int(most)) + " of 4 hexahedra were inside out in step " +
-                            std::to_string(step) + "\n";
+  const std::string doubt =
+      "warning: " + std::to_string(int(most)) + " of 4 hexahedra were inverted in step " + std::to_string(step) + "\n";
   EXPECT_EQ(outcome.err, doubt);
 
   // a run that goes on remembers
@@ -106,11 +106,11 @@ TEST_F(Results, ThatAreDoubtedEndAStrictRunWith4) {
   write("bar.scn", kCrushed);
   const Outcome outcome = hexaplast("run bar.scn --strict --quiet --out run --frames 0 --final last.json");
   EXPECT_EQ(outcome.code, 4);
-  EXPECT_EQ(outcome.err.find("bar.scn: error: 4 of 4 hexahedra are inside out at the end"), 0u) << outcome.err;
+  EXPECT_EQ(outcome.err.find("bar.scn: error: 4 of 4 hexahedra are inverted at the end"), 0u) << outcome.err;
   EXPECT_EQ(manifest("run").at("state"), "failed");
   EXPECT_EQ(manifest("run").at("steps").at("done"), 100);
   const std::string reason = manifest("run").at("exit_reason");
-  EXPECT_EQ(reason.find("4 of 4 hexahedra are inside out at the end"), 0u) << reason;
+  EXPECT_EQ(reason.find("4 of 4 hexahedra are inverted at the end"), 0u) << reason;
   EXPECT_NE(content(directory_ / "run/report.html").find(reason.substr(0, 42)), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(directory_ / "last.json"));
 }

@@ -107,7 +107,7 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
 TEST_F(RunDirectory, ASignalAlwaysLeavesACheckpoint) {
   for (const int signal : {SIGINT, SIGTERM}) {
     EXPECT_EQ(end_by(signal, "", [] {}), 128 + signal);
-    EXPECT_NE(content(directory_ / "messages").find("; hexaplast resume run goes on\n"), std::string::npos)
+    EXPECT_NE(content(directory_ / "messages").find("; hexaplast resume run continues it\n"), std::string::npos)
         << content(directory_ / "messages");
     ASSERT_GE(newest_checkpoint(), 4);
     const std::string steps = std::to_string(newest_checkpoint() + 5);

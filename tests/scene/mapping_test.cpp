@@ -195,14 +195,14 @@ TEST(InteractiveCamera, TurnsByItsOrientation) {
   EXPECT_EQ(errors_of("<Node><InteractiveCamera orientation='0 0 1'/></Node>"),
             "test.scn:1: error: InteractiveCamera.orientation: must be four numbers, a quaternion x y z w");
   EXPECT_EQ(errors_of("<Node><InteractiveCamera orientation='0 0 0 0'/></Node>"),
-            "test.scn:1: error: InteractiveCamera.orientation: is 0 0 0 0, which turns to nowhere");
+            "test.scn:1: error: InteractiveCamera.orientation: is 0 0 0 0, the zero quaternion");
 }
 
 TEST(Mapping, RefusesWhatDoesNotFit) {
   EXPECT_EQ(errors_of(skewed("<IdentityMapping/>")),
             "test.scn:1: error: IdentityMapping: 2 nodes follow 16, must be as many");
   EXPECT_EQ(errors_of(skewed("<IdentityMapping input='@.' />")),
-            "test.scn:1: error: IdentityMapping.input: leads to the state that follows: must be another one");
+            "test.scn:1: error: IdentityMapping.input: is the mapped state itself: must be another one");
   EXPECT_EQ(errors_of(skewed("<BarycentricMapping/><FixedProjectiveConstraint/>")),
             "test.scn:1: error: FixedProjectiveConstraint: constrains a state that follows another one");
   EXPECT_EQ(errors_of(skewed("")),

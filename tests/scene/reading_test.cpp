@@ -218,8 +218,8 @@ TEST(SceneReading, ContactIsAnErrorAndAsSofaReadsOneWarning) {
   const std::vector<scene::Message> said = scene.diagnostics().take_warnings();
   ASSERT_EQ(said.size(), 1u);
   EXPECT_EQ(scene::format(said[0]),
-            "test.scn:3: warning: CollisionPipeline: there is no contact: bodies pass through each other, whatever the "
-            "scene's components of collision say");
+            "test.scn:3: warning: CollisionPipeline: there is no contact: bodies pass through each other, whatever "
+            "collision components the scene has");
 }
 
 TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
@@ -239,7 +239,7 @@ TEST(SceneReading, FilesThatAreNoPlainXmlAreRefusedWithTheirLine) {
         errors_of(std::string("<Node tags='") + reference + "'/>"),
         "test.scn:1: error: unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed");
   EXPECT_EQ(errors_of("<Node/>\n<Node/>"),
-            "test.scn:2: error: something stands beside the root element, must be one <Node> alone");
+            "test.scn:2: error: content outside the root element, must be one <Node> alone");
   EXPECT_EQ(errors_of("<Node>\n<Node name='a' name='b'/></Node>"), "test.scn:2: error: Node.name: is given twice");
   EXPECT_EQ(errors_of("<Node>\n\xC3</Node>"), "test.scn:2: error: the file is not valid UTF-8");
   EXPECT_EQ(errors_of("<Node>\n<!-- \xED\xA0\x80 --></Node>"), "test.scn:2: error: the file is not valid UTF-8");

@@ -60,7 +60,7 @@ TEST(Extrusion, FeedsABody) {
                                              "<MeshMatrixMass massDensity='100'/>"
                                              "<FixedProjectiveConstraint indices='0-2 9-11'/>"
                                              "<HexahedronFEMForceField name='body' youngModulus='1e6'/>"));
-  EXPECT_NEAR(at<scene::ForceField>(scene, "body").body()->original_volume(), 1.1 * 1.1 - 1, 1e-14);
+  EXPECT_NEAR(at<scene::ForceField>(scene, "body").body()->initial_volume(), 1.1 * 1.1 - 1, 1e-14);
   for (int k = 0; k < 3; ++k) scene.step();
   EXPECT_LT(at<scene::MechanicalState>(scene, "nodes").positions()(14, 2), -1) << "its end sinks";
 }

@@ -22,7 +22,7 @@ constexpr Attribute kReal{.name = "real", .type = Type::kReal};
 constexpr Attribute kCount{.name = "count", .type = Type::kInteger};
 constexpr Attribute kList{.name = "list", .type = Type::kIntegers};
 constexpr Attribute kShare{
-    .name = "share", .type = Type::kReal, .range = {.least = 0, .most = 0.5, .without_most = true}};
+    .name = "share", .type = Type::kReal, .range = {.min = 0, .max = 0.5, .exclusive_max = true}};
 
 double real(std::string_view text) { return std::get<double>(read_value(kReal, text)); }
 std::vector<std::int64_t> list(std::string_view text) {

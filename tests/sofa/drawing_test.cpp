@@ -15,20 +15,20 @@ TEST_F(Adapter, DrawsTheSurfaceInColoursOfPlasticStrain) {
   const sofa::type::RGBAColor blue{0, 0, 1, 1}, red{1, 0, 0, 1};
   const std::size_t num_faces = mesh.boundary_faces().size(), num_corners = 6 * num_faces;
 
-  sofa::core::visual::VisualParams virgin;
-  field.draw(&virgin);
-  ASSERT_EQ(virgin.tool.triangles.size(), 1u);
-  EXPECT_EQ(virgin.tool.triangles[0].corners.size(), num_corners);
-  EXPECT_EQ(virgin.tool.triangles[0].colours, std::vector<sofa::type::RGBAColor>(num_corners, blue));
-  EXPECT_TRUE(virgin.tool.lines.empty());
-  EXPECT_EQ(virgin.tool.open_states, 0) << "leaves the tool as it was";
+  sofa::core::visual::VisualParams initial;
+  field.draw(&initial);
+  ASSERT_EQ(initial.tool.triangles.size(), 1u);
+  EXPECT_EQ(initial.tool.triangles[0].corners.size(), num_corners);
+  EXPECT_EQ(initial.tool.triangles[0].colours, std::vector<sofa::type::RGBAColor>(num_corners, blue));
+  EXPECT_TRUE(initial.tool.lines.empty());
+  EXPECT_EQ(initial.tool.open_states, 0) << "leaves the tool as it was";
 
   // the upper half alone
   PointArray x = mesh.positions();
   for (int n = 0; n < x.rows(); ++n)
     if (x(n, 2) > 0.15) x(n, 2) += 0.5 * (x(n, 2) - 0.15);
   step(x);
-  dynamic_cast<Data<bool>&>(*field.findData("drawMaterialShape")).setValue(true);
+  dynamic_cast<Data<bool>&>(*field.findData("drawPlasticRestShape")).setValue(true);
   sofa::core::visual::VisualParams plastic;
   field.draw(&plastic);
   const auto& drawn = plastic.tool.triangles.at(0);

@@ -15,7 +15,7 @@ namespace {
 TEST_F(Adapter, OnlyTheEndOfAStepFlowsAndOnce) {
   auto& field = make_body(kPlastic);
   Body expected(mesh, {plastic_material()}, plastic_settings());
-  const std::string virgin = history_of(expected);
+  const std::string initial = history_of(expected);
   sofa::core::visual::VisualParams vparams;
   sofa::core::ExecParams eparams;
   params.setKFactor(1);
@@ -48,10 +48,10 @@ TEST_F(Adapter, OnlyTheEndOfAStepFlowsAndOnce) {
     expected.flow(x, kStep);
     ASSERT_EQ(history_of(*field.body()), history_of(expected)) << "after the end of step " << i;
   }
-  EXPECT_NE(history_of(expected), virgin) << "something flowed";
+  EXPECT_NE(history_of(expected), initial) << "something flowed";
 
   field.reset();
-  EXPECT_EQ(history_of(*field.body()), virgin);
+  EXPECT_EQ(history_of(*field.body()), initial);
   EXPECT_EQ(said(), "");
 }
 
@@ -117,8 +117,9 @@ TEST_F(Adapter, ShowsThePlasticStateWhenItIsRead) {
   for (std::size_t e = 0; e < strain.size(); ++e) EXPECT_EQ(strain[e], fields.plastic_strain[e]);
   EXPECT_GT(strain[0], 0);
   EXPECT_GT(data.getCounter(), counter);
-  EXPECT_EQ(PointArray(view(value<DataTypes::VecCoord>(field, "materialPositions"))),
+  EXPECT_EQ(PointArray(view(value<DataTypes::VecCoord>(field, "plasticRestPositions"))),
             field.body()->plastic_rest_positions());
+  EXPECT_EQ(field.findData("materialPositions"), field.findData("plasticRestPositions")) << "the older name";
   EXPECT_TRUE(value<vector<sofa::Index>>(field, "removed").empty());
   field.reset();
   EXPECT_EQ(value<vector<SReal>>(field, "plasticStrain"), vector<SReal>(mesh.num_elements(), 0));

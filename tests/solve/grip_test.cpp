@@ -23,8 +23,8 @@ PointArray nodes() {
   return x;
 }
 
-Grip closed(double most_force) {
-  Grip grip{.stiffness = 200, .most_force = most_force};
+Grip closed(double max_force) {
+  Grip grip{.stiffness = 200, .max_force = max_force};
   grip.close({5, 0, 2, 3}, kTool, nodes());
   return grip;
 }
@@ -54,7 +54,7 @@ TEST(Grip, PullsByItsStiffnessTimesTheWay) {
   EXPECT_EQ(f.row(4), Eigen::RowVector3d(0, 0, 0));
 }
 
-// 12 N at most: 3 N for each node, in the direction in which it lags.
+// 12 N at most: 3 N for each node, in the direction in which its spring is elongated.
 TEST(Grip, NeverPullsHarderThanItsLimit) {
   const Grip grip = closed(12);
   const PointArray x = nodes();
@@ -66,10 +66,10 @@ TEST(Grip, NeverPullsHarderThanItsLimit) {
   PointArray moved = x + support::Random(73).field(6, 0.3);
   PointArray g = PointArray::Zero(6, 3);
   grip.add_force(kTool, moved, g);
-  PointArray lags;
-  grip.lags_at(kTool, moved, lags);
+  PointArray elongations;
+  grip.elongations_at(kTool, moved, elongations);
   EXPECT_LE(g.colwise().sum().norm(), 12);
-  EXPECT_LE(support::max_abs(grip.total_force(lags) - Vec3(g.colwise().sum().transpose())), 1e-12);
+  EXPECT_LE(support::max_abs(grip.total_force(elongations) - Vec3(g.colwise().sum().transpose())), 1e-12);
 }
 
 // The derivative of the forces, of springs on both sides of the limit, against difference quotients; product, blocks
@@ -82,9 +82,9 @@ TEST(Grip, StiffnessIsTheDerivativeOfTheForce) {
   const Vec3 tool = kTool + Vec3(0.01, 0.005, 0);
   PointArray f = PointArray::Zero(6, 3);
   grip.add_force(tool, x, f);
-  PointArray lags;
-  grip.lags_at(tool, x, lags);
-  const Eigen::VectorXd length = lags.rowwise().norm();
+  PointArray elongations;
+  grip.elongations_at(tool, x, elongations);
+  const Eigen::VectorXd length = elongations.rowwise().norm();
   EXPECT_GT(length.maxCoeff(), 0.06 * 1.5);
   EXPECT_LT(length.minCoeff(), 0.06 * 0.9);
 
@@ -92,20 +92,20 @@ TEST(Grip, StiffnessIsTheDerivativeOfTheForce) {
   const double h = 1e-6;
   const PointArray slope = (force_at(grip, tool, x + h * dx) - force_at(grip, tool, x - h * dx)) / (2 * h);
   PointArray product = PointArray::Zero(6, 3), by_blocks = product, diagonal = product;
-  grip.add_stiffness_product(lags, 2, dx, product);
+  grip.add_stiffness_product(elongations, 2, dx, product);
   EXPECT_TRUE(agrees(product, 2 * slope, 1e-8));
 
   BlockMatrix A(6);
-  grip.add_stiffness_blocks(lags, 2, A);
+  grip.add_stiffness_blocks(elongations, 2, A);
   for (int n = 0; n < 6; ++n)
     for (const auto& [m, block] : A.row(n)) by_blocks.row(n) += dx.row(m) * block.transpose();
   EXPECT_TRUE(agrees(by_blocks, product, 1e-14));
-  EXPECT_FALSE(grip.add_stiffness_diagonal(lags, 2, diagonal));
+  EXPECT_FALSE(grip.add_stiffness_diagonal(elongations, 2, diagonal));
 
   const Grip strong = closed(1000);
   product.setZero();
-  strong.add_stiffness_product(lags, 2, dx, product);
-  ASSERT_TRUE(strong.add_stiffness_diagonal(lags, 2, diagonal));
+  strong.add_stiffness_product(elongations, 2, dx, product);
+  ASSERT_TRUE(strong.add_stiffness_diagonal(elongations, 2, diagonal));
   EXPECT_TRUE(agrees(PointArray(diagonal.cwiseProduct(dx)), product, 1e-14));
 }
 

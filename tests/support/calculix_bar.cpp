@@ -68,7 +68,7 @@ BarState measure(const Body& body, ConstPoints x) {
   state.mean_elongation = (mean_height(layers.back(), x) - mean_height(layers.front(), x)) / length - 1;
   state.central_elongation =
       (mean_height(central(mesh, layers.back()), x) - mean_height(central(mesh, layers.front()), x)) / length - 1;
-  state.volume_ratio = body.volume(x) / body.original_volume();
+  state.volume_ratio = body.volume(x) / body.initial_volume();
   for (const std::vector<int>& layer : layers)
     state.twist_deg.push_back(section_angle(mesh, layer, kAxis, x) * 180 / std::numbers::pi);
   for (int k = 0; k < kSlices; ++k)

@@ -178,26 +178,27 @@ TEST(Session, MaterialsChangeWhileItMoves) {
   EXPECT_NE(at.messages[1].find("plasticFlowRate"), std::string::npos) << at.messages[1];
 }
 
-TEST(Session, ThereIsAKnobForEachMemberOfAMaterial) {
+TEST(Session, ThereIsAParameterForEachMemberOfAMaterial) {
   Played played;
   const Session session(played.subject(), hand());
-  const auto knob = [&](std::string_view name) {
-    const auto found = std::ranges::find(session.knobs(), name, [](const Knob& one) { return one.attribute->name; });
-    EXPECT_NE(found, session.knobs().end()) << name;
+  const auto parameter = [&](std::string_view name) {
+    const auto found =
+        std::ranges::find(session.parameters(), name, [](const Parameter& one) { return one.attribute->name; });
+    EXPECT_NE(found, session.parameters().end()) << name;
     return *found;
   };
-  ASSERT_EQ(session.knobs().size(), material_rows().size());
-  for (const Row<Material>& row : material_rows()) knob(row.name);
-  EXPECT_EQ(knob("youngModulus").value, 5000);
-  EXPECT_EQ(knob("youngModulus").attribute->unit, "Pa");
-  EXPECT_TRUE(knob("youngModulus").is_logarithmic);
-  EXPECT_FALSE(knob("fractureStress").value);
-  EXPECT_EQ(knob("plasticFlowRate").most, 5);  // 5 % of the excess in a step of 0.01 s
-  EXPECT_LT(knob("poissonRatio").most, 0.5);
-  for (const Knob& one : session.knobs()) {
-    EXPECT_TRUE(one.attribute->range.contains(one.least) && one.attribute->range.contains(one.most))
+  ASSERT_EQ(session.parameters().size(), material_rows().size());
+  for (const Row<Material>& row : material_rows()) parameter(row.name);
+  EXPECT_EQ(parameter("youngModulus").value, 5000);
+  EXPECT_EQ(parameter("youngModulus").attribute->unit, "Pa");
+  EXPECT_TRUE(parameter("youngModulus").is_logarithmic);
+  EXPECT_FALSE(parameter("fractureStress").value);
+  EXPECT_EQ(parameter("plasticFlowRate").max, 5);  // 5 % of the excess in a step of 0.01 s
+  EXPECT_LT(parameter("poissonRatio").max, 0.5);
+  for (const Parameter& one : session.parameters()) {
+    EXPECT_TRUE(one.attribute->range.contains(one.min) && one.attribute->range.contains(one.max))
         << one.attribute->name;
-    EXPECT_TRUE(one.least <= one.value.value_or(one.suggested) && one.value.value_or(one.suggested) <= one.most)
+    EXPECT_TRUE(one.min <= one.value.value_or(one.suggested) && one.value.value_or(one.suggested) <= one.max)
         << one.attribute->name;
   }
 }
@@ -206,26 +207,27 @@ TEST(Session, ThereIsAKnobForEachMemberOfAMaterial) {
 TEST(Session, AttributesCanBeTakenAwayAndGivenAgain) {
   Played played;
   Session session(played.subject(), hand());
-  const auto knob_value = [&](const Snapshot& at, std::string_view name) {
-    const auto knob = std::ranges::find(session.knobs(), name, [](const Knob& one) { return one.attribute->name; });
-    EXPECT_TRUE(knob->may_be_none) << name;
-    return at.knob_values.at(static_cast<std::size_t>(knob - session.knobs().begin()));
+  const auto parameter_value = [&](const Snapshot& at, std::string_view name) {
+    const auto parameter =
+        std::ranges::find(session.parameters(), name, [](const Parameter& one) { return one.attribute->name; });
+    EXPECT_TRUE(parameter->may_be_none) << name;
+    return at.parameter_values.at(static_cast<std::size_t>(parameter - session.parameters().begin()));
   };
   session.set("yieldStress", std::nullopt);
   session.set("fractureStress", 700);
   session.advance(1);
   const Snapshot without = wait_for_step(session, 1);
   ASSERT_EQ(without.messages.size(), 1u);
-  EXPECT_NE(without.messages[0].find("fractureStress tears nothing: without yieldStress"), std::string::npos)
+  EXPECT_NE(without.messages[0].find("fractureStress has no effect: without yieldStress"), std::string::npos)
       << without.messages[0];
-  EXPECT_FALSE(knob_value(without, "yieldStress"));
-  EXPECT_EQ(knob_value(without, "fractureStress"), 700);
+  EXPECT_FALSE(parameter_value(without, "yieldStress"));
+  EXPECT_EQ(parameter_value(without, "fractureStress"), 700);
   session.set("yieldStress", 150);
   session.set("fractureStress", std::nullopt);
   session.advance(1);
   const Snapshot with = wait_for_step(session, 2);
-  EXPECT_EQ(knob_value(with, "yieldStress"), 150);
-  EXPECT_FALSE(knob_value(with, "fractureStress"));
+  EXPECT_EQ(parameter_value(with, "yieldStress"), 150);
+  EXPECT_FALSE(parameter_value(with, "fractureStress"));
   session.stop();
   const Material& material = played.body().materials().front();
   EXPECT_EQ(material.yield_stress, 150);
@@ -238,14 +240,14 @@ TEST(Session, AFactorMovesTheValuesOfAllHexahedra) {
   for (int e = 0; e < 24; ++e) all += std::to_string(4000 + 100 * e) + " ";
   Played played(std::string(kBar).replace(std::string(kBar).find(one), one.size(), all + "'"));
   Session session(played.subject(), hand());
-  const Knob& knob = session.knobs().front();
-  ASSERT_EQ(knob.attribute->name, "youngModulus");
-  EXPECT_EQ(knob.of_hexahedra.size(), 24u);
-  EXPECT_EQ(knob.value, 1);
+  const Parameter& parameter = session.parameters().front();
+  ASSERT_EQ(parameter.attribute->name, "youngModulus");
+  EXPECT_EQ(parameter.of_hexahedra.size(), 24u);
+  EXPECT_EQ(parameter.value, 1);
   session.set("youngModulus", 2.5);
   session.set("youngModulus", 3);  // of the scene's values, not of the latest ones
   session.advance(1);
-  EXPECT_NEAR(wait_for_step(session, 1).knob_values.front().value(), 3, 1e-12);
+  EXPECT_NEAR(wait_for_step(session, 1).parameter_values.front().value(), 3, 1e-12);
   session.stop();
   for (int e = 0; e < 24; ++e)
     EXPECT_NEAR(played.body().materials().at(static_cast<std::size_t>(e)).young_modulus, 3 * (4000 + 100 * e), 1e-9);

@@ -71,9 +71,9 @@ TEST(Camera, TurnsWithTheMouseAndNeverOver) {
   EXPECT_LT(camera.pixel_of(Vec3(0, 0.5, 0)).y(), 400 + 1e-9) << "up is not below";
 }
 
-output::Staging staging(std::vector<output::Skin> skins) {
+output::Staging staging(std::vector<output::EmbeddedSurface> embedded_surfaces) {
   output::Staging staging;
-  staging.skins = std::move(skins);
+  staging.embedded_surfaces = std::move(embedded_surfaces);
   return staging;
 }
 
@@ -114,17 +114,17 @@ TEST(Figure, ShowsTheFacesThatAreLeft) {
 
 TEST(Figure, TheMouseMeetsWhatIsShown) {
   const HexMesh mesh = support::block({1, 1, 3}, 1);
-  output::Skin skin;  // a square in the middle of the bar, askew
-  skin.points.resize(4, 3);
-  skin.points << 0, 0, 1.5, 1, 0, 1.5, 1, 1, 1.9, 0, 1, 1.9;
-  skin.triangles = {{0, 1, 2}, {0, 2, 3}};
-  Figure figure(mesh, staging({skin}));
+  output::EmbeddedSurface embedded;  // a square in the middle of the bar, askew
+  embedded.points.resize(4, 3);
+  embedded.points << 0, 0, 1.5, 1, 0, 1.5, 1, 1, 1.9, 0, 1, 1.9;
+  embedded.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Figure figure(mesh, staging({embedded}));
   const Snapshot snapshot = moment(mesh);
   const Ray down{Vec3(0.4, 0.5, 9), Vec3(0, 0, -1)};
 
-  figure.update(snapshot, {.shows_skins = false});
+  figure.update(snapshot, {.shows_embedded_surfaces = false});
   EXPECT_NEAR(figure.hit(down)->place.z(), 4.5, 1e-12);
-  figure.update(snapshot, {.shows_skins = true});
+  figure.update(snapshot, {.shows_embedded_surfaces = true});
   EXPECT_NEAR(figure.hit(down)->place.z(), 1.5 * 1.7, 1e-12) << "it is carried by the hexahedra";
   EXPECT_EQ(figure.triangles().size(), 6u);
   for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);

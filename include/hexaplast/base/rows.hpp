@@ -17,13 +17,13 @@ class Archive;
 
 /// Admissible values of a number, or of each number of a list. NaN lies in no range.
 struct Range {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-  bool without_least = false;  ///< `least` itself is not admissible
-  bool without_most = false;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool exclusive_min = false;  ///< `min` itself is not admissible
+  bool exclusive_max = false;
 
   constexpr bool contains(double value) const {
-    return (without_least ? value > least : value >= least) && (without_most ? value < most : value <= most);
+    return (exclusive_min ? value > min : value >= min) && (exclusive_max ? value < max : value <= max);
   }
 };
 
@@ -55,11 +55,11 @@ constexpr Member<Options> member_at(T Options::*) {
                                    : MemberType::kReal,
           [](const Options& options) { return static_cast<double>(options.*member); },
           [](Options& options, double value) {
-            constexpr double kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
+            constexpr double kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
             if constexpr (std::is_same_v<T, double>)
               options.*member = value;
             else
-              options.*member = static_cast<T>(static_cast<int>(std::clamp(value, kLeast, kMost)));
+              options.*member = static_cast<T>(static_cast<int>(std::clamp(value, kMin, kMax)));
           }};
 }
 
@@ -85,8 +85,8 @@ struct Row {
   std::span<const std::string_view> words = {};  ///< of a kWord, in the order of its enumerators
   bool may_vary = false;                         ///< scenes may give a value for each hexahedron
   Range per_step = {};                           ///< of a rate: admissible products with the time step
-  double advised_per_step = std::numeric_limits<double>::infinity();  ///< above, results lose accuracy
-  std::string_view help = {};                                         ///< members by their names in scenes
+  double recommended_per_step = std::numeric_limits<double>::infinity();  ///< above, results lose accuracy
+  std::string_view help = {};                                             ///< members by their names in scenes
   Member<Options> at = {};
 
   std::string_view called(Names names) const { return names == Names::kScenes ? name : member; }

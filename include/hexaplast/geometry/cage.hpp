@@ -8,10 +8,10 @@
 
 namespace hexaplast {
 
-/// Axis-aligned box [least, most] [m] cut into cells[0] x cells[1] x cells[2] equal cells: what a cage is cut out of.
+/// Axis-aligned box [min, max] [m] cut into cells[0] x cells[1] x cells[2] equal cells: what a cage is cut out of.
 struct CageGrid {
   std::array<int, 3> cells{1, 1, 1};
-  Vec3 least = Vec3::Zero(), most = Vec3::Ones();
+  Vec3 min = Vec3::Zero(), max = Vec3::Ones();
 };
 
 /// Share of its size by which the box around a surface is widened at either side: no part of the surface then lies in

@@ -32,7 +32,7 @@ class Embedding {
   /// The hexahedron that a point lies in, or the nearest one.
   int hexahedron_of(int point) const { return anchors_[point].hexahedron; }
 
-  /// How many points lie outside all hexahedra, and the greatest distance [m] of one from them.
+  /// How many points lie outside all hexahedra, and the largest distance [m] of one from them.
   int num_outside() const { return num_outside_; }
   double greatest_distance() const { return greatest_distance_; }
 

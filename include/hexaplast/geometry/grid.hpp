@@ -7,13 +7,13 @@
 
 namespace hexaplast {
 
-/// Axis-aligned box [least, most] [m] cut into cells[0] x cells[1] x cells[2] hexahedra.
+/// Axis-aligned box [min, max] [m] cut into cells[0] x cells[1] x cells[2] hexahedra.
 /// Node (i, j, k) has the index i + nx (j + ny k), elements are numbered alike (x fastest): the order of SOFA's
 /// RegularGridTopology. Throws InputError for a cell count < 1, an empty box, or more nodes than an int can count.
-HexMesh regular_grid(std::array<int, 3> cells, const Vec3& least, const Vec3& most);
+HexMesh regular_grid(std::array<int, 3> cells, const Vec3& min, const Vec3& max);
 
 /// The faces of all cells of such a grid, each once, in the order of SOFA's grids: those normal to z, then y, then x,
-/// each from its least corner, with normals along +z, -y and +x.
+/// each from its lower corner, with normals along +z, -y and +x.
 std::vector<Quad> grid_quads(std::array<int, 3> cells);
 
 /// Its edges, each once: those along x, then y, then z.

@@ -11,8 +11,8 @@ namespace hexaplast {
 struct EndSections {
   int axis = 0;                          ///< 0, 1, 2: the longest direction (the first one of equals)
   double length = 0;                     ///< [m] original distance of the two sections
-  std::vector<int> least;                ///< nodes with the least coordinate along the axis
-  std::vector<int> most;                 ///< nodes with the greatest one
+  std::vector<int> min;                  ///< nodes with the smallest coordinate along the axis
+  std::vector<int> max;                  ///< nodes with the largest one
   std::vector<std::vector<int>> layers;  ///< all nodes, grouped by equal original coordinate along the axis, ascending
 };
 
@@ -20,7 +20,7 @@ EndSections end_sections(const HexMesh& mesh);
 
 /// What follows throws InputError for positions of other than num_nodes rows.
 
-/// (mean axial position of `most` - mean of `least`) / length - 1.
+/// (mean axial position of `max` - mean of `min`) / length - 1.
 double elongation(const EndSections& ends, ConstPoints at);
 
 /// Angle [rad, in (-pi, pi]] by which a section of nodes has turned about the axis: the rotation that best fits

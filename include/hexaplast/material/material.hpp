@@ -112,12 +112,12 @@ void validate(const Settings& settings, Names names = Names::kMembers);
 
 /// Largest admissible products with the time step, and those above which results lose accuracy.
 inline constexpr double kLargestFlowPerStep = 1.0;               // more than all of the excess cannot flow
-inline constexpr double kAdvisedFlowPerStep = 0.05;              // 2 % error of the plastic result
+inline constexpr double kRecommendedFlowPerStep = 0.05;          // 2 % error of the plastic result
 inline constexpr double kLargestRestitutionPerStep = 2.0 / 3.0;  // volume error is multiplied by 1 - 3 c dt per step
-inline constexpr double kAdvisedRestitutionPerStep = 0.3;
+inline constexpr double kRecommendedRestitutionPerStep = 0.3;
 
 /// Checks nu dt, nu^R dt, c dt and those of any further rate. Throws InputError where a limit is passed, otherwise
-/// returns one sentence per advised limit that is passed.
+/// returns one sentence per recommended limit that is passed.
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
                                          Names names = Names::kMembers);
 

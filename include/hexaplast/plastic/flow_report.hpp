@@ -15,11 +15,11 @@ struct AveragingReport {
 /// What happened in one plastic step. Counts are elements.
 struct FlowReport {
   int yielded = 0;                ///< with flow of stretch or rotation at some corner
-  int inverted = 0;               ///< turned inside out at some corner (det F~ < 0)
-  int guarded = 0;                ///< kept elastic because they are inverted or nearly so
-  int repaired = 0;               ///< whose material shape was led back towards the original one
+  int inverted = 0;               ///< inverted at some corner (det F~ < 0)
+  int skipped = 0;                ///< without flow, because inverted or nearly so
+  int repaired = 0;               ///< whose plastic rest shape was moved towards the initial one
   int removed = 0;                ///< broken in this step: the last ones of Body::removed
-  double worst_volume_error = 0;  ///< greatest |material volume / original volume - 1| of an element, before the step
+  double worst_volume_error = 0;  ///< max |volume without load / initial volume - 1| of an element, before the step
   AveragingReport averaging;
 };
 

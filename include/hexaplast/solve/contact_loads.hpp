@@ -21,7 +21,7 @@ void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f);
 
 /// |n.direction| for the unit normal n of a face: by how much a pressure along one direction acts on it. 1 where
 /// `direction` is zero.
-double share_along(const Triangle& face, const Vec3& direction, ConstPoints x);
+double fraction_along(const Triangle& face, const Vec3& direction, ConstPoints x);
 
 /// Area [m^2] of a quad, as the two triangles on either side of its first diagonal.
 double area(const Quad& face, ConstPoints x);
@@ -37,7 +37,7 @@ struct Obstacle {
   double distance = 0;     ///< [m]
   double stiffness = 500;  ///< [N/m]
   double damping = 5;      ///< [N s/m^2]
-  double most_force = 0;   ///< [N] on a node; 0: no limit
+  double max_force = 0;    ///< [N] on a node; 0: no limit
   bool bilateral = false;  ///< both sides push back towards the plane
 
   /// The nodes that touch it, ascending, to which the stiffness below refers.

@@ -15,10 +15,10 @@ namespace hexaplast {
 std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, const Vec3& place, double radius);
 
 /// An instrument's hold on n nodes. A spring ties each of them to the place that it had, relative to the tool, when the
-/// grip closed; it pulls ever harder up to a limit, and the node then lags behind:
+/// grip closed; it pulls ever harder up to a limit, and the node then stays behind:
 ///
-///   g_i = tool + arm_i - x_i                           lag of node i [m]
-///   f_i = k g_i min(1, F / (k |g_i|))                  k = stiffness / n,  F = most_force / n
+///   g_i = tool + arm_i - x_i                           elongation of node i [m]
+///   f_i = k g_i min(1, F / (k |g_i|))                  k = stiffness / n,  F = max_force / n
 ///
 ///   df_i/dx_i = -k I                                   |g_i| <= F / k
 ///             = -F / |g_i| (I - g_i g_i^T / |g_i|^2)   beyond
@@ -27,25 +27,25 @@ std::vector<int> nodes_near(ConstPoints x, std::span<const int> candidates, cons
 ///         = F |g_i| - F^2 / 2k                       beyond
 ///
 /// The potential is convex, so that minus the derivative of the forces is symmetric and positive semi-definite; the sum
-/// of the forces is never greater than most_force.
+/// of the forces is never greater than max_force.
 ///
 /// Beside each spring stands a dashpot, f_i = -c (v_i - v_tool) with c = damping / n, which the limit does not concern.
 ///
-/// InputError, in every build: a held node that a field (num_nodes x 3) has not, or lags that are not one row per held
-/// node, as those of another grip or of an earlier hold are.
+/// InputError, in every build: a held node that a field (num_nodes x 3) has not, or elongations that are not one row
+/// per held node, as those of another grip or of an earlier hold are.
 struct Grip {
-  std::vector<int> nodes = {};                                  ///< empty: the grip is open
-  PointArray arms = {};                                         ///< [m] one row per node, from the tool
-  double stiffness = 0;                                         ///< [N/m] of all springs together
-  double most_force = std::numeric_limits<double>::infinity();  ///< [N] of all springs together
-  double damping = 0;                                           ///< [N s/m] of all dashpots together
+  std::vector<int> nodes = {};                                 ///< empty: the grip is open
+  PointArray arms = {};                                        ///< [m] one row per node, from the tool
+  double stiffness = 0;                                        ///< [N/m] of all springs together
+  double max_force = std::numeric_limits<double>::infinity();  ///< [N] of all springs together
+  double damping = 0;                                          ///< [N s/m] of all dashpots together
 
   /// Closes on nodes where they are. x: num_nodes x 3 [m].
   void close(std::vector<int> held, const Vec3& tool, ConstPoints x);
   void open();
 
-  /// g_i [m], one row per held node, to which the stiffness below refers; `lags` gets that size.
-  void lags_at(const Vec3& tool, ConstPoints x, PointArray& lags) const;
+  /// g_i [m], one row per held node, to which the stiffness below refers; `elongations` gets that size.
+  void elongations_at(const Vec3& tool, ConstPoints x, PointArray& elongations) const;
 
   /// f += forces [N].
   void add_force(const Vec3& tool, ConstPoints x, Points f) const;
@@ -53,14 +53,14 @@ struct Grip {
   /// Sum of psi_i [J]: the forces are minus its gradient with respect to x.
   double energy(const Vec3& tool, ConstPoints x) const;
 
-  /// Sum of the forces [N] at some lags: what the tool exerts on the body.
-  Vec3 total_force(ConstPoints lags) const;
+  /// Sum of the forces [N] at some elongations: what the tool exerts on the body.
+  Vec3 total_force(ConstPoints elongations) const;
 
-  void add_stiffness_product(ConstPoints lags, double factor, ConstPoints dx, Points df) const;
-  void add_stiffness_blocks(ConstPoints lags, double factor, BlockMatrix& A) const;
+  void add_stiffness_product(ConstPoints elongations, double factor, ConstPoints dx, Points df) const;
+  void add_stiffness_blocks(ConstPoints elongations, double factor, BlockMatrix& A) const;
 
   /// diagonal += that of factor K, if K has no other entries: false when a spring is at its limit.
-  bool add_stiffness_diagonal(ConstPoints lags, double factor, Points diagonal) const;
+  bool add_stiffness_diagonal(ConstPoints elongations, double factor, Points diagonal) const;
 
   /// f += forces [N] of the dashpots at velocities v (num_nodes x 3) [m/s]. Returns their sum: what they do to the
   /// body.
@@ -71,11 +71,11 @@ struct Grip {
   void add_damping_diagonal(double factor, Points diagonal) const;
 
  private:
-  double share(double of_all) const { return of_all / static_cast<double>(nodes.size()); }
-  bool is_at_limit(const Vec3& lag) const;
-  Vec3 lag(std::size_t i, const Vec3& tool, ConstPoints x) const;
-  Vec3 force(const Vec3& lag) const;
-  Mat3 stiffness_at(const Vec3& lag) const;
+  double per_node(double of_all) const { return of_all / static_cast<double>(nodes.size()); }
+  bool is_at_limit(const Vec3& elongation) const;
+  Vec3 elongation(std::size_t i, const Vec3& tool, ConstPoints x) const;
+  Vec3 force(const Vec3& elongation) const;
+  Mat3 stiffness_at(const Vec3& elongation) const;
 };
 
 }  // namespace hexaplast

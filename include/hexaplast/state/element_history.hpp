@@ -15,7 +15,7 @@ using CornerTensors = std::array<Mat3, kCorners>;
 struct ElementHistory {
   ElementPoints rest_shape;       ///< [m] y: isolated rest shape, about the element's own mean
   CornerTensors rotation_map;     ///< Pi: rest frame -> material frame; eight equal ones where the mode has one
-  CornerValues yield_stress;      ///< [Pa] tau; infinite where it never yields
+  CornerValues yield_stress;      ///< [Pa] tau; infinite if it never yields
   CornerValues rotation_yield;    ///< [rad] tau^R
   CornerValues plastic_strain;    ///< [-] accumulated sqrt(2/3) gamma |dev log D|_F
   CornerTensors plastic_stretch;  ///< product of the S^p, in the rest frame; identity unless the model tracks it

@@ -14,9 +14,8 @@ inline const std::vector<Attribute> kHexahedronFEMAttributes = {
      .type = Type::kWord,
      .initial = "large",
      .words = "large polar small",
-     .help =
-         "Accepted, and the same here for all three: rotations are taken out at eight points of each hexahedron, and "
-         "not once for the whole of it as in SOFA (in small not at all)."},
+     .help = "Accepted, and the same here for all three: rotations are removed at eight points of each hexahedron, and "
+             "not once for the whole of it as in SOFA (in small not at all)."},
     {.name = "updateStiffnessMatrix",
      .type = Type::kWord,
      .initial = "false",
@@ -30,7 +29,7 @@ inline const std::vector<Attribute> kHexahedronFEMAttributes = {
      .help = "Stiffness-proportional damping of this body in the system matrix alone, besides the solver's own."},
     {.name = "topology",
      .type = Type::kLink,
-     .help = "The hexahedra; the topology of the node (or of the nearest one above) where it is not given."},
+     .help = "The hexahedra; default: the topology of the node, or of the nearest one above."},
     ignored_attribute("gatherPt", "Ignored here: for graphics processors."),
     ignored_attribute("gatherBsize", "Ignored here: for graphics processors."),
     visual_attribute("drawing"),

@@ -43,7 +43,7 @@ inline constexpr Attribute kPartialFixedProjectiveConstraintAttributes[] = {
     {.name = "fixedDirections",
      .type = Type::kIntegers,
      .initial = "1 1 1",
-     .range = {.least = 0, .most = 1},
+     .range = {.min = 0, .max = 1},
      .help = "1 for each of x, y, z that is held, 0 where nodes move freely."},
     kProjectVelocity,
     kConstraintTopology,
@@ -97,7 +97,7 @@ inline constexpr Attribute kPartialLinearMovementProjectiveConstraintAttributes[
     {.name = "movedDirections",
      .type = Type::kIntegers,
      .initial = "1 1 1",
-     .range = {.least = 0, .most = 1},
+     .range = {.min = 0, .max = 1},
      .help = "1 for each of x, y, z in which nodes are moved, 0 where they are free."},
     kConstraintTopology,
     {.name = "linearMovementBetweenNodesInIndices",
@@ -139,8 +139,8 @@ inline constexpr Description kAffineMovementProjectiveConstraint{
     .class_name = "AffineMovementProjectiveConstraint",
     .category = "ProjectiveConstraint",
     .help =
-        "Moves nodes on straight lines to an affine image of where they began, and holds them there, always without "
-        "velocity. A step from t to t + dt ends with the position at t, as in SOFA.",
+        "Moves nodes on straight lines to an affine image of their initial positions and holds them there, always "
+        "without velocity. A step from t to t + dt ends with the position at t, as in SOFA.",
     .templates = kVec3Templates,
     .attributes = kAffineMovementProjectiveConstraintAttributes};
 

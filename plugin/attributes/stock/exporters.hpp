@@ -10,14 +10,13 @@ namespace hexaplast::attributes {
 inline constexpr Attribute kVTKExporterAttributes[] = {
     {.name = "filename",
      .type = Type::kText,
-     .help =
-         "Where to write, below the directory of the run; the component's name where not given. A number from 0 on and "
-         ".vtu are added."},
+     .help = "Where to write, below the directory of the run; default: the component's name. A number from 0 on and "
+             ".vtu are added."},
     {.name = "exportEveryNumberOfSteps",
      .type = Type::kInteger,
      .initial = "0",
-     .range = {.least = 0, .most = 1e9},
-     .help = "Writes at the end of every so many steps; 0: not."},
+     .range = {.min = 0, .max = 1e9},
+     .help = "Number of steps between two files; 0: none."},
     {.name = "exportAtBegin", .type = Type::kBool, .initial = "false", .help = "Also writes before the first step."},
     {.name = "exportAtEnd",
      .type = Type::kWord,
@@ -37,7 +36,7 @@ inline constexpr Attribute kVTKExporterAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Points; those of the mechanical state of the node (or of the nearest one above) where not given."},
+     .help = "Points; default: those of the mechanical state of the node, or of the nearest one above."},
     {.name = "edges", .type = Type::kBool, .initial = "true", .help = "Writes the edges of the topology."},
     {.name = "triangles", .type = Type::kBool, .initial = "false", .help = "Writes its triangles."},
     {.name = "quads", .type = Type::kBool, .initial = "false", .help = "Writes its quads."},
@@ -56,9 +55,8 @@ inline constexpr Description kVTKExporter{
     .class_name = "VTKExporter",
     .category = "Exporter",
     .help =
-        "Writes the nodes and cells of its node as VTK files during the run. Cells that have "
-        "gone with torn hexahedra are left out, those of surfaces that follow "
-        "a body too; the points stay.",
+        "Writes the nodes and cells of its node as VTK files during the run. Cells of removed hexahedra are omitted, "
+        "also those of surfaces that follow a body; the points stay.",
     .attributes = kVTKExporterAttributes};
 
 inline constexpr Attribute kWriteStateAttributes[] = {

@@ -32,7 +32,7 @@ inline constexpr Attribute kExtrudeQuadsAndGenerateHexasAttributes[] = {
     {.name = "numberOfSlices",
      .type = Type::kInteger,
      .initial = "1",
-     .range = {.least = 1, .most = 1000000},
+     .range = {.min = 1, .max = 1000000},
      .help = "Hexahedra across the thickness."},
     {.name = "extrudedVertices",
      .type = Type::kVectors3,
@@ -52,7 +52,7 @@ inline constexpr Attribute kExtrudeQuadsAndGenerateHexasAttributes[] = {
      .access = Access::kOutput,
      .help = "Hexahedra: numberOfSlices for each quad, from the inner side outward."},
     ignored_attribute("flipNormals",
-                      "Ignored here: it turns hexahedra inside out or back in SOFA, and here all are right side out."),
+                      "Ignored here: in SOFA it inverts hexahedra; here all have the correct orientation."),
     visual_attribute("isVisible"),
 };
 inline constexpr Description kExtrudeQuadsAndGenerateHexas{

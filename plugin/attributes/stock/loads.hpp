@@ -8,7 +8,7 @@
 namespace hexaplast::attributes {
 
 inline constexpr Attribute kConstantForceFieldAttributes[] = {
-    {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes; all of them where not given."},
+    {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes; default: all."},
     {.name = "forces",
      .type = Type::kVectors3,
      .unit = "N",
@@ -17,7 +17,7 @@ inline constexpr Attribute kConstantForceFieldAttributes[] = {
      .type = Type::kVector3,
      .initial = "0 0 0",
      .unit = "N",
-     .help = "Shared equally by the nodes."},
+     .help = "Divided equally among the nodes."},
     {.name = "indexFromEnd",
      .type = Type::kBool,
      .initial = "false",
@@ -56,7 +56,7 @@ inline constexpr Description kLinearForceField{.class_name = "LinearForceField",
 inline constexpr Attribute kLoadTopology{
     .name = "topology",
     .type = Type::kLink,
-    .help = "The faces; the topology of the node (or of the nearest one above) where it is not given."};
+    .help = "The faces; default: the topology of the node, or of the nearest one above."};
 
 inline constexpr Attribute kSurfacePressureAttributes[] = {
     {.name = "pressure",
@@ -68,11 +68,11 @@ inline constexpr Attribute kSurfacePressureAttributes[] = {
     {.name = "quadIndices",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Quads of the topology; all that lie between min and max where not given."},
+     .help = "Quads of the topology; default: all that lie between min and max."},
     {.name = "triangleIndices",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Triangles of the topology; all that lie between min and max where not given."},
+     .help = "Triangles of the topology; default: all that lie between min and max."},
     {.name = "min",
      .type = Type::kVector3,
      .initial = "0 0 0",
@@ -103,8 +103,8 @@ inline constexpr Description kSurfacePressureForceField{
     .class_name = "SurfacePressureForceField",
     .category = "ForceField",
     .help =
-        "Pressure on faces at their present shape. A quad counts as two triangles; each gives a third of its force "
-        "to each node. Faces that have gone with torn hexahedra carry none.",
+        "Pressure on faces in their current shape. A quad counts as two triangles; each gives a third of its force to "
+        "each node. Faces of removed hexahedra carry no load.",
     .templates = kVec3Templates,
     .attributes = kSurfacePressureAttributes};
 
@@ -117,7 +117,7 @@ inline constexpr Attribute kQuadPressureAttributes[] = {
     {.name = "quadList",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Quads of the topology; those between dmin and dmax where not given."},
+     .help = "Quads of the topology; default: those between dmin and dmax."},
     {.name = "normal",
      .type = Type::kVector3,
      .initial = "0 0 0",
@@ -136,7 +136,7 @@ inline constexpr Description kQuadPressureForceField{
     .category = "ForceField",
     .help =
         "A force per area on quads that neither turns nor grows with them: a quarter of each quad's force to each of "
-        "its nodes. Quads that have gone with torn hexahedra carry none.",
+        "its nodes. Quads of removed hexahedra carry no load.",
     .templates = kVec3Templates,
     .attributes = kQuadPressureAttributes};
 

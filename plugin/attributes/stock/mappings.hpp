@@ -11,13 +11,11 @@ inline constexpr Attribute kMappingInput{
     .name = "input",
     .type = Type::kLink,
     .help =
-        "The state that is followed, or its node; that of the node above (or of the nearest one above that) where it "
-        "is not given."};
-inline constexpr Attribute kMappingOutput{.name = "output",
-                                          .type = Type::kLink,
-                                          .help =
-                                              "The state that follows, or its node; that of this node where it is not "
-                                              "given. An OglModel follows in pictures."};
+        "The state that is followed, or its node; default: that of the node above, or of the nearest one above that."};
+inline constexpr Attribute kMappingOutput{
+    .name = "output",
+    .type = Type::kLink,
+    .help = "The mapped state, or its node; default: that of this node. In pictures an OglModel follows."};
 
 inline constexpr Attribute kBarycentricMappingAttributes[] = {
     kMappingInput,
@@ -25,13 +23,11 @@ inline constexpr Attribute kBarycentricMappingAttributes[] = {
     {.name = "useRestPosition",
      .type = Type::kBool,
      .initial = "false",
-     .help = "Whether points are looked for in the rest shape, at their rest positions, or as both stand at the "
-             "beginning."},
+     .help = "Whether points are located in the rest positions, or in the positions at the beginning."},
     {.name = "input_topology",
      .type = Type::kLink,
-     .help = "The hexahedra; the topology of the followed state's node where it is not given."},
-    ignored_attribute("output_topology",
-                      "Ignored here: points are not removed; VTKExporter leaves out cells that have gone."),
+     .help = "The hexahedra; default: the topology of the followed state's node."},
+    ignored_attribute("output_topology", "Ignored here: points are not removed; VTKExporter omits removed cells."),
     ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
     ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),
     ignored_attribute("mapConstraints", "Ignored here: there are no Lagrangian constraints."),
@@ -42,10 +38,9 @@ inline constexpr Description kBarycentricMapping{
     .help =
         "Points that move with the hexahedra they lie in, at their exact trilinear coordinates in hexahedra of any "
         "shape (SOFA's are affine there, and points jump at the beginning). Points outside follow the nearest "
-        "hexahedron's motion to first order; how many there are is said. Forces and stiffness on points act on the "
-        "hexahedra, with the same force and moment. Where hexahedra are torn away, cells of the points in them count "
-        "as "
-        "gone; the points go on with the nodes.",
+        "hexahedron's motion to first order; a message gives their number. Forces and stiffness on points act on the "
+        "hexahedra, with the same force and moment. Where hexahedra are removed, cells of the points in them count as "
+        "removed; the points continue to follow the nodes.",
     .templates = "Vec3,Vec3 Vec3d,Vec3d",
     .attributes = kBarycentricMappingAttributes};
 

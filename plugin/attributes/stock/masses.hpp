@@ -26,7 +26,7 @@ inline constexpr Attribute kUniformMassAttributes[] = {
      .type = Type::kReal,
      .unit = "kg",
      .range = kPositive,
-     .help = "Shared equally by all nodes."},
+     .help = "Divided equally among all nodes."},
     {.name = "vertexMass",
      .type = Type::kReal,
      .unit = "kg",
@@ -47,16 +47,15 @@ inline constexpr Description kUniformMass{.class_name = "UniformMass",
 inline constexpr Attribute kMassTopology{
     .name = "topology",
     .type = Type::kLink,
-    .help = "The hexahedra; the topology of the node (or of the nearest one above) where it is not given."};
+    .help = "The hexahedra; default: the topology of the node, or of the nearest one above."};
 
 inline constexpr Attribute kDiagonalMassAttributes[] = {
     {.name = "totalMass",
      .type = Type::kReal,
      .unit = "kg",
      .range = kPositive,
-     .help =
-         "Of the whole body, spread by volume. Counts before massDensity, which counts before vertexMass; 1 kg where "
-         "none is given."},
+     .help = "Of the whole body, spread by volume. Counts before massDensity, which counts before vertexMass; 1 kg if "
+             "none is given."},
     {.name = "massDensity",
      .type = Type::kReal,
      .unit = "kg/m^3",
@@ -85,7 +84,7 @@ inline constexpr Attribute kMeshMatrixMassAttributes[] = {
      .type = Type::kReal,
      .unit = "kg",
      .range = kPositive,
-     .help = "Of the whole body, spread by volume. Counts before massDensity; 1 kg where none is given."},
+     .help = "Of the whole body, spread by volume. Counts before massDensity; 1 kg if none is given."},
     {.name = "massDensity",
      .type = Type::kReals,
      .unit = "kg/m^3",

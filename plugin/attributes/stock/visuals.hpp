@@ -74,7 +74,7 @@ inline constexpr Attribute kInteractiveCameraAttributes[] = {
     {.name = "fieldOfView",
      .type = Type::kReal,
      .unit = "deg",
-     .range = {.least = 0, .most = 180, .without_least = true, .without_most = true},
+     .range = {.min = 0, .max = 180, .exclusive_min = true, .exclusive_max = true},
      .help = "Angle from the lower to the upper border. Where it is given, pictures are taken from the camera's very "
              "position; otherwise its direction counts, and distance and detail are fitted to the run."},
     {.name = "projectionType",

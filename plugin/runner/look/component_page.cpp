@@ -21,37 +21,38 @@ using attributes::Description;
 constexpr std::string_view kIntroduction =
     R"(# Components
 
-What scenes may name, made by `hexaplast list --markdown` from the table that also checks what scenes say. Names, defaults
-and meaning are SOFA's wherever SOFA has the component. Units are SI.
+Components and attributes of scenes. `hexaplast list --markdown` prints this page from the table that also checks scenes.
+Names, defaults and meaning are SOFA's wherever SOFA has the component. Units are SI.
 
 A scene is XML: nodes hold nodes and components, `<BoxROI .../>` or `<Object type="BoxROI" .../>`. This one runs; save it
-as `beam.scn` and try `hexaplast run beam.scn`, or `hexaplast check beam.scn` to see what it means before it moves:
+as `beam.scn` and try `hexaplast run beam.scn`, or `hexaplast check beam.scn` for a model check:
 
 ```xml
 {}```
 
-The examples below go into its node `body`, behind what stands there. A solver, topology, mechanical state, mass, body of
-hexahedra, animation loop or RunSettings takes the place of the one that is there.
+The examples below are added at the end of its node `body`. A solver, topology, mechanical state, mass, body of hexahedra,
+animation loop or RunSettings replaces the one that is there.
 
 **Values.** Numbers are separated by blanks, with a decimal point; `nan`, `inf` and numbers out of range are refused. Among
 whole numbers `3-7` stands for 3 4 5 6 7, `7-3` for 7 6 5 4 3, and `0-10-5` for 0 5 10. Attributes whose name begins with `_`
-or `NO` are switched off.
+or `NO` are ignored.
 
-**Links.** `@path` leads to a node or component, `@path.attribute` to an attribute, which is followed from then on, wherever
-in the file it stands. A path is a name, looked for in the node and then in the nodes above; or it begins with `/` (the root),
-`./` (this node) or `../` (the node above), and goes on with names; `[-1]` is the component before this one, and `@.dt` an
-attribute of the node itself. What nothing is named after may be a class of which the node holds one component. Components
-without a name are called by their class and a number: `BoxROI1`, `BoxROI2`.
+**Links.** `@path` refers to a node or component, `@path.attribute` to an attribute, whose changes are followed. The target
+may be anywhere in the file. A path is a name, which is searched in the node and then in the nodes above; or it begins with
+`/` (the root), `./` (this node) or `../` (the node above), followed by names. `[-1]` is the component before this one, and
+`@.dt` an attribute of the node itself. A name that no component has may be a class of which the node holds one component.
+Components without a name are named by their class and a number: `BoxROI1`, `BoxROI2`.
 
-**Includes.** `<include href="part.xml"/>` stands for the root element of another file, found from the including one.
+**Includes.** `<include href="part.xml"/>` is replaced by the root element of another file; its path is relative to the
+including file.
 `name="..."` renames it; any other attribute replaces the one of that name wherever the file gives it, and `X__attribute`
 only in elements named X. A root named `Group` is replaced by its members; one named `_Merge_` is merged into the
 including node, class by class and name by name. At most 16 levels.
 
-**Strictness.** Unknown components and attributes, values out of range and links that lead nowhere are errors, with file,
-line and the name that was probably meant. `--sofa-compat` passes over unknown components, attributes, templates and
-plugins with a warning, as SOFA does. There is no contact between bodies: SOFA's components of collision are errors too,
-and with `--sofa-compat` one warning that bodies pass through each other.
+**Strictness.** Unknown components and attributes, values out of range and links without a target are errors, with file,
+line and the name that was probably meant. `--sofa-compat` skips unknown components, attributes, templates and plugins with
+a warning, as SOFA does. There is no contact between bodies: SOFA's collision components are errors too, and with
+`--sofa-compat` they give one warning that bodies pass through each other.
 
 **Attributes of every component.**
 
@@ -133,17 +134,16 @@ std::string ignored_components(const std::vector<const Description*>& components
     names += fmt::format("{}`{}`", names.empty() ? "" : ", ", component->class_name);
   }
   std::string text =
-      "\n## Components without effect\n\nWhatever attributes they have, nothing of them is read. All but those of "
-      "collision are accepted, so that scenes written for SOFA can be read.\n\n| components | here |\n| --- | --- "
-      "|\n";
+      "\n## Components without effect\n\nTheir attributes are not read. All but the collision components are accepted, "
+      "so that scenes written for SOFA can be read.\n\n| components | here |\n| --- | --- |\n";
   for (const auto& [reason, names] : names_of) text += fmt::format("| {} | {} |\n", names, reason);
   return text;
 }
 
 std::string renamed_components() {
   std::string text =
-      "\n## Old names\n\nAccepted with a note; the names that SOFA has given up are refused with a hint.\n\n"
-      "| old name | | name |\n| --- | --- | --- |\n";
+      "\n## Old names\n\nAccepted with a note; names that SOFA has removed are refused with a hint.\n\n| old name | | "
+      "name |\n| --- | --- | --- |\n";
   for (const auto& renamed : attributes::kRenamedClasses)
     text += fmt::format("| `{}` | accepted | `{}` |\n", renamed.old_name, renamed.name);
   for (const auto& retired : attributes::kRetiredClasses)

@@ -43,8 +43,8 @@ Json words(std::string_view text) {
 // What is not limited is left out, as JSON has no infinity.
 Json json_of(const attributes::Range& range) {
   Json json = Json::object();
-  if (std::isfinite(range.least)) json[range.without_least ? "above" : "least"] = range.least;
-  if (std::isfinite(range.most)) json[range.without_most ? "below" : "most"] = range.most;
+  if (std::isfinite(range.min)) json[range.exclusive_min ? "above" : "least"] = range.min;
+  if (std::isfinite(range.max)) json[range.exclusive_max ? "below" : "most"] = range.max;
   return json;
 }
 

@@ -154,7 +154,7 @@ struct Subject {
 
 std::string ghost_name(const RenderOptions& options) {
   if (options.ghost == "none") return "";
-  return options.ghost == "rest" ? kRestShape : "original shape";
+  return options.ghost == "rest" ? kRestShape : "initial shape";
 }
 
 /// What is shown is the rest shape, which nothing acts on.
@@ -188,15 +188,15 @@ output::Staging staging_of(const Subject& subject, const RenderOptions& options)
     restore(*subject.manifest->pictures, staging);
     if (asked_for) staging.viewpoint = asked_for;
   }
-  staging.skins = subject.run.skins();
+  staging.embedded_surfaces = subject.run.embedded_surfaces();
   // a surface has no inside that a cut could show
   const std::string show = options.show.empty() && staging.cut ? "hexahedra" : options.show;
-  if (show == "surfaces" && staging.skins.empty())
+  if (show == "surfaces" && staging.embedded_surfaces.empty())
     throw UsageError("--show surfaces: this run holds no surface.pvd, its scene shows none");
-  if (show == "hexahedra") staging.skins.clear();
+  if (show == "hexahedra") staging.embedded_surfaces.clear();
   if (!show.empty()) staging.shows_hexahedra = show != "surfaces";
   // where there is no manifest
-  if (staging.skins.empty()) staging.shows_hexahedra = true;
+  if (staging.embedded_surfaces.empty()) staging.shows_hexahedra = true;
   if (options.no_marks || is_free_of_loads(options)) staging.gravity.setZero();
   return staging;
 }
@@ -328,14 +328,13 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
                               ->excludes(slice)
                               ->excludes(view)
                               ->excludes(camera);
-  command
-      ->add_option("--shape", options.shape, "The body as it lies in the world, or its rest shape, free of all loads")
+  command->add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")
       ->check(CLI::IsMember({"world", "rest"}))
       ->type_name("world|rest")
       ->capture_default_str();
-  command->add_option("--ghost", options.ghost, "What stands behind as a pale shape")
-      ->check(CLI::IsMember({"original", "rest", "none"}))
-      ->type_name("original|rest|none")
+  command->add_option("--ghost", options.ghost, "Pale shape behind the body")
+      ->check(CLI::IsMember({"initial", "rest", "none", "original"}))  // original: the older name of initial
+      ->type_name("initial|rest|none")
       ->capture_default_str();
   command
       ->add_option(

@@ -23,7 +23,7 @@ struct RenderOptions {
   std::optional<long> step;
   std::string field, range, view, camera, size, slice, sections;  ///< see add_render; empty: not given
   std::string shape = "world";
-  std::string ghost = "original";
+  std::string ghost = "initial";
   std::string show;  ///< surfaces, hexahedra or both; empty: as the scene says
   bool no_edges = false;
   bool no_marks = false;
@@ -41,7 +41,7 @@ output::Quantity quantity_named(const std::string& field);
 /// A check of CLI11's: why a film cannot be called so.
 std::string refuse_film_name(const std::string& file);
 
-/// Makes a picture or a film of a run that is finished. Throws what the rooms below throw, and UsageError for options
+/// Makes a picture or a film of a run that is finished. Throws what the modules below throw, and UsageError for options
 /// that make no sense, alone or for this run.
 void render(const RenderOptions& options);
 

@@ -56,12 +56,12 @@ std::unique_ptr<scene::Component> make_hand() {
 void print_outcome(Simulation& simulation, const std::string& title) {
   const Body& body = *simulation.body();
   const PointArray& x = simulation.state().positions();
-  const output::Measures measures = output::Ruler(body).measure(x);
+  const output::Measures measures = output::Measurement(body).measure(x);
   fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(title), simulation.latest().step,
              simulation.dt(), simulation.time());
-  fmt::print("  plastic elongation  {:+.3f} %  (world {:+.3f} %)\n", rounded(100 * measures.plastic_elongation, 1e-3),
+  fmt::print("  plastic elongation  {:+.3f} %  (current {:+.3f} %)\n", rounded(100 * measures.plastic_elongation, 1e-3),
              rounded(100 * measures.world_elongation, 1e-3));
-  fmt::print("  plastic strain      {:.4f} at most\n", std::ranges::max(body.fields(x).plastic_strain));
+  fmt::print("  plastic strain      max {:.4f}\n", std::ranges::max(body.fields(x).plastic_strain));
   fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
   fmt::print("  dissipated energy   {:.4g} J\n", body.dissipated_energy());
   fmt::print("  state hash          {}\n",

@@ -30,7 +30,7 @@ void add_view_options(CLI::App& view, ViewOptions& options);
 
 /// Shows a scene in a window until that is closed, and prints what became of it. Throws PluginError where the window is
 /// not part of the build or cannot be loaded, OutputError where none can be opened, NumericalError where it was closed
-/// on a step that failed, and what the rooms below throw.
+/// on a step that failed, and what the modules below throw.
 int view(const ViewOptions& options);
 
 }  // namespace hexaplast::runner

@@ -28,7 +28,7 @@ std::string text_of(const Cage& cage) {
 
 void print_summary(const MeshCageOptions& options, const Cage& cage, const CageGrid& grid) {
   fmt::print("{}: cage of cubes of {:.6g} m\n", printable_line(options.surface.stem().string()),
-             (grid.most[0] - grid.least[0]) / grid.cells[0]);
+             (grid.max[0] - grid.min[0]) / grid.cells[0]);
   fmt::print("  nodes               {}\n", cage.mesh.num_nodes());
   fmt::print("  hexahedra           {}  ({} touched by the surface, {} enclosed)\n", cage.mesh.num_elements(),
              cage.num_touched, cage.mesh.num_elements() - cage.num_touched);
@@ -44,9 +44,8 @@ void make_cage(const MeshCageOptions& options) {
   const CageGrid grid = cubes_around(surface.positions, options.cells);
   const Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, grid);
   if (cage.num_parts > 1 && !options.allow_parts)
-    throw InputError(fmt::format(
-        "the cage falls into {} parts that share no face: take fewer cells, which are larger, or --allow-parts",
-        cage.num_parts));
+    throw InputError(fmt::format("the cage has {} parts that share no face: use fewer, larger cells, or --allow-parts",
+                                 cage.num_parts));
   if (cage.num_hinges > 0)
     spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
                  cage.num_hinges);

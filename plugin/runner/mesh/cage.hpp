@@ -14,7 +14,7 @@ struct MeshCageOptions {
 };
 
 /// Writes the coarse hexahedra around a surface as .vtu, with the cell data `enclosed` (1 where the surface does not
-/// pass), and prints what they are. Throws what the rooms below throw; InputError for a cage that falls into parts,
+/// pass), and prints what they are. Throws what the modules below throw; InputError for a cage that falls into parts,
 /// unless they are allowed.
 void make_cage(const MeshCageOptions& options);
 

@@ -17,7 +17,7 @@ struct MeshExportOptions {
   std::optional<double> time;  ///< [s] whose loads are written
 };
 
-/// Writes the body of a scene, as it is before the first step, for other programs. Throws what the rooms below throw.
+/// Writes the body of a scene, as it is before the first step, for other programs. Throws what the modules below throw.
 void export_mesh(const MeshExportOptions& options);
 
 }  // namespace hexaplast::runner

@@ -62,7 +62,7 @@ Json json_of(const HexMesh& mesh) {
           {"volume", shape.volume},
           {"unused_nodes", shape.num_unused_nodes},
           {"boundary_faces", mesh.boundary_faces().size()},
-          {"least_scaled_jacobian", shape.least_scaled_jacobian},
+          {"least_scaled_jacobian", shape.min_scaled_jacobian},
           {"worst_hexahedron", shape.worst_element},
           {"shortest_edge", shape.shortest_edge},
           {"longest_edge", shape.longest_edge}};
@@ -125,8 +125,8 @@ void print_hexahedra(const HexMesh& mesh) {
   if (shape.num_unused_nodes > 0) fmt::print("  nodes of none       {}\n", shape.num_unused_nodes);
   fmt::print("  size                {:.4g} x {:.4g} x {:.4g} m, {:.6g} m^3\n", extent.x(), extent.y(), extent.z(),
              shape.volume);
-  fmt::print("  shape               least scaled Jacobian {:.3f} (hexahedron {}), edges {:.4g} to {:.4g} m\n",
-             shape.least_scaled_jacobian, shape.worst_element, shape.shortest_edge, shape.longest_edge);
+  fmt::print("  shape               min scaled Jacobian {:.3f} (hexahedron {}), edges {:.4g} to {:.4g} m\n",
+             shape.min_scaled_jacobian, shape.worst_element, shape.shortest_edge, shape.longest_edge);
 }
 
 void print_info(const MeshInfoOptions& options) {

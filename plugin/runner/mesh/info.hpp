@@ -20,7 +20,7 @@ struct MeshConvertOptions {
 };
 
 /// Prints what a mesh file holds: counts, size, volume and shape of hexahedra, and how far a surface of quads can be
-/// offset. Throws what the rooms below throw; InputError for hexahedra that make no mesh.
+/// offset. Throws what the modules below throw; InputError for hexahedra that make no mesh.
 void print_info(const MeshInfoOptions& options);
 
 /// Writes the cells of a mesh file in another format. Nothing is judged or changed; cells of kinds that we do not read

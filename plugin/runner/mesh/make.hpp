@@ -12,7 +12,7 @@ namespace hexaplast::runner {
 struct MeshGridOptions {
   std::array<int, 3> cells{};
   std::array<double, 3> size{};
-  std::array<double, 3> origin{};  ///< the least corner
+  std::array<double, 3> origin{};  ///< the lower corner
   std::filesystem::path out;
 };
 struct MeshSheetOptions {
@@ -46,7 +46,7 @@ struct MeshOffsetOptions {
   std::filesystem::path out;
 };
 
-/// Each writes hexahedra (.vtu, .msh or .inp) and prints what they are. Throw what the rooms below throw.
+/// Each writes hexahedra (.vtu, .msh or .inp) and prints what they are. Throw what the modules below throw.
 void make_grid(const MeshGridOptions& options);
 void make_sheet(const MeshSheetOptions& options);
 void make_tube(const MeshTubeOptions& options);

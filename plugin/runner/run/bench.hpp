@@ -24,7 +24,7 @@ struct BenchOptions {
 
 /// Measures, prints the table, writes the records. Throws NumericalError, after everything is written, where threads
 /// disagree, a solver stalls or a record falls behind the baseline; UsageError for a size or instruction set that makes
-/// no sense; what the rooms below throw.
+/// no sense; what the modules below throw.
 void bench(const BenchOptions& options);
 
 }  // namespace hexaplast::runner

@@ -10,7 +10,7 @@ namespace hexaplast::runner {
 /// latest step, which is when steps take them; loads on states that follow are carried up to it. Without weight.
 output::BoundaryConditions conditions_of(Simulation& simulation);
 
-/// Nodes that are held or led in all three directions, ascending.
+/// Nodes that are fixed or prescribed in all three directions, ascending.
 std::vector<int> fixed_nodes(Simulation& simulation);
 
 }  // namespace hexaplast::runner

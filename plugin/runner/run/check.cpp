@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "hexaplast/formats/text.hpp"
-#include "hexaplast/survey.hpp"
+#include "hexaplast/model_check.hpp"
 #include "runner/run/loads.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/standard_output.hpp"
@@ -29,17 +29,17 @@ struct Findings {
   int num_nodes = 0;
   long num_held = 0;         // nodes whose three directions are held
   long num_partly_held = 0;  // nodes of which some directions are
-  double loads_time = 0;     // [s] at which the loads are greatest
+  double loads_time = 0;     // [s] at which the loads are largest
   long num_loaded = 0;       // nodes on which forces act then
   Vec3 load = Vec3::Zero();  // [N] their sum
   double load_size = 0;      // [N] the sum of their sizes
   double dt = 0;             // [s]
   std::optional<int> steps;  // of the scene's RunSettings
   double memory = 0;         // [byte] most that the process has held
-  std::optional<Survey> body;
+  std::optional<ModelCheck> body;
   int num_hexahedra = 0;
-  std::vector<std::string> advice;  // but what the body itself has remarked, check_shapes
-  std::vector<std::string> writes;  // names of files
+  std::vector<std::string> warnings;  // but what the body itself has remarked, check_shapes
+  std::vector<std::string> writes;    // names of files
 };
 
 Findings look_at(scene::Scene& scene) {
@@ -66,13 +66,13 @@ Findings look_at(scene::Scene& scene) {
   if (const scene::ForceField* field = find_body(scene)) {
     std::vector<scene::Mass*> masses = scene.root().all<scene::Mass>();
     std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, state); });
-    found.body = survey(*field->body(), scene::total_mass(masses, state), found.dt);
+    found.body = check_model(*field->body(), scene::total_mass(masses, state), found.dt);
     found.num_hexahedra = field->body()->mesh().num_elements();
-    found.advice = advice(*found.body, Names::kScenes);
+    found.warnings = model_warnings(*found.body, Names::kScenes);
   }
   const bool is_pushed = found.load.norm() > 1e-9 * found.load_size;  // more than rounding
   if (is_pushed && found.num_held + found.num_partly_held == 0)
-    found.advice.push_back("nothing is held, and the loads do not balance: everything moves away");
+    found.warnings.push_back("no node is fixed, and the loads do not balance: the body moves away");
 
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -85,19 +85,19 @@ Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : 
 
 Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-Json json_of(const Survey& body) {
+Json json_of(const ModelCheck& body) {
   return {{"parts", body.num_parts},
           {"extent", json_of(body.extent)},
           {"volume", body.volume},
-          {"least_scaled_jacobian", body.quality.least_scaled_jacobian},
-          {"inside_out", body.quality.num_inside_out},
+          {"least_scaled_jacobian", body.quality.min_scaled_jacobian},
+          {"inside_out", body.quality.num_inverted},
           {"worst_hexahedron", body.quality.worst_element},
           {"shortest_edge", body.quality.shortest_edge},
           {"longest_edge", body.quality.longest_edge},
           {"mass", body.mass},
           {"density", body.density},
-          {"young_modulus", {body.least_young_modulus, body.greatest_young_modulus}},
-          {"poisson_ratio", {body.least_poisson_ratio, body.greatest_poisson_ratio}},
+          {"young_modulus", {body.min_young_modulus, body.max_young_modulus}},
+          {"poisson_ratio", {body.min_poisson_ratio, body.max_poisson_ratio}},
           {"yield_stress", number_or_null(body.yield_stress)},
           {"yield_strain", number_or_null(body.yield_strain)},
           {"rotation_yield", number_or_null(body.rotation_yield)},
@@ -106,13 +106,13 @@ Json json_of(const Survey& body) {
           {"restitution_per_step", body.restitution_per_step},
           {"wave_speed", body.wave_speed},
           {"highest_frequency", body.highest_frequency},
-          {"edges_per_step", body.edges_per_step},
+          {"edges_per_step", body.cfl_number},
           {"steps_across", body.steps_across}};
 }
 
 Json json_of(const Findings& found) {
-  std::vector<std::string> advice = found.advice;
-  if (found.body) std::ranges::copy(check_shapes(found.body->quality), std::back_inserter(advice));
+  std::vector<std::string> warnings = found.warnings;
+  if (found.body) std::ranges::copy(check_shapes(found.body->quality), std::back_inserter(warnings));
   return {{"nodes", found.num_nodes},
           {"hexahedra", found.num_hexahedra},
           {"held_nodes", found.num_held},
@@ -125,21 +125,21 @@ Json json_of(const Findings& found) {
           {"memory_bytes", found.memory},
           {"body", found.body ? json_of(*found.body) : Json(nullptr)},
           {"writes", found.writes},
-          {"advice", advice}};
+          {"advice", warnings}};
 }
 
 std::string range(double least, double greatest) {
   return least == greatest ? fmt::format("{:.6g}", least) : fmt::format("{:.6g} to {:.6g}", least, greatest);
 }
 
-void print(const Survey& body) {
+void print(const ModelCheck& body) {
   fmt::print("  size                {:.4g} x {:.4g} x {:.4g} m, {:.4g} m^3, {} part{}\n", body.extent.x(),
              body.extent.y(), body.extent.z(), body.volume, body.num_parts, body.num_parts == 1 ? "" : "s");
-  fmt::print("  shape               least scaled Jacobian {:.3f} (hexahedron {}), edges {} m\n",
-             body.quality.least_scaled_jacobian, body.quality.worst_element,
+  fmt::print("  shape               min scaled Jacobian {:.3f} (hexahedron {}), edges {} m\n",
+             body.quality.min_scaled_jacobian, body.quality.worst_element,
              range(body.quality.shortest_edge, body.quality.longest_edge));
-  fmt::print("  material            E {} Pa, nu {}\n", range(body.least_young_modulus, body.greatest_young_modulus),
-             range(body.least_poisson_ratio, body.greatest_poisson_ratio));
+  fmt::print("  material            E {} Pa, nu {}\n", range(body.min_young_modulus, body.max_young_modulus),
+             range(body.min_poisson_ratio, body.max_poisson_ratio));
   const bool yields = std::isfinite(body.yield_stress), turns = std::isfinite(body.rotation_yield);
   fmt::print("  yield               {}\n",
              yields ? fmt::format("stress {:.6g} Pa, strain {:.4g}", body.yield_stress, body.yield_strain) : "never");
@@ -149,20 +149,20 @@ void print(const Survey& body) {
                body.flow_per_step, body.rotation_flow_per_step, body.restitution_per_step);
   if (body.wave_speed > 0) {
     fmt::print("  mass                {:.6g} kg, {:.6g} kg/m^3\n", body.mass, body.density);
-    fmt::print("  waves               {:.4g} m/s: {:.3g} edges per step, across the body in {:.3g} steps\n",
-               body.wave_speed, body.edges_per_step, body.steps_across);
+    fmt::print("  waves               {:.4g} m/s, CFL number {:.3g}, across the body in {:.3g} steps\n",
+               body.wave_speed, body.cfl_number, body.steps_across);
   }
 }
 
 void print(const Findings& found, const std::string& title) {
   fmt::print("{}: can run\n", printable_line(title));
-  fmt::print("  nodes               {}, of which {} are held and {} in part\n", found.num_nodes, found.num_held,
+  fmt::print("  nodes               {}, of which {} are fixed and {} partly fixed\n", found.num_nodes, found.num_held,
              found.num_partly_held);
   fmt::print("  hexahedra           {}\n", found.num_hexahedra);
   if (found.body) print(*found.body);
   fmt::print("  loads               on {} nodes, together ({:.4g}, {:.4g}, {:.4g}) N at t = {:.4g} s\n",
              found.num_loaded, found.load.x(), found.load.y(), found.load.z(), found.loads_time);
-  fmt::print("  steps               {} of {:.6g} s\n", found.steps ? std::to_string(*found.steps) : "as --steps says",
+  fmt::print("  steps               {} of {:.6g} s\n", found.steps ? std::to_string(*found.steps) : "set by --steps",
              found.dt);
   for (const std::string& file : found.writes) fmt::print("  writes              {}\n", printable_line(file));
   fmt::print("  memory              {:.1f} MB\n", found.memory / 1e6);
@@ -183,7 +183,7 @@ void check(const CheckOptions& options) {
     print(found, options.scene.file.stem().string());
   }
   flush_standard_output();
-  for (const std::string& sentence : found.advice)
+  for (const std::string& sentence : found.warnings)
     spdlog::warn("{}", scene::format({scene::Severity::kWarning, {file, 0}, sentence}));
 }
 

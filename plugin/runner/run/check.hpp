@@ -13,7 +13,7 @@ struct CheckOptions {
 };
 
 /// Reads, resolves and initialises a scene as a run does, and prints what it means without stepping; logs a warning for
-/// what is legal but unwise. Throws what the rooms below throw.
+/// what is legal but unwise. Throws what the modules below throw.
 void check(const CheckOptions& options);
 
 }  // namespace hexaplast::runner

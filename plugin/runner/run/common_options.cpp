@@ -21,8 +21,8 @@ void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& fi
 
 void add_strict(CLI::App& command, bool& strict) {
   command.add_flag("--strict", strict,
-                   "A run ends with 4 where hexahedra are inside out, or where the energy balance misses, or the "
-                   "integrator has added, more than a fifth of the energy that was put in");
+                   "A run ends with 4 if hexahedra are inverted, or if the error of the energy balance, or the energy "
+                   "added by the integrator, exceeds a fifth of the supplied energy");
 }
 
 }  // namespace hexaplast::runner

@@ -13,7 +13,7 @@ void add_threads(CLI::App& command, std::optional<int>& threads,
                  const char* help = "Number of threads; results do not depend on it");
 
 CLI::Option* add_steps(CLI::App& command, std::optional<long>& steps,
-                       const char* help = "Number of time steps; otherwise the scene's RunSettings say it");
+                       const char* help = "Number of time steps; default: that of the scene's RunSettings");
 
 /// --final
 void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& file);

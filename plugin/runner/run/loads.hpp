@@ -9,7 +9,7 @@ namespace hexaplast::runner {
 /// All forces [N] on the undeformed body at rest that do not come from the body itself: weight and loads.
 PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& state);
 
-/// Time [s] of the first step at which the loads are greatest, among the first `num_steps`, of which every `stride`-th
+/// Time [s] of the first step at which the loads are largest, among the first `num_steps`, of which every `stride`-th
 /// is looked at.
 double time_of_greatest_loads(scene::Scene& scene, scene::MechanicalState& state, long num_steps, long stride = 1);
 

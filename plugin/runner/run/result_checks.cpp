@@ -19,9 +19,9 @@ void check_inversions(const Simulation& simulation, std::vector<std::string>& do
   const int num_hexahedra = simulation.body()->mesh().num_elements();
   const Totals& totals = simulation.totals();
   const int at_end = simulation.latest().flow.inverted;
-  if (at_end > 0) doubts.push_back(fmt::format("{} of {} hexahedra are inside out at the end", at_end, num_hexahedra));
+  if (at_end > 0) doubts.push_back(fmt::format("{} of {} hexahedra are inverted at the end", at_end, num_hexahedra));
   if (totals.most_inverted > std::max(1.0, kManyInverted * num_hexahedra))
-    doubts.push_back(fmt::format("{} of {} hexahedra were inside out in step {}", totals.most_inverted, num_hexahedra,
+    doubts.push_back(fmt::format("{} of {} hexahedra were inverted in step {}", totals.most_inverted, num_hexahedra,
                                  totals.most_inverted_in));
 }
 
@@ -31,7 +31,7 @@ double energy_put_in(const Simulation& simulation) {
   double unseen = 0;
   if (const Body* body = simulation.body())
     for (int e = 0; e < body->mesh().num_elements(); ++e)
-      unseen += body->material(e).young_modulus * body->original_volume(e) * kUnseenStrain * kUnseenStrain / 2;
+      unseen += body->material(e).young_modulus * body->initial_volume(e) * kUnseenStrain * kUnseenStrain / 2;
   return std::max(simulation.totals().energy_put_in, unseen);
 }
 

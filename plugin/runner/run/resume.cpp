@@ -130,7 +130,7 @@ int resume(const ResumeOptions& options) {
     if (options.steps) run_options.steps = options.steps;
     require_ready(start, record, directory);
     if (record.simd != simd_target())
-      spdlog::warn("warning: the run was on {} and goes on on {}: its last bits will differ",
+      spdlog::warn("warning: the run was on {} and is resumed on {}: its last bits will differ",
                    printable_line(record.simd), simd_target());
     return run(run_options, &start);
   } catch (const InputError& error) {

@@ -159,7 +159,7 @@ std::string removed_line(std::span<const int> removed, const Totals& totals) {
                      named < removed.size() ? ", ..." : "");
 }
 
-/// Which of a body's hexahedra were turned inside out.
+/// Which of a body's hexahedra were inverted.
 std::string inverted_line(int at_end, const Totals& totals) {
   return fmt::format("{} at the end, at most {} in step {}", at_end, totals.most_inverted, totals.most_inverted_in);
 }
@@ -185,7 +185,7 @@ void restore(Simulation& simulation, const output::Checkpoint& start) {
     simulation.serialize(archive);
     if (archive.rest() != 0) throw InputError(fmt::format("{} bytes are left", archive.rest()));
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{} cannot be gone on with: {}", file, error.what()));
+    throw InputError(fmt::format("{} cannot be resumed: {}", file, error.what()));
   }
 }
 
@@ -234,7 +234,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
                                largest.hexahedron, place.x(), place.y(), place.z()));
     };
     add_largest("largest strain", "in", summary.strain);
-    add_largest("plastic strain", "at most, in", summary.plastic_strain);
+    add_largest("plastic strain", "max, in", summary.plastic_strain);
     if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
   }
   if (const std::optional<EnergyBalance>& energy = simulation.latest().energy)
@@ -406,7 +406,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (signal != 0)
     spdlog::warn("warning: ended by signal {} after step {} of {}{}", signal, simulation.latest().step, num_steps,
                  options.out && simulation.latest().step < num_steps
-                     ? fmt::format("; hexaplast resume {} goes on", options.out->string())
+                     ? fmt::format("; hexaplast resume {} continues it", options.out->string())
                      : "");
   if (files.journal) {
     note_result();

@@ -32,8 +32,9 @@ struct RunOptions {
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and
 /// the files are whole, with a checkpoint where the run has a directory. `start`: a checkpoint of the same scene from
 /// which to go on, instead of from the beginning, with the files in `options.out`, which the caller has locked. Throws
-/// what the rooms below throw, and NumericalError after all files are written where `options.strict` and check_results
-/// has something to say. An earlier run in `options.out` is touched last, when all other files could be opened.
+/// what the modules below throw, and NumericalError after all files are written where `options.strict` and
+/// check_results has something to say. An earlier run in `options.out` is touched last, when all other files could be
+/// opened.
 int run(const RunOptions& options, const output::Checkpoint* start = nullptr);
 
 /// What a checkpoint knows of its run, beside the state.

@@ -20,7 +20,7 @@ struct Totals {
   long stalled_averaging = 0;  ///< steps whose rest-to-material averaging did
   long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
   long latest_removal = 0;
-  int most_inverted = 0;      ///< hexahedra that were inside out in one step
+  int most_inverted = 0;      ///< hexahedra that were inverted in one step
   long most_inverted_in = 0;  ///< the first such step
   double energy_put_in = 0;   ///< [J] that it began with, and work of loads and supports: the most so far
 };

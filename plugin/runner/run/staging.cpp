@@ -35,17 +35,17 @@ output::Staging staging_of(Simulation& simulation) {
   scene::Scene& scene = simulation.scene();
   scene::Node& root = scene.root();
   output::Staging staging;
-  std::optional<bool> shows_skins, shows_hexahedra;
+  std::optional<bool> shows_embedded_surfaces, shows_hexahedra;
   if (const std::vector styles = root.all<scene::VisualStyle>(); !styles.empty()) {
-    shows_skins = styles.front()->shows_visual_models();
+    shows_embedded_surfaces = styles.front()->shows_visual_models();
     shows_hexahedra = styles.front()->shows_behaviour_models();
     staging.is_wireframe = styles.front()->shows_wireframe();
     staging.shows_loads = shows_loads(*styles.front());
   }
   for (const scene::VisualModel* model : root.all<scene::VisualModel>())
-    if (model->is_carried() && model->points().rows() > 0 && shows_skins.value_or(true))
-      staging.skins.push_back({model->points(), model->triangles(), model->quads()});
-  staging.shows_hexahedra = shows_hexahedra.value_or(staging.skins.empty());
+    if (model->is_carried() && model->points().rows() > 0 && shows_embedded_surfaces.value_or(true))
+      staging.embedded_surfaces.push_back({model->points(), model->triangles(), model->quads()});
+  staging.shows_hexahedra = shows_hexahedra.value_or(staging.embedded_surfaces.empty());
 
   staging.gravity = root.clock().gravity;
   if (const std::vector cameras = root.all<scene::Camera>(); !cameras.empty())

@@ -7,7 +7,7 @@
 
 namespace hexaplast::runner {
 
-/// How pictures show a scene: its skins, its camera, and what of it.
+/// How pictures show a scene: its embedded surfaces, its camera, and what of it.
 output::Staging staging_of(Simulation& simulation);
 
 /// What of that a manifest keeps, and the way back.

@@ -31,7 +31,7 @@ Json summary_json(Simulation& simulation) {
           {"hexahedra", body.mesh().num_elements()},
           {"removed", body.removed().size()},
           {"connected_parts", summary.num_pieces},
-          {"least_scaled_jacobian", quality(body.mesh()).least_scaled_jacobian},
+          {"least_scaled_jacobian", quality(body.mesh()).min_scaled_jacobian},
           {"inverted", latest.flow.inverted},
           {"most_inverted", totals.most_inverted},
           {"plastic_elongation", summary.plastic_elongation},

@@ -90,11 +90,11 @@ Calibration calibrate(const Residuals& residuals, const std::vector<double>& sta
   return search.found;
 }
 
-std::vector<Leeway> leeways(const Residuals& residuals, const std::vector<double>& at, double distance) {
+std::vector<Uncertainty> uncertainties(const Residuals& residuals, const std::vector<double>& at, double distance) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const auto size = static_cast<Eigen::Index>(at.size());
   const std::optional<std::vector<double>> here = residuals(at);
-  if (!here) return std::vector<Leeway>(at.size(), {kInfinite, kInfinite});
+  if (!here) return std::vector<Uncertainty>(at.size(), {kInfinite, kInfinite});
   const auto vector = [](const std::vector<double>& r) {
     return Eigen::Map<const Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size()));
   };
@@ -119,7 +119,7 @@ std::vector<Leeway> leeways(const Residuals& residuals, const std::vector<double
   }
 
   const double reach = distance * std::sqrt(static_cast<double>(here->size()));
-  std::vector<Leeway> found;
+  std::vector<Uncertainty> found;
   for (Eigen::Index p = 0; p < size; ++p) {
     // what is left of a column when the others have done what they can; the direction of one that is rounding says
     // nothing
@@ -131,10 +131,10 @@ std::vector<Leeway> leeways(const Residuals& residuals, const std::vector<double
       const Eigen::MatrixXd theirs = J(Eigen::all, others);
       rest -= theirs * theirs.colPivHouseholderQr().solve(J.col(p));
     }
-    const auto leeway = [&](const Eigen::VectorXd& slope) {
+    const auto uncertainty = [&](const Eigen::VectorXd& slope) {
       return slope.norm() > kNoSlope ? reach / slope.norm() : kInfinite;
     };
-    found.push_back({leeway(J.col(p)), leeway(rest)});
+    found.push_back({uncertainty(J.col(p)), uncertainty(rest)});
   }
   return found;
 }

@@ -26,12 +26,12 @@ Calibration calibrate(const Residuals& residuals, const std::vector<double>& sta
                       const std::function<void(int, double)>& follow);
 
 /// How far a parameter can move before the residuals move by `distance` (root mean square), by their slopes.
-struct Leeway {
+struct Uncertainty {
   double alone = 0;     ///< the other parameters staying; infinite where it does not matter
   double together = 0;  ///< the others moving along as they will: not less than `alone`
 };
 
 /// Of every parameter at `at`; evaluates the residuals once or twice per parameter.
-std::vector<Leeway> leeways(const Residuals& residuals, const std::vector<double>& at, double distance);
+std::vector<Uncertainty> uncertainties(const Residuals& residuals, const std::vector<double>& at, double distance);
 
 }  // namespace hexaplast::runner

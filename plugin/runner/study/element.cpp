@@ -196,7 +196,7 @@ Element read_element(const Json& given) {
   validate({element.constants}, Names::kScenes);
   validate(element.settings, Names::kScenes);
   HexahedronState& state = element.state;
-  state = virgin_hexahedron(points("original", json["original"]), element.constants);
+  state = initial_hexahedron(points("original", json["original"]), element.constants);
   state.material = optional_points("material", state.original);
   state.world = optional_points("world", state.material);
   state.history.rest_shape = optional_points("rest", state.material.rowwise() - state.material.colwise().mean());
@@ -261,12 +261,12 @@ Json step_block(const Element& element, RotationPlasticity mode) {
           {"eps", to_json(found.strain)},
           {"sigma", to_json(found.stress)},
           {"sigma_norm", to_json(found.stress_norm)},
-          {"gamma", to_json(found.stretch_share)},
+          {"gamma", to_json(found.stretch_flow_fraction)},
           {"Sp", to_json(found.stretch_increment)},
-          {"eta", to_json(found.rotation_share)},
+          {"eta", to_json(found.rotation_flow_fraction)},
           {"Rp", to_json(found.rotation_increment)},
           {"beta", found.volume_ratio},
-          {"plasticity_off", found.guarded},
+          {"plasticity_off", found.skipped},
           {"y_new", to_json(found.history.rest_shape)},
           {"volume_y_new", found.rest_volume},
           {"tau_new", to_json(found.history.yield_stress)},

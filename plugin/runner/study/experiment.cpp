@@ -26,13 +26,16 @@ const Body& required_body(Simulation& simulation) {
 }
 
 /// Reads off a body in motion what a curve compares.
-class Gauge {
+class Probe {
  public:
-  explicit Gauge(Simulation& simulation)
-      : simulation_(simulation), body_(required_body(simulation)), ruler_(body_), ends_(end_sections(body_.mesh())) {}
+  explicit Probe(Simulation& simulation)
+      : simulation_(simulation),
+        body_(required_body(simulation)),
+        measurement_(body_),
+        ends_(end_sections(body_.mesh())) {}
 
   std::vector<double> read(const std::vector<TargetCurve::Column>& columns) {
-    const output::Measures measures = ruler_.measure(simulation_.state().positions());
+    const output::Measures measures = measurement_.measure(simulation_.state().positions());
     std::vector<double> values;
     for (const TargetCurve::Column& column : columns) values.push_back(value_of(column.quantity, measures));
     return values;
@@ -66,7 +69,7 @@ class Gauge {
 
   Simulation& simulation_;
   const Body& body_;
-  output::Ruler ruler_;
+  output::Measurement measurement_;
   EndSections ends_;
 };
 
@@ -83,7 +86,7 @@ std::vector<double> pulls_of(Simulation& simulation, long num_steps) {
 
 /// The moments [s] of a curve over force.
 std::vector<double> moments_of(const TargetCurve& target, const std::vector<double>& pulls, double dt) {
-  constexpr double kSame = 1e-9;  // of the greatest pull
+  constexpr double kSame = 1e-9;  // of the largest pull
   const auto [lowest, highest] = std::ranges::minmax(pulls);
   const double slack = kSame * std::max(std::abs(lowest), std::abs(highest));
   std::vector<double> moments;
@@ -137,18 +140,18 @@ SceneOptions Experiment::with(const std::vector<std::string>& assignments) const
 
 std::vector<std::vector<double>> Experiment::run(const std::vector<std::string>& assignments) const {
   Simulation simulation(with(assignments));
-  Gauge gauge(simulation);
+  Probe probe(simulation);
   const std::size_t num_columns = target_.columns.size();
   std::vector<std::vector<double>> found(num_columns);
 
   double before = simulation.time(), now = before;
-  std::vector<double> values_before = gauge.read(target_.columns), values = values_before;
+  std::vector<double> values_before = probe.read(target_.columns), values = values_before;
   for (std::size_t row = 0; row < moments_.size();) {
     if (moments_[row] > now + kSameMoment * simulation.dt()) {
       if (requested_signal() != 0) throw Interrupted();
       simulation.step();
       before = std::exchange(now, simulation.time());
-      values_before = std::exchange(values, gauge.read(target_.columns));
+      values_before = std::exchange(values, probe.read(target_.columns));
       continue;
     }
     const double share = now > before ? std::clamp((moments_[row] - before) / (now - before), 0.0, 1.0) : 1;

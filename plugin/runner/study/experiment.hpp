@@ -32,7 +32,7 @@ class Experiment {
   /// needs it. Throws what Simulation throws; Interrupted.
   std::vector<std::vector<double>> run(const std::vector<std::string>& assignments) const;
 
-  /// Differences from the target, each column's as a share of its greatest value.
+  /// Differences from the target, each column's as a share of its largest value.
   std::vector<double> residuals(const std::vector<std::vector<double>>& values) const;
 
   const TargetCurve& target() const { return target_; }
@@ -45,7 +45,7 @@ class Experiment {
   TargetCurve target_;
   InputFiles inputs_;
   std::vector<double> moments_;   // [s] per row, not descending
-  std::vector<double> greatest_;  // per column: size of its greatest value
+  std::vector<double> greatest_;  // per column: size of its largest value
 };
 
 }  // namespace hexaplast::runner

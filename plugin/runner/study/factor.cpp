@@ -32,7 +32,7 @@ std::optional<double> number(std::string_view text) {
 
 int count(std::string_view text, std::string_view whole) {
   static constexpr attributes::Attribute kCount{
-      .name = "n", .type = attributes::Type::kInteger, .range = {.least = 2, .most = kMostValues}};
+      .name = "n", .type = attributes::Type::kInteger, .range = {.min = 2, .max = kMostValues}};
   try {
     return static_cast<int>(std::get<std::int64_t>(scene::read_value(kCount, text)));
   } catch (const InputError&) {

@@ -42,14 +42,14 @@ constexpr double kAtTheLimit = 1e-3;  // of that way
 struct Found {
   FreeAttribute free;
   double value;
-  Leeway leeway;  // in shares of the way between the limits
+  Uncertainty uncertainty;  // in shares of the way between the limits
 
   bool is_at_limit() const {
-    const double share = free.share(value);
+    const double share = free.fraction(value);
     return share < kAtTheLimit || share > 1 - kAtTheLimit;
   }
-  double from() const { return free.value(std::max(free.share(value) - leeway.together, 0.0)); }
-  double to() const { return free.value(std::min(free.share(value) + leeway.together, 1.0)); }
+  double from() const { return free.value(std::max(free.fraction(value) - uncertainty.together, 0.0)); }
+  double to() const { return free.value(std::min(free.fraction(value) + uncertainty.together, 1.0)); }
 };
 
 struct Result {
@@ -122,11 +122,11 @@ Result carry_out(const Experiment& experiment, const std::vector<FreeAttribute>&
     progress.show(done, fmt::format("residual {:.4f} %", 100 * rms));
   });
   const std::vector<double>& best = result.calibration.best;
-  const std::vector<Leeway> leeway = leeways(residuals, best, kCloseness);
+  const std::vector<Uncertainty> uncertainty = uncertainties(residuals, best, kCloseness);
   progress.clear();
 
   for (std::size_t p = 0; p < free.size(); ++p)
-    result.found.push_back({free[p], std::stod(written(free[p].value(best[p]))), leeway[p]});
+    result.found.push_back({free[p], std::stod(written(free[p].value(best[p]))), uncertainty[p]});
   result.fitted = experiment.run(assignments(free, best));
   result.residuals = experiment.residuals(result.fitted);
   return result;
@@ -138,10 +138,10 @@ std::vector<std::string> warnings_of(const Result& result, const FitOptions& opt
   for (const Found& found : result.found) {
     const std::string interval =
         fmt::format("anywhere from {} to {} {}", written(found.from()), written(found.to()), found.free.unit);
-    if (found.leeway.alone > kHardlyKnown)
+    if (found.uncertainty.alone > kHardlyKnown)
       add(fmt::format("{} hardly matters here: the curve stays within {:g} % of itself {}", found.free.name,
                       100 * kCloseness, interval));
-    else if (found.leeway.together > kHardlyKnown)
+    else if (found.uncertainty.together > kHardlyKnown)
       add(
           fmt::format("{} cannot be told apart from the others: with them adjusted, the curve stays within {:g} % of "
                       "itself {}",
@@ -185,7 +185,7 @@ void print(const Result& result, const TargetCurve& target, const FitOptions& op
     fmt::print("  {:<{}}  {} {} root mean square\n", entry.column, width,
                written(rms_of(result.fitted[c], target.columns[c].values)), entry.unit);
   }
-  fmt::print("  {:<{}}  {:.4f} % of the greatest value\n", "residual", width, 100 * result.relative_rms());
+  fmt::print("  {:<{}}  {:.4f} % of the largest value\n", "residual", width, 100 * result.relative_rms());
   fmt::print("  {:<{}}  {}\n", "evaluations", width, result.calibration.num_evaluations);
   fmt::print("{}\n", printable_line(fmt::format("{}", fmt::join(set_words(result), " "))));
 }
@@ -233,14 +233,14 @@ void write_json(output::WholeFile& out, const Result& result, const TargetCurve&
     json["parameters"].push_back({{"attribute", found.free.name},
                                   {"unit", found.free.unit},
                                   {"value", found.value},
-                                  {"least", found.free.least},
-                                  {"most", found.free.most},
+                                  {"least", found.free.min},
+                                  {"most", found.free.max},
                                   {"scale", found.free.is_logarithmic ? "log" : "linear"},
                                   {"start", found.free.value(found.free.start())},
                                   {"known_from", found.from()},
                                   {"known_to", found.to()},
-                                  {"leeway_alone", number_or_null(found.leeway.alone)},
-                                  {"leeway_together", number_or_null(found.leeway.together)}});
+                                  {"leeway_alone", number_or_null(found.uncertainty.alone)},
+                                  {"leeway_together", number_or_null(found.uncertainty.together)}});
   json["set"] = fmt::format("{}", fmt::join(set_words(result), " "));
   json["warnings"] = warnings;
   out.write(json.dump(1) + "\n");
@@ -301,7 +301,7 @@ CLI::App* add_fit(CLI::App& app, FitOptions& options) {
   command
       ->add_option(
           "--steps", options.steps,
-          "Steps of the run that a curve over force is compared with; otherwise the scene's RunSettings say it")
+          "Steps of the run that a curve over force is compared with; default: those of the scene's RunSettings")
       ->type_name("N")
       ->check(CLI::Range(1L, 1'000'000L));
   add_threads(*command, options.threads);

@@ -26,11 +26,11 @@ std::optional<double> one_number(const scene::Value& value) {
 }  // namespace
 
 double FreeAttribute::value(double share) const {
-  return is_logarithmic ? least * std::pow(most / least, share) : least + (most - least) * share;
+  return is_logarithmic ? min * std::pow(max / min, share) : min + (max - min) * share;
 }
 
-double FreeAttribute::share(double value) const {
-  return is_logarithmic ? std::log(value / least) / std::log(most / least) : (value - least) / (most - least);
+double FreeAttribute::fraction(double value) const {
+  return is_logarithmic ? std::log(value / min) / std::log(max / min) : (value - min) / (max - min);
 }
 
 FreeAttribute parse_free(std::string_view text, scene::Scene& scene) {
@@ -45,12 +45,12 @@ FreeAttribute parse_free(std::string_view text, scene::Scene& scene) {
     refuse("must be PATH.attribute=lo:hi, PATH.attribute=lo:hi:log or PATH.attribute=lo:hi:linear");
 
   FreeAttribute free{.name = std::string(text.substr(0, equals)),
-                     .least = parse_number(parts[0], words),
-                     .most = parse_number(parts[1], words)};
-  if (!(free.least < free.most))
-    refuse(fmt::format("lo must be less than hi, {} is not less than {}", free.least, free.most));
-  free.is_logarithmic = has_scale ? parts[2] == "log" : free.least > 0 && free.most >= kSpansDecades * free.least;
-  if (free.is_logarithmic && free.least <= 0) refuse("a logarithmic scale needs limits greater than 0");
+                     .min = parse_number(parts[0], words),
+                     .max = parse_number(parts[1], words)};
+  if (!(free.min < free.max))
+    refuse(fmt::format("lo must be less than hi, {} is not less than {}", free.min, free.max));
+  free.is_logarithmic = has_scale ? parts[2] == "log" : free.min > 0 && free.max >= kSpansDecades * free.min;
+  if (free.is_logarithmic && free.min <= 0) refuse("a logarithmic scale needs limits greater than 0");
 
   scene::Data& data = scene::named_attribute(scene, free.name, words);
   const attributes::Attribute& attribute = data.attribute();
@@ -62,7 +62,7 @@ FreeAttribute parse_free(std::string_view text, scene::Scene& scene) {
         {words, 0},
         fmt::format("{}.{} holds {}, must be a number that the scene gives", data.owner().class_name(), attribute.name,
                     is_chosen ? attributes::describe(attribute.type) : "what is computed")));
-  for (const double limit : {free.least, free.most}) {
+  for (const double limit : {free.min, free.max}) {
     try {
       scene::read_value(attribute, fmt::format("{}", limit));
     } catch (const InputError& error) {
@@ -72,7 +72,7 @@ FreeAttribute parse_free(std::string_view text, scene::Scene& scene) {
   }
   free.unit = attribute.unit;
   const std::optional<double> given = data.link().empty() ? one_number(data.value()) : std::nullopt;
-  if (given && *given >= free.least && *given <= free.most) free.given = given;
+  if (given && *given >= free.min && *given <= free.max) free.given = given;
   return free;
 }
 

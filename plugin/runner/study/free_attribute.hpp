@@ -13,14 +13,14 @@ namespace hexaplast::runner {
 /// the difference or, on a logarithmic scale, of the factor.
 struct FreeAttribute {
   std::string name;  ///< PATH.attribute
-  double least = 0, most = 1;
+  double min = 0, max = 1;
   bool is_logarithmic = false;
   std::string unit = {};
   std::optional<double> given = {};  ///< the scene's own value, where it lies within the limits
 
   double value(double share) const;
-  double share(double value) const;
-  double start() const { return given ? share(*given) : 0.5; }
+  double fraction(double value) const;
+  double start() const { return given ? fraction(*given) : 0.5; }
 };
 
 /// Reads PATH.attribute=lo:hi, with :log or :linear behind it; without them the scale is logarithmic where lo > 0 and

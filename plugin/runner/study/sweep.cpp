@@ -334,7 +334,7 @@ int sweep(const SweepOptions& given) {
              num_failed, printable_line(place.table().string()));
   flush_standard_output();
   if (const int signal = requested_signal(); signal != 0) {
-    spdlog::warn("warning: ended by signal {}; the same command goes on from here", signal);
+    spdlog::warn("warning: ended by signal {}; the same command resumes it", signal);
     return kSignalled + signal;
   }
   if (num_failed > 0) spdlog::error("{}: error: {} of {} runs failed", title, num_failed, table.num_runs());

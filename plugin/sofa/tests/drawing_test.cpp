@@ -64,10 +64,10 @@ TEST_F(Drawing, ShowsTheSurfaceWhereItIs)
 
 TEST_F(Drawing, ColoursWhatHasFlowed)
 {
-    const RecordingDrawTool virgin = draw();
-    ASSERT_EQ(virgin.colours.size(), virgin.corners.size());
-    for (const auto& colour : virgin.colours) EXPECT_EQ(colour, virgin.colours.front());
-    EXPECT_GT(virgin.colours.front().b(), virgin.colours.front().r()) << "blue: nothing has flowed";
+    const RecordingDrawTool initial = draw();
+    ASSERT_EQ(initial.colours.size(), initial.corners.size());
+    for (const auto& colour : initial.colours) EXPECT_EQ(colour, initial.colours.front());
+    EXPECT_GT(initial.colours.front().b(), initial.colours.front().r()) << "blue: nothing has flowed";
 
     PointArray x = rest;
     for (int n = 0; n < x.rows(); ++n)
@@ -90,7 +90,7 @@ TEST_F(Drawing, ShowsTheShapeWithoutForcesOnDemand)
     move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
     EXPECT_TRUE(draw().ends.empty());
-    scene.field().findData("drawMaterialShape")->read("1");
+    scene.field().findData("drawPlasticRestShape")->read("1");
     const RecordingDrawTool tool = draw();
     EXPECT_EQ(tool.ends.size(), 2 * 4 * (2 * (2 * 2) + 4 * (2 * 3))) << "four edges of each outer face";
     const PointArray& material = scene.body().plastic_rest_positions();

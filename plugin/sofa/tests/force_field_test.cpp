@@ -163,8 +163,8 @@ TEST_F(ForceFieldChecks, OutputsShowThePlasticState)
         EXPECT_GT(fields.plastic_strain[e], 0);
         EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
     }
-    const auto* material =
-        dynamic_cast<sofa::core::objectmodel::Data<Vec3Types::VecCoord>*>(scene.field().findData("materialPositions"));
+    const auto* material = dynamic_cast<sofa::core::objectmodel::Data<Vec3Types::VecCoord>*>(
+        scene.field().findData("plasticRestPositions"));
     ASSERT_TRUE(material);
     EXPECT_EQ(PointArray(view(material->getValue())), scene.body().plastic_rest_positions());
 }

@@ -43,13 +43,13 @@ public:
     Data<SReal> d_averagingTolerance;  ///< on the relative residual of an averaging step
     DataWord d_precision;              ///< of stiffness products
 
-    Data<VecReal> d_plasticStrain;                                   ///< output, of each hexahedron
-    Data<VecReal> d_presentYieldStress;                              ///< output [Pa], of each hexahedron
-    Data<VecReal> d_volumeRatio;                                     ///< output, of each hexahedron
-    Data<sofa::type::vector<sofa::type::Vec3>> d_materialPositions;  ///< output [m]: nodes without forces
-    Data<sofa::type::vector<sofa::Index>> d_removed;                 ///< output: hexahedra that are gone
+    Data<VecReal> d_plasticStrain;                                      ///< output, of each hexahedron
+    Data<VecReal> d_presentYieldStress;                                 ///< output [Pa], of each hexahedron
+    Data<VecReal> d_volumeRatio;                                        ///< output, of each hexahedron
+    Data<sofa::type::vector<sofa::type::Vec3>> d_plasticRestPositions;  ///< output [m]: of the nodes
+    Data<sofa::type::vector<sofa::Index>> d_removed;                    ///< output: hexahedra that are gone
 
-    Data<bool> d_drawMaterialShape;  ///< draws the edges of the shape without forces
+    Data<bool> d_drawPlasticRestShape;  ///< draws the edges of the shape without forces
     sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>

@@ -59,16 +59,19 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
       d_plasticStrain(fromRow(d_plasticStrain, "plasticStrain")),
       d_presentYieldStress(fromRow(d_presentYieldStress, "presentYieldStress")),
       d_volumeRatio(fromRow(d_volumeRatio, "volumeRatio")),
-      d_materialPositions(fromRow(d_materialPositions, "materialPositions")),
+      d_plasticRestPositions(fromRow(d_plasticRestPositions, "plasticRestPositions")),
       d_removed(fromRow(d_removed, "removed")),
-      d_drawMaterialShape(this->initData(&d_drawMaterialShape, false, "drawMaterialShape",
-                                         "Draws the edges of the shape that the body has without forces.")),
+      d_drawPlasticRestShape(
+          this->initData(&d_drawPlasticRestShape, false, "drawPlasticRestShape",
+                         "Draws the edges of the plastic rest shape, which the body has without load.")),
       l_topology(this->initLink("topology", "The hexahedra; the topology of the node where it is not given."))
 {
+    this->addAlias(&d_plasticRestPositions, "materialPositions");  // the older names
+    this->addAlias(&d_drawPlasticRestShape, "drawMaterialShape");
     m_outputs.addOutput(&d_plasticStrain);
     m_outputs.addOutput(&d_presentYieldStress);
     m_outputs.addOutput(&d_volumeRatio);
-    m_outputs.addOutput(&d_materialPositions);
+    m_outputs.addOutput(&d_plasticRestPositions);
     m_outputs.addOutput(&d_removed);
 }
 
@@ -199,10 +202,10 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::computeOutputs()
     show(fields.volume_ratio, d_volumeRatio);
 
     const PointArray& material = body()->plastic_rest_positions();
-    auto& positions = *d_materialPositions.beginWriteOnly();
+    auto& positions = *d_plasticRestPositions.beginWriteOnly();
     positions.resize(material.rows());
     view(positions) = material;
-    d_materialPositions.endEdit();
+    d_plasticRestPositions.endEdit();
     d_removed.beginWriteOnly()->assign(body()->removed().begin(), body()->removed().end());
     d_removed.endEdit();
 }
@@ -302,7 +305,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::draw(const sofa::core::vi
         }
     tool->drawTriangles(corners, shades);
 
-    if (!d_drawMaterialShape.getValue()) return;
+    if (!d_drawPlasticRestShape.getValue()) return;
     const PointArray& material = body.plastic_rest_positions();
     std::vector<sofa::type::Vec3> ends;
     for (const auto& face : faces)

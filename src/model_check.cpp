@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/survey.hpp"
+#include "hexaplast/model_check.hpp"
 
 #include <fmt/format.h>
 
@@ -19,28 +19,28 @@ constexpr double kLargeYieldStrain = 0.5;
 
 }  // namespace
 
-Survey survey(const Body& body, double mass, double dt) {
+ModelCheck check_model(const Body& body, double mass, double dt) {
   const Model& model = body.state().model;
   const HexMesh& mesh = body.mesh();
-  Survey found;
+  ModelCheck found;
   found.num_parts = connected_parts(mesh, body.alive()).count;
   if (mesh.num_nodes() > 0)
     found.extent = (mesh.positions().colwise().maxCoeff() - mesh.positions().colwise().minCoeff()).transpose();
-  found.volume = body.original_volume();
+  found.volume = body.initial_volume();
   found.quality = quality(mesh);
   found.mass = mass;
   found.density = mass / found.volume;
 
-  const auto least_and_greatest = [&](double Material::*property) {
+  const auto min_and_max = [&](double Material::*property) {
     const auto [least, greatest] = std::ranges::minmax(model.materials, {}, property);
     return std::pair(least.*property, greatest.*property);
   };
-  std::tie(found.least_young_modulus, found.greatest_young_modulus) = least_and_greatest(&Material::young_modulus);
-  std::tie(found.least_poisson_ratio, found.greatest_poisson_ratio) = least_and_greatest(&Material::poisson_ratio);
-  found.flow_per_step = least_and_greatest(&Material::flow_rate).second * dt;
-  found.rotation_flow_per_step = least_and_greatest(&Material::rotation_flow_rate).second * dt;
+  std::tie(found.min_young_modulus, found.max_young_modulus) = min_and_max(&Material::young_modulus);
+  std::tie(found.min_poisson_ratio, found.max_poisson_ratio) = min_and_max(&Material::poisson_ratio);
+  found.flow_per_step = min_and_max(&Material::flow_rate).second * dt;
+  found.rotation_flow_per_step = min_and_max(&Material::rotation_flow_rate).second * dt;
   found.restitution_per_step = model.settings.volume_restitution * dt;
-  found.yield_stress = least_and_greatest(&Material::yield_stress).first;
+  found.yield_stress = min_and_max(&Material::yield_stress).first;
   found.yield_strain = std::numeric_limits<double>::infinity();
   found.rotation_yield = std::numeric_limits<double>::infinity();
   for (const Material& material : model.materials) {
@@ -50,8 +50,8 @@ Survey survey(const Body& body, double mass, double dt) {
   }
 
   if (mass > 0) {
-    double stiffest = 0, stiffest_lumped = 0, stiffest_consistent = 0;  // [Pa] greatest of the elements
-    const double share = corner_share(model.settings.gradient);
+    double stiffest = 0, stiffest_lumped = 0, stiffest_consistent = 0;  // [Pa] largest of the elements
+    const double share = corner_weight(model.settings.gradient);
     for (const Lame& k : model.lame) {
       stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
       // of a cube on its own, which swells or warps; neighbours slow it down
@@ -65,32 +65,33 @@ Survey survey(const Body& body, double mass, double dt) {
     };
     found.highest_frequency = frequency(stiffest_lumped);
     found.highest_frequency_consistent = frequency(stiffest_consistent);
-    found.edges_per_step = found.wave_speed * dt / found.quality.shortest_edge;
+    found.cfl_number = found.wave_speed * dt / found.quality.shortest_edge;
     found.steps_across = found.extent.maxCoeff() / (found.wave_speed * dt);
   }
   return found;
 }
 
-std::vector<std::string> advice(const Survey& survey, Names names) {
+std::vector<std::string> model_warnings(const ModelCheck& check, Names names) {
   std::vector<std::string> sentences;
   const auto say = [&](bool is_unwise, const std::string& sentence) {
     if (is_unwise) sentences.push_back(sentence);
   };
-  say(survey.quality.num_unused_nodes > 0,
-      fmt::format("{} nodes belong to no hexahedron", survey.quality.num_unused_nodes));
-  say(survey.num_parts > 1, fmt::format("the body has {} parts that do not connect", survey.num_parts));
-  say(survey.greatest_poisson_ratio > kNearlyIncompressible,
-      fmt::format("{} = {}: above {} bending comes out too stiff", called("poisson_ratio", names),
-                  survey.greatest_poisson_ratio, kNearlyIncompressible));
-  say(std::isfinite(survey.yield_strain) && survey.yield_strain > kLargeYieldStrain,
-      fmt::format("{} is reached at a strain of {:.3g} only", called("yield_stress", names), survey.yield_strain));
-  say(survey.wave_speed > 0 && survey.steps_across < 1,
-      fmt::format("waves cross the body in {:.3g} time steps: vibrations are damped away, only slow loads are followed",
-                  survey.steps_across));
+  say(check.quality.num_unused_nodes > 0,
+      fmt::format("{} nodes belong to no hexahedron", check.quality.num_unused_nodes));
+  say(check.num_parts > 1, fmt::format("the body has {} unconnected parts", check.num_parts));
+  say(check.max_poisson_ratio > kNearlyIncompressible,
+      fmt::format("{} = {}: above {} hexahedra lock in bending", called("poisson_ratio", names),
+                  check.max_poisson_ratio, kNearlyIncompressible));
+  say(std::isfinite(check.yield_strain) && check.yield_strain > kLargeYieldStrain,
+      fmt::format("{} is reached only at a strain of {:.3g}", called("yield_stress", names), check.yield_strain));
+  say(check.wave_speed > 0 && check.steps_across < 1,
+      fmt::format(
+          "pressure waves cross the body in {:.3g} time steps: vibrations are damped, only slow loads are resolved",
+          check.steps_across));
   return sentences;
 }
 
-std::vector<std::string> fracture_advice(const std::vector<Material>& materials, Names names) {
+std::vector<std::string> fracture_warnings(const std::vector<Material>& materials, Names names) {
   const auto count = [&](auto condition) { return std::ranges::count_if(materials, condition); };
   const auto yields = [](const Material& m) { return std::isfinite(m.yield_stress); };
   const auto flows = [](const Material& m) { return m.flow_rate > 0; };
@@ -106,13 +107,13 @@ std::vector<std::string> fracture_advice(const std::vector<Material>& materials,
   std::vector<std::string> sentences;
   if (!missing.empty() && count(breaks_by_stretch) > 0)
     sentences.push_back(
-        fmt::format("{} tears nothing: without {} no stretch flows", name("fracture_stretch"), missing));
+        fmt::format("{} has no effect: without {} no stretch flows", name("fracture_stretch"), missing));
   if (missing.empty() && count(hardens) == 0) missing = "a " + name("hardening") + " above 0";
   if (!missing.empty() && count(breaks_by_stress) > 0)
     sentences.push_back(
-        fmt::format("{} tears nothing: without {} no yield stress grows", name("fracture_stress"), missing));
+        fmt::format("{} has no effect: without {} the yield stress does not grow", name("fracture_stress"), missing));
   if (missing.empty() && count(begins_beyond) > 0)
-    sentences.push_back(fmt::format("{} lies above {} in {} of {} hexahedra: they tear as soon as they flow",
+    sentences.push_back(fmt::format("{} exceeds {} in {} of {} hexahedra: they tear as soon as they flow",
                                     name("yield_stress"), name("fracture_stress"), count(begins_beyond),
                                     materials.size()));
   return sentences;

@@ -11,7 +11,7 @@
 namespace hexaplast::output {
 
 /// A surface that moves with the hexahedra of a body.
-struct Skin {
+struct EmbeddedSurface {
   PointArray points;  ///< any number x 3 [m], in the body's original positions
   std::vector<Triangle> triangles;
   std::vector<Quad> quads;

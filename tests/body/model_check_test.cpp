@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/survey.hpp"
+#include "hexaplast/model_check.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -40,11 +40,11 @@ TEST(MeshQuality, FindsTheWorstElementAndTheEdges) {
   x.bottomRows(2).setConstant(7);
   const MeshQuality found = quality(HexMesh(x, support::block({3, 1, 1}, 0.5).hexahedra()));
   EXPECT_EQ(found.worst_element, 2);
-  EXPECT_LT(found.least_scaled_jacobian, 0.95);
+  EXPECT_LT(found.min_scaled_jacobian, 0.95);
   EXPECT_DOUBLE_EQ(found.shortest_edge, 0.5);
   EXPECT_DOUBLE_EQ(found.longest_edge, 0.75);
   EXPECT_EQ(found.num_unused_nodes, 2);
-  EXPECT_EQ(found.num_inside_out, 0);
+  EXPECT_EQ(found.num_inverted, 0);
   EXPECT_TRUE(check_shapes(found).empty());
 }
 
@@ -53,31 +53,31 @@ TEST(MeshQuality, CornersThatAreInsideOutAreCounted) {
   x.row(3) << 1.3, 0.2, 0.2;  // node (3, 0, 0), pushed behind the plane of its three neighbours in the last cube
   const MeshQuality found = quality(HexMesh(x, support::block({3, 1, 1}, 0.5).hexahedra()));
   EXPECT_EQ(found.worst_element, 2);
-  EXPECT_EQ(found.num_inside_out, 1);
+  EXPECT_EQ(found.num_inverted, 1);
   ASSERT_EQ(check_shapes(found).size(), 1u);
-  EXPECT_EQ(check_shapes(found)[0].find("1 of the hexahedra is inside out at a corner, the worst is hexahedron 2"), 0u)
+  EXPECT_EQ(check_shapes(found)[0].find("1 of the hexahedra is inverted at a corner; the worst is hexahedron 2"), 0u)
       << check_shapes(found)[0];
 
   MeshQuality poor;
   EXPECT_TRUE(check_shapes(poor).empty());
-  poor.least_scaled_jacobian = 0.1;
+  poor.min_scaled_jacobian = 0.1;
   EXPECT_NE(check_shapes(poor).at(0).find("badly shaped"), std::string::npos);
 }
 
-TEST(Survey, KnowsWhatHandCalculationGives) {
+TEST(ModelCheck, KnowsWhatHandCalculationGives) {
   Material soft{.young_modulus = 1000, .poisson_ratio = 0, .yield_stress = 50, .flow_rate = 2, .rotation_yield = 0.1};
   Material hard{
       .young_modulus = 9000, .poisson_ratio = 0.25, .yield_stress = 90, .rotation_yield = 0.2, .rotation_flow_rate = 3};
   const Body body(support::block({2, 1, 1}, 0.5), {soft, hard}, {.volume_restitution = 4});
-  const Survey found = survey(body, 0.5, 0.01);
+  const ModelCheck found = check_model(body, 0.5, 0.01);
   EXPECT_EQ(found.num_parts, 1);
   EXPECT_EQ(found.extent, Vec3(1, 0.5, 0.5));
   EXPECT_DOUBLE_EQ(found.volume, 0.25);
   EXPECT_DOUBLE_EQ(found.density, 2);
-  EXPECT_EQ(found.least_young_modulus, 1000);
-  EXPECT_EQ(found.greatest_young_modulus, 9000);
-  EXPECT_EQ(found.least_poisson_ratio, 0);
-  EXPECT_EQ(found.greatest_poisson_ratio, 0.25);
+  EXPECT_EQ(found.min_young_modulus, 1000);
+  EXPECT_EQ(found.max_young_modulus, 9000);
+  EXPECT_EQ(found.min_poisson_ratio, 0);
+  EXPECT_EQ(found.max_poisson_ratio, 0.25);
   EXPECT_EQ(found.yield_stress, 50);
   EXPECT_DOUBLE_EQ(found.yield_strain, 0.01);  // 90 / 9000, not 50 / 1000
   EXPECT_EQ(found.rotation_yield, 0.2);        // the hard one's: the soft one's rotation never flows
@@ -88,9 +88,9 @@ TEST(Survey, KnowsWhatHandCalculationGives) {
   const double wave_speed = std::sqrt(5400.0);
   EXPECT_DOUBLE_EQ(found.wave_speed, wave_speed);
   EXPECT_DOUBLE_EQ(found.highest_frequency, 2 * std::sqrt(9000.0) / 0.5);  // 5 * 3600 / 2
-  EXPECT_DOUBLE_EQ(found.edges_per_step, wave_speed * 0.01 / 0.5);
+  EXPECT_DOUBLE_EQ(found.cfl_number, wave_speed * 0.01 / 0.5);
   EXPECT_DOUBLE_EQ(found.steps_across, 1 / (wave_speed * 0.01));
-  EXPECT_TRUE(advice(found).empty());
+  EXPECT_TRUE(model_warnings(found).empty());
 }
 
 /// [rad/s] of the fastest vibration of a body at rest, whose masses `divide` divides by: the power method on M^-1 K.
@@ -135,17 +135,17 @@ double fastest_with_consistent_mass(Body& body, double density) {
 }
 
 // Exact for one cube; many cubes vibrate slower, in these blocks at 0.578 of it or faster.
-TEST(Survey, TheHighestFrequencyIsThatOfTheFastestVibrationOrSomewhatMore) {
+TEST(ModelCheck, TheHighestFrequencyIsThatOfTheFastestVibrationOrSomewhatMore) {
   for (const GradientScheme gradient : {GradientScheme::kBlended, GradientScheme::kVertex, GradientScheme::kCentre})
     for (const double nu : {0.0, 0.3, 0.45, 0.49}) {
       const Material material{.young_modulus = 5000, .poisson_ratio = nu};
       Body cube(support::block({1, 1, 1}, 0.1), {material}, {.gradient = gradient});
-      const Survey of_cube = survey(cube, 1, 0.01);
+      const ModelCheck of_cube = check_model(cube, 1, 0.01);
       EXPECT_NEAR(of_cube.highest_frequency / fastest_with_lumped_masses(cube, 1000), 1, 1e-6) << nu;
       EXPECT_NEAR(of_cube.highest_frequency_consistent / fastest_with_consistent_mass(cube, 1000), 1, 1e-6) << nu;
       for (const double moved : {0.0, 0.1}) {
         Body block(support::distorted_block({5, 5, 5}, 0.1, moved, 12), {material}, {.gradient = gradient});
-        const Survey of_block = survey(block, 125, 0.01);
+        const ModelCheck of_block = check_model(block, 125, 0.01);
         for (const double ratio : {fastest_with_lumped_masses(block, 1000) / of_block.highest_frequency,
                                    fastest_with_consistent_mass(block, 1000) / of_block.highest_frequency_consistent}) {
           EXPECT_LE(ratio, 1 + 1e-6) << nu << " " << moved;
@@ -158,57 +158,57 @@ TEST(Survey, TheHighestFrequencyIsThatOfTheFastestVibrationOrSomewhatMore) {
 TEST(FractureAdvice, NamesWhatIsMissingForALimitToBeReached) {
   using Sentences = std::vector<std::string>;
   const Material whole{.yield_stress = 300, .flow_rate = 4, .hardening = 0.3};
-  EXPECT_TRUE(fracture_advice({whole}).empty());
+  EXPECT_TRUE(fracture_warnings({whole}).empty());
   Material tears = whole;
   tears.fracture_stress = 600;
   tears.fracture_stretch = 1.3;
-  EXPECT_TRUE(fracture_advice({tears}).empty());
+  EXPECT_TRUE(fracture_warnings({tears}).empty());
   const auto changed = [&](double Material::*member, double value) {
     Material material = tears;
     material.*member = value;
-    return fracture_advice({material});
+    return fracture_warnings({material});
   };
   for (const double hardening : {0.0, -0.1})
     EXPECT_EQ(changed(&Material::hardening, hardening),
-              Sentences{"fracture_stress tears nothing: without a hardening above 0 no yield stress grows"});
+              Sentences{"fracture_stress has no effect: without a hardening above 0 the yield stress does not grow"});
   EXPECT_EQ(changed(&Material::yield_stress, std::numeric_limits<double>::infinity()),
-            (Sentences{"fracture_stretch tears nothing: without yield_stress no stretch flows",
-                       "fracture_stress tears nothing: without yield_stress no yield stress grows"}));
+            (Sentences{"fracture_stretch has no effect: without yield_stress no stretch flows",
+                       "fracture_stress has no effect: without yield_stress the yield stress does not grow"}));
   EXPECT_EQ(changed(&Material::flow_rate, 0),
-            (Sentences{"fracture_stretch tears nothing: without flow_rate no stretch flows",
-                       "fracture_stress tears nothing: without flow_rate no yield stress grows"}));
+            (Sentences{"fracture_stretch has no effect: without flow_rate no stretch flows",
+                       "fracture_stress has no effect: without flow_rate the yield stress does not grow"}));
   Material wall = tears;
   wall.yield_stress = 1e9;
-  EXPECT_EQ(fracture_advice({tears, wall, tears}),
-            Sentences{"yield_stress lies above fracture_stress in 1 of 3 hexahedra: they tear as soon as they flow"});
-  EXPECT_EQ(fracture_advice({tears, wall, tears}, Names::kScenes),
-            Sentences{"yieldStress lies above fractureStress in 1 of 3 hexahedra: they tear as soon as they flow"});
+  EXPECT_EQ(fracture_warnings({tears, wall, tears}),
+            Sentences{"yield_stress exceeds fracture_stress in 1 of 3 hexahedra: they tear as soon as they flow"});
+  EXPECT_EQ(fracture_warnings({tears, wall, tears}, Names::kScenes),
+            Sentences{"yieldStress exceeds fractureStress in 1 of 3 hexahedra: they tear as soon as they flow"});
   wall.hardening = 0;
-  EXPECT_TRUE(fracture_advice({tears, wall, tears}).empty());
+  EXPECT_TRUE(fracture_warnings({tears, wall, tears}).empty());
 }
 
-TEST(Survey, WithoutMassThereAreNoWaves) {
-  const Survey found = survey(Body(support::block({1, 1, 1}, 1), {{}}), 0, 0.01);
+TEST(ModelCheck, WithoutMassThereAreNoWaves) {
+  const ModelCheck found = check_model(Body(support::block({1, 1, 1}, 1), {{}}), 0, 0.01);
   EXPECT_EQ(found.wave_speed, 0);
   EXPECT_EQ(found.yield_strain, std::numeric_limits<double>::infinity());
   EXPECT_EQ(found.rotation_yield, std::numeric_limits<double>::infinity());
-  EXPECT_TRUE(advice(found).empty());
+  EXPECT_TRUE(model_warnings(found).empty());
 }
 
-TEST(Survey, EachUnwiseChoiceIsNamed) {
-  const Survey good = survey(Body(support::block({1, 1, 1}, 1), {{}}), 1, 0.001);
-  ASSERT_TRUE(advice(good).empty());
-  const auto only_advice = [&](auto change) {
-    Survey changed = good;
+TEST(ModelCheck, EachUnwiseChoiceIsNamed) {
+  const ModelCheck good = check_model(Body(support::block({1, 1, 1}, 1), {{}}), 1, 0.001);
+  ASSERT_TRUE(model_warnings(good).empty());
+  const auto only_warning = [&](auto change) {
+    ModelCheck changed = good;
     change(changed);
-    const std::vector<std::string> sentences = advice(changed);
+    const std::vector<std::string> sentences = model_warnings(changed);
     return sentences.size() == 1 ? sentences[0] : "";
   };
-  EXPECT_NE(only_advice([](Survey& s) { s.quality.num_unused_nodes = 3; }).find("3 nodes"), std::string::npos);
-  EXPECT_NE(only_advice([](Survey& s) { s.num_parts = 2; }).find("2 parts"), std::string::npos);
-  EXPECT_NE(only_advice([](Survey& s) { s.greatest_poisson_ratio = 0.495; }).find("0.495"), std::string::npos);
-  EXPECT_NE(only_advice([](Survey& s) { s.yield_strain = 0.75; }).find("0.75"), std::string::npos);
-  EXPECT_NE(only_advice([](Survey& s) { s.steps_across = 0.5; }).find("0.5 time steps"), std::string::npos);
+  EXPECT_NE(only_warning([](ModelCheck& s) { s.quality.num_unused_nodes = 3; }).find("3 nodes"), std::string::npos);
+  EXPECT_NE(only_warning([](ModelCheck& s) { s.num_parts = 2; }).find("2 unconnected parts"), std::string::npos);
+  EXPECT_NE(only_warning([](ModelCheck& s) { s.max_poisson_ratio = 0.495; }).find("0.495"), std::string::npos);
+  EXPECT_NE(only_warning([](ModelCheck& s) { s.yield_strain = 0.75; }).find("0.75"), std::string::npos);
+  EXPECT_NE(only_warning([](ModelCheck& s) { s.steps_across = 0.5; }).find("0.5 time steps"), std::string::npos);
 }
 
 }  // namespace
