@@ -10,13 +10,13 @@
 #include "base/finite.hpp"
 #include "base/saved_stream.hpp"
 #include "body_state.hpp"
+#include "element/samples.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "kinematics/gradients.hpp"
+#include "hexaplast/mesh/trilinear.hpp"
 #include "kinematics/polar.hpp"
-#include "material/corotated.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
@@ -37,7 +37,7 @@ double moved(double threshold, double before, double now) {
 
 // To be raised with each change of what is saved: of History::serialize, of a member of Material or Settings, of its
 // type or place. SavedBody.KeepsTheBytesOfItsFormat fails until then.
-constexpr std::uint32_t kSavedVersion = 1;
+constexpr std::uint32_t kSavedVersion = 2;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// XXH64 of what a saved history belongs to.
@@ -171,9 +171,21 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
     body.exact_operator = &state_->exact;
   }
   body.scratch = &state_->slots();
+  if (state_->at.recovery.acts()) {
+    state_->springs.springs = &state_->at.recovery;
+    state_->springs.factor = -factor;
+    system.others.push_back(&state_->springs);
+  }
   if (!system.wants_coarse) return;
   if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
   body.coarse = state_->hierarchy->update(state_->model, state_->at);
+}
+
+double Body::recovery_work(ConstPoints x) const {
+  if (state_->model.settings.recovery == RecoveryMode::kNone) return 0;
+  state_->require_linearized("recovery_work");
+  energy(x);  // finds the springs
+  return state_->product.recovery.energy() - state_->at.recovery.energy_at(state_->history.material, x);
 }
 
 double Body::energy(ConstPoints x) const {
@@ -184,7 +196,7 @@ double Body::energy(ConstPoints x) const {
 FlowReport Body::flow(ConstPoints x, double dt) {
   state_->require_field("flow", "x", x);
   if (dt != state_->checked_dt) {
-    if (!(dt > 0) || !std::isfinite(dt)) throw InputError(fmt::format("dt = {} s: must be in (0, inf)", dt));
+    require_time_step(dt);
     // a body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it
     if (state_->model.can_flow()) check_time_step(state_->model.materials, state_->model.settings, dt);
     state_->checked_dt = dt;
@@ -307,13 +319,13 @@ ElementFields Body::fields(ConstPoints x) const {
     if (!state_->history.alive[e]) return;
 
     const Hexahedron& corners = state_->model.mesh.hexahedra()[e];
-    const RestOperator rest = rest_operator(gather(state_->history.material, corners), state_->model.settings.gradient);
-    out.volume_ratio[e] = rest.volume / state_->model.volume[e];
-    for (const Mat3& F : deformation_gradients(rest, gather(x, corners))) {
-      const SignedSvd svd = signed_svd(F);
-      out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(stress(polar(svd).S, state_->model.lame[e]),
-                                                                    state_->model.settings.yield_norm));
-      out.strain[e] = std::max(out.strain[e], (svd.d.array() - 1).abs().maxCoeff());
+    const Settings& settings = state_->model.settings;
+    const ElementSamples samples =
+        element_samples(gather(state_->history.material, corners), gather(x, corners), state_->model.lame[e], settings);
+    out.volume_ratio[e] = samples.volume / state_->model.volume[e];
+    for (int i = 0; i < kCorners; ++i) {
+      out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));
+      out.strain[e] = std::max(out.strain[e], (signed_svd(samples.F[i]).d.array() - 1).abs().maxCoeff());
     }
   });
   return out;

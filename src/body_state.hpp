@@ -44,6 +44,7 @@ struct Body::State {
   SlotScratch own_slots;                      // of bodies that cannot flow
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision
+  RecoveryTerm springs;                       // of the system that was described last
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
 };
 

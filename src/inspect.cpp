@@ -8,7 +8,8 @@
 
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
-#include "material/corotated.hpp"
+#include "hexaplast/base/require.hpp"
+#include "kinematics/gradients.hpp"
 #include "plastic/element_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
@@ -47,12 +48,16 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   const History history = history_of(model, state);
   Linearization at(model);
   linearize(model, history, state.world, at);
-  const RestOperator rest = rest_operator(state.material, settings.gradient);
+  const Sampling sampling = sampling_of(settings);
+  const RestOperator rest = rest_operator(state.material, sampling);
 
   HexahedronElasticity found;
   for (int i = 0; i < kCorners; ++i) {
     found.corner_jacobian[i] = corner_jacobian(state.material, i);
-    found.sample_gradient[i] = sample_gradient(rest, i);
+    if (sampling.assumed == Assumed::kNothing)
+      found.sample_gradient[i] = sample_gradient(rest, i);
+    else
+      found.sample_gradient[i].setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   found.centre_jacobian = centre_jacobian(state.material);
   found.volume = rest.volume;
@@ -71,11 +76,6 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   return found;
 }
 
-/// Throws InputError.
-void require_time_step(double dt) {
-  if (!(dt > 0) || !std::isfinite(dt)) throw InputError(fmt::format("dt = {} s: must be in (0, inf)", dt));
-}
-
 HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings, double dt,
                             Names names) {
   require_time_step(dt);
@@ -87,22 +87,22 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   const History before = history_of(model, state);
   Linearization at(model);
   linearize(model, before, state.world, at);
-  const RestOperator rest = rest_operator(state.material, settings.gradient);
+  const ElementSamples samples = element_samples(state.material, state.world, model.lame[0], settings);
 
   HexahedronStep found;
   found.F_centre = centre_jacobian(state.world) * centre_jacobian(state.material).inverse();
   found.R_centre = polar(found.F_centre).R;
-  found.F = deformation_gradients(rest, state.world);
+  found.F = samples.F;
   for (int i = 0; i < kCorners; ++i) {
     found.F_corner[i] = corner_jacobian(state.world, i) * corner_jacobian(state.material, i).inverse();
     found.F_blended[i] = (found.F_corner[i] + found.F_centre) / 2;
-    const Polar decomposed = polar(found.F[i]);
+    const Polar& decomposed = samples.polar[i];
     found.R[i] = decomposed.R;
     found.S[i] = decomposed.S;
     found.Q[i] = found.R_centre.transpose() * decomposed.R;
     found.phi[i] = rotation_log(found.Q[i]).norm();
     found.strain[i] = decomposed.S - Mat3::Identity();
-    found.stress[i] = stress(decomposed.S, model.lame[0]);
+    found.stress[i] = samples.stress[i];
     found.stress_norm[i] = stress_norm(found.stress[i], settings.yield_norm);
   }
   if (settings.rotation_plasticity == RotationPlasticity::kCentre)
@@ -110,13 +110,12 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
 
   // what flows, corner by corner
   const ElementStep step = flow_element({.material = model.material(0),
-                                         .lame = model.lame[0],
                                          .settings = settings,
                                          .original_shape = model.original_shape(0),
                                          .corner_jacobian = model.corner_jacobian(0),
                                          .initial_volume = model.volume[0],
                                          .x = state.material,
-                                         .rest = rest,
+                                         .samples = samples,
                                          .world = state.world,
                                          .frame = frame_of(state, settings.rotation_frame)},
                                         before.element(0), dt);

@@ -36,6 +36,7 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
     return std::pair(least.*property, greatest.*property);
   };
   std::tie(found.min_young_modulus, found.max_young_modulus) = min_and_max(&Material::young_modulus);
+  found.locks = body.settings().volumetric == Volumetric::kSample;
   std::tie(found.min_poisson_ratio, found.max_poisson_ratio) = min_and_max(&Material::poisson_ratio);
   found.flow_per_step = min_and_max(&Material::flow_rate).second * dt;
   found.rotation_flow_per_step = min_and_max(&Material::rotation_flow_rate).second * dt;
@@ -51,7 +52,7 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
 
   if (mass > 0) {
     double stiffest = 0, stiffest_lumped = 0, stiffest_consistent = 0;  // [Pa] largest of the elements
-    const double share = corner_weight(model.settings.gradient);
+    const double share = sampling_of(model.settings).share;
     for (const Lame& k : model.lame) {
       stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
       // of a cube on its own, which swells or warps; neighbours slow it down
@@ -79,9 +80,9 @@ std::vector<std::string> model_warnings(const ModelCheck& check, Names names) {
   say(check.quality.num_unused_nodes > 0,
       fmt::format("{} nodes belong to no hexahedron", check.quality.num_unused_nodes));
   say(check.num_parts > 1, fmt::format("the body has {} unconnected parts", check.num_parts));
-  say(check.max_poisson_ratio > kNearlyIncompressible,
-      fmt::format("{} = {}: above {} hexahedra lock in bending", called("poisson_ratio", names),
-                  check.max_poisson_ratio, kNearlyIncompressible));
+  say(check.locks && check.max_poisson_ratio > kNearlyIncompressible,
+      fmt::format("{} = {}: above {} hexahedra lock in bending unless volumetric is volumeRatio or mean",
+                  called("poisson_ratio", names), check.max_poisson_ratio, kNearlyIncompressible));
   say(std::isfinite(check.yield_strain) && check.yield_strain > kLargeYieldStrain,
       fmt::format("{} is reached only at a strain of {:.3g}", called("yield_stress", names), check.yield_strain));
   say(check.wave_speed > 0 && check.steps_across < 1,

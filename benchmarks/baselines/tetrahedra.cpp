@@ -156,8 +156,8 @@ class TetrahedralBody {
       const TetrahedronPoints at = gather(material_, tetrahedra_[e]);
       const double ratio = parts_[e].volume / original_volume_[e];
       if (parts_[e].F.determinant() >= kInversionThreshold && ratio >= kInversionThreshold) {
-        const StretchFlow flowed =
-            stretch_flow(parts_[e].polar.S, lame_, YieldNorm::kFrobenius, yield_stress_[e], law_.flow_rate, dt);
+        const StretchFlow flowed = stretch_flow(parts_[e].polar.S, stress(parts_[e].polar.S, lame_),
+                                                YieldNorm::kFrobenius, yield_stress_[e], law_.flow_rate, dt);
         const Mat3 turn = rotation_from_rest(e, at);
         rest_shape_[e] *= (turn.transpose() * flowed.increment * turn).transpose();
         yield_stress_[e] += law_.hardening * flowed.share * flowed.norm;

@@ -21,7 +21,7 @@ HexMesh make_mesh(const BarSettings& settings) {
 }
 
 Material make_material(const BarSettings& settings) {
-  Material material{.young_modulus = 5000, .poisson_ratio = 0.45};
+  Material material{.young_modulus = 5000, .poisson_ratio = settings.poisson_ratio};
   if (settings.mode == Mode::kElastic) return material;
   material.flow_rate = 2;
   material.hardening = 0.2;
@@ -31,7 +31,7 @@ Material make_material(const BarSettings& settings) {
 }
 
 Settings make_settings(const BarSettings& settings) {
-  Settings made;
+  Settings made = settings.element;
   made.precision = settings.precision;
   return made;
 }

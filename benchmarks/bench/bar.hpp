@@ -22,6 +22,8 @@ struct BarSettings {
   int size = 1000;  ///< hexahedra asked for; see cells_for
   Mode mode = Mode::kElastic;
   Precision precision = Precision::kDouble;
+  double poisson_ratio = 0.45;
+  Settings element = {};  ///< its form; the precision is the one above
 };
 
 inline constexpr double kBarLength = 0.2;  ///< [m]

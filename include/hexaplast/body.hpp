@@ -71,6 +71,10 @@ class Body {
   /// Elastic energy [J] at any positions; leaves the linearization alone.
   double energy(ConstPoints x) const;
 
+  /// [J] that the springs of `recovery` hold at x beyond what they would hold there with the strengths that they have
+  /// in the linearization: what their coming and going brings into the body. Throws InputError without a linearization.
+  double recovery_work(ConstPoints x) const;
+
   /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. Throws InputError where
   /// c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is not finite; the history is then as
   /// before.

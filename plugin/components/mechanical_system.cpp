@@ -189,7 +189,7 @@ bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& syst
   }
   find_others();
   others_.factors = factors;
-  if (layer.has_others) system.others = &others_;
+  if (layer.has_others) system.others.push_back(&others_);
   return true;
 }
 
@@ -234,6 +234,14 @@ double NodeSystem::elastic_energy() const {
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body()) energy += body->energy(layer.state->positions());
   return energy;
+}
+
+double NodeSystem::recovery_work() const {
+  double work = 0;
+  for (const Layer& layer : layers_)
+    for (const scene::ForceField* field : layer.force_fields)
+      if (const Body* body = field->body()) work += body->recovery_work(layer.state->positions());
+  return work;
 }
 
 double NodeSystem::highest_frequency() const {

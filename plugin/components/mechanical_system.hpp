@@ -32,6 +32,7 @@ class NodeSystem final : public MechanicalSystem {
   bool has_mass() const;
   double kinetic_energy() const;           ///< [J]
   double elastic_energy() const;           ///< [J] of the bodies
+  double recovery_work() const;            ///< [J] of the bodies
   double highest_frequency() const;        ///< [rad/s] about that of the bodies' fastest vibration; 0: nothing vibrates
   void project_motion(double time) const;  ///< applies prescribed motion to the state, and lets the others follow
   void follow() const;                     ///< puts the states that follow where the independent one takes them

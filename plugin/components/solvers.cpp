@@ -96,7 +96,7 @@ class EulerImplicitSolver final : public SystemSolver {
       return report;
     }
     system().follow();
-    balance_->add_step(euler_->energy(), inertial_energy(), system().elastic_energy());
+    balance_->add_step(euler_->energy(), inertial_energy(), system().elastic_energy(), system().recovery_work());
     stepped_to_ = state.positions();
     system().project_motion(time);
     balance_->add_motion_of_supports(inertial_energy(),
@@ -130,7 +130,7 @@ class EulerImplicitSolver final : public SystemSolver {
     if (!balance_) keep_energy_balance();
     pending_ = Pending::kNothing;
     archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
-            balance_->damping_loss, balance_->numerical_loss, balance_->flow_loss);
+            balance_->damping_loss, balance_->numerical_loss, balance_->recovery_work, balance_->flow_loss);
   }
 
  protected:

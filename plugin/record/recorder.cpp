@@ -28,12 +28,12 @@ constexpr std::string_view kHeader =
     "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
     "world_elongation,world_twist_deg";
 constexpr std::string_view kBalanceHeader =
-    ",load_work,support_work,damping_loss,numerical_loss,flow_loss,energy_error";
+    ",load_work,support_work,damping_loss,numerical_loss,recovery_work,flow_loss,energy_error";
 
 /// The columns of kBalanceHeader.
 std::string balance_columns(const EnergyBalance& energy) {
-  return fmt::format(",{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
-                     energy.numerical_loss, energy.flow_loss, energy.error());
+  return fmt::format(",{},{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
+                     energy.numerical_loss, energy.recovery_work, energy.flow_loss, energy.error());
 }
 
 /// Throws NumericalError naming the first column of a row that is not finite: "inf" and "nan" alone have letters n.

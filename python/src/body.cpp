@@ -108,15 +108,29 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
              for (const auto& [key, value] : given) {
                const auto* row = find_row(rows, std::string(py::str(key)), Names::kMembers);
                if (!row) throw py::type_error(fmt::format("{}() has no argument {}", name, std::string(py::str(key))));
+               if (row->alias == std::string(py::str(key))) warn_deprecated(row->alias.data(), row->member.data());
                assign(*row, value, options);
              }
              return options;
            }),
            fmt::format("__init__(self: {}, *, {}) -> None", name, fmt::join(keywords(rows), ", ")).c_str());
-  for (const Row<Options>& row : rows)
+  for (const Row<Options>& row : rows) {
     type.def_property(
         row.member.data(), [&row](const Options& options) { return value_of(row, options); },
         [&row](Options& options, py::handle value) { assign(row, value, options); }, help_of(row).c_str());
+    if (row.alias.empty()) continue;
+    type.def_property(
+        row.alias.data(),
+        [&row](const Options& options) {
+          warn_deprecated(row.alias.data(), row.member.data());
+          return value_of(row, options);
+        },
+        [&row](Options& options, py::handle value) {
+          warn_deprecated(row.alias.data(), row.member.data());
+          assign(row, value, options);
+        },
+        fmt::format("Deprecated: {}", row.member).c_str());
+  }
   type.def("__repr__", [name, rows](const Options& options) { return repr(name, rows, options); });
   if constexpr (std::equality_comparable<Options>)
     type.def("__eq__", [](const Options& options, const Options& other) { return options == other; });

@@ -151,8 +151,8 @@ def test_what_the_library_refuses_is_a_value_error_with_its_message():
         hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(poisson_ratio=0.5))
     with pytest.raises(ValueError, match="3"):
         hexaplast.Body(POSITIONS, HEXAHEDRA, [hexaplast.Material()] * 3)
-    with pytest.raises(ValueError, match="gradient = 'vertices' must be one of blended, vertex, centre"):
-        hexaplast.Settings(gradient="vertices")
+    with pytest.raises(ValueError, match="bending = 'vertices' must be one of blended, .*vertex, centre"):
+        hexaplast.Settings(bending="vertices")
     with pytest.raises(ValueError, match="precision = 'half'"):
         hexaplast.Settings().precision = "half"
     with pytest.raises(TypeError):
@@ -173,7 +173,8 @@ def test_what_the_library_refuses_is_a_value_error_with_its_message():
 @pytest.mark.parametrize("options", [hexaplast.Material, hexaplast.Settings])
 def test_members_are_keywords_of_the_constructor(options):
     keywords = re.findall(r"(\w+): (float|int|Literal\[.*?\]) = ", options.__init__.__doc__)
-    assert [name for name, _ in keywords] == [name for name in vars(options) if isinstance(vars(options)[name], property)]
+    members = {name: of.__doc__ for name, of in vars(options).items() if isinstance(of, property)}
+    assert [name for name, _ in keywords] == [name for name, doc in members.items() if not doc.startswith("Deprecated")]
     for name, kind in keywords:
         first = getattr(options(), name)
         words = re.findall(r'"(\w+)"', kind)
@@ -189,6 +190,17 @@ def test_members_are_keywords_of_the_constructor(options):
         options(youngModulus=1)
 
 
+def test_the_older_name_of_a_member_warns():
+    with pytest.warns(DeprecationWarning, match="gradient is deprecated: use bending"):
+        settings = hexaplast.Settings(gradient="vertex")
+    assert settings.bending == "vertex"
+    with pytest.warns(DeprecationWarning, match="use bending"):
+        assert settings.gradient == "vertex"
+    with pytest.warns(DeprecationWarning, match="use bending"):
+        settings.gradient = "centre"
+    assert settings.bending == "centre"
+
+
 def test_settings_and_materials_are_plain_data():
     material = hexaplast.Material(yield_stress=7)
     material.flow_rate = 2
@@ -198,7 +210,10 @@ def test_settings_and_materials_are_plain_data():
     settings.rotation_plasticity = "objective"
     assert settings == hexaplast.Settings()
     for name, words in {
-        "gradient": ("blended", "vertex", "centre"),
+        "bending": ("blended", "assumedCorner", "assumed", "oneRotation", "vertex", "centre"),
+        "volumetric": ("sample", "mean", "meanFree", "volumeRatio"),
+        "law": ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"),
+        "recovery": ("none", "cluster"),
         "yield_norm": ("vonMises", "frobenius", "spectral"),
         "rotation_plasticity": ("objective", "vertex", "centre", "none"),
         "rotation_frame": ("bestFit", "world"),

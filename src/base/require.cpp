@@ -3,12 +3,18 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 
 void require_count(const char* call, const char* name, Eigen::Index given, Eigen::Index expected) {
   if (given != expected) throw InputError(fmt::format("{}: {} has {} rows, must have {}", call, name, given, expected));
+}
+
+void require_time_step(double dt) {
+  if (!(dt > 0) || !std::isfinite(dt)) throw InputError(fmt::format("dt = {} s: must be in (0, inf)", dt));
 }
 
 void require_nodes(const char* call, std::span<const int> nodes, Eigen::Index num_rows) {

@@ -9,69 +9,120 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-template <class T, class Coef>
-void add_product(const ElementOperator<T, Coef>& op, int chunk, T factor, const T* p, T* Ap) {
+enum class Which { kCorotated, kLaw, kOneRotation, kPerSample };
+
+/// Ap += factor L p of the elements of one register.
+template <Which kWhich, bool kGeneral, Assumed kAssumed, class T, class Coef>
+HWY_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, int lane, T factor, const T* p, T* Ap) {
   using V = Lanes<T>;
-  const Partition& partition = op.partition();
-  const V share(static_cast<T>(op.corner_weight)), f(factor);
-  const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
-  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
-    const auto* coef = stored(op, block);
-    const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights;
-    for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      CornerLanes<V> u;
-      gather(partition, block, lane, p, u);
-      if (op.per_sample)
-        apply_stiffness<true, true>(coef + lane, weight + lane, share, f, u);
-      else if (op.is_general[block])
-        apply_stiffness<true, false>(coef + lane, weight + lane, share, f, u);
-      else
-        apply_stiffness<false, false>(coef + lane, weight + lane, share, f, u);
-      scatter_add(u, partition, block, lane, Ap);
-    }
-  }
+  constexpr int weights = kWhich == Which::kPerSample ? 2 * kCorners * kBlock : 2 * kBlock;
+  const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights + lane;
+  // assumed strains gain nothing by it
+  constexpr bool unrolls = kAssumed == Assumed::kNothing && kWhich != Which::kLaw;
+  CornerLanes<V> u;
+  gather(op.partition(), block, lane, p, u);
+  const auto* const coef = stored(op, block) + lane;
+  if constexpr (kWhich == Which::kOneRotation)
+    apply_one_rotation<kBlock, kGeneral>(coef, op.kind, weight, V(factor), u);
+  else
+    apply_stiffness<kBlock, kGeneral, kAssumed, kWhich == Which::kPerSample, kWhich == Which::kLaw, unrolls>(
+        coef, op.kind, weight, V(factor), u);
+  scatter_add(u, op.partition(), block, lane, Ap);
 }
 
-/// Diagonal of L at corner a: sum_i mu |r_ia|^2 + (mu + lambda) r_ia,c^2, r_ia = R_i g~_ia.                  eq. 17
+template <class T, class Coef>
+void add_product(const ElementOperator<T, Coef>& op, int chunk, T factor, const T* p, T* Ap) {
+  const Partition& partition = op.partition();
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount)
+      if (op.per_sample)
+        add_product_of<Which::kPerSample, true, Assumed::kNothing>(op, block, lane, factor, p, Ap);
+      else
+        for_shape(
+            op.is_general[block] != 0,
+            op.kind.sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+              if constexpr (kAssumed == Assumed::kModes)
+                if (op.kind.sampling.one_rotation)
+                  return add_product_of<Which::kOneRotation, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
+              if (op.kind.has_law())
+                add_product_of<Which::kLaw, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
+              else
+                add_product_of<Which::kCorotated, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
+            });
+}
+
+/// Diagonal of L at corner a: sum_i mu |r_ia|^2 + (mu + lambda_f) r_ia,c^2 and the volume's part, r_ia = R_i g~_ia.
+/// What is assumed is left out.                                                                  eq. 17, E4, E7
 template <class T, class Coef>
 void add_diagonal(const ElementOperator<T, Coef>& op, int chunk, T factor, T* diagonal) {
   using V = Lanes<T>;
   const Partition& partition = op.partition();
-  const V share(static_cast<T>(op.corner_weight)), quarter(static_cast<T>((1 - op.corner_weight) / 4)), f(factor);
+  const StiffnessKind& kind = op.kind;
+  const V share(static_cast<T>(kind.sampling.share)), quarter(static_cast<T>((1 - kind.sampling.share) / 4)), f(factor);
   const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
-    const bool general = op.per_sample || op.is_general[block];
+    const bool has_shared = (op.per_sample || op.is_general[block]) && kind.sampling.assumed != Assumed::kModes;
+    const int of_shape = num_coefficients({.sampling = kind.sampling}, op.per_sample || op.is_general[block]);
+    const int per_sample = kind.sampling.one_rotation ? 0 : 9 * kBlock;
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       const auto* coef = stored(op, block) + lane;
       const auto *rotation = coef + 9 * kCorners * kBlock, *shared = rotation + 9 * kCorners * kBlock;
+      const auto *of_volume = coef + of_shape * kBlock,
+                 *of_law = of_volume + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients * kBlock;
       const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights + lane;
-      CornerLanes<V> sum;
-      for (auto& corner : sum.at)
-        for (V& d : corner) d = V(T(0));
+      const V lambda = f * load(weight + kBlock);
+      CornerLanes<V> sum, mean;
+      set_zero(sum);
+      set_zero(mean);
       for (int i = 0; i < kCorners; ++i) {
         const T* at = op.per_sample ? weight + 2 * i * kBlock : weight;
-        const V mu = f * load(at), both = mu + f * load(at + kBlock);
-        const Mat<V> C = load_mat<V>(coef + 9 * i * kBlock);
-        Mat<V> R;
-        if (general) R = load_mat<V>(rotation + 9 * i * kBlock);
+        const V mu = f * load(at);
+        const V free = op.per_sample ? f * load(at + kBlock) : free_modulus(kind.volumetric, mu, lambda);
+        const Mat<V> C = load_mat<kBlock, V>(coef + per_sample * i);
+        Mat<V> R, G;
+        V beta(T(0));
+        if (has_shared) R = load_mat<kBlock, V>(rotation + 9 * i * kBlock);
+        if (kind.has_law()) {
+          G = load_symmetric<kBlock, V>(of_law + 7 * i * kBlock);
+          beta = mu * load_as(of_law + (7 * i + 6) * kBlock);
+        }
         for (int a = 0; a < kCorners; ++a) {
           V r[3] = {V(T(0)), V(T(0)), V(T(0))};
           for (int d = 0; d < 3; ++d) {
             const bool same = kEdgeAt[a][d] == kEdgeAt[i][d];
-            if (general && !same) continue;
+            if (has_shared && !same) continue;
             V along = same ? share : V(T(0));
-            if (!general) along += quarter;
+            if (!has_shared) along += quarter;
             if (kCornerSign[a][d] < 0) along = -along;
             for (int c = 0; c < 3; ++c) r[c] += along * C(d, c);
           }
-          if (general) {
+          if (has_shared) {
             V h[3];
             for (int j = 0; j < 3; ++j) h[j] = load_as(shared + (3 * a + j) * kBlock);
             for (int c = 0; c < 3; ++c) r[c] += R(c, 0) * h[0] + R(c, 1) * h[1] + R(c, 2) * h[2];
           }
-          const V squared = mu * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-          for (int c = 0; c < 3; ++c) sum.at[a][c] += squared + both * r[c] * r[c];
+          V t[3] = {r[0], r[1], r[2]};  // what the dilatation sees
+          if (kind.has_law())
+            for (int c = 0; c < 3; ++c) t[c] = G(c, 0) * r[0] + G(c, 1) * r[1] + G(c, 2) * r[2];
+          const V squared = (mu + beta) * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+          for (int c = 0; c < 3; ++c) {
+            sum.at[a][c] += squared + mu * r[c] * r[c] + free * t[c] * t[c];
+            mean.at[a][c] += t[c];
+          }
         }
+      }
+      if (!op.per_sample && kind.volumetric != Volumetric::kSample) {
+        const V free = free_modulus(kind.volumetric, f * load(weight), lambda), none(T(0));
+        const V of_mean = (!kind.has_volume() ? lambda - free : kind.has_law() ? none : -free) * V(T(1.0 / kCorners));
+        const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
+        CornerLanes<V> of_ratio_at;
+        set_zero(of_ratio_at);
+        if (kind.has_volume()) add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_at);
+        for (int a = 0; a < kCorners; ++a)
+          for (int c = 0; c < 3; ++c) {
+            const V b = of_ratio_at.at[a][c];
+            sum.at[a][c] += of_mean * mean.at[a][c] * mean.at[a][c] + of_ratio * b * b;
+          }
       }
       scatter_add(sum, partition, block, lane, diagonal);
     }

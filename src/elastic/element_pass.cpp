@@ -4,6 +4,8 @@
 #define HWY_TARGET_INCLUDE "elastic/element_pass.cpp"
 #include "hwy/foreach_target.h"
 //
+#include <limits>
+
 #include "elastic/element_kernels-inl.hpp"
 #include "elastic/element_pass.hpp"
 #include "material/stress_norm-inl.hpp"
@@ -11,84 +13,107 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-template <bool kGeneral, class T, class Coef>
-HWY_INLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
-  using V = Lanes<double>;
-  const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
-  CornerLanes<V> x, u;
-  gather(pass.partition, block, lane, pass.material, x);
-  gather(pass.partition, block, lane, pass.world, u);
+/// Loads an element per lane; those that are not there become unit cubes.
+template <class V>
+HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, std::uint32_t present,
+                              const double* material, const double* world, CornerLanes<V>& x, CornerLanes<V>& u) {
+  gather(partition, block, lane, material, x);
+  gather(partition, block, lane, world, u);
   replace_absent(present, x);
   replace_absent(present, u);
-  RestLanes<kGeneral, V> rest;
-  rest_operator(x, pass.gradient, rest);
-  const GradientLanes<kGeneral, V> gradient(rest, u);
-  const V share = rest.share;
-  const V volume = select_bits(present, rest.volume, V(0.0));
+}
+
+/// - dE/du, of what acts on the samples.                                                    eq. 15, E6, E12, E13, E15
+template <bool kGeneral, Assumed kAssumed, class V>
+HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, kAssumed, V>& element, const MaterialLanes<V>& of,
+                               const PressureLanes<V>& p, const CornerLanes<V>& of_volume, V volume, bool one_rotation,
+                               ColumnsTranspose<kGeneral, kAssumed, V>& acting, CornerLanes<V>& f) {
+  const auto& rest = element.rest;
+  const V eighth = V(-1.0 / kCorners) * volume;
+  if constexpr (kAssumed != Assumed::kNothing) {
+    acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.share));
+    // samples with rotations of their own feel that of the mean by what is assumed alone
+    Mat<V> turns;
+    if constexpr (kAssumed == Assumed::kModes) {
+      if (one_rotation) {
+        V on_modes[4][3];
+        acting.all_on_modes(rest, on_modes);
+        turns = turning(element.R_m, element.S_m, dual_of(rest), {}, {}, element.columns.Q, on_modes);
+      }
+    }
+    if (!one_rotation)
+      turns =
+          turning(element.R_m, element.S_m, dual_of(rest), element.columns.a, acting.a, element.columns.Q, acting.Q);
+    acting.finish(rest, &turns, eighth, f);
+  } else {
+    acting.finish(rest, nullptr, eighth, f);
+  }
+  if (of.volumetric == Volumetric::kVolumeRatio) {
+    const V pressure = of.of_volume() * p.excess * volume / rest.volume;  // 0 where nothing is
+    for (int a = 0; a < kCorners; ++a)
+      for (int r = 0; r < 3; ++r) f.at[a][r] -= pressure * of_volume.at[a][r];
+  }
+}
+
+template <bool kGeneral, Assumed kAssumed, class T, class Coef>
+HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
+  using V = Lanes<double>;
+  const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
+  const StiffnessKind& kind = pass.op.kind;
+  CornerLanes<V> x, u, of_volume;
+  gather_shapes(pass.partition, block, lane, present, pass.material, pass.world, x, u);
+  ElementLanes<kGeneral, kAssumed, V> element;
+  place_element(x, u, kind.sampling, element);
+  decompose(kind.sampling, element);
+  const V volume = select_bits(present, element.rest.volume, V(0.0));
   store(volume, pass.volume + static_cast<std::size_t>(block) * kBlock + lane);
 
   const double* lame = pass.lame + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  const V mu = load(lame), lambda = load(lame + kBlock);
-  const V eighth = V(-1.0 / kCorners) * volume;
-  float* screen = pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
-  auto* coef = reinterpret_cast<typename Stored<Coef>::type*>(pass.op.coef.data() + pass.op.offset[block]) + lane;
+  const MaterialLanes<V> of(pass.settings, load(lame), load(lame + kBlock));
+  const PressureLanes<V> p = pressures(of, element, u, of_volume);
   T* weight = pass.op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   const V per_sample = V(1 / (kCorners * pass.length * pass.length)) * volume;
-  store_as(per_sample * mu, weight);
-  store_as(per_sample * lambda, weight + kBlock);
-  const V length(pass.length);
+  store_as(per_sample * of.mu, weight);
+  store_as(per_sample * of.lambda, weight + kBlock);
+  auto* coef = reinterpret_cast<typename Stored<Coef>::type*>(pass.op.coef.data() + pass.op.offset[block]) + lane;
+  const bool one_rotation = kAssumed == Assumed::kModes && kind.sampling.one_rotation;
+  CoefficientWriter<kBlock, kGeneral, kAssumed, V, typename Stored<Coef>::type> writer(element, kind, V(pass.length),
+                                                                                       coef);
 
-  Mat<V> R_centre = rest.inverse[0];  // overwritten where it is wanted
+  float* screen = pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
+  Mat<V> R_centre = element.F[0];  // overwritten where it is wanted
   if (pass.screens_rotation) R_centre = safe_polar(centre_gradient(x, u)).R;
-
-  EdgeLanes<V> q;
-  Mat<V> Q;
   V least_det(1e300);
-  set_zero(q);
-  for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
-  Mat<V> gradients[kAtOnce];
-  PolarLanes<V> polars[kAtOnce];
+  ColumnsTranspose<kGeneral, kAssumed, V> acting;
   for (int i = 0; i < kCorners; ++i) {
-    if (i % kAtOnce == 0) {
-      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(i + m);
-      safe_polars<kAtOnce>(gradients, polars);
-    }
-    const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
-    const Mat<V>& F = gradients[i % kAtOnce];
-    const PolarLanes<V>& FRS = polars[i % kAtOnce];
-    const Sym<V> s = stress(FRS.S, mu, lambda);
-    const Mat<V> P = FRS.R * matrix(s);
-    for (int d = 0; d < 3; ++d)
-      for (int r = 0; r < 3; ++r)
-        q.at[d][kEdgeAt[i][d]][r] += P(r, 0) * A(d, 0) + P(r, 1) * A(d, 1) + P(r, 2) * A(d, 2);
-    if constexpr (kGeneral)
-      for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] += P.m[k / 3][k % 3];
+    const auto& [R, S, doubtful] = element.polar[i];
+    const V theta = dilatation(of.law, S);
+    const Sym<V> sigma = stress(of.law, of.mooney_share, S, of.mu, p.at(theta));
+    const Mat<V> P = R * matrix(sigma);
+    acting.add_columns(i, product_transposed(inverse_at(element.rest, i), P));
+    if constexpr (RestLanes<kGeneral, kAssumed, V>::kAtCorners) acting.add_shared(i, P);
+    if (!one_rotation) writer.add_sample(i, of, p);
 
-    store_mat(product_transposed(A, FRS.R), length, coef + 9 * i * kBlock);
-    if constexpr (kGeneral) store_mat(FRS.R, V(1.0), coef + (9 * kCorners + 9 * i) * kBlock);
-    store_as(stress_norm_bound(s, pass.norm), screen + (YieldScreen::kNorm + i) * kBlock);
+    const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
+                                ? stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(theta))
+                                : sigma;
+    store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
+    const Mat<V>& F = element.F[i];
     const Mat<V> cof = cofactor(F);
     least_det = min(least_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
-    if (pass.screens_rotation)
-      store_as(V(0.5) * (dot(R_centre, FRS.R) - V(1.0)), screen + (YieldScreen::kCosine + i) * kBlock);
+    if (pass.screens_rotation) {
+      const Mat<V> own = one_rotation ? safe_polar(F).R : R;
+      store_as(V(0.5) * (dot(R_centre, own) - V(1.0)), screen + (YieldScreen::kCosine + i) * kBlock);
+    }
   }
   store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
-  store_as(rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  store_as(element.rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  if constexpr (kAssumed == Assumed::kModes)
+    if (one_rotation) store_one_rotation<kBlock>(element, of.volumetric, of_volume, V(pass.length), coef);
+  if (!one_rotation) writer.finish(of_volume);
 
   CornerLanes<V> f;
-  if constexpr (kGeneral) {
-    for (int a = 0; a < kCorners; ++a)
-      for (int j = 0; j < 3; ++j) store_as(length * rest.h.at[a][j], coef + (18 * kCorners + 3 * a + j) * kBlock);
-    for (int a = 0; a < kCorners; ++a)
-      for (int r = 0; r < 3; ++r)
-        f.at[a][r] = eighth * (Q(r, 0) * rest.h.at[a][0] + Q(r, 1) * rest.h.at[a][1] + Q(r, 2) * rest.h.at[a][2]);
-    scale(eighth * share, q);
-  } else {
-    set_zero(f);
-    blend(share, q);
-    scale(eighth, q);
-  }
-  add_edges_transpose(q, f);
+  finish_force(element, of, p, of_volume, volume, one_rotation, acting, f);
   scatter_add(f, pass.partition, block, lane, pass.force);
 }
 
@@ -96,104 +121,144 @@ template <class T, class Coef>
 void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
   for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
-      if (pass.is_general[block])
-        linearize_lanes<true>(pass, block, lane);
-      else
-        linearize_lanes<false>(pass, block, lane);
+      for_shape(
+          pass.op.is_general[block] != 0,
+          pass.op.kind.sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+            linearize_lanes<kGeneral, kAssumed>(pass, block, lane);
+          });
 }
 
-template <bool kGeneral>
-HWY_INLINE void exact_lanes(const Model& model, const Linearization& at, int block, int lane, double factor,
-                            const double* p, double* Ap) {
+/// The coefficients of one register of elements in double precision, computed anew.
+template <bool kGeneral, Assumed kAssumed>
+struct ExactCoefficients {
   using V = Lanes<double>;
-  const Partition& partition = *model.partition;
-  const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
-  CornerLanes<V> x, u, du;
-  gather(partition, block, lane, at.material.data(), x);
-  gather(partition, block, lane, at.world.data(), u);
-  gather(partition, block, lane, p, du);
-  replace_absent(present, x);
-  replace_absent(present, u);
-  RestLanes<kGeneral, V> rest;
-  rest_operator(x, model.settings.gradient, rest);
-  const GradientLanes<kGeneral, V> gradient(rest, u), increment(rest, du);
-  const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  const V weight = V(factor / kCorners) * select_bits(present, rest.volume, V(0.0));
-  const V mu = weight * load(lame), lambda = weight * load(lame + kBlock);
+  static constexpr int kStride = V::kCount;
+  static constexpr int kMost =
+      CoefficientPlaces<kGeneral, kAssumed>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
 
-  EdgeLanes<V> q;
-  Mat<V> Q;
-  set_zero(q);
-  for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] = V(0.0);
-  Mat<V> gradients[kAtOnce];
-  PolarLanes<V> polars[kAtOnce];
-  for (int i = 0; i < kCorners; ++i) {
-    if (i % kAtOnce == 0) {
-      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(i + m);
-      safe_polars<kAtOnce>(gradients, polars);
+  HWY_NOINLINE ExactCoefficients(const Model& model, const Linearization& at, int block, int lane, double factor)
+      : kind{.sampling = sampling_of(model.settings),
+             .volumetric = model.settings.volumetric,
+             .law = model.settings.law} {
+    const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
+    CornerLanes<V> x, u, of_volume;
+    gather_shapes(*model.partition, block, lane, present, at.material.data(), at.world.data(), x, u);
+    ElementLanes<kGeneral, kAssumed, V> element;
+    place_element(x, u, kind.sampling, element);
+    decompose(kind.sampling, element);
+    const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+    const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
+    const PressureLanes<V> p = pressures(of, element, u, of_volume);
+    if constexpr (kAssumed == Assumed::kModes)
+      if (kind.sampling.one_rotation) store_one_rotation<kStride>(element, of.volumetric, of_volume, V(1.0), coef);
+    if (!kind.sampling.one_rotation) {
+      CoefficientWriter<kStride, kGeneral, kAssumed, V, double> writer(element, kind, V(1.0), coef);
+      for (int i = 0; i < kCorners; ++i) writer.add_sample(i, of, p);
+      writer.finish(of_volume);
     }
-    const Mat<V>& A = rest.inverse[kGeneral ? i : 0];
-    const Mat<V>& R = polars[i % kAtOnce].R;
-    const Mat<V> P = R * stress_increment(transposed_product(R, increment(i)), mu, lambda);
-    for (int d = 0; d < 3; ++d)
-      for (int r = 0; r < 3; ++r)
-        q.at[d][kEdgeAt[i][d]][r] += P(r, 0) * A(d, 0) + P(r, 1) * A(d, 1) + P(r, 2) * A(d, 2);
-    if constexpr (kGeneral)
-      for (int k = 0; k < 9; ++k) Q.m[k / 3][k % 3] += P.m[k / 3][k % 3];
+    const V per_sample = V(factor / kCorners) * select_bits(present, element.rest.volume, V(0.0));
+    store(per_sample * of.mu, weight);
+    store(per_sample * of.lambda, weight + kStride);
   }
-  set_zero(u);
-  if constexpr (kGeneral) {
-    for (int a = 0; a < kCorners; ++a)
-      for (int r = 0; r < 3; ++r)
-        u.at[a][r] = Q(r, 0) * rest.h.at[a][0] + Q(r, 1) * rest.h.at[a][1] + Q(r, 2) * rest.h.at[a][2];
-    scale(rest.share, q);
-  } else {
-    blend(rest.share, q);
+  HWY_NOINLINE void apply(CornerLanes<V>& u) const {
+    if constexpr (kAssumed == Assumed::kModes)
+      if (kind.sampling.one_rotation) return apply_one_rotation<kStride, kGeneral>(coef, kind, weight, V(1.0), u);
+    if (kind.has_law())
+      apply_stiffness<kStride, kGeneral, kAssumed, false, true, false>(coef, kind, weight, V(1.0), u);
+    else
+      apply_stiffness<kStride, kGeneral, kAssumed, false, false, false>(coef, kind, weight, V(1.0), u);
   }
-  add_edges_transpose(q, u);
-  scatter_add(u, partition, block, lane, Ap);
-}
+
+  StiffnessKind kind;
+  alignas(64) double coef[kMost * kStride];
+  alignas(64) double weight[2 * kStride];
+};
 
 void exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p, double* Ap) {
-  for (int block = model.partition->first_block[chunk]; block < model.partition->first_block[chunk + 1]; ++block)
+  const Partition& partition = *model.partition;
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
-      if (at.is_general[block])
-        exact_lanes<true>(model, at, block, lane, factor, p, Ap);
-      else
-        exact_lanes<false>(model, at, block, lane, factor, p, Ap);
+      for_shape(
+          at.is_general[block] != 0,
+          sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+            const ExactCoefficients<kGeneral, kAssumed> of(model, at, block, lane, factor);
+            CornerLanes<Lanes<double>> u;
+            gather(partition, block, lane, p, u);
+            of.apply(u);
+            scatter_add(u, partition, block, lane, Ap);
+          });
 }
 
-//   sum_i V/8 psi(S_i)                                                                                       eq. 18
+/// Column by column, the products with unit vectors.
+void matrices_of(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices) {
+  using V = Lanes<double>;
+  for (int lane = 0; lane < kBlock; lane += V::kCount)
+    for_shape(
+        at.is_general[block] != 0,
+        sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+          const ExactCoefficients<kGeneral, kAssumed> of(model, at, block, lane, factor);
+          for (int column = 0; column < 3 * kCorners; ++column) {
+            CornerLanes<V> u;
+            set_zero(u);
+            u.at[column / 3][column % 3] = V(1.0);
+            of.apply(u);
+            alignas(64) double entries[V::kCount];
+            for (int row = 0; row < 3 * kCorners; ++row) {
+              store(u.at[row / 3][row % 3], entries);
+              for (int k = 0; k < V::kCount; ++k) matrices[lane + k](row, column) = entries[k];
+            }
+          }
+        });
+}
+
+void ratios_of(const Model& model, const double* material, const double* world, int block, double* ratios) {
+  using V = Lanes<double>;
+  for (int lane = 0; lane < kBlock; lane += V::kCount) {
+    CornerLanes<V> x, u;
+    EdgeLanes<V> before, now;
+    gather(*model.partition, block, lane, material, x);
+    gather(*model.partition, block, lane, world, u);
+    edges(x, before);
+    edges(u, now);
+    V of_rest[kCorners], largest(0.0), least(std::numeric_limits<double>::infinity());
+    const auto det = [](const EdgeLanes<V>& e, int i) {
+      const Mat<V> J = edges_at(e, i), cof = cofactor(J);
+      return J(0, 0) * cof(0, 0) + J(0, 1) * cof(0, 1) + J(0, 2) * cof(0, 2);
+    };
+    for (int i = 0; i < kCorners; ++i) {
+      of_rest[i] = det(before, i);
+      largest = max(largest, of_rest[i]);
+    }
+    // of a corner that is nearly flat at rest: its change, over what is not small
+    for (int i = 0; i < kCorners; ++i)
+      least = min(least, V(1.0) + (det(now, i) - of_rest[i]) / max(of_rest[i], V(0.1) * largest));
+    store(least, ratios + lane);
+  }
+}
+
+/// Elastic energy.                                                                              eq. 18, E1, E5, E14
 double energy_of(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
   using V = Lanes<double>;
   V sum(0.0);
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
-    CornerLanes<V> x, u;
-    gather(*model.partition, block, lane, material, x);
-    gather(*model.partition, block, lane, world, u);
     const std::uint32_t here = static_cast<std::uint32_t>(present) >> lane;
-    replace_absent(here, x);
-    replace_absent(here, u);
-    RestLanes<true, V> rest;
-    rest_operator(x, model.settings.gradient, rest);
-    const GradientLanes<true, V> gradient(rest, u);
+    CornerLanes<V> x, u, gradient;
+    gather_shapes(*model.partition, block, lane, here, material, world, x, u);
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-    const V mu = load(lame), lambda = load(lame + kBlock);
-    V density(0.0);
-    Mat<V> gradients[kAtOnce];
-    PolarLanes<V> polars[kAtOnce];
-    for (int first = 0; first < kCorners; first += kAtOnce) {
-      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(first + m);
-      safe_polars<kAtOnce>(gradients, polars);
-      for (const PolarLanes<V>& polar : polars) density += energy_density(polar.S, mu, lambda);
-    }
-    sum += select_bits(here, V(1.0 / kCorners) * rest.volume * density, V(0.0));
+    const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
+    for_shape(true, sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() {
+      ElementLanes<kGeneral, kAssumed, V> element;
+      place_element(x, u, sampling_of(model.settings), element);
+      decompose(sampling_of(model.settings), element);
+      const V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
+      sum += select_bits(here, element.rest.volume * density, V(0.0));
+    });
   }
   return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
 }
 
-void linearize_coarse(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
-                      double length, int chunk, ElementOperator<float, float>& op) {
+void linearize_coarse(const Partition& partition, const double* material, const double* world, double length, int chunk,
+                      ElementOperator<float, float>& op) {
   using V = Lanes<double>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
@@ -202,33 +267,25 @@ void linearize_coarse(const Partition& partition, const double* material, const 
       CornerLanes<V> x, u;
       gather(partition, block, lane, material, x);
       gather(partition, block, lane, world, u);
-      RestLanes<true, V> rest;
       // corners beyond the mesh may lie anywhere: cells that they invert do not help
-      for (int attempt = 0; attempt < 2; ++attempt) {
-        replace_absent(present, x);
-        replace_absent(present, u);
-        rest_operator(x, gradient, rest);
-        present &= bits<double>(rest.least_jacobian > V(0.0));
-      }
+      replace_absent(present, x);
+      RestLanes<true, Assumed::kNothing, V> rest;
+      rest_operator(x, op.kind.sampling, rest);
+      present &= bits<double>(rest.least_jacobian > V(0.0));
+      replace_absent(present, x);
+      replace_absent(present, u);
       float* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kCorners * kBlock + lane;
       for (int k = 0; k < V::kCount; ++k)
         if (!(present >> k & 1))
           for (int n = 0; n < 2 * kCorners; ++n) weight[n * kBlock + k] = 0;
-      const GradientLanes<true, V> F(rest, u);
-      float* coef = op.coef.data() + op.offset[block] + lane;
-      Mat<V> gradients[kAtOnce];
-      PolarLanes<V> polars[kAtOnce];
-      for (int i = 0; i < kCorners; ++i) {
-        if (i % kAtOnce == 0) {
-          for (int m = 0; m < kAtOnce; ++m) gradients[m] = F(i + m);
-          safe_polars<kAtOnce>(gradients, polars);
-        }
-        const Mat<V>& R = polars[i % kAtOnce].R;
-        store_mat(product_transposed(rest.inverse[i], R), V(length), coef + 9 * i * kBlock);
-        store_mat(R, V(1.0), coef + (9 * kCorners + 9 * i) * kBlock);
-      }
-      for (int k = 0; k < 3 * kCorners; ++k)
-        store_as(V(length) * rest.h.at[k / 3][k % 3], coef + (18 * kCorners + k) * kBlock);
+      ElementLanes<true, Assumed::kNothing, V> element;
+      place_element(x, u, op.kind.sampling, element);
+      decompose(op.kind.sampling, element);
+      const MaterialLanes<V> nothing(Settings{.volumetric = Volumetric::kSample}, V(0.0), V(0.0));
+      CoefficientWriter<kBlock, true, Assumed::kNothing, V, float> writer(element, op.kind, V(length),
+                                                                          op.coef.data() + op.offset[block] + lane);
+      for (int i = 0; i < kCorners; ++i) writer.add_sample(i, nothing, {});
+      writer.finish(u);
     }
 }
 
@@ -273,6 +330,8 @@ HWY_EXPORT(find_general);
 HWY_EXPORT(linearize_coarse);
 HWY_EXPORT(exact_product);
 HWY_EXPORT(energy_of);
+HWY_EXPORT(ratios_of);
+HWY_EXPORT(matrices_of);
 
 template <>
 void linearize_elements(const ElementPass<double, double>& pass, int chunk) {
@@ -294,9 +353,15 @@ void add_exact_product(const Model& model, const Linearization& at, int chunk, d
 double block_energy(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
   return HWY_DYNAMIC_DISPATCH(energy_of)(model, material, world, present, block);
 }
-void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
-                     double length, int chunk, ElementOperator<float, float>& op) {
-  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, material, world, gradient, length, chunk, op);
+void corner_ratios(const Model& model, const double* material, const double* world, int block, double* ratios) {
+  HWY_DYNAMIC_DISPATCH(ratios_of)(model, material, world, block, ratios);
+}
+void element_matrices(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices) {
+  HWY_DYNAMIC_DISPATCH(matrices_of)(model, at, block, factor, matrices);
+}
+void linearize_cells(const Partition& partition, const double* material, const double* world, double length, int chunk,
+                     ElementOperator<float, float>& op) {
+  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, material, world, length, chunk, op);
 }
 void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
                          int chunk, unsigned char* is_general) {

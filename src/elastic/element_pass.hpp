@@ -14,8 +14,7 @@ struct ElementPass {
   const double* lame;               ///< [Pa] [block][mu, lambda][element]
   const std::uint16_t* present;     ///< per block: a bit per element that is there and alive
   const unsigned char* is_general;  ///< per block
-  GradientScheme gradient;
-  YieldNorm norm;
+  const Settings& settings;
   bool screens_rotation;  ///< fills YieldScreen::kCosine
   double length;          ///< [m] unit of the coefficients
   ElementOperator<T, Coef>& op;
@@ -31,12 +30,21 @@ void linearize_elements(const ElementPass<T, Coef>& pass, int chunk);
 void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
                        double* Ap);
 
+/// Smallest 1 + (det Jhat_i - det J_i) / max(det J_i, max_j det J_j / 10) of the elements of a block, [element of the
+/// block].                                                                                                 eq. E22
+void corner_ratios(const Model& model, const double* material, const double* world, int block, double* ratios);
+
 /// Elastic energy [J] of the elements of a block that are present, at material and world positions [m] in slots.
 double block_energy(const Model& model, const double* material, const double* world, std::uint16_t present, int block);
 
+using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
+
+/// factor times L of the elements of a block [N/m], rotations computed anew; 0 where nothing is. kBlock matrices.
+void element_matrices(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices);
+
 /// Coefficients of cells of a coarse mesh; the weights of `op` are there already.
-void linearize_cells(const Partition& partition, const double* material, const double* world, GradientScheme gradient,
-                     double length, int chunk, ElementOperator<float, float>& op);
+void linearize_cells(const Partition& partition, const double* material, const double* world, double length, int chunk,
+                     ElementOperator<float, float>& op);
 
 /// Marks the blocks of a chunk in which some element that is present is no parallelepiped: edges of one direction
 /// differ by more than `alike` of the longest.

@@ -32,6 +32,13 @@ void gather_weights(const std::vector<std::array<int, kCorners>>& children, cons
   });
 }
 
+/// Cells know no assumed strain: what bends freely on a fine mesh bends so on a coarse one by its samples.
+Sampling cell_sampling(const Settings& settings) {
+  Sampling sampling = sampling_of(settings);
+  if (sampling.assumed != Assumed::kNothing) sampling = {};
+  return sampling;
+}
+
 }  // namespace
 
 ElementHierarchy::Level::Level(const CoarseMesh& mesh)
@@ -63,10 +70,9 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
       gather_weights(mesh.children, *finer, level.op);
     else
       std::visit([&](const auto& op) { gather_weights(mesh.children, op, level.op); }, at.op);
-    level.op.corner_weight = std::visit([](const auto& op) { return op.corner_weight; }, at.op);
+    level.op.kind.sampling = cell_sampling(model.settings);
     parallel_for(mesh.partition->num_chunks, [&](int chunk) {
-      linearize_cells(*mesh.partition, level.material.data(), level.world.data(), model.settings.gradient, model.length,
-                      chunk, level.op);
+      linearize_cells(*mesh.partition, level.material.data(), level.world.data(), model.length, chunk, level.op);
     });
     material = &level.material;
     world = &level.world;

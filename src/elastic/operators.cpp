@@ -2,12 +2,11 @@
 #include "elastic/operators.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "elastic/element_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "kinematics/gradients.hpp"
-#include "kinematics/polar.hpp"
 
 namespace hexaplast {
 
@@ -40,12 +39,18 @@ std::uint16_t present(const Partition& partition, const History& history, int bl
   return static_cast<std::uint16_t>(bits);
 }
 
-/// Positions of an element's corners.
-ElementPoints corner_points(const Partition& partition, const AlignedVector<double>& slots, const Hexahedron& corners) {
-  ElementPoints at;
-  for (int a = 0; a < kCorners; ++a)
-    for (int i = 0; i < 3; ++i) at(a, i) = slots[4 * static_cast<std::size_t>(partition.slot_of_node[corners[a]]) + i];
-  return at;
+/// The springs at positions whose slots are given.
+void find_recovery(const Model& model, const History& history, const AlignedVector<double>& material,
+                   const AlignedVector<double>& world, ConstPoints x, Recovery& recovery) {
+  if (model.settings.recovery == RecoveryMode::kNone) return;
+  const Partition& partition = *model.partition;
+  AlignedVector<double>& ratios = recovery.corner_ratios;
+  ratios.resize(static_cast<std::size_t>(partition.num_blocks) * kBlock);
+  parallel_for(partition.num_blocks, [&](int block) {
+    corner_ratios(model, material.data(), world.data(), block,
+                  ratios.data() + static_cast<std::size_t>(block) * kBlock);
+  });
+  recovery.find(model, history.alive, history.material, x);
 }
 
 template <class T, class Coef>
@@ -76,7 +81,9 @@ void update_material(const Model& model, const History& history, Linearization& 
   });
   std::visit(
       [&](auto& op) {
-        op.corner_weight = corner_weight(model.settings.gradient);
+        op.kind = {.sampling = sampling_of(model.settings),
+                   .volumetric = model.settings.volumetric,
+                   .law = model.settings.law};
         op.resize(at.is_general);
       },
       at.op);
@@ -107,8 +114,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .lame = model.lame_blocks.data(),
                                         .present = at.present.data(),
                                         .is_general = at.is_general.data(),
-                                        .gradient = model.settings.gradient,
-                                        .norm = model.settings.yield_norm,
+                                        .settings = model.settings,
                                         .screens_rotation = model.can_rotate,
                                         .length = model.length,
                                         .op = op,
@@ -119,10 +125,14 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
       },
       at.op);
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
+  find_recovery(model, history, at.material, at.world, at.x, at.recovery);
   at.is_current = true;
 }
 
-void add_force(const Model& model, const Linearization& at, Points f) { add_slots(*model.partition, 1, at.force, f); }
+void add_force(const Model& model, const Linearization& at, Points f) {
+  add_slots(*model.partition, 1, at.force, f);
+  at.recovery.add_force(f);
+}
 
 void DoublePrecisionOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
   add_exact_product(*model_, *at_, chunk, factor, p, Ap);
@@ -138,39 +148,25 @@ void add_stiffness_product(const Model&, const Linearization& at, double factor,
           add_product(op, factor, dx, work.argument, work.product, df);
       },
       at.op);
+  at.recovery.add_product(-factor, dx, df);
 }
 
-//   K_ab = - sum_i V/8 [ mu (g_a . g_b) I + mu r_b r_a^T + lambda r_a r_b^T ],   r_a = R_i g~_ia              eq. 17
-//        = - V/8 [ mu tr(P_ab) I + mu P_ab^T + lambda P_ab ],                    P_ab = sum_i r_a r_b^T
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K) {
   const Partition& partition = *model.partition;
-  std::array<Mat3, kCorners> R;
-  Eigen::Matrix<double, 3 * kCorners, kCorners> r;  // a column per sample
-  for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    const int place = partition.place_of_element[e];
-    const Hexahedron& corners = model.mesh.hexahedra()[e];
-    if (!(at.present[place / kBlock] >> place % kBlock & 1)) {
-      // the pattern, and with it the order in which a direct solver eliminates, is that of the mesh
-      for (const int a : corners)
-        for (const int b : corners) K.add(a, b, Mat3::Zero());
-      continue;
+  std::array<ElementMatrix, kBlock> matrices;
+  for (int block = 0; block < partition.num_blocks; ++block) {
+    element_matrices(model, at, block, -factor, matrices.data());
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = partition.element(block, place);
+      if (e < 0) continue;
+      // those that are gone add zeros: the pattern, and with it the order in which a direct solver eliminates, is that
+      // of the mesh
+      const Hexahedron& corners = model.mesh.hexahedra()[e];
+      for (int a = 0; a < kCorners; ++a)
+        for (int b = 0; b < kCorners; ++b) K.add(corners[a], corners[b], matrices[place].block<3, 3>(3 * a, 3 * b));
     }
-    const Lame& k = model.lame[e];
-    const RestOperator rest = rest_operator(corner_points(partition, at.material, corners), model.settings.gradient);
-    rotations(deformation_gradients(rest, gather(at.x, corners)), R);
-    for (int i = 0; i < kCorners; ++i) {
-      const ElementPoints turned = sample_gradient(rest, i) * R[i].transpose();
-      for (int a = 0; a < kCorners; ++a) r.col(i).segment<3>(3 * a) = turned.row(a);
-    }
-    const Eigen::Matrix<double, 3 * kCorners, 3 * kCorners> P = r * r.transpose();
-    const double weight = -factor * rest.volume / kCorners;
-    for (int a = 0; a < kCorners; ++a)
-      for (int b = 0; b < kCorners; ++b) {
-        const Mat3 P_ab = P.block<3, 3>(3 * a, 3 * b);
-        K.add(corners[a], corners[b],
-              weight * (k.mu * (P_ab.trace() * Mat3::Identity() + P_ab.transpose()) + k.lambda * P_ab));
-      }
   }
+  at.recovery.add_blocks(-factor, K);
 }
 
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work) {
@@ -183,7 +179,8 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
   parallel_for(partition.num_blocks, [&](int block) {
     work.energy[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
   });
-  return std::accumulate(work.energy.begin(), work.energy.end(), 0.0);
+  find_recovery(model, history, material, world, x, work.recovery);
+  return std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
 }
 
 double energy(const Model& model, const History& history, ConstPoints x) {

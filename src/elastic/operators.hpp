@@ -43,6 +43,7 @@ class DoublePrecisionOperator final : public ChunkedProduct<double> {
 struct ProductWorkspace {
   AlignedVector<float> argument, product;
   std::vector<double> energy;  ///< [J] per block
+  Recovery recovery;           ///< at the positions of the energy
 };
 
 /// df += factor * (df/dx) dx with the rotations of `at`.                                                      eq. 16
@@ -52,7 +53,7 @@ void add_stiffness_product(const Model& model, const Linearization& at, double f
 /// K += factor * df/dx. Elements that are gone add zeros.                                                     eq. 17
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K);
 
-/// Elastic energy [J] at x.                                                                                   eq. 18
+/// Elastic energy [J] at x, that of the springs of `recovery` included.                                  eq. 18, E25
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work);
 double energy(const Model& model, const History& history, ConstPoints x);
 

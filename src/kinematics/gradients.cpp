@@ -37,24 +37,20 @@ ElementPoints mean_gradient(const ElementPoints& x) {
   return sum / volume;
 }
 
-RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme) {
+RestOperator rest_operator(const ElementPoints& material, const Sampling& sampling) {
   RestOperator rest;
-  rest.corner_weight = corner_weight(scheme);
+  rest.corner_weight = sampling.share;
   rest.volume = volume(material);
   for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
 
-  switch (scheme) {
-    case GradientScheme::kBlended:  // h_a = Gm_a - mean_j g_ja / 2                                  eq. 8
-      rest.shared_gradient = mean_gradient(material);
-      for (int j = 0; j < kCorners; ++j)
-        add_corner_gradient(rest.inverse_jacobian[j], j, -0.5 / kCorners, rest.shared_gradient);
-      break;
-    case GradientScheme::kVertex:
-      rest.shared_gradient.setZero();
-      break;
-    case GradientScheme::kCentre:
-      rest.shared_gradient = shape_derivatives(Vec3::Zero()) * centre_jacobian(material).inverse();
-      break;
+  if (sampling.of_the_centre) {
+    rest.shared_gradient = shape_derivatives(Vec3::Zero()) * centre_jacobian(material).inverse();
+  } else if (sampling.share == 1) {
+    rest.shared_gradient.setZero();
+  } else {  // h_a = Gm_a - share mean_j g_ja                                                                 eq. 8
+    rest.shared_gradient = mean_gradient(material);
+    for (int j = 0; j < kCorners; ++j)
+      add_corner_gradient(rest.inverse_jacobian[j], j, -sampling.share / kCorners, rest.shared_gradient);
   }
   return rest;
 }

@@ -5,26 +5,13 @@
 
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/material/material.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
+#include "kinematics/sampling.hpp"
 
 namespace hexaplast {
 
 /// Gm_a = (1/V) int grad N_a dV, exactly; one row per corner [1/m].                           theory.md eq. 9
 ElementPoints mean_gradient(const ElementPoints& x);
-
-/// [-] of the gradient at the corner in that of a sample; the rest is the same in all samples.
-constexpr double corner_weight(GradientScheme scheme) {
-  switch (scheme) {
-    case GradientScheme::kVertex:
-      return 1;
-    case GradientScheme::kCentre:
-      return 0;
-    case GradientScheme::kBlended:
-      break;
-  }
-  return 0.5;
-}
 
 /// Deformation gradients at the eight blended samples of one element, as a linear map of its world corner positions.
 ///
@@ -41,11 +28,11 @@ constexpr double corner_weight(GradientScheme scheme) {
 struct RestOperator {
   std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
   ElementPoints shared_gradient;                ///< [1/m] h_a
-  double corner_weight = 0.5;                   ///< [-] of F_i: hexaplast::corner_weight
+  double corner_weight = 0.5;                   ///< [-] of F_i: Sampling::share
   double volume = 0;                            ///< [m^3] each sample carries an eighth of it
 };
 
-RestOperator rest_operator(const ElementPoints& material, GradientScheme scheme = GradientScheme::kBlended);
+RestOperator rest_operator(const ElementPoints& material, const Sampling& sampling = {});
 
 /// F~_i for all eight samples.
 std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world);

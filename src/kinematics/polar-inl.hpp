@@ -7,6 +7,8 @@
 #define HEXAPLAST_KINEMATICS_POLAR_INL
 #endif
 
+#include <concepts>
+
 #include "base/tensors-inl.hpp"
 #include "kinematics/polar.hpp"
 
@@ -137,10 +139,18 @@ HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
 }
 
 template <int kCount, class V>
-HWY_INLINE void safe_polars(const Mat<V> (&F)[kCount], PolarLanes<V> (&out)[kCount]) {
+HWY_NOINLINE void safe_polars(const Mat<V> (&F)[kCount], PolarLanes<V> (&out)[kCount]) {
   polars<kCount>(F, out);
   for (int m = 0; m < kCount; ++m)
     if (HWY_UNLIKELY(out[m].doubtful != 0)) polar_by_svd(F[m], out[m]);
+}
+/// Of single matrices by the singular value decomposition.
+template <int kCount, std::same_as<double> N>
+HWY_INLINE void safe_polars(const Mat<N> (&F)[kCount], PolarLanes<N> (&out)[kCount]) {
+  for (int m = 0; m < kCount; ++m) {
+    const Polar found = hexaplast::polar(to_eigen(F[m]));
+    out[m] = {entries(found.R), symmetric_entries(found.S), 0};
+  }
 }
 template <class V>
 HWY_INLINE PolarLanes<V> safe_polar(const Mat<V>& F) {

@@ -25,7 +25,7 @@ struct CornerLanes {
 template <class V>
 HWY_INLINE void set_zero(CornerLanes<V>& corners) {
   for (auto& corner : corners.at)
-    for (V& entry : corner) entry = V(typename V::Scalar(0));
+    for (V& entry : corner) entry = V(ScalarOf<V>(0));
 }
 
 #if HWY_TARGET == HWY_SCALAR

@@ -7,7 +7,10 @@ namespace hexaplast {
 
 namespace {
 
-constexpr std::string_view kGradients[] = {"blended", "vertex", "centre"};
+constexpr std::string_view kBendings[] = {"blended", "assumedCorner", "assumed", "oneRotation", "vertex", "centre"};
+constexpr std::string_view kVolumetrics[] = {"sample", "mean", "meanFree", "volumeRatio"};
+constexpr std::string_view kRecoveries[] = {"none", "cluster"};
+constexpr std::string_view kLaws[] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
 constexpr std::string_view kYieldNorms[] = {"vonMises", "frobenius", "spectral"};
 constexpr std::string_view kRotations[] = {"objective", "vertex", "centre", "none"};
 constexpr std::string_view kFrames[] = {"bestFit", "world"};
@@ -15,18 +18,77 @@ constexpr std::string_view kAveragings[] = {"gaussNewton", "gaussNewtonIsolated"
 constexpr std::string_view kPrecisions[] = {"double", "mixed"};
 
 constexpr Row<Settings> kSettingsRows[] = {
-    {.member = "gradient",
-     .name = "gradient",
+    {.member = "bending",
+     .name = "bending",
+     .alias = "gradient",
      .group = kNumerics,
-     .words = kGradients,
-     .help = "Position of the quadrature points. blended: between corners and centre, exact for affine motions of any "
-             "hexahedron; vertex (too stiff) and centre (hourglass modes) for comparison.",
-     .at = kMember<&Settings::gradient>},
+     .words = kBendings,
+     .help =
+         "Strain of the samples. assumedCorner: bends freely on regular meshes; assumed: freer on distorted meshes, "
+         "but corners may fold under plastic flow; oneRotation: as assumed with one rotation per hexahedron, the "
+         "fastest; blended: between corners and centre, stiff in bending, as "
+         "published; vertex (too stiff) and centre (hourglass modes) for comparison.",
+     .at = kMember<&Settings::bending>},
+    {.member = "blend_share",
+     .name = "blendShare",
+     .group = kNumerics,
+     .range = {.min = 0, .max = 1, .exclusive_min = true, .exclusive_max = true},
+     .help = "Share of the corner in the samples of bending=\"blended\".",
+     .at = kMember<&Settings::blend_share>},
+    {.member = "volumetric",
+     .name = "volumetric",
+     .group = kNumerics,
+     .words = kVolumetrics,
+     .help = "What resists a change of volume. volumeRatio: the exact volume of the hexahedron; mean: the mean strain "
+             "of its samples; sample: each sample, which locks towards Poisson's ratio 0.5, as published; meanFree: "
+             "the mean alone, too soft where a body is one hexahedron thick.",
+     .at = kMember<&Settings::volumetric>},
+    {.member = "law",
+     .name = "law",
+     .group = kElasticity,
+     .words = kLaws,
+     .help = "Elastic law. corotated: stress is linear in the stretch; the others are hyperelastic. All agree at small "
+             "strains.",
+     .at = kMember<&Settings::law>},
+    {.member = "mooney_share",
+     .name = "mooneyShare",
+     .group = kElasticity,
+     .range = {.min = 0, .max = 1},
+     .help = "Share of the second constant of law=\"mooneyRivlin\" in the shear modulus.",
+     .at = kMember<&Settings::mooney_share>},
+    {.member = "recovery",
+     .name = "recovery",
+     .group = kNumerics,
+     .words = kRecoveries,
+     .help =
+         "What leads folded hexahedra back. cluster: springs on each connected cluster of folded hexahedra, without "
+         "force or moment in sum; none: a body may stay folded.",
+     .at = kMember<&Settings::recovery>},
+    {.member = "recovery_strength",
+     .name = "recoveryStrength",
+     .group = kNumerics,
+     .range = {.min = 0, .exclusive_min = true},
+     .help = "Stiffness of the springs of recovery=\"cluster\", in terms of the shear modulus.",
+     .at = kMember<&Settings::recovery_strength>},
+    {.member = "recovery_from",
+     .name = "recoveryFrom",
+     .group = kNumerics,
+     .range = {.min = 0, .max = 1, .exclusive_max = true},
+     .help = "The springs act on a hexahedron of which the volume at a corner is below this fraction of that of the "
+             "plastic rest shape.",
+     .at = kMember<&Settings::recovery_from>},
+    {.member = "recovery_full",
+     .name = "recoveryFull",
+     .group = kNumerics,
+     .range = {.min = -1, .max = 0},
+     .help = "At and below this fraction they have their full strength; negative: at a corner that is inverted.",
+     .at = kMember<&Settings::recovery_full>},
     {.member = "yield_norm",
      .name = "yieldNorm",
      .group = kYield,
      .words = kYieldNorms,
-     .help = "Norm of the stress that is compared with yieldStress. vonMises is independent of pressure.",
+     .help = "Norm of the stress that is compared with yieldStress. vonMises is independent of pressure under "
+             "law=\"corotated\".",
      .at = kMember<&Settings::yield_norm>},
     {.member = "rotation_plasticity",
      .name = "rotationPlasticity",

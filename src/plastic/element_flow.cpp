@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "plastic/element_flow.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "hexaplast/mesh/trilinear.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
@@ -15,11 +17,11 @@ namespace {
 void flow_stretch(const FlowInput& at, double dt, ElementStep& step) {
   for (int i = 0; i < kCorners; ++i) {
     StretchFlow& flow = step.stretch[i];
-    flow = stretch_flow(step.polar[i].S, at.lame, at.settings.yield_norm, step.next.yield_stress[i],
-                        at.material.flow_rate, dt);
+    flow = stretch_flow(at.samples.polar[i].S, at.samples.stress[i], at.settings.yield_norm, step.next.yield_stress[i],
+                        at.material.flow_rate, dt, at.settings.law);
     if (flow.share == 0) continue;
     step.yielded = true;
-    step.dissipated += at.rest.volume / kCorners * flow.dissipated;
+    step.dissipated += at.samples.volume / kCorners * flow.dissipated;
     step.next.plastic_strain[i] += flow.strain;
     step.next.yield_stress[i] = hardened(step.next.yield_stress[i], at.material.hardening, flow.share, flow.norm);
   }
@@ -32,7 +34,7 @@ void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
   const double pose_angle = rotation_log(pose).norm();
 
   CornerValues angle;  // phi
-  for (int i = 0; i < kCorners; ++i) angle[i] = rotation_log(step.R_centre.transpose() * step.polar[i].R).norm();
+  for (int i = 0; i < kCorners; ++i) angle[i] = rotation_log(step.R_centre.transpose() * at.samples.polar[i].R).norm();
   const double largest_angle = *std::max_element(angle.begin(), angle.end());
 
   for (int i = 0; i < kCorners; ++i) {
@@ -40,10 +42,10 @@ void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
     const double threshold = step.next.rotation_yield[i], rate = at.material.rotation_flow_rate;
     switch (at.settings.rotation_plasticity) {
       case RotationPlasticity::kObjective:
-        flow = rotation_flow(step.R_centre.transpose() * step.polar[i].R, angle[i], 0, threshold, rate, dt);
+        flow = rotation_flow(step.R_centre.transpose() * at.samples.polar[i].R, angle[i], 0, threshold, rate, dt);
         break;
       case RotationPlasticity::kVertex:
-        flow = rotation_flow(at.frame.transpose() * step.polar[i].R, angle[i], pose_angle, threshold, rate, dt);
+        flow = rotation_flow(at.frame.transpose() * at.samples.polar[i].R, angle[i], pose_angle, threshold, rate, dt);
         break;
       case RotationPlasticity::kCentre:
         flow = rotation_flow(pose, largest_angle, pose_angle, threshold, rate, dt);
@@ -87,18 +89,20 @@ double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x
 ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt) {
   ElementStep step;
   step.next = before;
-  step.F = deformation_gradients(at.rest, at.world);
 
   // guard: nothing flows in an element that is inverted or nearly so, in the world or in the material
   double least_det = std::numeric_limits<double>::infinity();
-  for (const Mat3& F : step.F) least_det = std::min(least_det, F.determinant());
+  for (const Mat3& F : at.samples.F) least_det = std::min(least_det, F.determinant());
   const double least_jacobian = least_jacobian_ratio(at.corner_jacobian, at.x);
   step.inverted = least_det < 0;
+  if (at.settings.bending == Bending::kOneRotation)  // stretches may be negative though F is not inverted
+    for (const Polar& polar : at.samples.polar)
+      least_det =
+          std::min(least_det, Eigen::SelfAdjointEigenSolver<Mat3>(polar.S, Eigen::EigenvaluesOnly).eigenvalues()[0]);
   step.skipped = std::min(least_det, least_jacobian) < at.settings.inversion_threshold;
 
   const bool stretches = can_stretch(at.material), rotates = can_rotate(at.material, at.settings);
   if (!step.skipped && (stretches || rotates)) {
-    for (int i = 0; i < kCorners; ++i) step.polar[i] = polar(step.F[i]);
     if (stretches) flow_stretch(at, dt, step);
     if (rotates) flow_rotation(at, dt, step);
     if (step.yielded) apply_increments(at, std::isfinite(at.material.fracture_stretch), step);
@@ -108,7 +112,7 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
     repair_rest_shape(at.original_shape, dt, step.next.rest_shape);
     step.repaired = true;
   }
-  step.volume_ratio = at.rest.volume / at.initial_volume;
+  step.volume_ratio = at.samples.volume / at.initial_volume;
   restore_volume(step.volume_ratio, at.settings.volume_restitution, dt, step.next.rest_shape);
   return step;
 }

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "kinematics/gradients.hpp"
+#include "element/samples.hpp"
 #include "plastic/point_flow.hpp"
 #include "state/history.hpp"
 
@@ -12,26 +12,23 @@ namespace hexaplast {
 /// What a plastic step finds of one element; all references must outlive the call.
 struct FlowInput {
   const Material& material;
-  const Lame& lame;
   const Settings& settings;
   ElementPoints original_shape;  ///< [m] corners of the original mesh about their mean
   CornerValues corner_jacobian;  ///< [m^3] det J_i of the original mesh
   double initial_volume;         ///< [m^3] V0
   const ElementPoints& x;        ///< [m] material corners
-  const RestOperator& rest;      ///< of x
-  const ElementPoints& world;    ///< [m] world corners
-  const Mat3& frame;             ///< B: what the paper's rotation modes are measured against
+  const ElementSamples& samples;
+  const ElementPoints& world;  ///< [m] world corners
+  const Mat3& frame;           ///< B: what the paper's rotation modes are measured against
 };
 
 /// One plastic step of one element, with every intermediate.                        theory.md sections 5.1 to 5.4
 struct ElementStep {
-  bool inverted = false;              ///< inverted at some corner (det F~ < 0)
-  bool skipped = false;               ///< without flow: inverted or nearly so
-  bool repaired = false;              ///< the plastic rest shape was moved towards the initial one
-  bool yielded = false;               ///< stretch or rotation flowed at some corner
-  CornerTensors F;                    ///< deformation gradient at the samples
-  std::array<Polar, kCorners> polar;  ///< R, S; set unless skipped, or nothing can flow
-  Mat3 R_centre = Mat3::Identity();   ///< R_o; set where rotation can flow
+  bool inverted = false;             ///< inverted at some corner (det F~ < 0)
+  bool skipped = false;              ///< without flow: inverted or nearly so
+  bool repaired = false;             ///< the plastic rest shape was moved towards the initial one
+  bool yielded = false;              ///< stretch or rotation flowed at some corner
+  Mat3 R_centre = Mat3::Identity();  ///< R_o; set where rotation can flow
   std::array<StretchFlow, kCorners> stretch;
   std::array<RotationFlow, kCorners> rotation;
   double volume_ratio = 1;  ///< beta [-]

@@ -93,15 +93,14 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
   const auto flow_alone = [&](int e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementPoints material = gather(history.material, corners), world = gather(at.x, corners);
-    const RestOperator rest = rest_operator(material, model.settings.gradient);
+    const ElementSamples samples = element_samples(material, world, model.lame[e], model.settings);
     const FlowInput input{.material = model.material(e),
-                          .lame = model.lame[e],
                           .settings = model.settings,
                           .original_shape = model.original_shape(e),
                           .corner_jacobian = model.corner_jacobian(e),
                           .initial_volume = model.volume[e],
                           .x = material,
-                          .rest = rest,
+                          .samples = samples,
                           .world = world,
                           .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
     const ElementStep step = flow_element(input, history.element(e), dt);

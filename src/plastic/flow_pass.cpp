@@ -9,9 +9,8 @@
 #include <limits>
 
 #include "base/transpose-inl.hpp"
-#include "kinematics/gradients-inl.hpp"
+#include "element/element-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
-#include "material/corotated-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 #include "plastic/flow_pass.hpp"
 #include "plastic/point_flow-inl.hpp"
@@ -35,9 +34,8 @@ struct LaneElements {
 
 /// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
 /// cannot do.
-template <bool kGeneral>
-HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
-                                    int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
+HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
+                                      int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
   const LaneElements here(model, block, lane);
   const int* const elements = here.number;
   const auto load_corners = [&](const auto& values, V* numbers) {
@@ -59,11 +57,33 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   gather(*model.partition, block, lane, at.world.data(), u);
   replace_absent(present, x);
   replace_absent(present, u);
-  RestLanes<kGeneral, V> rest;
-  rest_operator(x, settings.gradient, rest);
-  const GradientLanes<kGeneral, V> gradient(rest, u);
+  SampleLanes<V> element;
+  for_shape(
+      at.is_general[block] != 0,
+      sampling_of(settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+        ElementLanes<kGeneral, kAssumed, V> shape;
+        place_element(x, u, sampling_of(settings), shape);
+        element = shape;
+      });
+  std::uint32_t fails = 0;
+  for (int first = 0; first < kCorners; first += kAtOnce) {
+    Mat<V> F[kAtOnce];
+    PolarLanes<V> decomposed[kAtOnce];
+    for (int m = 0; m < kAtOnce; ++m) F[m] = element.F[first + m];
+    polars<kAtOnce>(F, decomposed);
+    for (int m = 0; m < kAtOnce; ++m) {
+      element.polar[first + m] = decomposed[m];
+      fails |= decomposed[m].doubtful;
+    }
+  }
+  Mat<V> R[kCorners];  // of the samples themselves
+  for (int i = 0; i < kCorners; ++i) R[i] = element.polar[i].R;
+  if (sampling_of(settings).one_rotation) decompose(sampling_of(settings), element);
   const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  const V mu = load(lame), lambda = load(lame + kBlock), step(dt);
+  const MaterialLanes<V> of(settings, load(lame), load(lame + kBlock));
+  CornerLanes<V> volume_gradient;
+  const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
+  const V step(dt);
   const auto material = [&](double Material::*constant) {
     if (model.materials.size() == 1) return V(model.materials[0].*constant);
     return gather_numbers(elements, [&](int e) { return model.materials[e].*constant; });
@@ -73,8 +93,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
 
   // near the guard of the material shape the exact ratios decide
   const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
-  std::uint32_t fails =
-      bits<double>(hn::Not(rest.least_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
+  fails |= bits<double>(hn::Not(element.least_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
   Mat<V> R_centre;
   if (model.can_rotate) {
     const PolarLanes<V> centre = polar(centre_gradient(x, u));
@@ -86,16 +105,9 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
 
   V dissipated(0.0), flowing(0.0);
   V y[kCorners][3], mean[3] = {V(0.0), V(0.0), V(0.0)};
-  Mat<V> gradients[kAtOnce];
-  PolarLanes<V> rotations[kAtOnce];
   for (int i = 0; i < kCorners; ++i) {
-    if (i % kAtOnce == 0) {
-      for (int m = 0; m < kAtOnce; ++m) gradients[m] = gradient(i + m);
-      polars<kAtOnce>(gradients, rotations);
-    }
-    const Mat<V>& F = gradients[i % kAtOnce];
-    const PolarLanes<V>& FRS = rotations[i % kAtOnce];
-    fails |= FRS.doubtful;
+    const Mat<V>& F = element.F[i];
+    const PolarLanes<V>& FRS = element.polar[i];
     const Mat<V> cof = cofactor(F);
     const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
     fails |= bits<double>(hn::Not(det > V(settings.inversion_threshold)));
@@ -111,19 +123,28 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
     };
     turn(Pi, false);
 
+    if (sampling_of(settings).one_rotation) {  // stretches may be negative though F is not inverted
+      const V t(settings.inversion_threshold), xx = FRS.S.xx - t, yy = FRS.S.yy - t,
+                                               minor = xx * yy - FRS.S.xy * FRS.S.xy;
+      const V whole = determinant(Sym<V>{xx, yy, FRS.S.zz - t, FRS.S.yz, FRS.S.zx, FRS.S.xy});
+      fails |= bits<double>(hn::Not(min(min(xx, minor), whole) > V(0.0)));
+    }
+
     if (model.can_stretch) {
-      const Sym<V> sigma = stress(FRS.S, mu, lambda);
+      const Sym<V> sigma =
+          stress(of.law, of.mooney_share, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
       const V norm = stress_norm_bound(sigma, settings.yield_norm);
       const V tau = yield_stress[i];
       const V share = flow_share(norm, tau, rate, norm);  // gamma
       if (any_positive(share)) {
-        turn(stretch_increment(FRS.S, sigma, share, plastic_strain[i], dissipated, fails), false);
+        turn(stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), share, plastic_strain[i], dissipated, fails),
+             false);
         flowing = max(flowing, share);
         yield_stress[i] = hardened(tau, hardening, share, norm);
       }
     }
     if (model.can_rotate) {
-      const RotationVector<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
+      const RotationVector<V> Q = rotation_log(transposed_product(R_centre, R[i]));
       fails |= Q.near_half_turn;
       const V tau = rotation_yield[i];
       const V share = flow_share(Q.angle, tau, rotation_rate, Q.angle);  // eta
@@ -140,7 +161,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
     }
   }
 
-  const V beta = rest.volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
+  const V beta = element.volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
   const V scale = restitution_scale(beta, V(settings.volume_restitution * dt));
   // what did not flow keeps its bits
   const auto has_flowed = flowing > V(0.0);
@@ -163,7 +184,7 @@ HWY_INLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at,
   const std::uint32_t yielded = bits<double>(has_flowed);
   alignas(64) double volume_error[V::kCount], work[V::kCount];
   store(abs(beta - V(1.0)), volume_error);
-  store(V(1.0 / kCorners) * rest.volume * dissipated, work);
+  store(V(1.0 / kCorners) * element.volume * dissipated, work);
   for (int k = 0; k < V::kCount; ++k)
     if (done >> k & 1)
       flows[elements[k]] = {.yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
@@ -184,9 +205,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
     const std::uint32_t here = wanted >> lane & ((1u << V::kCount) - 1);
     if (!here) continue;
-    left |= (at.is_general[block] ? flow_lanes<true>(model, at, dt, history, block, lane, here, trial, flows)
-                                  : flow_lanes<false>(model, at, dt, history, block, lane, here, trial, flows))
-            << lane;
+    left |= flow_lanes(model, at, dt, history, block, lane, here, trial, flows) << lane;
   }
   return left;
 }

@@ -3,7 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "material/corotated.hpp"
+#include "material/law-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
 
@@ -25,17 +25,18 @@ double hardened(double threshold, double hardening, double share, double value) 
   return plain::hardened(threshold, hardening, share, value);
 }
 
-StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yield_stress, double rate, double dt) {
-  const Mat3 sigma = stress(S, k);
-
+StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, double yield_stress, double rate, double dt,
+                         ElasticLaw law) {
   StretchFlow flow;
   flow.norm = stress_norm(sigma, norm);
   flow.share = flow_share(flow.norm, yield_stress, rate, dt);
   if (flow.share == 0) return flow;
 
   std::uint32_t fails = 0;  // eigenvectors do not
-  flow.increment = to_eigen(plain::stretch_increment(plain::symmetric_entries(S), plain::symmetric_entries(sigma),
-                                                     flow.share, flow.strain, flow.dissipated, fails));
+  const auto stretch = plain::symmetric_entries(S);
+  const auto working = plain::dissipating(law, stretch, plain::symmetric_entries(sigma));
+  flow.increment =
+      to_eigen(plain::stretch_increment(stretch, working, flow.share, flow.strain, flow.dissipated, fails));
   return flow;
 }
 

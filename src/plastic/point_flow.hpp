@@ -27,8 +27,10 @@ struct StretchFlow {
   double dissipated = 0;              ///< [J/m^3] sigma : gamma dev log D
 };
 
-/// S: stretch of a sample that is not inverted (det S > 0). yield_stress is the corner's present threshold [Pa].
-StretchFlow stretch_flow(const Mat3& S, const Lame& k, YieldNorm norm, double yield_stress, double rate, double dt);
+/// S: stretch of a sample that is not inverted (det S > 0); sigma [Pa]: its stress. yield_stress is the corner's
+/// present threshold [Pa].
+StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, double yield_stress, double rate, double dt,
+                         ElasticLaw law = ElasticLaw::kCorotated);
 
 /// What one corner's rotation contributes in one step.
 struct RotationFlow {

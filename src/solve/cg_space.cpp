@@ -198,7 +198,7 @@ double SlotCgSpace<T>::begin(ConstPoints b, const ConstPoints* start) {
     for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, p_);
     for (std::size_t i = 0; i < p_.size(); ++i) Ap_[i] = diagonal_[i] * p_[i];
     multiply(*op_, factor_, p_, Ap_);
-    if (others_) add_others();
+    if (!others_.empty()) add_others();
     parallel_for(partition.num_chunks, [&](int chunk) {
       reduce_ghosts(partition, chunk, Ap_.data());
       fixed_.clear(chunk, Ap_);
@@ -217,7 +217,7 @@ double SlotCgSpace<T>::product(double beta) {
                    diagonal_.data() + first, p_.data() + first, Ap_.data() + first);
   });
   multiply(*op_, factor_, p_, Ap_);
-  if (others_) add_others();
+  if (!others_.empty()) add_others();
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnedRange(partition, chunk);
     reduce_ghosts(partition, chunk, Ap_.data());
@@ -245,7 +245,7 @@ void SlotCgSpace<T>::add_others() {
   field_.resize(partition_->num_nodes, 3);
   from_slots(*partition_, 1, p_, field_);
   product_.setZero(partition_->num_nodes, 3);
-  others_->add_product(field_, product_);
+  for (const NodalOperator* other : others_) other->add_product(field_, product_);
   parallel_for(partition_->num_nodes, [&](int n) {
     T* to = Ap_.data() + 4 * static_cast<std::size_t>(partition_->slot_of_node[n]);
     for (int i = 0; i < 3; ++i) to[i] += static_cast<T>(product_(n, i));
@@ -268,7 +268,7 @@ double SlotCgSpace<T>::rounding_of_residual() {
 double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
                       PointArray& r) {
   r.setZero(b.rows(), 3);  // the product, first
-  if (system.others) system.others->add_product(x, r);
+  for (const NodalOperator* other : system.others) other->add_product(x, r);
   for (const KernelBody& body : system.bodies) {
     const ChunkedProduct<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;
     const Partition& partition = op.partition();

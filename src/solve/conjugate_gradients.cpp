@@ -323,7 +323,7 @@ struct PreconditionedConjugateGradients::Spaces {
   SeveralBodies several;
   PointArray correction;
 
-  bool has_others() const { return knows_kernels && system.others; }
+  bool has_others() const { return knows_kernels && !system.others.empty(); }
   bool refines() const { return knows_kernels && rounds_products(system); }
   bool knows_residual() const { return knows_kernels && has_exact_products(system); }
 
@@ -336,10 +336,10 @@ struct PreconditionedConjugateGradients::Spaces {
       nodal.setup(A, true);
       return nodal;
     }
-    if (system.others) lumped.find(system);
-    const NodalPart rest{.diagonal = system.others ? lumped.diagonal() : system.diagonal,
+    if (!system.others.empty()) lumped.find(system);
+    const NodalPart rest{.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
                          .free = system.free,
-                         .blocks = system.others ? std::span(lumped.blocks()) : std::span<const NodeBlock>(),
+                         .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
                          .version = system.diagonal_version};
     const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
@@ -368,7 +368,7 @@ struct PreconditionedConjugateGradients::Spaces {
     if (cycles) {
       multigrid.setup(body, rest);
       space.setup(system, false, &multigrid);
-    } else if (system.others) {
+    } else if (!system.others.empty()) {
       jacobi.setup(*body.op<T>(), static_cast<T>(body.factor), rest);
       space.setup(system, false, &jacobi);
     } else {

@@ -4,18 +4,20 @@
 namespace hexaplast {
 
 double EnergyBalance::error() const {
-  return initial + load_work + support_work - damping_loss - numerical_loss - flow_loss - kinetic - elastic;  // eq. 48
+  return initial + load_work + support_work + recovery_work - damping_loss - numerical_loss - flow_loss - kinetic -
+         elastic;  // eq. 48
 }
 
 void EnergyBalance::begin(double kinetic_now, double elastic_now) {
   *this = {.kinetic = kinetic_now, .elastic = elastic_now, .initial = kinetic_now + elastic_now};
 }
 
-void EnergyBalance::add_step(const StepEnergy& step, double kinetic_now, double elastic_now) {
+void EnergyBalance::add_step(const StepEnergy& step, double kinetic_now, double elastic_now, double recovery) {
   load_work += step.load_work;
   support_work += step.support_work;
   damping_loss += step.damping_loss;
   numerical_loss += step.numerical_loss;
+  recovery_work += recovery;
   kinetic = kinetic_now;
   elastic = elastic_now;
 }

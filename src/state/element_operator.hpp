@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hexaplast/layout/chunked_operator.hpp"
+#include "kinematics/sampling.hpp"
 #include "layout/partition.hpp"
 
 namespace hexaplast {
@@ -15,15 +16,57 @@ struct Half {
   std::uint16_t bits;
 };
 
-/// Numbers of one block of coefficients: C_i of all samples, or C_i, R_i and h.
-inline constexpr std::size_t kBoxCoefficients = 9 * kCorners * kBlock;
-inline constexpr std::size_t kGeneralCoefficients = (9 + 9 + 3) * kCorners * kBlock;
+/// Which terms the stiffness of a body's elements has.
+struct StiffnessKind {
+  Sampling sampling = {};
+  Volumetric volumetric = Volumetric::kSample;
+  ElasticLaw law = ElasticLaw::kCorotated;
+
+  bool has_volume() const { return volumetric == Volumetric::kVolumeRatio; }
+  bool has_law() const { return law != ElasticLaw::kCorotated; }
+  /// Whether the mean dilatation of the samples acts on each of them, by a term of its own.
+  bool has_mean() const {
+    return volumetric != Volumetric::kSample && !sampling.one_rotation && !(has_volume() && has_law());
+  }
+};
+
+/// Where the coefficients of an element stand; the gradients of the volume ratio and of the mean dilatation, and the
+/// coefficients of the law come last, in this order. All lengths are in units of Model::length.
+template <bool kGeneral, Assumed kAssumed>
+struct CoefficientPlaces {
+  static constexpr bool kAtCorners = kGeneral && kAssumed != Assumed::kModes;
+  static constexpr bool kAssumes = kAssumed != Assumed::kNothing;
+  static constexpr bool kHasMean = kGeneral && kAssumes;
+
+  static constexpr int kC = 0;                                                   ///< C_i = J_i^-1 R_i^T / 2
+  static constexpr int kRotation = kC + 9 * kCorners;                            ///< R_i
+  static constexpr int kShared = kRotation + (kAtCorners ? 9 * kCorners : 0);    ///< h
+  static constexpr int kDirections = kShared + (kAtCorners ? 3 * kCorners : 0);  ///< rows R_m J^n / 2
+  static constexpr int kMean = kDirections + (kAssumes ? 9 : 0);                 ///< RestLanes::mean
+  static constexpr int kSkew = kMean + (kHasMean ? 3 * kCorners : 0);            ///< RestLanes::skew
+  static constexpr int kDual = kSkew + (kHasMean ? (kAtCorners ? 9 : 12) : 0);   ///< RestLanes::dual
+  static constexpr int kCount = kDual + (kHasMean && kAtCorners ? 9 : 0);
+};
+/// The same of elements with one rotation, whose products are sums over modes instead of samples.
+template <bool kGeneral>
+struct OneRotationPlaces {
+  static constexpr int kDirections = 0;
+  static constexpr int kMean = 9;
+  static constexpr int kSkew = kMean + (kGeneral ? 3 * kCorners : 0);
+  static constexpr int kCount = kSkew + (kGeneral ? 12 : 0);
+};
+/// Of a gradient at the corners: their sum is zero, so that the last one is not kept.
+inline constexpr int kGradientCoefficients = 3 * (kCorners - 1);
+inline constexpr int kLawCoefficients = 7 * kCorners;  ///< R_i cof(S_i) R_i^T (6) and beta (1)
+
+/// Numbers per element.
+int num_coefficients(const StiffnessKind& kind, bool is_general);
 
 /// L = - df/dx of a body with its rotations held fixed, as coefficients of its elements: no matrix.
 ///                                                                                             theory.md section 9.3
-/// Per block of elements, [component][element of the block]: C_i = J_i^-1 R_i^T / 2 at the eight samples (8 x 9), and
-/// unless all elements of the block are parallelepipeds R_i (8 x 9) and h (8 x 3). Weights: mu V / 8 and lambda V / 8.
-/// Lengths are in units of Model::length, so that the coefficients are of the order of 1 and fit Coef.
+/// Per block of elements, [component][element of the block]: CoefficientPlaces of general elements unless all of the
+/// block are parallelepipeds. Weights: mu V / 8 and lambda V / 8. Lengths are in units of Model::length, so that the
+/// coefficients are of the order of 1 and fit Coef.
 /// T: numbers computed with; Coef: coefficients as stored.
 template <class T, class Coef>
 class ElementOperator final : public ChunkedOperator<T> {
@@ -40,7 +83,7 @@ class ElementOperator final : public ChunkedOperator<T> {
   /// Bytes that are kept, all of which one application reads.
   std::size_t bytes() const { return coef.size() * sizeof(Coef) + weight.size() * sizeof(T); }
 
-  double corner_weight = 0.5;             ///< RestOperator::corner_weight
+  StiffnessKind kind;
   bool per_sample = false;                ///< weights differ between the samples of an element
   std::vector<unsigned char> is_general;  ///< per block
   std::vector<std::size_t> offset;        ///< per block: into coef

@@ -17,6 +17,25 @@ decltype(Linearization::op) operator_of(const Model& model) {
 
 }  // namespace
 
+namespace {
+
+template <Assumed kAssumed>
+int num_shape_coefficients(bool is_general) {
+  return is_general ? CoefficientPlaces<true, kAssumed>::kCount : CoefficientPlaces<false, kAssumed>::kCount;
+}
+
+}  // namespace
+
+int num_coefficients(const StiffnessKind& kind, bool is_general) {
+  const int of_shape =
+      kind.sampling.one_rotation ? (is_general ? OneRotationPlaces<true>::kCount : OneRotationPlaces<false>::kCount)
+      : kind.sampling.assumed == Assumed::kNothing ? num_shape_coefficients<Assumed::kNothing>(is_general)
+      : kind.sampling.assumed == Assumed::kCorner  ? num_shape_coefficients<Assumed::kCorner>(is_general)
+                                                   : num_shape_coefficients<Assumed::kModes>(is_general);
+  return of_shape + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients +
+         (kind.has_law() ? kLawCoefficients : 0);
+}
+
 template <class T, class Coef>
 ElementOperator<T, Coef>::ElementOperator(std::shared_ptr<const Partition> partition)
     : is_general(partition->num_blocks), offset(partition->num_blocks), partition_(std::move(partition)) {}
@@ -27,7 +46,7 @@ void ElementOperator<T, Coef>::resize(const std::vector<unsigned char>& kinds) {
   std::size_t size = 0;
   for (std::size_t block = 0; block < kinds.size(); ++block) {
     offset[block] = size;
-    size += kinds[block] || per_sample ? kGeneralCoefficients : kBoxCoefficients;
+    size += static_cast<std::size_t>(kBlock) * num_coefficients(kind, kinds[block] || per_sample);
   }
   coef.resize(size);
   weight.resize(kinds.size() * kBlock * 2 * (per_sample ? kCorners : 1));

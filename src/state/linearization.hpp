@@ -5,6 +5,7 @@
 
 #include "state/element_operator.hpp"
 #include "state/history.hpp"
+#include "state/recovery.hpp"
 
 namespace hexaplast {
 
@@ -36,6 +37,7 @@ struct Linearization {
   AlignedVector<double> world;  ///< [m] slots
   AlignedVector<double> force;  ///< [N] slots
   AlignedVector<float> screen;  ///< YieldScreen, per block
+  Recovery recovery;            ///< its forces stand beside those of the elements
   std::variant<ElementOperator<double, double>, ElementOperator<float, Half>, ElementOperator<float, float>> op;
 };
 

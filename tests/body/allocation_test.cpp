@@ -129,7 +129,7 @@ TEST(Allocations, KeepingAccountsOfEnergyHasNone) {
   PointArray x = body.mesh().positions(), v = PointArray::Zero(x.rows(), 3);
   const auto step = [&] {
     euler.step(system, *solver, 0, 0.01, x, v);
-    balance.add_step(euler.energy(), 0, body.energy(x));
+    balance.add_step(euler.energy(), 0, body.energy(x), body.recovery_work(x));
     body.flow(x, 0.01);
     balance.add_flow(body.energy(x));
   };

@@ -136,15 +136,15 @@ double fastest_with_consistent_mass(Body& body, double density) {
 
 // Exact for one cube; many cubes vibrate slower, in these blocks at 0.578 of it or faster.
 TEST(ModelCheck, TheHighestFrequencyIsThatOfTheFastestVibrationOrSomewhatMore) {
-  for (const GradientScheme gradient : {GradientScheme::kBlended, GradientScheme::kVertex, GradientScheme::kCentre})
+  for (const Bending bending : {Bending::kBlended, Bending::kVertex, Bending::kCentre})
     for (const double nu : {0.0, 0.3, 0.45, 0.49}) {
       const Material material{.young_modulus = 5000, .poisson_ratio = nu};
-      Body cube(support::block({1, 1, 1}, 0.1), {material}, {.gradient = gradient});
+      Body cube(support::block({1, 1, 1}, 0.1), {material}, {.bending = bending});
       const ModelCheck of_cube = check_model(cube, 1, 0.01);
       EXPECT_NEAR(of_cube.highest_frequency / fastest_with_lumped_masses(cube, 1000), 1, 1e-6) << nu;
       EXPECT_NEAR(of_cube.highest_frequency_consistent / fastest_with_consistent_mass(cube, 1000), 1, 1e-6) << nu;
       for (const double moved : {0.0, 0.1}) {
-        Body block(support::distorted_block({5, 5, 5}, 0.1, moved, 12), {material}, {.gradient = gradient});
+        Body block(support::distorted_block({5, 5, 5}, 0.1, moved, 12), {material}, {.bending = bending});
         const ModelCheck of_block = check_model(block, 125, 0.01);
         for (const double ratio : {fastest_with_lumped_masses(block, 1000) / of_block.highest_frequency,
                                    fastest_with_consistent_mass(block, 1000) / of_block.highest_frequency_consistent}) {

@@ -92,7 +92,7 @@ Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
   Plain sum{PointArray::Zero(x.rows(), 3), PointArray::Zero(x.rows(), 3), 0};
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const RestOperator rest = rest_operator(gather(model.mesh.positions(), corners), model.settings.gradient);
+    const RestOperator rest = rest_operator(gather(model.mesh.positions(), corners), sampling_of(model.settings));
     const auto F = deformation_gradients(rest, gather(x, corners)),
                dF = deformation_gradients(rest, gather(p, corners));
     ElementPoints f = ElementPoints::Zero(), k = ElementPoints::Zero();
@@ -112,10 +112,10 @@ Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
 }
 
 TEST_P(OnEverySet, ForceProductAndEnergyAreThoseOfTheElements) {
-  for (const GradientScheme scheme : {GradientScheme::kBlended, GradientScheme::kVertex, GradientScheme::kCentre})
+  for (const Bending scheme : {Bending::kBlended, Bending::kVertex, Bending::kCentre})
     for (const double distortion : {0.0, 0.15}) {
       Settings settings;
-      settings.gradient = scheme;
+      settings.bending = scheme;
       const HexMesh mesh = support::distorted_block({3, 4, 5}, kEdge, distortion, 91);
       Random random(92);
       const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge),
@@ -165,15 +165,15 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
       for (int e = 0; e < body.mesh().num_elements(); ++e) {
         const Hexahedron& corners = body.mesh().hexahedra()[e];
         const ElementPoints material = gather(X, corners), world = gather(x, corners);
-        const RestOperator rest = rest_operator(material);
+        const ElementSamples samples =
+            element_samples(material, world, body.state().model.lame[e], body.state().model.settings);
         const ElementStep step = flow_element({.material = body.state().model.material(e),
-                                               .lame = body.state().model.lame[e],
                                                .settings = body.state().model.settings,
                                                .original_shape = body.state().model.original_shape(e),
                                                .corner_jacobian = body.state().model.corner_jacobian(e),
                                                .initial_volume = body.state().model.volume[e],
                                                .x = material,
-                                               .rest = rest,
+                                               .samples = samples,
                                                .world = world,
                                                .frame = axes},
                                               initial.element(e), 0.01);

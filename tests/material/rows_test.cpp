@@ -81,7 +81,7 @@ TEST(Rows, AMemberIsArchivedAsItLiesInMemory) {
     bytes.insert(bytes.end(), first, first + size);
   });
   serialize(writing, settings_rows(), settings);
-  EXPECT_EQ(bytes.size(), 7 * sizeof(int) + 3 * sizeof(double));
+  EXPECT_EQ(bytes.size(), 10 * sizeof(int) + 8 * sizeof(double));
   Settings read;
   Archive reading{std::span<const std::byte>(bytes)};
   serialize(reading, settings_rows(), read);

@@ -22,9 +22,9 @@ using support::Random;
 
 // ---- gradients
 
-int num_zero_modes(GradientScheme scheme, double distortion) {
+int num_zero_modes(Bending scheme, double distortion) {
   Settings settings;
-  settings.gradient = scheme;
+  settings.bending = scheme;
   Body body(support::single_element(support::distorted_hexahedron(kEdge, distortion, 211)), {Material{}}, settings);
   BlockMatrix K(kCorners);
   body.linearize(body.mesh().positions());
@@ -33,22 +33,22 @@ int num_zero_modes(GradientScheme scheme, double distortion) {
   return static_cast<int>((values.array().abs() <= 1e-10 * values[23]).count());
 }
 
-TEST(GradientScheme, OfTheCentreAloneHasTwelveHourglassModes) {
+TEST(Bending, OfTheCentreAloneHasTwelveHourglassModes) {
   for (const double distortion : {0.0, 0.15}) {
-    EXPECT_EQ(num_zero_modes(GradientScheme::kBlended, distortion), 6);
-    EXPECT_EQ(num_zero_modes(GradientScheme::kVertex, distortion), 6);
-    EXPECT_EQ(num_zero_modes(GradientScheme::kCentre, distortion), 18);
+    EXPECT_EQ(num_zero_modes(Bending::kBlended, distortion), 6);
+    EXPECT_EQ(num_zero_modes(Bending::kVertex, distortion), 6);
+    EXPECT_EQ(num_zero_modes(Bending::kCentre, distortion), 18);
   }
 }
 
 // Force is the slope of the energy in every scheme; the patch test only passes in one.
-TEST(GradientScheme, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
+TEST(Bending, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
   const HexMesh mesh = support::distorted_block({3, 3, 3}, kEdge, 0.15, 212);
   const std::vector<bool> on_boundary = support::is_on_boundary(mesh);
-  for (const GradientScheme scheme : {GradientScheme::kBlended, GradientScheme::kVertex, GradientScheme::kCentre}) {
+  for (const Bending scheme : {Bending::kBlended, Bending::kVertex, Bending::kCentre}) {
     Random random(213);
     Settings settings;
-    settings.gradient = scheme;
+    settings.bending = scheme;
     Body body(mesh, {Material{}}, settings);
     const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge);
     const PointArray dx = random.field(mesh.num_nodes(), 1);
@@ -66,7 +66,7 @@ TEST(GradientScheme, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
       double& most = on_boundary[n] ? boundary : inside;
       most = std::max(most, f.row(n).norm());
     }
-    if (scheme == GradientScheme::kBlended)
+    if (scheme == Bending::kBlended)
       EXPECT_LE(inside, 1e-10 * boundary);
     else
       EXPECT_GE(inside, 1e-3 * boundary);

@@ -87,7 +87,7 @@ TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
   for (const YieldNorm norm : kYieldNorms) {
     for (int k = 0; k < 200; ++k) {
       const Mat3 S = random_stretch(random, 0.4);
-      const StretchFlow flow = stretch_flow(S, kSoftLame, norm, 100, 3, 0.01);
+      const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), norm, 100, 3, 0.01);
       const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
       Vec3 logs = eigen.eigenvalues().array().log();
       logs.array() -= logs.mean();
@@ -110,14 +110,16 @@ TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
 TEST(StretchFlow, NeverGainsEnergy) {
   Random random(54);
   for (int k = 0; k < 500; ++k) {
-    const StretchFlow flow = stretch_flow(random_stretch(random, 0.5), kSoftLame, YieldNorm::kVonMises, 50, 3, 0.01);
+    const Mat3 S = random_stretch(random, 0.5);
+    const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kVonMises, 50, 3, 0.01);
     ASSERT_GE(flow.dissipated, 0);
   }
 }
 
 TEST(StretchFlow, IsExactlyNothingBelowYield) {
   Random random(55);
-  const StretchFlow flow = stretch_flow(random_stretch(random, 0.3), kSoftLame, YieldNorm::kFrobenius, 1e6, 3, 0.01);
+  const Mat3 S = random_stretch(random, 0.3);
+  const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kFrobenius, 1e6, 3, 0.01);
   EXPECT_EQ(flow.share, 0);
   EXPECT_EQ(flow.strain, 0);
   EXPECT_EQ(flow.dissipated, 0);
@@ -125,7 +127,8 @@ TEST(StretchFlow, IsExactlyNothingBelowYield) {
 }
 
 TEST(StretchFlow, OfAPureVolumeChangeHasNoShape) {
-  const StretchFlow flow = stretch_flow(1.05 * Mat3::Identity(), kSoftLame, YieldNorm::kFrobenius, 300, 3, 0.01);
+  const Mat3 S = 1.05 * Mat3::Identity();
+  const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kFrobenius, 300, 3, 0.01);
   EXPECT_GT(flow.share, 0);
   EXPECT_LE((flow.increment - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-15);
 }

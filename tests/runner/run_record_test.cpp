@@ -113,8 +113,8 @@ TEST_F(RunRecord, TellsWhereTheWorkWent) {
   for (std::size_t row = 0; row <= 40; ++row) {
     const auto at = [&](const char* column) { return history.number(row, column); };
     EXPECT_NEAR(at("kinetic_energy") + at("elastic_energy") - initial,
-                at("load_work") + at("support_work") - at("damping_loss") - at("numerical_loss") - at("flow_loss") -
-                    at("energy_error"),
+                at("load_work") + at("support_work") + at("recovery_work") - at("damping_loss") - at("numerical_loss") -
+                    at("flow_loss") - at("energy_error"),
                 1e-9 * at("load_work") + 1e-15);
     EXPECT_LE(std::abs(at("energy_error")), 1e-3 * at("load_work")) << row;
   }

@@ -84,8 +84,7 @@ TEST(SceneValues, RangesNameTheirBounds) {
 }
 
 TEST(SceneValues, WordsListTheirChoices) {
-  const Attribute& norm = attributes::kHexahedronElastoplasticAttributes[3];
-  ASSERT_EQ(norm.name, "yieldNorm");
+  const Attribute& norm = attributes::attribute_of(attributes::kHexahedronElastoplasticFEMForceField, "yieldNorm");
   EXPECT_EQ(refusal(norm, "frobenius"), "accepted");
   EXPECT_EQ(refusal(norm, "vonMiss"), "'vonMiss' must be vonMises, frobenius or spectral (did you mean 'vonMises'?)");
 }

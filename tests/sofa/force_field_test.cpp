@@ -301,7 +301,7 @@ TEST_F(Adapter, TakesANewMaterialByReinitOrWithTheNextStep) {
   field.findData("gradient")->read("vertex");
   field.reinit();
   EXPECT_TRUE(field.isComponentStateInvalid());
-  EXPECT_NE(said().find("ForceField.gradient: cannot change during a run"), std::string::npos) << said();
+  EXPECT_NE(said().find("ForceField.bending: cannot change during a run"), std::string::npos) << said();
 
   field.findData("gradient")->read("blended");
   field.reinit();

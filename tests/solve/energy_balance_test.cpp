@@ -49,7 +49,7 @@ struct Measured {
   void step() {
     euler.step(system, solver, time, dt, x, v);
     time += dt;
-    balance.add_step(euler.energy(), kinetic(), body.energy(x));
+    balance.add_step(euler.energy(), kinetic(), body.energy(x), body.recovery_work(x));
     body.flow(x, dt);
     balance.add_flow(body.energy(x));
   }

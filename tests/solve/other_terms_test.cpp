@@ -81,7 +81,7 @@ class Slab final : public LinearSystem {
     system.free.setOnes(num_nodes(), 3);
     for (const int n : held) system.free.row(n).setZero();
     for (const Body& body : bodies) body.describe(-kDt * kDt, system);
-    if (!ties.blocks.empty()) system.others = &ties;
+    if (!ties.blocks.empty()) system.others.push_back(&ties);
     return true;
   }
 

@@ -10,8 +10,13 @@ namespace hexaplast {
 /// Sets of the numbers from 0 that grow together (union-find); every number is at first alone.
 class DisjointSets {
  public:
-  explicit DisjointSets(int count = 0) : parent_(static_cast<std::size_t>(count)), num_sets_(count) {
+  explicit DisjointSets(int count = 0) { assign(count); }
+
+  /// Numbers up to `count`, each alone again.
+  void assign(int count) {
+    parent_.resize(static_cast<std::size_t>(count));
     std::iota(parent_.begin(), parent_.end(), 0);
+    num_sets_ = count;
   }
 
   /// One number more.
@@ -41,7 +46,7 @@ class DisjointSets {
 
  private:
   std::vector<int> parent_;
-  int num_sets_;
+  int num_sets_ = 0;
 };
 
 }  // namespace hexaplast

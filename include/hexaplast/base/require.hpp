@@ -17,6 +17,9 @@ inline void require_rows(const char* call, const char* name, ConstPoints field, 
   require_count(call, name, field.rows(), expected);
 }
 
+/// Throws InputError unless 0 < dt < inf [s].
+void require_time_step(double dt);
+
 /// Throws InputError unless every one of `nodes` is a row of something that has `num_rows`.
 void require_nodes(const char* call, std::span<const int> nodes, Eigen::Index num_rows);
 

@@ -79,6 +79,7 @@ template <class Options>
 struct Row {
   std::string_view member = {};  ///< its name in C++ and Python
   std::string_view name = {};    ///< its name in scenes
+  std::string_view alias = {};   ///< an older name, of both
   std::string_view group = {};   ///< hosts show members of one group together
   std::string_view unit = {};
   Range range = {};
@@ -107,10 +108,11 @@ struct Row {
   }
 };
 
-/// The row of that name; null: there is none.
+/// The row of that name or older name; null: there is none.
 template <class Options>
 const Row<Options>* find_row(std::span<const Row<Options>> rows, std::string_view name, Names names) {
-  const auto found = std::ranges::find_if(rows, [&](const Row<Options>& row) { return row.called(names) == name; });
+  const auto found = std::ranges::find_if(
+      rows, [&](const Row<Options>& row) { return row.called(names) == name || (row.alias == name && !name.empty()); });
   return found == rows.end() ? nullptr : &*found;
 }
 

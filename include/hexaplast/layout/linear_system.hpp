@@ -49,6 +49,11 @@ class NodalOperator {
 
   /// Fp += F p. Allocates nothing when it was called before; the same bits for any number of threads.
   virtual void add_product(ConstPoints p, Points Fp) const = 0;
+
+  /// Whether F gives its diagonal to preconditioners; they find out what else does to constant fields.
+  virtual bool has_diagonal() const { return false; }
+  /// diagonal += diag(F), num_nodes x 3.
+  virtual void add_diagonal(Points /*diagonal*/) const {}
 };
 
 /// Numbers in [0.5, 1.5) without any regularity, three per node: whatever acts on nodes leaves a trace of them.
@@ -63,10 +68,10 @@ inline PointArray irregular_numbers(int num_nodes) {
 /// zeroing the degrees of freedom that are not free.
 struct MatrixFreeSystem {
   std::vector<KernelBody> bodies;
-  const NodalOperator* others = nullptr;  ///< F; null: nothing else acts
-  PointArray diagonal;                    ///< num_nodes x 3
-  NodeMask free;                          ///< num_nodes x 3: 1 where free, 0 where fixed
-  bool couples_coordinates = false;       ///< P does more than zero entries: LinearSystem::project is to be used
+  std::vector<const NodalOperator*> others;  ///< whose sum is F; empty: nothing else acts
+  PointArray diagonal;                       ///< num_nodes x 3
+  NodeMask free;                             ///< num_nodes x 3: 1 where free, 0 where fixed
+  bool couples_coordinates = false;          ///< P does more than zero entries: LinearSystem::project is to be used
 
   long diagonal_version = 0;  ///< not 0: diagonal, free and diag(L) are those of every other system of this version
   bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
@@ -76,10 +81,10 @@ struct MatrixFreeSystem {
   /// Before it is filled anew; what it allocated stays.
   void clear() {
     bodies.clear();
-    others = nullptr;
+    others.clear();
     couples_coordinates = false;
   }
-  bool is_one_body() const { return bodies.size() == 1 && !others && !couples_coordinates; }
+  bool is_one_body() const { return bodies.size() == 1 && others.empty() && !couples_coordinates; }
 
   /// Finds `free` and couples_coordinates: each axis by itself, with a number of its own at every node, so that no
   /// coupling is taken for freedom. project(field) makes P field of a field.

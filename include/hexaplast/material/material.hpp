@@ -31,11 +31,36 @@ struct Material {
   double fracture_stretch = std::numeric_limits<double>::infinity();  ///< [-] > 1: it goes when plastic stretch does
 };
 
-/// Where deformation gradients are sampled. All carry V/8 per sample.
-enum class GradientScheme {
-  kBlended,  ///< mean of corner and centre, shifted to the exact mean: passes the patch test
-  kVertex,   ///< corners alone: stiff
-  kCentre    ///< the centre alone, eight times: soft, with hourglass modes
+/// How the deformation gradients of the eight samples follow from the corners. All carry V/8 per sample.
+enum class Bending {
+  kBlended,        ///< mean of corner and centre, shifted to the exact mean: passes the patch test; stiff in bending
+  kAssumedCorner,  ///< about corners, with an assumed strain that bends freely
+  kAssumed,        ///< about hourglass modes, with the same: freest on distorted meshes, corners may fold
+  kOneRotation,    ///< as kAssumed with the rotation of the mean for all samples: fast, of the corotated law alone
+  kVertex,         ///< corners alone: stiff
+  kCentre          ///< the centre alone, eight times: soft, with hourglass modes
+};
+
+/// What resists a change of volume.
+enum class Volumetric {
+  kSample,      ///< every sample: locks towards Poisson's ratio 1/2
+  kMean,        ///< the mean of the samples, and a bounded modulus for what they deviate from it
+  kMeanFree,    ///< the mean of the samples alone: too soft one hexahedron thick
+  kVolumeRatio  ///< the exact volume of the hexahedron, and the same bounded modulus
+};
+
+/// How stress follows from stretch. All agree with Hooke's law in the small.
+enum class ElasticLaw {
+  kCorotated,         ///< linear in the stretch
+  kNeoHookean,        ///< mu / 2 |F|^2, and a term of det F
+  kStableNeoHookean,  ///< the same with a logarithm that keeps it from resting in a point
+  kMooneyRivlin       ///< with |cof F|^2 besides
+};
+
+/// What leads folded elements back.
+enum class RecoveryMode {
+  kNone,    ///< nothing: a body that was thrown out of shape may stay folded
+  kCluster  ///< springs about the best rigid placement of every connected cluster of folded elements
 };
 
 /// Norm of the stress that is compared with the yield stress. All three give the tensile stress in uniaxial tension.
@@ -76,7 +101,15 @@ enum class Precision {
 
 /// What holds for a whole body. Each member has a row (material/rows.hpp).
 struct Settings {
-  GradientScheme gradient = GradientScheme::kBlended;
+  Bending bending = Bending::kBlended;
+  double blend_share = 0.5;  ///< [-] of the corner in kBlended, in [0, 1]
+  Volumetric volumetric = Volumetric::kSample;
+  ElasticLaw law = ElasticLaw::kCorotated;
+  double mooney_share = 0.2;  ///< [-] m2 / mu of kMooneyRivlin, in [0, 1]
+  RecoveryMode recovery = RecoveryMode::kNone;
+  double recovery_strength = 4;  ///< [-] of the springs, > 0
+  double recovery_from = 0.05;   ///< [-] corner ratio below which springs act
+  double recovery_full = -0.1;   ///< [-] at and below which they have their full strength, at most 0
   YieldNorm yield_norm = YieldNorm::kVonMises;
   RotationPlasticity rotation_plasticity = RotationPlasticity::kObjective;
   RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre

@@ -13,7 +13,8 @@ struct StepEnergy {
 
 /// Where the energy of a body came from and where it went, since the beginning [J]:
 ///
-///   kinetic + elastic = initial + load_work + support_work - damping_loss - numerical_loss - flow_loss - error
+///   kinetic + elastic = initial + load_work + support_work + recovery_work - damping_loss - numerical_loss - flow_loss
+///                       - error
 ///
 /// All but kinetic and elastic are sums over steps.
 struct EnergyBalance {
@@ -24,6 +25,7 @@ struct EnergyBalance {
   double support_work = 0;    ///< done by supports that move
   double damping_loss = 0;    ///< taken by damping
   double numerical_loss = 0;  ///< taken by the integrator
+  double recovery_work = 0;   ///< brought in by the springs of `recovery` as they come and go
   double flow_loss = 0;       ///< elastic energy that plastic steps took: flow, averaging, fracture
 
   /// What the terms above leave unexplained: forces are not linear in the displacement of a step, and a linear solver
@@ -32,8 +34,8 @@ struct EnergyBalance {
 
   void begin(double kinetic_now, double elastic_now);
 
-  /// The next step of the integrator; energies are those that it arrives at.
-  void add_step(const StepEnergy& step, double kinetic_now, double elastic_now);
+  /// The next step of the integrator; energies are those that it arrives at. recovery: Body::recovery_work there.
+  void add_step(const StepEnergy& step, double kinetic_now, double elastic_now, double recovery);
 
   /// Supports put nodes where they are to be: work of theirs.
   void add_motion_of_supports(double kinetic_now, double elastic_now);

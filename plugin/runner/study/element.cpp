@@ -41,7 +41,7 @@ constexpr std::array<std::pair<const char*, const char*>, 18> kShortKeys{{
     {"norm", "yieldNorm"},
     {"flowR", "rotationFlowRate"},
     {"kappa", "hardening"},
-    {"scheme", "gradient"},
+    {"scheme", "bending"},
     {"volrate", "volumeRestitution"},
     {"guard_F", "inversionThreshold"},
     {"gauge", "rotationFrame"},

@@ -25,6 +25,8 @@ public:
 
     Data<VecReal> d_youngModulus;      ///< [Pa] one, or one per hexahedron
     Data<VecReal> d_poissonRatio;      ///< one, or one per hexahedron
+    DataWord d_law;                    ///< how stress follows from stretch
+    Data<SReal> d_mooneyShare;         ///< of the second constant of mooneyRivlin
     Data<VecReal> d_yieldStress;       ///< [Pa] one, or one per hexahedron; it never yields where not set
     DataWord d_yieldNorm;              ///< norm of the stress that is compared with yieldStress
     Data<SReal> d_plasticFlowRate;     ///< [1/s] of stretch in excess of yield
@@ -37,7 +39,13 @@ public:
     Data<SReal> d_inversionThreshold;  ///< share of its volume below which a hexahedron does not flow
     Data<SReal> d_fractureStress;      ///< [Pa] it does not tear by stress where not set
     Data<SReal> d_fractureStretch;     ///< it does not tear by stretch where not set
-    DataWord d_gradient;               ///< where deformation is sampled
+    DataWord d_bending;                ///< strain of the samples
+    Data<SReal> d_blendShare;          ///< of the corner in samples of blended
+    DataWord d_volumetric;             ///< what resists a change of volume
+    DataWord d_recovery;               ///< what leads folded hexahedra back
+    Data<SReal> d_recoveryStrength;    ///< of its springs
+    Data<SReal> d_recoveryFrom;        ///< volume ratio at a corner where they begin
+    Data<SReal> d_recoveryFull;        ///< and where they have their full strength
     DataWord d_averaging;              ///< how rest shapes become one
     Data<int> d_averagingSteps;        ///< per time step
     Data<SReal> d_averagingTolerance;  ///< on the relative residual of an averaging step

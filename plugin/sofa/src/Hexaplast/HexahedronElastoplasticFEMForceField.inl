@@ -39,6 +39,8 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
     : Inherit(attributes::kHexahedronElastoplasticFEMForceField),
       d_youngModulus(fromRow(d_youngModulus, "youngModulus")),
       d_poissonRatio(fromRow(d_poissonRatio, "poissonRatio")),
+      d_law(fromRow(d_law, "law")),
+      d_mooneyShare(fromRow(d_mooneyShare, "mooneyShare")),
       d_yieldStress(fromRow(d_yieldStress, "yieldStress")),
       d_yieldNorm(fromRow(d_yieldNorm, "yieldNorm")),
       d_plasticFlowRate(fromRow(d_plasticFlowRate, "plasticFlowRate")),
@@ -51,7 +53,13 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
       d_inversionThreshold(fromRow(d_inversionThreshold, "inversionThreshold")),
       d_fractureStress(fromRow(d_fractureStress, "fractureStress")),
       d_fractureStretch(fromRow(d_fractureStretch, "fractureStretch")),
-      d_gradient(fromRow(d_gradient, "gradient")),
+      d_bending(fromRow(d_bending, "bending")),
+      d_blendShare(fromRow(d_blendShare, "blendShare")),
+      d_volumetric(fromRow(d_volumetric, "volumetric")),
+      d_recovery(fromRow(d_recovery, "recovery")),
+      d_recoveryStrength(fromRow(d_recoveryStrength, "recoveryStrength")),
+      d_recoveryFrom(fromRow(d_recoveryFrom, "recoveryFrom")),
+      d_recoveryFull(fromRow(d_recoveryFull, "recoveryFull")),
       d_averaging(fromRow(d_averaging, "averaging")),
       d_averagingSteps(fromRow(d_averagingSteps, "averagingSteps")),
       d_averagingTolerance(fromRow(d_averagingTolerance, "averagingTolerance")),
@@ -66,7 +74,8 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
                          "Draws the edges of the plastic rest shape, which the body has without load.")),
       l_topology(this->initLink("topology", "The hexahedra; the topology of the node where it is not given."))
 {
-    this->addAlias(&d_plasticRestPositions, "materialPositions");  // the older names
+    this->addAlias(&d_bending, "gradient");  // the older names
+    this->addAlias(&d_plasticRestPositions, "materialPositions");
     this->addAlias(&d_drawPlasticRestShape, "drawMaterialShape");
     m_outputs.addOutput(&d_plasticStrain);
     m_outputs.addOutput(&d_presentYieldStress);

@@ -84,7 +84,7 @@ public:
             else
                 has_others = true;
         }
-        if (has_others && others_act()) system.others = this;
+        if (has_others && others_act()) system.others.push_back(this);
         return true;
     }
 

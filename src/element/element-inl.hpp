@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The elastic element: samples, stresses, force, energy and stiffness, for elements in lanes and for one element.
+//                                                                                          theory.md sections 2, 3, 9.3
+#if defined(HEXAPLAST_ELEMENT_ELEMENT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HEXAPLAST_ELEMENT_ELEMENT_INL
+#undef HEXAPLAST_ELEMENT_ELEMENT_INL
+#else
+#define HEXAPLAST_ELEMENT_ELEMENT_INL
+#endif
+
+#include "kinematics/gradients-inl.hpp"
+#include "material/law-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+/// Calls f.template operator()<general, assumed>() for what an element is.
+template <class F>
+HWY_INLINE void for_shape(bool is_general, Assumed assumed, const F& f) {
+  switch (assumed) {
+    case Assumed::kNothing:
+      return is_general ? f.template operator()<true, Assumed::kNothing>()
+                        : f.template operator()<false, Assumed::kNothing>();
+    case Assumed::kCorner:
+      return is_general ? f.template operator()<true, Assumed::kCorner>()
+                        : f.template operator()<false, Assumed::kCorner>();
+    case Assumed::kModes:
+      return is_general ? f.template operator()<true, Assumed::kModes>()
+                        : f.template operator()<false, Assumed::kModes>();
+  }
+}
+
+/// The samples of an element at world positions.
+template <class N>
+struct SampleLanes {
+  Mat<N> F[kCorners];
+  PolarLanes<N> polar[kCorners];
+  Mat<N> R_m;        ///< where something is assumed: the rotation of the mean gradient
+  Sym<N> S_m;        ///< and its stretch
+  N volume;          ///< [m^3] of the material shape
+  N least_jacobian;  ///< [m^3] of the material shape at its corners
+};
+
+/// And how they follow from the corners.
+template <bool kGeneral, Assumed kAssumed, class N>
+struct ElementLanes : SampleLanes<N> {
+  RestLanes<kGeneral, kAssumed, N> rest;
+  ColumnLanes<kGeneral, kAssumed, N> columns;
+  Mat<N> j;  ///< where something is assumed: rows R_m J^n / 2
+};
+
+template <bool kGeneral, Assumed kAssumed, class N>
+HWY_INLINE const Mat<N>& inverse_at(const RestLanes<kGeneral, kAssumed, N>& rest, int sample) {
+  return rest.inverse[RestLanes<kGeneral, kAssumed, N>::kAtCorners ? sample : 0];
+}
+/// J_o^-1 / 2 where something is assumed.
+template <bool kGeneral, Assumed kAssumed, class N>
+HWY_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
+  if constexpr (kGeneral)
+    return rest.dual;
+  else
+    return rest.inverse[0];
+}
+
+/// Gradients of the samples at world positions u; the polar decompositions are left to the caller.       eq. 7, E11
+template <bool kGeneral, Assumed kAssumed, class N>
+HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
+                                ElementLanes<kGeneral, kAssumed, N>& element) {
+  auto& rest = element.rest;
+  auto& columns = element.columns;
+  rest_operator(x, sampling, rest);
+  element.volume = rest.volume;
+  element.least_jacobian = rest.least_jacobian;
+  begin_columns(rest, u, columns);
+  if constexpr (kAssumed != Assumed::kNothing) {
+    const PolarLanes<N> mean = safe_polar(transposed_product(columns.mean, dual_of(rest)));
+    element.R_m = mean.R;
+    element.S_m = mean.S;
+    element.j = product_transposed(dual_of(rest), mean.R);
+    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.share), columns);
+  } else {
+    finish_columns(rest, u, nullptr, columns);
+  }
+  for (int i = 0; i < kCorners; ++i) {
+    Mat<N>& F = element.F[i];
+    F = transposed_product(columns_at(columns, i), inverse_at(rest, i));
+    if constexpr (RestLanes<kGeneral, kAssumed, N>::kAtCorners) {
+      const Mat<N> H = shared_at(columns, i);
+      for (int k = 0; k < 9; ++k) F.m[k / 3][k % 3] += H.m[k / 3][k % 3];
+    }
+  }
+}
+
+/// Rotations and stretches of all samples.                                                             eq. 6, E28
+template <class N>
+HWY_NOINLINE void decompose(const Sampling& sampling, SampleLanes<N>& element) {
+  if (sampling.one_rotation) {
+    for (int i = 0; i < kCorners; ++i) {
+      const Mat<N> S = transposed_product(element.R_m, element.F[i]);  // S_m + R_m^T (F_i - F_m)
+      const N half(ScalarOf<N>(0.5));
+      element.polar[i] = {element.R_m,
+                          {S(0, 0), S(1, 1), S(2, 2), half * (S(1, 2) + S(2, 1)), half * (S(2, 0) + S(0, 2)),
+                           half * (S(0, 1) + S(1, 0))},
+                          0};
+    }
+    return;
+  }
+  for (int first = 0; first < kCorners; first += kAtOnce) {
+    Mat<N> F[kAtOnce];
+    PolarLanes<N> polars[kAtOnce];
+    for (int m = 0; m < kAtOnce; ++m) F[m] = element.F[first + m];
+    safe_polars<kAtOnce>(F, polars);
+    for (int m = 0; m < kAtOnce; ++m) element.polar[first + m] = polars[m];
+  }
+}
+
+/// lambda_f, the modulus of a sample's own dilatation.                                                     eq. E2
+template <class N>
+HWY_INLINE N free_modulus(Volumetric volumetric, N mu, N lambda) {
+  using T = ScalarOf<N>;
+  switch (volumetric) {
+    case Volumetric::kSample:
+      return lambda;
+    case Volumetric::kMeanFree:
+      return N(T(0));
+    case Volumetric::kMean:
+    case Volumetric::kVolumeRatio:
+      break;
+  }
+  const N twice = mu + mu;  // of both signs: operators are added and subtracted; absent elements have neither
+  return twice * (abs(lambda) / max(abs(lambda + twice), N(T(1e-30))));
+}
+
+/// What an element is made of, and how its pressures are found.
+template <class N>
+struct MaterialLanes {
+  HWY_INLINE MaterialLanes(const Settings& settings, N mu_, N lambda_)
+      : law(settings.law),
+        volumetric(settings.volumetric),
+        mooney_share(settings.mooney_share),
+        mu(mu_),
+        lambda(lambda_),
+        free(free_modulus(volumetric, mu_, lambda_)) {}
+
+  /// The modulus of the volume ratio: the corotated law's deviations have theirs about the mean.
+  HWY_INLINE N of_volume() const { return law == ElasticLaw::kCorotated ? lambda : lambda - free; }
+
+  ElasticLaw law;
+  Volumetric volumetric;
+  double mooney_share;
+  N mu, lambda, free;  ///< [Pa]
+};
+
+/// Pressures of the samples: k_i = k0 + own theta_i + shared.                                eq. E3, E5, E14, E15
+template <class N>
+struct PressureLanes {
+  N own, k0;     ///< [Pa]
+  N shared;      ///< [Pa] in the forces of the samples
+  N in_stress;   ///< [Pa] in the stress that yields: with the pressure of the volume ratio
+  N dilatation;  ///< mean of theta
+  N excess;      ///< of the volume ratio: beta^ - 1
+
+  HWY_INLINE N at(N theta) const { return k0 + own * theta + shared; }
+  HWY_INLINE N in_stress_at(N theta) const { return k0 + own * theta + in_stress; }
+};
+
+/// volume_gradient: dV/du, filled for the volume ratio only.
+template <class N>
+HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLanes<N>& element,
+                                        const CornerLanes<N>& u, CornerLanes<N>& gradient) {
+  using T = ScalarOf<N>;
+  PressureLanes<N> p;
+  const LawConstants<N> law(of.law, of.mooney_share, of.mu);
+  p.k0 = law.k0;
+  p.own = law.b0 + of.free;
+  p.shared = p.in_stress = p.excess = p.dilatation = N(T(0));
+  if (of.volumetric == Volumetric::kSample) return p;
+  for (const PolarLanes<N>& polar : element.polar) p.dilatation += dilatation(of.law, polar.S);
+  p.dilatation *= N(T(1.0 / kCorners));
+  if (of.volumetric != Volumetric::kVolumeRatio) {
+    p.shared = p.in_stress = (of.lambda - of.free) * p.dilatation;
+    return p;
+  }
+  EdgeLanes<N> e;
+  N world_volume;
+  edges(u, e);
+  volume_gradient<false>(e, gradient, world_volume);
+  p.excess = world_volume / element.volume - N(T(1));
+  if (of.law == ElasticLaw::kCorotated) p.shared = -(of.free * p.dilatation);
+  p.in_stress = p.shared + of.of_volume() * p.excess;
+  return p;
+}
+
+/// Elastic energy over the volume of the material shape.                                     eq. E1, E5, E14
+template <class N>
+HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N>& element, const PressureLanes<N>& p) {
+  using T = ScalarOf<N>;
+  N sum(T(0));
+  for (const PolarLanes<N>& polar : element.polar) {
+    const N theta = dilatation(of.law, polar.S);
+    sum += shape_energy(of.law, of.mooney_share, polar.S, of.mu) + (p.k0 + N(T(0.5)) * p.own * theta) * theta;
+  }
+  return N(T(1.0 / kCorners)) * sum + N(T(0.5)) * (p.shared * p.dilatation + (p.in_stress - p.shared) * p.excess);
+}
+
+/// What the turning of R_m with the corners adds to dE/dF_m: [y]x R_m, times 2 J_o^-T, as rows that act on F_m 2 J_o.
+/// a, Q: columns and modes; acting_a, acting_Q: what acts on them by way of what is assumed.                  eq. E13
+template <int kModes, class N>
+HWY_NOINLINE Mat<N> turning(const Mat<N>& R, const Sym<N>& S, const Mat<N>& dual, const N (&a)[3][3],
+                            const N (&acting_a)[3][3], const N (&Q)[kModes][3], const N (&acting_Q)[kModes][3]) {
+  using T = ScalarOf<N>;
+  N M[3] = {N(T(0)), N(T(0)), N(T(0))};
+  for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3, l = (i + 2) % 3;
+    for (int n = 0; n < 3; ++n) M[i] += a[n][k] * acting_a[n][l] - a[n][l] * acting_a[n][k];
+    for (int n = 0; n < kModes; ++n) M[i] -= Q[n][k] * acting_Q[n][l] - Q[n][l] * acting_Q[n][k];
+  }
+  // (tr S - S)^-1 by its cofactors; where two stretches are opposite it is bounded
+  const N trace = S.xx + S.yy + S.zz;
+  const Mat<N> K = matrix(Sym<N>{trace - S.xx, trace - S.yy, trace - S.zz, -S.yz, -S.zx, -S.xy});
+  const Mat<N> cof = cofactor(K);
+  const N det = K(0, 0) * cof(0, 0) + K(0, 1) * cof(0, 1) + K(0, 2) * cof(0, 2);
+  const N least = N(T(1e-9)) * (cof(0, 0) + cof(1, 1) + cof(2, 2));
+  const N inverse = N(T(1)) / max(max(det, least), N(T(1e-30)));
+  N local[3], turned[3];
+  for (int k = 0; k < 3; ++k) local[k] = R(0, k) * M[0] + R(1, k) * M[1] + R(2, k) * M[2];
+  for (int k = 0; k < 3; ++k)
+    turned[k] = inverse * (cof(k, 0) * local[0] + cof(k, 1) * local[1] + cof(k, 2) * local[2]);
+  const Mat<N> jt = product_transposed(dual, R);  // rows R dual_n
+  N y[3];
+  for (int k = 0; k < 3; ++k) y[k] = R(k, 0) * turned[0] + R(k, 1) * turned[1] + R(k, 2) * turned[2];
+  Mat<N> rows;
+  for (int n = 0; n < 3; ++n)
+    for (int i = 0; i < 3; ++i) {
+      const int k = (i + 1) % 3, l = (i + 2) % 3;
+      rows(n, i) = y[k] * jt(n, l) - y[l] * jt(n, k);
+    }
+  return rows;
+}
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

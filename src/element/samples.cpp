@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "element/samples.hpp"
+
+#include "element/element-inl.hpp"
+
+namespace hexaplast {
+
+namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
+
+namespace {
+
+plain::CornerLanes<double> corners_of(const ElementPoints& x) {
+  plain::CornerLanes<double> corners;
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) corners.at[a][i] = x(a, i);
+  return corners;
+}
+
+template <Assumed kAssumed>
+ElementSamples samples(const ElementPoints& material, const ElementPoints& world, const Lame& lame,
+                       const Settings& settings) {
+  plain::ElementLanes<true, kAssumed, double> element;
+  const plain::CornerLanes<double> u = corners_of(world);
+  place_element(corners_of(material), u, sampling_of(settings), element);
+  decompose(sampling_of(settings), element);
+  const plain::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
+  plain::CornerLanes<double> volume_gradient;
+  const plain::PressureLanes<double> pressure = pressures(of, element, u, volume_gradient);
+
+  ElementSamples found;
+  found.volume = element.rest.volume;
+  for (int i = 0; i < kCorners; ++i) {
+    const plain::PolarLanes<double>& at = element.polar[i];
+    found.F[i] = to_eigen(element.F[i]);
+    found.polar[i] = {to_eigen(at.R), to_eigen(matrix(at.S))};
+    // what flows by rotation is the rotation of the sample itself
+    if (sampling_of(settings).one_rotation) found.polar[i].R = polar(found.F[i]).R;
+    found.stress[i] =
+        to_eigen(matrix(stress(of.law, of.mooney_share, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
+  }
+  return found;
+}
+
+}  // namespace
+
+ElementSamples element_samples(const ElementPoints& material, const ElementPoints& world, const Lame& lame,
+                               const Settings& settings) {
+  switch (sampling_of(settings).assumed) {
+    case Assumed::kCorner:
+      return samples<Assumed::kCorner>(material, world, lame, settings);
+    case Assumed::kModes:
+      return samples<Assumed::kModes>(material, world, lame, settings);
+    case Assumed::kNothing:
+      break;
+  }
+  return samples<Assumed::kNothing>(material, world, lame, settings);
+}
+
+}  // namespace hexaplast

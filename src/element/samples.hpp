@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
+#include "hexaplast/material/material.hpp"
+#include "kinematics/polar.hpp"
+
+namespace hexaplast {
+
+/// The eight samples of one hexahedron, by the formulas of the kernels.
+struct ElementSamples {
+  std::array<Mat3, kCorners> F;       ///< deformation gradients                                       eq. 7, E11
+  std::array<Polar, kCorners> polar;  ///< R, S of them                                                eq. 6
+  std::array<Mat3, kCorners> stress;  ///< [Pa] sigma in the material frame              eq. 12, E3, E5, E15, E19
+  double volume = 0;                  ///< [m^3] of the material shape; each sample carries an eighth of it
+};
+
+/// material, world: corners [m].
+ElementSamples element_samples(const ElementPoints& material, const ElementPoints& world, const Lame& lame,
+                               const Settings& settings);
+
+}  // namespace hexaplast

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "hexaplast/material/material.hpp"
+
+namespace hexaplast {
+
+/// What a strain of the samples is assumed to be instead of what the corners say.                theory.md section 2.1
+enum class Assumed {
+  kNothing,
+  kCorner,  ///< the part linear in a coordinate is tangential to the faces of that coordinate, about gradients of
+            ///< corners
+  kModes    ///< the same about gradients that are made of hourglass modes
+};
+
+/// How the eight samples of an element follow from its corners.
+struct Sampling {
+  Assumed assumed = Assumed::kNothing;
+  double share = 0.5;          ///< [-] of the corner's gradient in that of its sample; the rest is the same in all
+  bool of_the_centre = false;  ///< share = 0, and what all have in common is the gradient at the centre
+  bool one_rotation =
+      false;  ///< with kModes: samples have the rotation of the mean, and S_i = S_m + sym R_m^T (F_i - F_m)
+};
+
+constexpr Sampling sampling_of(const Settings& settings) {
+  constexpr double kFullIntegration = 0.57735026918962576451;  // on parallelepipeds: the samples of 2 x 2 x 2 points
+  switch (settings.bending) {
+    case Bending::kAssumedCorner:
+      return {.assumed = Assumed::kCorner, .share = kFullIntegration};
+    case Bending::kAssumed:
+      return {.assumed = Assumed::kModes, .share = kFullIntegration};
+    case Bending::kOneRotation:
+      return {.assumed = Assumed::kModes, .share = kFullIntegration, .one_rotation = true};
+    case Bending::kVertex:
+      return {.share = 1};
+    case Bending::kCentre:
+      return {.share = 0, .of_the_centre = true};
+    case Bending::kBlended:
+      break;
+  }
+  return {.share = settings.blend_share};
+}
+
+}  // namespace hexaplast

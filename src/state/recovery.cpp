@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "state/recovery.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "kinematics/polar.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+/// s_e of an element by itself.                                                                          eq. E22, E27
+double pull_of(double corner_ratio, const Settings& settings) {
+  const double from = settings.recovery_from, full = settings.recovery_full;
+  if (from == full) return corner_ratio < full ? 1 : 0;
+  return std::clamp((from - corner_ratio) / (from - full), 0.0, 1.0);
+}
+
+/// The inverse of a symmetric positive semi-definite matrix, zero along axes of (nearly) no value: springs that lie on
+/// a line do not feel turns about it.
+Mat3 pseudo_inverse(const Mat3& A) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(A);
+  const double least = 1e-9 * eigen.eigenvalues()[2];
+  const auto inverse = [&](double value) { return value > least ? 1 / value : 0; };
+  const Vec3 values = eigen.eigenvalues().unaryExpr(inverse);
+  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+void Recovery::find(const Model& model, std::span<const unsigned char> alive, ConstPoints material, ConstPoints world) {
+  springs_.clear();
+  clusters_.clear();
+  energy_ = 0;
+  const std::vector<Hexahedron>& hexahedra = model.mesh.hexahedra();
+  const auto own_pull = [&](int e) {
+    return alive[e] ? pull_of(corner_ratios[model.partition->place_of_element[e]], model.settings) : 0.0;
+  };
+  const int num_elements = model.mesh.num_elements(), num_nodes = model.mesh.num_nodes();
+  int first = 0;
+  while (first < num_elements && !(own_pull(first) > 0)) ++first;
+  if (first == num_elements) return;
+
+  pull_.assign(num_nodes, 0);
+  for (int e = first; e < num_elements; ++e)
+    if (const double s = own_pull(e); s > 0)
+      for (const int n : hexahedra[e]) pull_[n] = std::max(pull_[n], s);
+
+  weight_.assign(num_nodes, 0);
+  sets_.assign(num_nodes);
+  for (int e = 0; e < num_elements; ++e) {
+    if (!alive[e]) continue;
+    double s = 0;
+    for (const int n : hexahedra[e]) s = std::max(s, pull_[n]);
+    if (!(s > 0)) continue;
+    const double k = s * model.settings.recovery_strength * model.lame[e].mu * std::cbrt(model.volume[e]) / 2;
+    for (const int n : hexahedra[e]) {
+      weight_[n] += k;
+      sets_.join(hexahedra[e][0], n);
+    }
+  }
+
+  // nodes of a cluster side by side, clusters by their first node
+  cluster_.assign(num_nodes, -1);
+  count_.clear();
+  for (int n = 0; n < num_nodes; ++n) {
+    if (!(weight_[n] > 0)) continue;
+    int& cluster = cluster_[sets_.root(n)];
+    if (cluster < 0) {
+      cluster = static_cast<int>(count_.size());
+      count_.push_back(0);
+    }
+    ++count_[cluster];
+  }
+  clusters_.resize(count_.size());
+  int place = 0;
+  for (std::size_t c = 0; c < count_.size(); ++c) {
+    clusters_[c].first = clusters_[c].last = place;
+    place += count_[c];
+  }
+  springs_.resize(place);
+  for (int n = 0; n < num_nodes; ++n)
+    if (weight_[n] > 0)
+      springs_[clusters_[cluster_[sets_.root(n)]].last++] = {
+          .node = n, .weight = weight_[n], .arm = Vec3::Zero(), .residual = Vec3::Zero()};
+
+  for (Cluster& cluster : clusters_) {
+    for (const Spring& spring : springs_of(cluster)) cluster.weight += spring.weight;
+    const auto [rest_centre, centre, R] = placement(cluster, material, world);
+    Mat3 inertia = Mat3::Zero();
+    for (int k = cluster.first; k < cluster.last; ++k) {
+      Spring& spring = springs_[k];
+      spring.arm = world.row(spring.node).transpose() - centre;
+      spring.residual = spring.arm - R * (material.row(spring.node).transpose() - rest_centre);
+      energy_ += spring.weight / 2 * spring.residual.squaredNorm();
+      inertia += spring.weight * (spring.arm.squaredNorm() * Mat3::Identity() - spring.arm * spring.arm.transpose());
+    }
+    cluster.inverse_inertia = pseudo_inverse(inertia);
+  }
+}
+
+Recovery::Placement Recovery::placement(const Cluster& cluster, ConstPoints material, ConstPoints world) const {
+  Placement found{.rest_centre = Vec3::Zero(), .centre = Vec3::Zero(), .R = Mat3::Identity()};
+  for (const Spring& spring : springs_of(cluster)) {
+    found.rest_centre += spring.weight / cluster.weight * material.row(spring.node).transpose();
+    found.centre += spring.weight / cluster.weight * world.row(spring.node).transpose();
+  }
+  Mat3 moments = Mat3::Zero();
+  for (const Spring& spring : springs_of(cluster))
+    moments += spring.weight * (world.row(spring.node).transpose() - found.centre) *
+               (material.row(spring.node) - found.rest_centre.transpose());
+  found.R = polar(moments).R;
+  return found;
+}
+
+double Recovery::energy_at(ConstPoints material, ConstPoints world) const {
+  double energy = 0;
+  for (const Cluster& cluster : clusters_) {
+    const Placement at = placement(cluster, material, world);
+    for (const Spring& spring : springs_of(cluster))
+      energy += spring.weight / 2 *
+                (world.row(spring.node).transpose() - at.centre -
+                 at.R * (material.row(spring.node).transpose() - at.rest_centre))
+                    .squaredNorm();
+  }
+  return energy;
+}
+
+void Recovery::add_force(Points f) const {
+  for (const Spring& spring : springs_) f.row(spring.node) -= spring.weight * spring.residual.transpose();
+}
+
+void Recovery::add_product(double factor, ConstPoints p, Points Fp) const {
+  for (const Cluster& cluster : clusters_) {
+    const std::span<const Spring> springs = springs_of(cluster);
+    Vec3 shift = Vec3::Zero(), moment = Vec3::Zero();
+    for (const Spring& spring : springs) {
+      const Vec3 along = p.row(spring.node).transpose();
+      shift += spring.weight / cluster.weight * along;
+      moment += spring.weight * spring.arm.cross(along);
+    }
+    const Vec3 turn = cluster.inverse_inertia * moment;
+    for (const Spring& spring : springs)
+      Fp.row(spring.node) +=
+          factor * spring.weight * (p.row(spring.node).transpose() - shift - turn.cross(spring.arm)).transpose();
+  }
+}
+
+void Recovery::add_diagonal(double factor, Points diagonal) const {
+  for (const Spring& spring : springs_) diagonal.row(spring.node).array() += factor * spring.weight;
+}
+
+void Recovery::add_blocks(double factor, BlockMatrix& K) const {
+  for (const Spring& spring : springs_) K.add(spring.node, spring.node, factor * spring.weight * Mat3::Identity());
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/disjoint_sets.hpp"
+#include "hexaplast/layout/linear_system.hpp"
+#include "state/history.hpp"
+
+namespace hexaplast {
+
+/// Cluster springs: what leads folded elements back.                                         theory.md section 3.3
+///
+///   d_e = min_i det Jhat_i / det J_i of an element, world against material shape                        (eq. E22)
+///   s_e = (d1 - d_e) / (d1 - d0) within [0, 1], and of the elements beside the largest that touches      (eq. E27)
+///   E_C = sum_n w_n |r_n|^2 / 2,  w_n = sum_e s_e strength mu V_e^1/3 / 2 of a node's elements      (eq. E23, E25)
+///
+/// with r the deviation from the best rigid placement of the material shape, one placement for each connected cluster
+/// of elements with s > 0. Forces and moments of a cluster sum to zero. Nothing happens while all d_e >= d1. s is held
+/// in the gradient, so that the sum of E_C and the elastic energy is not kept while s changes.
+class Recovery {
+ public:
+  AlignedVector<double> corner_ratios;  ///< [-] d_e: what `find` is to be given, [block][element]
+
+  /// material, world: nodes x 3 [m].
+  void find(const Model& model, std::span<const unsigned char> alive, ConstPoints material, ConstPoints world);
+
+  bool acts() const { return !clusters_.empty(); }
+  double energy() const { return energy_; }  ///< [J]
+
+  /// [J] of these springs, as strong as they are, at other positions.
+  double energy_at(ConstPoints material, ConstPoints world) const;
+
+  /// f += forces of the springs [N].
+  void add_force(Points f) const;
+
+  /// Fp += factor W (p less its rigid part): minus the slope of the forces, placements turning with the nodes. eq. E26
+  void add_product(double factor, ConstPoints p, Points Fp) const;
+
+  /// diagonal += factor diag(W).
+  void add_diagonal(double factor, Points diagonal) const;
+
+  /// K += factor W: what the springs would be if the placements stood still. The whole of (E26) is dense over a
+  /// cluster.
+  void add_blocks(double factor, BlockMatrix& K) const;
+
+ private:
+  struct Spring {
+    int node;
+    double weight;  // [N/m]
+    Vec3 arm;       // [m] world position less the cluster's centre
+    Vec3 residual;  // [m] r
+  };
+  struct Cluster {
+    int first = 0, last = 0;  // of its springs
+    double weight = 0;
+    Mat3 inverse_inertia = Mat3::Zero();  // of the springs about the centre; without those axes that turn nothing
+  };
+  /// The best rigid placement of the material shape: world = centre + R (material - rest_centre).
+  struct Placement {
+    Vec3 rest_centre, centre;
+    Mat3 R;
+  };
+
+  std::span<const Spring> springs_of(const Cluster& cluster) const {
+    return {springs_.data() + cluster.first, springs_.data() + cluster.last};
+  }
+  Placement placement(const Cluster& cluster, ConstPoints material, ConstPoints world) const;
+
+  std::vector<Spring> springs_;  // by clusters
+  std::vector<Cluster> clusters_;
+  double energy_ = 0;
+  std::vector<double> pull_, weight_;  // per node: largest s of its elements, w
+  std::vector<int> cluster_, count_;   // per node: index, or -1; per cluster: nodes
+  DisjointSets sets_;
+};
+
+/// The springs of a body as a term of a linear system.
+struct RecoveryTerm final : NodalOperator {
+  const Recovery* springs = nullptr;
+  double factor = 0;
+
+  void add_product(ConstPoints p, Points Fp) const override { springs->add_product(factor, p, Fp); }
+  bool has_diagonal() const override { return true; }
+  void add_diagonal(Points diagonal) const override { springs->add_diagonal(factor, diagonal); }
+};
+
+}  // namespace hexaplast
