@@ -3,7 +3,8 @@
 // for AVX2 and one thread, after a first time that does not count. Callgrind collects what hexaplast_counted takes and
 // nothing around it (scripts/count_instructions), so that the figure is the same on every machine with this compiler.
 //
-//   STAGE  operator_double, operator_mixed, linearize, flow
+//   STAGE  operator_double, operator_mixed, linearize, flow; with a colon and the words of `bending` and `volumetric`
+//          behind it, of that element: operator_mixed:assumedCorner:volumeRatio
 #include <cstdlib>
 #include <functional>
 #include <iostream>
@@ -14,6 +15,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/simd.hpp"
+#include "hexaplast/material/rows.hpp"
 
 namespace {
 
@@ -33,11 +35,29 @@ extern "C" [[gnu::noinline]] void hexaplast_counted(const std::function<void()>&
 
 namespace {
 
-void carry_out(const std::string& name, int count) {
+/// Sets what the words behind the first colon say.
+Settings element_of(std::string words) {
+  Settings settings;
+  for (const char* member : {"bending", "volumetric"}) {
+    const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
+    const std::string word = words.substr(0, words.find(':'));
+    const int place = place_of_word(row, word);
+    if (place < 0) throw InputError(std::string(member) + " = " + word + ": must " + row.condition());
+    row.at.set(settings, place);
+    words.erase(0, word.size() + 1);
+  }
+  return settings;
+}
+
+void carry_out(const std::string& stage_and_element, int count) {
+  const std::size_t colon = stage_and_element.find(':');
+  const std::string name = stage_and_element.substr(0, colon);
+  const Settings element = colon == std::string::npos ? Settings() : element_of(stage_and_element.substr(colon + 1));
   const bool flows = name == "flow";
   bench::Bar bar({.size = 1000,
                   .mode = flows ? bench::Mode::kPlastic : bench::Mode::kElastic,
-                  .precision = name == "operator_double" ? Precision::kDouble : Precision::kMixed});
+                  .precision = name == "operator_double" ? Precision::kDouble : Precision::kMixed,
+                  .element = element});
   Body& body = bar.body();
   PointArray x = 1.01 * bar.positions();
   x.col(0) += 0.1 * x.col(2);

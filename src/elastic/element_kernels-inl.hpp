@@ -68,8 +68,9 @@ HWY_INLINE V bounded(V a) {
 
 template <int kStride, class V, class Coef>
 HWY_INLINE void store_gradient(const CornerLanes<V>& gradient, V scale, Coef* to) {
-  for (int k = 0; k < kGradientCoefficients; ++k)
+  unrolled<kGradientCoefficients>([&](auto k) __attribute__((always_inline)) {
     store_as(bounded<Coef>(gradient.at[k / 3][k % 3] * scale), to + k * kStride);
+  });
 }
 /// gradient . u
 template <int kStride, class V, class Coef>
@@ -77,19 +78,21 @@ HWY_INLINE V along_gradient(const Coef* gradient, const CornerLanes<V>& u) {
   const auto& last = u.at[kCorners - 1];
   V sum[3];  // not one chain
   for (int i = 0; i < 3; ++i) sum[i] = load_as(gradient + i * kStride) * (u.at[0][i] - last[i]);
-  for (int k = 3; k < kGradientCoefficients; ++k)
+  unrolled<kGradientCoefficients - 3>([&](auto n) __attribute__((always_inline)) {
+    constexpr int k = n + 3;
     sum[k % 3] += load_as(gradient + k * kStride) * (u.at[k / 3][k % 3] - last[k % 3]);
+  });
   return sum[0] + sum[1] + sum[2];
 }
 /// u += factor gradient
 template <int kStride, class V, class Coef>
 HWY_INLINE void add_gradient(V factor, const Coef* gradient, CornerLanes<V>& u) {
   V sum[3];
-  for (int k = 0; k < kGradientCoefficients; ++k) {
+  unrolled<kGradientCoefficients>([&](auto k) __attribute__((always_inline)) {
     const V part = factor * load_as(gradient + k * kStride);
     u.at[k / 3][k % 3] += part;
     sum[k % 3] = k < 3 ? part : sum[k % 3] + part;
-  }
+  });
   for (int i = 0; i < 3; ++i) u.at[kCorners - 1][i] -= sum[i];
 }
 

@@ -106,11 +106,7 @@ HWY_NOINLINE void decompose(const Sampling& sampling, SampleLanes<N>& element) {
     return;
   }
   for (int first = 0; first < kCorners; first += kAtOnce) {
-    Mat<N> F[kAtOnce];
-    PolarLanes<N> polars[kAtOnce];
-    for (int m = 0; m < kAtOnce; ++m) F[m] = element.F[first + m];
-    safe_polars<kAtOnce>(F, polars);
-    for (int m = 0; m < kAtOnce; ++m) element.polar[first + m] = polars[m];
+    safe_polars<kAtOnce>(element.F + first, element.polar + first);
   }
 }
 

@@ -35,7 +35,7 @@ struct PolarLanes {
 /// Of kCount matrices at once: the iteration for I is a chain of divisions, and one chain alone would leave the
 /// processor waiting.
 template <int kCount, class V>
-HWY_INLINE void polars(const Mat<V> (&given)[kCount], PolarLanes<V> (&out)[kCount]) {
+HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
   using T = typename V::Scalar;
   constexpr int kSteps = sizeof(T) == 8 ? 4 : 3;
   constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);  // entries are brought to 1, unless all are smaller
@@ -108,7 +108,7 @@ inline constexpr int kAtOnce = 4;
 template <class V>
 HWY_INLINE PolarLanes<V> polar(const Mat<V>& F) {
   PolarLanes<V> out[1];
-  polars<1>({F}, out);
+  polars<1>(&F, out);
   return out[0];
 }
 
@@ -139,14 +139,14 @@ HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
 }
 
 template <int kCount, class V>
-HWY_NOINLINE void safe_polars(const Mat<V> (&F)[kCount], PolarLanes<V> (&out)[kCount]) {
+HWY_NOINLINE void safe_polars(const Mat<V>* F, PolarLanes<V>* out) {
   polars<kCount>(F, out);
   for (int m = 0; m < kCount; ++m)
     if (HWY_UNLIKELY(out[m].doubtful != 0)) polar_by_svd(F[m], out[m]);
 }
 /// Of single matrices by the singular value decomposition.
 template <int kCount, std::same_as<double> N>
-HWY_INLINE void safe_polars(const Mat<N> (&F)[kCount], PolarLanes<N> (&out)[kCount]) {
+HWY_INLINE void safe_polars(const Mat<N>* F, PolarLanes<N>* out) {
   for (int m = 0; m < kCount; ++m) {
     const Polar found = hexaplast::polar(to_eigen(F[m]));
     out[m] = {entries(found.R), symmetric_entries(found.S), 0};
@@ -155,7 +155,7 @@ HWY_INLINE void safe_polars(const Mat<N> (&F)[kCount], PolarLanes<N> (&out)[kCou
 template <class V>
 HWY_INLINE PolarLanes<V> safe_polar(const Mat<V>& F) {
   PolarLanes<V> out[1];
-  safe_polars<1>({F}, out);
+  safe_polars<1>(&F, out);
   return out[0];
 }
 

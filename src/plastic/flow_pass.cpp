@@ -67,14 +67,8 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       });
   std::uint32_t fails = 0;
   for (int first = 0; first < kCorners; first += kAtOnce) {
-    Mat<V> F[kAtOnce];
-    PolarLanes<V> decomposed[kAtOnce];
-    for (int m = 0; m < kAtOnce; ++m) F[m] = element.F[first + m];
-    polars<kAtOnce>(F, decomposed);
-    for (int m = 0; m < kAtOnce; ++m) {
-      element.polar[first + m] = decomposed[m];
-      fails |= decomposed[m].doubtful;
-    }
+    polars<kAtOnce>(element.F + first, element.polar + first);
+    for (int m = 0; m < kAtOnce; ++m) fails |= element.polar[first + m].doubtful;
   }
   Mat<V> R[kCorners];  // of the samples themselves
   for (int i = 0; i < kCorners; ++i) R[i] = element.polar[i].R;
