@@ -25,9 +25,9 @@ constexpr Row<Settings> kSettingsRows[] = {
      .words = kBendings,
      .help =
          "Strain of the samples. assumedCorner: bends freely on regular meshes; assumed: freer on distorted meshes, "
-         "but corners may fold under plastic flow; oneRotation: as assumed with one rotation per hexahedron, the "
-         "fastest; blended: between corners and centre, stiff in bending, as "
-         "published; vertex (too stiff) and centre (hourglass modes) for comparison.",
+         "but corners may fold under plastic flow; oneRotation: as assumed with one rotation per hexahedron; blended: "
+         "between corners and centre, stiff in bending, as published; vertex (too stiff) and centre (hourglass modes) "
+         "for comparison.",
      .at = kMember<&Settings::bending>},
     {.member = "blend_share",
      .name = "blendShare",

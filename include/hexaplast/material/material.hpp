@@ -36,7 +36,7 @@ enum class Bending {
   kBlended,        ///< mean of corner and centre, shifted to the exact mean: passes the patch test; stiff in bending
   kAssumedCorner,  ///< about corners, with an assumed strain that bends freely
   kAssumed,        ///< about hourglass modes, with the same: freest on distorted meshes, corners may fold
-  kOneRotation,    ///< as kAssumed with the rotation of the mean for all samples: fast, of the corotated law alone
+  kOneRotation,    ///< as kAssumed with the rotation of the mean for all samples; of the corotated law alone
   kVertex,         ///< corners alone: stiff
   kCentre          ///< the centre alone, eight times: soft, with hourglass modes
 };
@@ -102,7 +102,7 @@ enum class Precision {
 /// What holds for a whole body. Each member has a row (material/rows.hpp).
 struct Settings {
   Bending bending = Bending::kBlended;
-  double blend_share = 0.5;  ///< [-] of the corner in kBlended, in [0, 1]
+  double blend_share = 0.5;  ///< [-] of the corner in kBlended, in (0, 1)
   Volumetric volumetric = Volumetric::kSample;
   ElasticLaw law = ElasticLaw::kCorotated;
   double mooney_share = 0.2;  ///< [-] m2 / mu of kMooneyRivlin, in [0, 1]
