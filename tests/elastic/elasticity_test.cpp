@@ -17,10 +17,12 @@ namespace hexaplast {
 namespace {
 
 using support::dense;
+using support::force_at;
 using support::kEdge;
 using support::mapped;
 using support::Random;
 using support::stacked;
+using support::stiffness_at;
 
 constexpr double kYoung = 5000;  // [Pa]
 
@@ -28,21 +30,6 @@ Body elastic_body(HexMesh mesh) {
   Material m;
   m.young_modulus = kYoung;
   return Body(std::move(mesh), {m});
-}
-
-PointArray force_at(Body& body, const PointArray& x) {
-  PointArray f = PointArray::Zero(x.rows(), 3);
-  body.linearize(x);
-  body.add_force(f);
-  return f;
-}
-
-/// K = -df/dx at x, rotations held fixed.
-Eigen::MatrixXd stiffness_at(Body& body, const PointArray& x) {
-  BlockMatrix K(body.mesh().num_nodes());
-  body.linearize(x);
-  body.add_stiffness_blocks(-1, K);
-  return dense(K);
 }
 
 /// True when no sample of the body comes near a gradient at which its rotation jumps (the two least stretches

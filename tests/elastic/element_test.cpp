@@ -22,10 +22,12 @@ namespace hexaplast {
 namespace {
 
 using support::agrees;
+using support::force_at;
 using support::Json;
 using support::kEdge;
 using support::matrix;
 using support::Random;
+using support::stiffness_at;
 
 constexpr Bending kBendings[] = {Bending::kBlended, Bending::kAssumedCorner, Bending::kAssumed, Bending::kOneRotation};
 constexpr Volumetric kVolumetrics[] = {Volumetric::kSample, Volumetric::kMean, Volumetric::kMeanFree,
@@ -67,20 +69,6 @@ class EveryForm : public testing::TestWithParam<Settings> {
 INSTANTIATE_TEST_SUITE_P(Element, EveryForm, testing::ValuesIn(all_forms()),
                          [](const auto& test) { return name_of(test.param); });
 
-PointArray force(Body& body, const PointArray& x) {
-  PointArray f = PointArray::Zero(x.rows(), 3);
-  body.linearize(x);
-  body.add_force(f);
-  return f;
-}
-
-Eigen::MatrixXd stiffness(Body& body, const PointArray& x) {
-  BlockMatrix K(body.mesh().num_nodes());
-  body.linearize(x);
-  body.add_stiffness_blocks(-1, K);
-  return support::dense(K);
-}
-
 TEST_P(EveryForm, ForceIsTheSlopeOfTheEnergy) {
   for (const double distortion : {0.0, 0.15}) {
     Body body = body_of(support::distorted_block({2, 2, 2}, kEdge, distortion, 301));
@@ -89,7 +77,8 @@ TEST_P(EveryForm, ForceIsTheSlopeOfTheEnergy) {
       const PointArray x = body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge);
       const PointArray dx = random.field(body.mesh().num_nodes(), 1);
       const double slope = support::central_difference([&](double h) { return body.energy(x + h * dx); }, 1e-6 * kEdge);
-      EXPECT_NEAR(-force(body, x).cwiseProduct(dx).sum(), slope, 1e-6 * std::abs(slope)) << distortion << ' ' << size;
+      EXPECT_NEAR(-force_at(body, x).cwiseProduct(dx).sum(), slope, 1e-6 * std::abs(slope))
+          << distortion << ' ' << size;
     }
   }
 }
@@ -98,7 +87,7 @@ TEST_P(EveryForm, ForcesSumToNothingAndTurnWithTheBody) {
   Body body = body_of(support::distorted_block({3, 2, 2}, kEdge, 0.15, 303));
   Random random(304);
   const PointArray x = body.mesh().positions() + random.field(body.mesh().num_nodes(), 0.3 * kEdge);
-  const PointArray f = force(body, x);
+  const PointArray f = force_at(body, x);
   Vec3 moment = Vec3::Zero();
   for (int n = 0; n < f.rows(); ++n) moment += Vec3(x.row(n)).cross(Vec3(f.row(n)));
   EXPECT_LE(f.colwise().sum().norm(), 1e-12 * f.norm());
@@ -107,7 +96,7 @@ TEST_P(EveryForm, ForcesSumToNothingAndTurnWithTheBody) {
   const Mat3 turn = random.rotation();
   const Vec3 shift(3, -2, 5);
   EXPECT_TRUE(
-      agrees(force(body, (x * turn.transpose()).rowwise() + 0.01 * shift.transpose()), f * turn.transpose(), 1e-11));
+      agrees(force_at(body, (x * turn.transpose()).rowwise() + 0.01 * shift.transpose()), f * turn.transpose(), 1e-11));
 }
 
 TEST_P(EveryForm, PassesThePatchTest) {
@@ -116,7 +105,7 @@ TEST_P(EveryForm, PassesThePatchTest) {
   Body body = body_of(mesh);
   Random random(306);
   const Mat3 F = random.rotation() * (Mat3::Identity() + random.matrix(0.2));
-  const PointArray f = force(body, support::mapped(mesh.positions(), F));
+  const PointArray f = force_at(body, support::mapped(mesh.positions(), F));
   double inside = 0, boundary = 0;
   for (int n = 0; n < mesh.num_nodes(); ++n) {
     double& most = on_boundary[n] ? boundary : inside;
@@ -130,10 +119,10 @@ TEST_P(EveryForm, HasSixZeroModesAndNoNegativeOnes) {
     Body body = body_of(support::single_element(support::distorted_hexahedron(kEdge, distortion, 307)));
     Random random(308);
     const PointArray X = body.mesh().positions();
-    const Eigen::VectorXd at_rest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness(body, X)).eigenvalues();
+    const Eigen::VectorXd at_rest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness_at(body, X)).eigenvalues();
     EXPECT_EQ((at_rest.array().abs() <= 1e-10 * at_rest[23]).count(), 6) << at_rest.transpose();
     for (const double size : {0.2, 0.8}) {
-      const Eigen::MatrixXd K = stiffness(body, X + random.field(kCorners, size * kEdge));
+      const Eigen::MatrixXd K = stiffness_at(body, X + random.field(kCorners, size * kEdge));
       EXPECT_LE(support::max_abs(K - K.transpose()), 1e-12 * support::max_abs(K));
       const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
       EXPECT_GT(values[0], -1e-12 * values[23]) << size;
@@ -148,7 +137,7 @@ TEST_P(EveryForm, ProductsAreThoseOfTheMatrixInEveryPrecision) {
     const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge);
     const PointArray dx = random.field(mesh.num_nodes(), 1);
     Body body = body_of(mesh);
-    const Eigen::MatrixXd K = stiffness(body, x);
+    const Eigen::MatrixXd K = stiffness_at(body, x);
     PointArray expected = PointArray::Zero(mesh.num_nodes(), 3);
     Eigen::Map<Eigen::VectorXd>(expected.data(), expected.size()) =
         -K * Eigen::Map<const Eigen::VectorXd>(dx.data(), dx.size());
@@ -178,7 +167,7 @@ TEST_P(EveryForm, HasTheStiffnessOfItsSize) {
   const HexMesh mesh = support::distorted_block({2, 1, 1}, kEdge, 0.15, 318);
   const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge);
   Body large = body_of(mesh), small = body_of(HexMesh(1e-6 * mesh.positions(), mesh.hexahedra()));
-  const Eigen::MatrixXd K = stiffness(large, x), k = stiffness(small, 1e-6 * x);
+  const Eigen::MatrixXd K = stiffness_at(large, x), k = stiffness_at(small, 1e-6 * x);
   EXPECT_LE(support::max_abs(1e6 * k - K), 1e-9 * support::max_abs(K));
 }
 
@@ -275,7 +264,7 @@ TEST_P(UniaxialStress, OfOneHexahedronIsThatOfTheLaw) {
     Body cube(support::block({1, 1, 1}, kEdge), {material}, settings);
     const PointArray X = cube.mesh().positions();
     const auto pull = [&](double across, int axis) {  // [Pa] on the face at the end of the axis
-      const PointArray f = force(cube, support::mapped(X, Mat3(Vec3(asked.stretch, across, across).asDiagonal())));
+      const PointArray f = force_at(cube, support::mapped(X, Mat3(Vec3(asked.stretch, across, across).asDiagonal())));
       double sum = 0;
       for (int n = 0; n < kCorners; ++n)
         if (X(n, axis) > kEdge / 2) sum -= f(n, axis);
@@ -325,7 +314,7 @@ TEST_P(GoldenElement, EnergyForceAndTangent) {
     set_simd_target(target);
     Body body(HexMesh(X, hexahedra), {material}, settings);
     EXPECT_NEAR(body.energy(x), variant.at("energy").get<double>(), 1e-12 * variant.at("energy").get<double>());
-    EXPECT_TRUE(agrees(force(body, x), matrix(variant.at("force")), 1e-12)) << target;
+    EXPECT_TRUE(agrees(force_at(body, x), matrix(variant.at("force")), 1e-12)) << target;
     PointArray product = PointArray::Zero(X.rows(), 3);
     body.add_stiffness_product(1, dx, product);
     const char* const tangent = variant.contains("tangent_product") ? "tangent_product" : "tangent_product_frozen";
@@ -334,7 +323,7 @@ TEST_P(GoldenElement, EnergyForceAndTangent) {
     EXPECT_TRUE(agrees(product, matrix(variant.at(tangent)), tolerance)) << target;
     PointArray assembled = PointArray::Zero(X.rows(), 3);
     Eigen::Map<Eigen::VectorXd>(assembled.data(), assembled.size()) =
-        -stiffness(body, x) * Eigen::Map<const Eigen::VectorXd>(dx.data(), dx.size());
+        -stiffness_at(body, x) * Eigen::Map<const Eigen::VectorXd>(dx.data(), dx.size());
     EXPECT_TRUE(agrees(assembled, product, 1e-12)) << target;
   }
   set_simd_target("");
@@ -360,7 +349,8 @@ TEST(GoldenRecovery, EnergyForceAndTangent) {
     Body with_springs(mesh, {material}, settings), without_springs(mesh, {material}, without);
     const double energy = with_springs.energy(x) - without_springs.energy(x);
     EXPECT_NEAR(energy, found.at("energy").get<double>(), 1e-11 * energy) << name;
-    EXPECT_TRUE(agrees(force(with_springs, x) - force(without_springs, x), matrix(found.at("force")), 1e-11)) << name;
+    EXPECT_TRUE(agrees(force_at(with_springs, x) - force_at(without_springs, x), matrix(found.at("force")), 1e-11))
+        << name;
     PointArray product = PointArray::Zero(X.rows(), 3);
     with_springs.add_stiffness_product(1, dx, product);
     without_springs.add_stiffness_product(-1, dx, product);
@@ -376,7 +366,7 @@ TEST(Recovery, DoesNothingToABodyThatIsNotFolded) {
   Random random(314);
   const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.1 * kEdge);
   Body with_springs(mesh, {Material{}}, settings), without_springs(mesh, {Material{}});
-  EXPECT_EQ(force(with_springs, x), force(without_springs, x));
+  EXPECT_EQ(force_at(with_springs, x), force_at(without_springs, x));
   EXPECT_EQ(with_springs.energy(x), without_springs.energy(x));
 }
 
@@ -387,7 +377,7 @@ TEST(Recovery, HasNoForceOrMomentInSum) {
   Random random(316);
   PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.9 * kEdge);
   Body body(mesh, {Material{}}, settings);
-  const PointArray f = force(body, x);
+  const PointArray f = force_at(body, x);
   ASSERT_TRUE(body.state().at.recovery.acts());
   Vec3 moment = Vec3::Zero();
   for (int n = 0; n < f.rows(); ++n) moment += Vec3(x.row(n)).cross(Vec3(f.row(n)));

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 
 #include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/body.hpp"
 
 namespace hexaplast::support {
 
@@ -22,6 +23,22 @@ inline Eigen::VectorXd stacked(ConstPoints field) {
 }
 inline PointArray unstacked(const Eigen::VectorXd& values) {
   return Eigen::Map<const PointArray>(values.data(), values.size() / 3, 3);
+}
+
+/// Elastic forces at x, of a body that is linearized there.
+inline PointArray force_at(Body& body, const PointArray& x) {
+  PointArray f = PointArray::Zero(x.rows(), 3);
+  body.linearize(x);
+  body.add_force(f);
+  return f;
+}
+
+/// K = -df/dx at x, rotations held fixed.
+inline Eigen::MatrixXd stiffness_at(Body& body, const PointArray& x) {
+  BlockMatrix K(body.mesh().num_nodes());
+  body.linearize(x);
+  body.add_stiffness_blocks(-1, K);
+  return dense(K);
 }
 
 }  // namespace hexaplast::support
