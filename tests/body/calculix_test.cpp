@@ -161,6 +161,38 @@ TEST(CalculixBar, ViscoplasticStretchLiesBetweenC3D8AndC3D8I) {
   }
 }
 
+// Where nothing locks, what is compared is the law.
+TEST(CalculixBar, ViscoplasticStretchWithoutLockingIsThatOfC3D8I) {
+  const auto reference = [](const std::string& file, const std::string& key, const std::string& value) {
+    for (const Json& row : calculix(file))
+      if (row[key] == value && row["element"] == "C3D8I" && row["refine"] == 1) return row;
+    throw std::runtime_error("no such bar in " + file);
+  };
+  struct Case {
+    double yield_stress, force;
+    support::EndLoad load;
+    Json expected;
+  };
+  for (const auto& [yield_stress, force, load, expected] :
+       {Case{50, 0.05, support::EndLoad::kCentralStretch,
+             reference("bar_variants", "case", "stretch_viscoCalib_tau50_nu5_F0.05_C3D8")},
+        Case{100, 0.1, support::EndLoad::kCentralStretch,
+             reference("bar_variants", "case", "stretch_viscoCalib_tau100_nu5_F0.1_C3D8")},
+        Case{100, 0.117, support::EndLoad::kFaceStretch, reference("bar_elements", "load", "stretchface")}}) {
+    support::BarCase bar = visco_bar(yield_stress, force);
+    bar.load = load;
+    bar.dt = 0.1;  // [s] moves what is compared by .3 %
+    bar.settings.bending = Bending::kAssumedCorner;
+    bar.settings.volumetric = Volumetric::kVolumeRatio;
+    const support::BarRun run = support::run_bar(bar);
+    EXPECT_EQ(run.unsolved, 0);
+    const double peak = expected["peak"]["mean_elongation"], residual = expected["residual"]["mean_elongation"];
+    EXPECT_NEAR(run.peak.mean_elongation, peak, 0.01 * peak) << yield_stress << ' ' << force;
+    EXPECT_NEAR(run.residual.mean_elongation, residual, 0.03 * residual) << yield_stress << ' ' << force;
+    EXPECT_NEAR(run.residual.volume_ratio, 1, 0.005) << yield_stress << ' ' << force;
+  }
+}
+
 TEST(CalculixBar, ViscoplasticStretchUnderLoad) {
   const Json bars = calculix("bar");
   for (const auto& [yield_stress, force, name] : {std::tuple(50.0, 0.05, "stretch_viscoCalib_tau50_nu5_F0.05_C3D8"),
