@@ -6,15 +6,22 @@
 //   unsolved_steps
 //
 // for the twisted bar the angle of every layer. calculix_table --locking: the beams of locking.json and
-// locking_meshes.json, as rows of docs/validation.md. Takes some minutes.
+// locking_meshes.json, --hyperelastic: what hyperelastic.json strains far, both as rows of docs/validation.md. Takes
+// some minutes.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <limits>
+#include <map>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "support/calculix_bar.hpp"
 #include "support/cantilever.hpp"
+#include "support/large_strain.hpp"
 
 namespace {
 
@@ -22,6 +29,7 @@ using namespace hexaplast;
 using support::BarCase;
 using support::BarRun;
 using support::EndLoad;
+using support::Json;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr const char* kNorms[] = {"vonMises", "frobenius", "spectral"};
@@ -30,10 +38,13 @@ struct Element {
   const char* name;
   Bending bending;
   Volumetric volumetric;
+  ElasticLaw law = ElasticLaw::kCorotated;
 
-  void use_in(Settings& settings) const {
-    settings.bending = bending;
-    settings.volumetric = volumetric;
+  Settings settings(Settings others = {}) const {
+    others.bending = bending;
+    others.volumetric = volumetric;
+    others.law = law;
+    return others;
   }
 };
 constexpr Element kPublished{"published", Bending::kBlended, Volumetric::kSample};
@@ -41,7 +52,7 @@ constexpr Element kDefault{"assumedCorner volumeRatio", Bending::kAssumedCorner,
 constexpr Element kVertex{"vertex", Bending::kVertex, Volumetric::kSample};
 
 BarRun report(const std::string& name, BarCase bar, const Element& element) {
-  element.use_in(bar.settings);
+  bar.settings = element.settings(bar.settings);
   const BarRun run = support::run_bar(bar);
   fmt::print("{},{},{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", name, bar.refine, element.name,
              kNorms[static_cast<int>(bar.settings.yield_norm)], run.peak.mean_elongation, run.peak.central_elongation,
@@ -112,13 +123,109 @@ void report_locking() {
       for (const auto& value : beam.reference[type]) fmt::print(" {:.3f}", value.get<double>());
     }
     for (const Element& element : kElements) {
-      Settings settings;
-      element.use_in(settings);
       fmt::print(" |");
       for (const double poisson_ratio : kPoissonRatios)
-        fmt::print(" {:.3f}", support::relative_deflection(beam.mesh, beam.shares, poisson_ratio, settings));
+        fmt::print(" {:.3f}", support::relative_deflection(beam.mesh, beam.shares, poisson_ratio, element.settings()));
     }
     fmt::print(" |\n");
+  }
+}
+
+// ---- large strain
+
+constexpr Element with_law(const char* name, Volumetric volumetric, ElasticLaw law) {
+  return {name, Bending::kAssumedCorner, volumetric, law};
+}
+constexpr Element kNeoHookean = with_law("neoHookean", Volumetric::kVolumeRatio, ElasticLaw::kNeoHookean);
+constexpr Element kStableNeoHookean =
+    with_law("stableNeoHookean", Volumetric::kVolumeRatio, ElasticLaw::kStableNeoHookean);
+constexpr Element kMooneyRivlin = with_law("mooneyRivlin", Volumetric::kVolumeRatio, ElasticLaw::kMooneyRivlin);
+
+constexpr Element kOfEveryLaw[] = {kPublished, kDefault, kNeoHookean, kStableNeoHookean, kMooneyRivlin};
+constexpr Element kOfEveryForm[] = {kPublished,
+                                    {"blended mean", Bending::kBlended, Volumetric::kMean},
+                                    {"blended volumeRatio", Bending::kBlended, Volumetric::kVolumeRatio},
+                                    kDefault,
+                                    with_law("neoHookean mean", Volumetric::kMean, ElasticLaw::kNeoHookean),
+                                    kNeoHookean,
+                                    with_law("stableNeoHookean mean", Volumetric::kMean, ElasticLaw::kStableNeoHookean),
+                                    kStableNeoHookean,
+                                    with_law("mooneyRivlin mean", Volumetric::kMean, ElasticLaw::kMooneyRivlin),
+                                    kMooneyRivlin};
+
+void print_row(const std::string& name, const std::vector<std::string>& cells) {
+  fmt::print("| {} | {} |\n", name, fmt::join(cells, " | "));
+  std::fflush(stdout);
+}
+
+std::string name_of(const Json& row) {
+  return fmt::format("{}, {}", row.value("element", "C3D8I"), row["law"].get<std::string>());
+}
+
+std::string cell(const support::Strained& found) {
+  return fmt::format("{:.3f}, {:+.1f} %", found.force, 100 * (found.volume_ratio - 1));
+}
+
+/// Nominal stress over E and change of volume at every stretch, then shear stress over mu at every shear.
+void report_cube(double poisson_ratio, const Json& uniaxial, const Json& shear) {
+  fmt::print("cube, {}: stretch {}, shear {}\n", poisson_ratio, uniaxial[0]["stretch"].dump(),
+             shear[0]["shear"].dump());
+  for (std::size_t row = 0; row < uniaxial.size(); ++row) {
+    if (uniaxial[row]["poisson_ratio"] != poisson_ratio) continue;
+    std::vector<std::string> cells;
+    for (std::size_t k = 0; k < uniaxial[row]["stretch"].size(); ++k)
+      cells.push_back(cell({uniaxial[row]["stress"][k], uniaxial[row]["volume_ratio"][k]}));
+    for (const double stress : shear[row]["stress"]) cells.push_back(fmt::format("{:.3f}", stress));
+    print_row(name_of(uniaxial[row]), cells);
+  }
+  for (const Element& element : kOfEveryLaw) {
+    const Settings settings = element.settings();
+    std::vector<std::string> cells;
+    for (const double stretch : uniaxial[0]["stretch"])
+      cells.push_back(cell(support::uniaxial(poisson_ratio, stretch, settings)));
+    for (const double value : shear[0]["shear"])
+      cells.push_back(fmt::format("{:.3f}", support::shear_stress(poisson_ratio, value, settings)));
+    print_row(element.name, cells);
+  }
+}
+
+/// Rows of one element and law that follow one another are the cells of one row of the table.
+template <class Cell>
+void report_reference(const Json& rows, const Cell& cell_of) {
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<std::string>> cells;
+  for (const Json& row : rows) {
+    const std::string name = name_of(row);
+    if (!cells.contains(name)) names.push_back(name);
+    cells[name].push_back(cell_of(row));
+  }
+  for (const std::string& name : names) print_row(name, cells[name]);
+}
+
+void report_large_strain() {
+  const Json reference = support::calculix("hyperelastic");
+  for (const double poisson_ratio : {0.45, 0.49}) report_cube(poisson_ratio, reference["uniaxial"], reference["shear"]);
+
+  fmt::print("block: 1.5, .45 | .6, .45 | 1.5, .49 | .6, .49\n");
+  report_reference(reference["block"], [](const Json& row) { return cell({row["force"], row["volume_ratio"]}); });
+  for (const Element& element : kOfEveryForm) {
+    std::vector<std::string> cells;
+    for (const double poisson_ratio : {0.45, 0.49})
+      for (const double stretch : {1.5, 0.6})
+        cells.push_back(cell(support::held_block(poisson_ratio, stretch, element.settings())));
+    print_row(element.name, cells);
+  }
+
+  fmt::print("cantilever: 20 x 2 x 2 at .3, .45, .49 | 10 x 1 x 1 at the same\n");
+  report_reference(reference["cantilever"],
+                   [](const Json& row) { return fmt::format("{:.4f}", row["deflection"].get<double>()); });
+  for (const Element& element : kOfEveryForm) {
+    std::vector<std::string> cells;
+    for (const auto& [across, force] : {std::pair(2, 0.0875), std::pair(1, 0.35)})
+      for (const double poisson_ratio : {0.3, 0.45, 0.49})
+        cells.push_back(
+            fmt::format("{:.4f}", support::large_deflection(poisson_ratio, across, force, element.settings())));
+    print_row(element.name, cells);
   }
 }
 
@@ -129,8 +236,12 @@ int main(int argc, char** argv) {
     report_locking();
     return 0;
   }
+  if (argc == 2 && std::string_view(argv[1]) == "--hyperelastic") {
+    report_large_strain();
+    return 0;
+  }
   if (argc > 1) {
-    fmt::print(stderr, "usage: calculix_table [--locking]\n");
+    fmt::print(stderr, "usage: calculix_table [--locking | --hyperelastic]\n");
     return 2;
   }
   fmt::print(

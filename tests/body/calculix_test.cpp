@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Against CalculiX (tests/data/calculix/README.md): another code, other elements, other constitutive laws.
+#include <algorithm>
 #include <map>
 
 #include "hexaplast/geometry/sections.hpp"
 #include "support/calculix_bar.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"
+#include "support/large_strain.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
@@ -21,14 +23,20 @@ Material elastic(double poisson_ratio) {
   return m;
 }
 
+/// The first row that has all that is wanted.
+Json row_of(const Json& rows, const Json& wanted) {
+  for (const Json& row : rows)
+    if (std::ranges::all_of(wanted.items(), [&](const auto& item) { return row[item.key()] == item.value(); }))
+      return row;
+  throw std::runtime_error("no row has " + wanted.dump());
+}
+
 /// The row of a list of beams that was made with this mesh and element.
 Json beam(const std::string& file, double poisson_ratio, int cells_across, const std::string& element,
           const std::string& load = "") {
-  for (const Json& row : calculix(file))
-    if (row["poisson_ratio"] == poisson_ratio && row["cells_across"] == cells_across && row["element"] == element &&
-        (load.empty() || row["load"] == load))
-      return row;
-  throw std::runtime_error("no such beam in " + file);
+  Json wanted = {{"poisson_ratio", poisson_ratio}, {"cells_across", cells_across}, {"element", element}};
+  if (!load.empty()) wanted["load"] = load;
+  return row_of(calculix(file), wanted);
 }
 
 // Beams
@@ -164,9 +172,7 @@ TEST(CalculixBar, ViscoplasticStretchLiesBetweenC3D8AndC3D8I) {
 // Where nothing locks, what is compared is the law.
 TEST(CalculixBar, ViscoplasticStretchWithoutLockingIsThatOfC3D8I) {
   const auto reference = [](const std::string& file, const std::string& key, const std::string& value) {
-    for (const Json& row : calculix(file))
-      if (row[key] == value && row["element"] == "C3D8I" && row["refine"] == 1) return row;
-    throw std::runtime_error("no such bar in " + file);
+    return row_of(calculix(file), {{key, value}, {"element", "C3D8I"}, {"refine", 1}});
   };
   struct Case {
     double yield_stress, force;
@@ -241,6 +247,58 @@ TEST(CalculixBar, FaceStretchIsCloserToTheRefinedAnswer) {
     EXPECT_LT(std::abs(ours - best), std::abs(mean_elongation(bars, name + "C3D8_r1", when) - best)) << when;
   }
   EXPECT_NEAR(run.residual.volume_ratio, 1, 0.005);
+}
+
+// Large strain
+// ----------------------------------------------------------------------------------------------------------------------
+
+Settings element(Bending bending, Volumetric volumetric, ElasticLaw law) {
+  Settings settings;
+  settings.bending = bending;
+  settings.volumetric = volumetric;
+  settings.law = law;
+  return settings;
+}
+
+struct HeldBlock {
+  Settings settings;
+  double poisson_ratio, stretch;
+  double prototype;  // force / (E A0) of an independent prototype
+  const char* law;   // of CalculiX
+  double band;       // about C3D8I: the laws differ in how they resist a change of volume
+};
+
+TEST(CalculixRubber, BlockHeldAtBothEndsIsThatOfThePrototypeAndNearC3D8I) {
+  const Json reference = calculix("hyperelastic")["block"];
+  const Settings corotated = element(Bending::kAssumed, Volumetric::kVolumeRatio, ElasticLaw::kCorotated),
+                 neo_hookean = element(Bending::kAssumed, Volumetric::kMean, ElasticLaw::kNeoHookean),
+                 mooney_rivlin = element(Bending::kAssumed, Volumetric::kMean, ElasticLaw::kMooneyRivlin);
+  for (const auto& [settings, poisson_ratio, stretch, prototype, law, band] :
+       {HeldBlock{corotated, 0.49, 1.5, 0.520, "neoHooke", 0.2},
+        HeldBlock{neo_hookean, 0.49, 1.5, 0.461, "neoHooke", 0.06},
+        HeldBlock{neo_hookean, 0.45, 0.6, -0.723, "neoHooke", 0.03},
+        HeldBlock{mooney_rivlin, 0.45, 0.6, -0.781, "mooneyRivlin", 0.03}}) {
+    const double ours = support::held_block(poisson_ratio, stretch, settings).force;
+    const double theirs =
+        row_of(reference,
+               {{"law", law}, {"poisson_ratio", poisson_ratio}, {"element", "C3D8I"}, {"stretch", stretch}})["force"];
+    EXPECT_NEAR(ours, prototype, 0.001) << law << ' ' << poisson_ratio << ' ' << stretch;
+    EXPECT_NEAR(ours, theirs, band * std::abs(theirs)) << law << ' ' << poisson_ratio << ' ' << stretch;
+  }
+}
+
+// The blended element bends 8 % less here.
+TEST(CalculixRubber, CantileverBentFarIsThatOfC3D8I) {
+  const Json reference = calculix("hyperelastic")["cantilever"];
+  for (const auto& [law, name] :
+       {std::pair(ElasticLaw::kCorotated, "stVenantKirchhoff"), std::pair(ElasticLaw::kNeoHookean, "neoHooke")})
+    for (const auto& [cells, force] : {std::pair(2, 0.0875), std::pair(1, 0.35)}) {
+      const double ours = support::large_deflection(0.45, cells, force,
+                                                    element(Bending::kAssumedCorner, Volumetric::kVolumeRatio, law));
+      const double theirs = row_of(
+          reference, {{"law", name}, {"poisson_ratio", 0.45}, {"element", "C3D8I"}, {"force", force}})["deflection"];
+      EXPECT_NEAR(ours, theirs, 0.005 * theirs) << name << ", cells across: " << cells;
+    }
 }
 
 // A single cube in uniaxial stress: the equation integrated along its axis alone, at 32 moments.

@@ -99,7 +99,7 @@ class CorneredBody final : public LoadedBody {
 
 /// Far below the errors that are looked for, well above rounding.
 NewtonSettings settings_for(double force) {
-  return {.iterations = 200,
+  return {.iterations = 400,
           .relative_successive = 0,
           .relative_initial = 0,
           .absolute_residual = 1e-7 * force,
