@@ -187,8 +187,10 @@ ComparisonTable table_of_states(const fs::path& directory_a, const fs::path& dir
 std::vector<HistoryPanel> single_curves() {
   std::vector<HistoryPanel> panels;
   for (const HistoryPanel& panel : history_panels())
-    for (const HistoryCurve& curve : panel.curves)
+    for (HistoryCurve curve : panel.curves) {
+      curve.unless_zero = false;  // the other run may have it
       panels.push_back({panel.quantity, panel.unit, panel.least_span, {curve}});
+    }
   return panels;
 }
 

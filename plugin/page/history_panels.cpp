@@ -72,6 +72,7 @@ std::span<const HistoryPanel> history_panels() {
         {"in the body", {"elastic_energy", "kinetic_energy"}, 1, 0, &Colours::third},
         {"damping", {"damping_loss"}, 1, 0, &Colours::fourth},
         {"integrator", {"numerical_loss"}, 1, 0, &Colours::fifth},
+        {"recovery", {"recovery_work"}, 1, 0, &Colours::sixth, true},
         {"unexplained", {"energy_error"}, 1, 0, &Colours::rest}}},
       {"displacement of loaded nodes", "mm", 1e-3, {{"mean", {"end_displacement"}, 1000, 0, &Colours::first}}},
       {"removed hexahedra", "", 5, {{"removed", {"removed"}}}},
@@ -108,12 +109,17 @@ HistoryView view_history(const std::filesystem::path& file, std::span<const Hist
 
   for (std::size_t p = 0; p < wanted.size(); ++p) {
     Series series = thinned[p].take();
-    if (sources[p].empty() || series.steps.empty()) continue;
+    std::vector<Curve> shown;
     for (std::size_t c = 0; c < sources[p].size(); ++c) {
       const HistoryCurve& curve = *sources[p][c].curve;
-      series.curves[c].name = curve.name;
-      series.curves[c].colour = colours.*curve.colour;
+      if (curve.unless_zero && std::ranges::all_of(series.curves[c].values, [](double value) { return value == 0; }))
+        continue;
+      shown.push_back(std::move(series.curves[c]));
+      shown.back().name = curve.name;
+      shown.back().colour = colours.*curve.colour;
     }
+    if (shown.empty() || series.steps.empty()) continue;
+    series.curves = std::move(shown);
     view.panels.push_back({.quantity = std::string(wanted[p].quantity),
                            .unit = std::string(wanted[p].unit),
                            .least_span = wanted[p].least_span,

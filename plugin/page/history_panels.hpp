@@ -14,7 +14,7 @@ namespace hexaplast::output {
 /// Colours of the curves in a panel: world or first run, plastic or second run, and more.
 struct CurveColours {
   std::string_view first = "#2563a8", second = "#c2410c", third = "#15803d", fourth = "#6d28d9", fifth = "#0e7490",
-                   rest = "#8a8f98";  ///< rest: of what is left over
+                   sixth = "#be185d", rest = "#8a8f98";  ///< rest: of what is left over
 };
 
 /// What a panel shows: the sum of columns of history.csv, shifted and then scaled to the panel's unit.
@@ -24,6 +24,7 @@ struct HistoryCurve {
   double scale = 1;
   double shift = 0;
   std::string_view CurveColours::*colour = &CurveColours::second;
+  bool unless_zero = false;  ///< left out of its panel where it is 0 all along
 };
 
 struct HistoryPanel {

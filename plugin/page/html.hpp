@@ -38,8 +38,8 @@ class HtmlPage {
 };
 
 /// Colours and inks that follow the scheme of a page.
-inline constexpr CurveColours kPageColours{"var(--first)",  "var(--second)", "var(--third)",
-                                           "var(--fourth)", "var(--fifth)",  "var(--frame)"};
+inline constexpr CurveColours kPageColours{"var(--first)", "var(--second)", "var(--third)", "var(--fourth)",
+                                           "var(--fifth)", "var(--sixth)",  "var(--frame)"};
 inline constexpr Inks kPageInks{"var(--ink)", "var(--grid)", "var(--frame)"};
 
 /// As a data URI, to stand in a page.

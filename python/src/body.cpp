@@ -108,7 +108,12 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
              for (const auto& [key, value] : given) {
                const auto* row = find_row(rows, std::string(py::str(key)), Names::kMembers);
                if (!row) throw py::type_error(fmt::format("{}() has no argument {}", name, std::string(py::str(key))));
-               if (row->alias == std::string(py::str(key))) warn_deprecated(row->alias.data(), row->member.data());
+               if (row->alias == std::string(py::str(key))) {
+                 if (given.contains(row->member.data()))
+                   throw py::type_error(fmt::format("{}() got {} twice, the other time by its older name {}", name,
+                                                    row->member, row->alias));
+                 warn_deprecated(row->alias.data(), row->member.data());
+               }
                assign(*row, value, options);
              }
              return options;

@@ -199,6 +199,9 @@ def test_the_older_name_of_a_member_warns():
     with pytest.warns(DeprecationWarning, match="use bending"):
         settings.gradient = "centre"
     assert settings.bending == "centre"
+    for both in {"gradient": "vertex", "bending": "centre"}, {"bending": "centre", "gradient": "vertex"}:
+        with pytest.raises(TypeError, match="got bending twice, the other time by its older name gradient"):
+            hexaplast.Settings(**both)
 
 
 def test_settings_and_materials_are_plain_data():

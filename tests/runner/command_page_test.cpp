@@ -73,6 +73,21 @@ TEST_F(CommandPage, TellsEveryOptionOfEverySubcommand) {
   EXPECT_EQ(page.find(".SS \"hexaplast page"), std::string::npos) << "page is for the build alone";
 }
 
+// They are written by hand.
+TEST_F(CommandPage, SynopsesOfTheDocumentationHaveEveryOption) {
+  for (const auto& [command, page, beginning] : {std::tuple("run", "commands.md", "\nhexaplast run SCENE ["),
+                                                 {"resume", "checkpoints.md", "\nhexaplast resume DIR ["}}) {
+    const std::string text = content(std::string(HEXAPLAST_SOURCE_DIR) + "/docs/" + page);
+    const std::size_t begin = text.find(beginning);
+    ASSERT_NE(begin, std::string::npos) << page;
+    const std::string synopsis = text.substr(begin, text.find("```", begin) - begin);
+    for (const std::string& option : entries(help(command), "Options"))
+      if (option != "-h" && option != "--help") {
+        EXPECT_TRUE(std::regex_search(synopsis, std::regex("\\[" + option + "[ \\]]"))) << page << ": " << option;
+      }
+  }
+}
+
 TEST_F(CommandPage, CompletesEveryOptionOfEverySubcommand) {
   write("completion", hexaplast("page bash").out);
   for_each_command("", [&](const std::string& path, const std::string& text) {

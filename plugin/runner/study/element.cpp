@@ -59,16 +59,23 @@ constexpr std::array<std::pair<const char*, const char*>, 8> kShortWords{{
     {"gn", "gaussNewton"},
 }};
 
-const char* long_key(const std::string& key) {
+/// The name of today of a key in brief or of an older name.
+std::string present_name(const std::string& key) {
   for (const auto& [brief, name] : kShortKeys)
     if (key == brief) return name;
-  return nullptr;
+  const Row<Settings>* row = find_row(settings_rows(), key, Names::kScenes);
+  return row ? std::string(row->name) : key;
 }
 
-/// Renames the short keys of an object, so that the rest of the program knows one vocabulary.
-Json with_long_keys(const Json& given) {
+/// Renames the keys of an object, so that the rest of the program knows one vocabulary.
+Json with_present_names(const Json& given) {
   Json renamed = Json::object();
-  for (const auto& [key, value] : given.items()) renamed[long_key(key) ? long_key(key) : key] = value;
+  for (const auto& [key, value] : given.items()) {
+    const std::string name = present_name(key);
+    if (renamed.contains(name))
+      throw InputError(fmt::format("{}: is given twice, the other time under another name", key));
+    renamed[name] = value;
+  }
   return renamed;
 }
 
@@ -174,7 +181,7 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
 
 Element read_element(const Json& given) {
   if (!given.is_object()) throw InputError("the input must be one JSON object");
-  const Json json = with_long_keys(given);
+  const Json json = with_present_names(given);
   if (!json.contains("original")) throw InputError("\"original\" (or X0) is missing: eight corners");
 
   Element element;
@@ -190,7 +197,7 @@ Element read_element(const Json& given) {
   };
   if (json.contains("parameters")) {
     if (!json["parameters"].is_object()) reject("parameters", json["parameters"], "an object");
-    const Json parameters = with_long_keys(json["parameters"]);
+    const Json parameters = with_present_names(json["parameters"]);
     for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
   }
   validate({element.constants}, Names::kScenes);
