@@ -189,7 +189,7 @@ void report_cube(double poisson_ratio, const Json& uniaxial, const Json& shear) 
   }
 }
 
-/// Rows of one element and law that follow one another are the cells of one row of the table.
+/// Rows of one element and law are the cells of one row of the table.
 template <class Cell>
 void report_reference(const Json& rows, const Cell& cell_of) {
   std::vector<std::string> names;
