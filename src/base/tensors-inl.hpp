@@ -28,6 +28,13 @@ struct Sym {
   N xx, yy, zz, yz, zx, xy;
 };
 
+/// to = from, number by number: the compiler would call for a copy of memory.
+template <class N>
+HWY_INLINE void assign(const Mat<N>& from, Mat<N>& to) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) to(i, j) = from(i, j);
+}
+
 template <class N>
 HWY_INLINE Mat<N> matrix(const Sym<N>& S) {
   return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}};
@@ -83,11 +90,35 @@ HWY_INLINE Mat<N> cofactor(const Mat<N>& F) {
   }
   return C;
 }
+/// Of vectors.
+template <class N>
+HWY_INLINE N dot(const N* a, const N* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 template <class N>
 HWY_INLINE N dot(const Mat<N>& A, const Mat<N>& B) {
   N sum = A(0, 0) * B(0, 0);
   for (int k = 1; k < 9; ++k) sum += A(k / 3, k % 3) * B(k / 3, k % 3);
   return sum;
+}
+
+template <class N>
+HWY_INLINE N determinant(const Mat<N>& F) {
+  const N first[3] = {F(1, 1) * F(2, 2) - F(1, 2) * F(2, 1), F(1, 2) * F(2, 0) - F(1, 0) * F(2, 2),
+                      F(1, 0) * F(2, 1) - F(1, 1) * F(2, 0)};
+  return dot(F.m[0], first);
+}
+template <class N>
+HWY_INLINE Mat<N> scaled(N factor, const Mat<N>& A) {
+  Mat<N> B;
+  for (int k = 0; k < 9; ++k) B.m[k / 3][k % 3] = factor * A.m[k / 3][k % 3];
+  return B;
+}
+template <class N>
+HWY_INLINE Sym<N> symmetric_part(const Mat<N>& A) {
+  const N half(ScalarOf<N>(0.5));
+  return {
+      A(0, 0), A(1, 1), A(2, 2), half * (A(1, 2) + A(2, 1)), half * (A(2, 0) + A(0, 2)), half * (A(0, 1) + A(1, 0))};
 }
 
 /// The reciprocal basis of three edges (rows): row d is cross(e_{d+1}, e_{d+2}) / det, so that e_c . row d = [c == d].

@@ -116,8 +116,10 @@ void add_diagonal(const ElementOperator<T, Coef>& op, int chunk, T factor, T* di
         const V of_mean = (!kind.has_volume() ? lambda - free : kind.has_law() ? none : -free) * V(T(1.0 / kCorners));
         const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
         CornerLanes<V> of_ratio_at;
-        set_zero(of_ratio_at);
-        if (kind.has_volume()) add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_at);
+        ModeLanes<V> of_ratio_modes;
+        set_zero(of_ratio_modes);
+        if (kind.has_volume()) add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_modes);
+        modes_transpose(of_ratio_modes, of_ratio_at);
         for (int a = 0; a < kCorners; ++a)
           for (int c = 0; c < 3; ++c) {
             const V b = of_ratio_at.at[a][c];

@@ -23,36 +23,129 @@ HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, s
   replace_absent(present, u);
 }
 
+/// Of the volume ratio.                                                                                        eq. E6
+template <class V>
+HWY_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes<V>& p, const ModeLanes<V>& of_volume,
+                                 V share, CornerLanes<V>& f) {
+  if (of.volumetric != Volumetric::kVolumeRatio) return;
+  const V pressure = of.of_volume() * p.excess * share;
+  CornerLanes<V> gradient;
+  modes_transpose(of_volume, gradient);
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) f.at[a][i] -= pressure * gradient.at[a][i];
+}
+
 /// - dE/du, of what acts on the samples.                                                    eq. 15, E6, E12, E13, E15
 template <bool kGeneral, Assumed kAssumed, class V>
 HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, kAssumed, V>& element, const MaterialLanes<V>& of,
-                               const PressureLanes<V>& p, const CornerLanes<V>& of_volume, V volume, bool one_rotation,
+                               const PressureLanes<V>& p, const ModeLanes<V>& of_volume, V volume,
                                ColumnsTranspose<kGeneral, kAssumed, V>& acting, CornerLanes<V>& f) {
   const auto& rest = element.rest;
   const V eighth = V(-1.0 / kCorners) * volume;
   if constexpr (kAssumed != Assumed::kNothing) {
     acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.share));
     // samples with rotations of their own feel that of the mean by what is assumed alone
-    Mat<V> turns;
-    if constexpr (kAssumed == Assumed::kModes) {
-      if (one_rotation) {
-        V on_modes[4][3];
-        acting.all_on_modes(rest, on_modes);
-        turns = turning(element.R_m, element.S_m, dual_of(rest), {}, {}, element.columns.Q, on_modes);
-      }
-    }
-    if (!one_rotation)
-      turns =
-          turning(element.R_m, element.S_m, dual_of(rest), element.columns.a, acting.a, element.columns.Q, acting.Q);
+    V moment[3] = {V(0.0), V(0.0), V(0.0)};
+    add_moment(1, element.columns.a, acting.a, moment);
+    add_moment(-1, element.columns.Q, acting.Q, moment);
+    const Mat<V> turns = turning(element.mean, dual_of(rest), moment);
     acting.finish(rest, &turns, eighth, f);
   } else {
     acting.finish(rest, nullptr, eighth, f);
   }
-  if (of.volumetric == Volumetric::kVolumeRatio) {
-    const V pressure = of.of_volume() * p.excess * volume / rest.volume;  // 0 where nothing is
-    for (int a = 0; a < kCorners; ++a)
-      for (int r = 0; r < 3; ++r) f.at[a][r] -= pressure * of_volume.at[a][r];
+  add_volume_force(of, p, of_volume, volume / rest.volume, f);  // 0 where nothing is
+}
+
+/// Stores volume [m^3] and weights of elements, and says what they are made of.
+template <class V, class T, class Coef>
+HWY_INLINE MaterialLanes<V> begin_elements(const ElementPass<T, Coef>& pass, int block, int lane, V volume) {
+  store(volume, pass.volume + static_cast<std::size_t>(block) * kBlock + lane);
+  const double* lame = pass.lame + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  const MaterialLanes<V> of(pass.settings, load(lame), load(lame + kBlock));
+  T* weight = pass.op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  const V per_sample = V(1 / (kCorners * pass.length * pass.length)) * volume;
+  store_as(per_sample * of.mu, weight);
+  store_as(per_sample * of.lambda, weight + kBlock);
+  return of;
+}
+template <class T, class Coef>
+HWY_INLINE auto* coefficients(const ElementPass<T, Coef>& pass, int block, int lane) {
+  return const_cast<typename Stored<Coef>::type*>(stored(pass.op, block)) + lane;
+}
+template <class T, class Coef>
+HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lane) {
+  return pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
+}
+
+/// What rotation flow is screened for.
+template <class V>
+HWY_INLINE void screen_turns(const Mat<V>& R_centre, const PolarLanes<V>* polar, float* screen) {
+  for (int i = 0; i < kCorners; ++i)
+    store_as(V(0.5) * (dot(R_centre, polar[i].R) - V(1.0)), screen + (YieldScreen::kCosine + i) * kBlock);
+}
+/// What else is screened of elements with one rotation; turned: R_m^T F_i.
+template <class V, class T, class Coef>
+HWY_NOINLINE void screen_one_rotation(const ElementPass<T, Coef>& pass, const MaterialLanes<V>& of,
+                                      const PressureLanes<V>& p, const Mat<V>* turned, float* screen) {
+  V least_det(1e300);
+  for (int i = 0; i < kCorners; ++i) {
+    const Sym<V> S = symmetric_part(turned[i]);
+    const Sym<V> yielding = stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(dilatation(of.law, S)));
+    store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
+    least_det = min(least_det, determinant(turned[i]));
   }
+  store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
+}
+
+/// Forces are those of the mean and of the modes; samples have a part in what may flow alone.                  eq. E29
+template <bool kGeneral, class T, class Coef>
+HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int block, int lane) {
+  using V = Lanes<double>;
+  const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
+  CornerLanes<V> x, u, f;
+  gather_shapes(pass.partition, block, lane, present, pass.material, pass.world, x, u);
+  ElementLanes<kGeneral, Assumed::kModes, V> element;
+  place_mean(x, u, pass.op.kind.sampling, element);
+  const auto& rest = element.rest;
+  const V volume = select_bits(present, rest.volume, V(0.0));
+  const MaterialLanes<V> of = begin_elements(pass, block, lane, volume);
+  ModeLanes<V> of_volume;
+  const V theta = dilatation(of.law, element.mean.S);
+  const PressureLanes<V> p = pressures(of, theta, rest.volume, u, of_volume);
+
+  float* const screen = screen_of(pass, block, lane);
+  Mat<V> turned[kCorners];
+  turned_gradients(element, turned);
+  screen_one_rotation(pass, of, p, turned, screen);
+  if (pass.screens_rotation) {
+    PolarLanes<V> polar[kCorners];
+    for (int first = 0; first < kCorners; first += kAtOnce) safe_polars<kAtOnce>(turned + first, polar + first);
+    screen_turns(transposed_product(element.mean.R, safe_polar(centre_gradient(x, u)).R), polar, screen);
+  }
+  store_as(rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+
+  const Mat<V> j = scaled(V(pass.length), element.j);
+  ModeStiffness<V> stiffness(j, rest.share, of.mu, of.free);
+  V on_modes[4][3];
+  apply(stiffness.of_two, element.columns.Q, on_modes);
+  apply(stiffness.of_three, element.columns.Q + 3, on_modes + 3);
+  const V modulus = (of.mu + of.free) * V(1 / (pass.length * pass.length));
+  for (auto& mode : on_modes)
+    for (V& entry : mode) entry *= modulus;
+  store_one_rotation<kBlock>(rest, j, stiffness, pass.op.kind.has_volume() ? &of_volume : nullptr, V(pass.length),
+                             coefficients(pass, block, lane));
+
+  V moment[3] = {V(0.0), V(0.0), V(0.0)};
+  add_moment(-1, element.columns.Q, on_modes, moment);
+  const Mat<V> P = element.mean.R * matrix(stress(of.law, of.mooney_share, element.mean.S, of.mu, p.at(theta)));
+  const Mat<V> by_turning = turning(element.mean, dual_of(rest), moment),
+               by_stress = product_transposed(dual_of(rest), P);
+  Mat<V> on_mean;
+  for (int n = 0; n < 3; ++n)
+    for (int i = 0; i < 3; ++i) on_mean(n, i) = by_turning(n, i) + by_stress(n, i);
+  corners_of_modes(rest, on_mean, on_modes, -volume, f);
+  add_volume_force(of, p, of_volume, volume / rest.volume, f);
+  scatter_add(f, pass.partition, block, lane, pass.force);
 }
 
 template <bool kGeneral, Assumed kAssumed, class T, class Coef>
@@ -60,29 +153,19 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   using V = Lanes<double>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   const StiffnessKind& kind = pass.op.kind;
-  CornerLanes<V> x, u, of_volume;
+  CornerLanes<V> x, u;
+  ModeLanes<V> of_volume;
   gather_shapes(pass.partition, block, lane, present, pass.material, pass.world, x, u);
   ElementLanes<kGeneral, kAssumed, V> element;
   place_element(x, u, kind.sampling, element);
   decompose(kind.sampling, element);
   const V volume = select_bits(present, element.rest.volume, V(0.0));
-  store(volume, pass.volume + static_cast<std::size_t>(block) * kBlock + lane);
-
-  const double* lame = pass.lame + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  const MaterialLanes<V> of(pass.settings, load(lame), load(lame + kBlock));
+  const MaterialLanes<V> of = begin_elements(pass, block, lane, volume);
   const PressureLanes<V> p = pressures(of, element, u, of_volume);
-  T* weight = pass.op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  const V per_sample = V(1 / (kCorners * pass.length * pass.length)) * volume;
-  store_as(per_sample * of.mu, weight);
-  store_as(per_sample * of.lambda, weight + kBlock);
-  auto* coef = reinterpret_cast<typename Stored<Coef>::type*>(pass.op.coef.data() + pass.op.offset[block]) + lane;
-  const bool one_rotation = kAssumed == Assumed::kModes && kind.sampling.one_rotation;
   CoefficientWriter<kBlock, kGeneral, kAssumed, V, typename Stored<Coef>::type> writer(element, kind, V(pass.length),
-                                                                                       coef);
+                                                                                       coefficients(pass, block, lane));
 
-  float* screen = pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
-  Mat<V> R_centre = element.F[0];  // overwritten where it is wanted
-  if (pass.screens_rotation) R_centre = safe_polar(centre_gradient(x, u)).R;
+  float* const screen = screen_of(pass, block, lane);
   V least_det(1e300);
   ColumnsTranspose<kGeneral, kAssumed, V> acting;
   for (int i = 0; i < kCorners; ++i) {
@@ -92,7 +175,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
     const Mat<V> P = R * matrix(sigma);
     acting.add_columns(i, product_transposed(inverse_at(element.rest, i), P));
     if constexpr (RestLanes<kGeneral, kAssumed, V>::kAtCorners) acting.add_shared(i, P);
-    if (!one_rotation) writer.add_sample(i, of, p);
+    writer.add_sample(i, of, p);
 
     const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
                                 ? stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(theta))
@@ -101,19 +184,14 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
     const Mat<V>& F = element.F[i];
     const Mat<V> cof = cofactor(F);
     least_det = min(least_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
-    if (pass.screens_rotation) {
-      const Mat<V> own = one_rotation ? safe_polar(F).R : R;
-      store_as(V(0.5) * (dot(R_centre, own) - V(1.0)), screen + (YieldScreen::kCosine + i) * kBlock);
-    }
   }
+  if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
   store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
   store_as(element.rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
-  if constexpr (kAssumed == Assumed::kModes)
-    if (one_rotation) store_one_rotation<kBlock>(element, of.volumetric, of_volume, V(pass.length), coef);
-  if (!one_rotation) writer.finish(of_volume);
+  writer.finish(of_volume);
 
   CornerLanes<V> f;
-  finish_force(element, of, p, of_volume, volume, one_rotation, acting, f);
+  finish_force(element, of, p, of_volume, volume, acting, f);
   scatter_add(f, pass.partition, block, lane, pass.force);
 }
 
@@ -124,6 +202,8 @@ void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
       for_shape(
           pass.op.is_general[block] != 0,
           pass.op.kind.sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+            if constexpr (kAssumed == Assumed::kModes)
+              if (pass.op.kind.sampling.one_rotation) return linearize_one_rotation<kGeneral>(pass, block, lane);
             linearize_lanes<kGeneral, kAssumed>(pass, block, lane);
           });
 }
@@ -141,17 +221,24 @@ struct ExactCoefficients {
              .volumetric = model.settings.volumetric,
              .law = model.settings.law} {
     const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
-    CornerLanes<V> x, u, of_volume;
+    CornerLanes<V> x, u;
+    ModeLanes<V> of_volume;
     gather_shapes(*model.partition, block, lane, present, at.material.data(), at.world.data(), x, u);
     ElementLanes<kGeneral, kAssumed, V> element;
-    place_element(x, u, kind.sampling, element);
-    decompose(kind.sampling, element);
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
-    const PressureLanes<V> p = pressures(of, element, u, of_volume);
     if constexpr (kAssumed == Assumed::kModes)
-      if (kind.sampling.one_rotation) store_one_rotation<kStride>(element, of.volumetric, of_volume, V(1.0), coef);
+      if (kind.sampling.one_rotation) {
+        place_mean(x, u, kind.sampling, element);
+        pressures(of, dilatation(of.law, element.mean.S), element.volume, u, of_volume);
+        ModeStiffness<V> stiffness(element.j, element.rest.share, of.mu, of.free);
+        store_one_rotation<kStride>(element.rest, element.j, stiffness, kind.has_volume() ? &of_volume : nullptr,
+                                    V(1.0), coef);
+      }
     if (!kind.sampling.one_rotation) {
+      place_element(x, u, kind.sampling, element);
+      decompose(kind.sampling, element);
+      const PressureLanes<V> p = pressures(of, element, u, of_volume);
       CoefficientWriter<kStride, kGeneral, kAssumed, V, double> writer(element, kind, V(1.0), coef);
       for (int i = 0; i < kCorners; ++i) writer.add_sample(i, of, p);
       writer.finish(of_volume);
@@ -242,7 +329,8 @@ double energy_of(const Model& model, const double* material, const double* world
   V sum(0.0);
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
     const std::uint32_t here = static_cast<std::uint32_t>(present) >> lane;
-    CornerLanes<V> x, u, gradient;
+    CornerLanes<V> x, u;
+    ModeLanes<V> gradient;
     gather_shapes(*model.partition, block, lane, here, material, world, x, u);
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
@@ -285,7 +373,7 @@ void linearize_coarse(const Partition& partition, const double* material, const 
       CoefficientWriter<kBlock, true, Assumed::kNothing, V, float> writer(element, op.kind, V(length),
                                                                           op.coef.data() + op.offset[block] + lane);
       for (int i = 0; i < kCorners; ++i) writer.add_sample(i, nothing, {});
-      writer.finish(u);
+      writer.finish({});
     }
 }
 

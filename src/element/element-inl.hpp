@@ -8,7 +8,7 @@
 #define HEXAPLAST_ELEMENT_ELEMENT_INL
 #endif
 
-#include "kinematics/gradients-inl.hpp"
+#include "kinematics/columns-inl.hpp"
 #include "material/law-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -35,10 +35,9 @@ template <class N>
 struct SampleLanes {
   Mat<N> F[kCorners];
   PolarLanes<N> polar[kCorners];
-  Mat<N> R_m;        ///< where something is assumed: the rotation of the mean gradient
-  Sym<N> S_m;        ///< and its stretch
-  N volume;          ///< [m^3] of the material shape
-  N least_jacobian;  ///< [m^3] of the material shape at its corners
+  PolarLanes<N> mean;  ///< where something is assumed: R_m and S_m of the mean gradient
+  N volume;            ///< [m^3] of the material shape
+  N least_jacobian;    ///< [m^3] of the material shape at its corners
 };
 
 /// And how they follow from the corners.
@@ -62,10 +61,11 @@ HWY_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
     return rest.inverse[0];
 }
 
-/// Gradients of the samples at world positions u; the polar decompositions are left to the caller.       eq. 7, E11
+/// What the samples follow from, at world positions u: the material shape and, where something is assumed, the mean
+/// gradient with its polar decomposition.
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
-                                ElementLanes<kGeneral, kAssumed, N>& element) {
+HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
+                           ElementLanes<kGeneral, kAssumed, N>& element) {
   auto& rest = element.rest;
   auto& columns = element.columns;
   rest_operator(x, sampling, rest);
@@ -73,14 +73,23 @@ HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u
   element.least_jacobian = rest.least_jacobian;
   begin_columns(rest, u, columns);
   if constexpr (kAssumed != Assumed::kNothing) {
-    const PolarLanes<N> mean = safe_polar(transposed_product(columns.mean, dual_of(rest)));
-    element.R_m = mean.R;
-    element.S_m = mean.S;
-    element.j = product_transposed(dual_of(rest), mean.R);
-    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.share), columns);
-  } else {
-    finish_columns(rest, u, nullptr, columns);
+    const Mat<N> F_m = transposed_product(columns.mean, dual_of(rest));
+    safe_polars<1>(&F_m, &element.mean);
+    assign(product_transposed(dual_of(rest), element.mean.R), element.j);
   }
+}
+
+/// Gradients of the samples at world positions u; the polar decompositions are left to the caller.       eq. 7, E11
+template <bool kGeneral, Assumed kAssumed, class N>
+HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
+                                ElementLanes<kGeneral, kAssumed, N>& element) {
+  auto& rest = element.rest;
+  auto& columns = element.columns;
+  place_mean(x, u, sampling, element);
+  if constexpr (kAssumed != Assumed::kNothing)
+    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.share), columns);
+  else
+    finish_columns(rest, u, nullptr, columns);
   for (int i = 0; i < kCorners; ++i) {
     Mat<N>& F = element.F[i];
     F = transposed_product(columns_at(columns, i), inverse_at(rest, i));
@@ -91,18 +100,47 @@ HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u
   }
 }
 
+/// R_m^T F_i of all samples, of an element whose mean is placed: the mean stretch, what is linear in one coordinate and
+/// what is bilinear in two.                                                                                    eq. E11
+template <bool kGeneral, class N>
+HWY_NOINLINE void turned_gradients(const ElementLanes<kGeneral, Assumed::kModes, N>& element, Mat<N>* turned) {
+  const auto& rest = element.rest;
+  const Mat<N>&R = element.mean.R, &dual = dual_of(rest), S = matrix(element.mean.S);
+  N Q[4][3], a[3][3];
+  for (int l = 0; l < 4; ++l)
+    for (int i = 0; i < 3; ++i) {
+      const auto& mode = element.columns.Q[l];
+      Q[l][i] = R(0, i) * mode[0] + R(1, i) * mode[1] + R(2, i) * mode[2];
+    }
+  AssumedLanes<N>(dual, rest.share).columns(Q, a);
+  for (int l = 0; l < 4; ++l)
+    for (int i = 0; i < 3; ++i) Q[l][i] *= l < 3 ? rest.share : N(ScalarOf<N>(kFourthShare));
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      N of_one[3], of_two[3];
+      for (int n = 0; n < 3; ++n) {
+        const int m = (n + 1) % 3, l = (n + 2) % 3;
+        of_one[n] = a[n][i] * dual(n, k) + Q[m][i] * dual(l, k) + Q[l][i] * dual(m, k);
+        of_two[n] = Q[3][i] * dual(n, k);
+      }
+      for (int far = 0; far < 2; ++far) {  // in the third coordinate
+        const auto add = [&](N of, N by) { return far ? of + by : of - by; };
+        const N sum = add(S(i, k), of_one[2]), first = add(of_one[0], of_two[1]), second = add(of_one[1], of_two[0]);
+        const N alike = sum + of_two[2], other = sum - of_two[2], both = first + second, across = first - second;
+        turned[4 * far](i, k) = alike - both;
+        turned[4 * far + 1](i, k) = other + across;
+        turned[4 * far + 2](i, k) = alike + both;
+        turned[4 * far + 3](i, k) = other - across;
+      }
+    }
+}
+
 /// Rotations and stretches of all samples.                                                             eq. 6, E28
 template <class N>
 HWY_NOINLINE void decompose(const Sampling& sampling, SampleLanes<N>& element) {
   if (sampling.one_rotation) {
-    for (int i = 0; i < kCorners; ++i) {
-      const Mat<N> S = transposed_product(element.R_m, element.F[i]);  // S_m + R_m^T (F_i - F_m)
-      const N half(ScalarOf<N>(0.5));
-      element.polar[i] = {element.R_m,
-                          {S(0, 0), S(1, 1), S(2, 2), half * (S(1, 2) + S(2, 1)), half * (S(2, 0) + S(0, 2)),
-                           half * (S(0, 1) + S(1, 0))},
-                          0};
-    }
+    for (int i = 0; i < kCorners; ++i)  // S_m + R_m^T (F_i - F_m)
+      element.polar[i] = {element.mean.R, symmetric_part(transposed_product(element.mean.R, element.F[i])), 0};
     return;
   }
   for (int first = 0; first < kCorners; first += kAtOnce) {
@@ -160,31 +198,38 @@ struct PressureLanes {
   HWY_INLINE N in_stress_at(N theta) const { return k0 + own * theta + in_stress; }
 };
 
-/// volume_gradient: dV/du, filled for the volume ratio only.
+/// Of the mean of theta; gradient: of the world volume, filled for the volume ratio only.
 template <class N>
-HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLanes<N>& element,
-                                        const CornerLanes<N>& u, CornerLanes<N>& gradient) {
+HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilatation, N volume,
+                                        const CornerLanes<N>& u, ModeLanes<N>& gradient) {
   using T = ScalarOf<N>;
   PressureLanes<N> p;
   const LawConstants<N> law(of.law, of.mooney_share, of.mu);
   p.k0 = law.k0;
   p.own = law.b0 + of.free;
-  p.shared = p.in_stress = p.excess = p.dilatation = N(T(0));
+  p.shared = p.in_stress = p.excess = N(T(0));
+  p.dilatation = mean_dilatation;
   if (of.volumetric == Volumetric::kSample) return p;
-  for (const PolarLanes<N>& polar : element.polar) p.dilatation += dilatation(of.law, polar.S);
-  p.dilatation *= N(T(1.0 / kCorners));
   if (of.volumetric != Volumetric::kVolumeRatio) {
     p.shared = p.in_stress = (of.lambda - of.free) * p.dilatation;
     return p;
   }
-  EdgeLanes<N> e;
-  N world_volume;
-  edges(u, e);
-  volume_gradient<false>(e, gradient, world_volume);
-  p.excess = world_volume / element.volume - N(T(1));
+  ModeLanes<N> at;
+  modes(u, at);
+  p.excess = volume_of(at, gradient) / volume - N(T(1));
   if (of.law == ElasticLaw::kCorotated) p.shared = -(of.free * p.dilatation);
   p.in_stress = p.shared + of.of_volume() * p.excess;
   return p;
+}
+
+template <class N>
+HWY_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLanes<N>& element,
+                                      const CornerLanes<N>& u, ModeLanes<N>& gradient) {
+  using T = ScalarOf<N>;
+  N sum(T(0));
+  if (of.volumetric != Volumetric::kSample)
+    for (const PolarLanes<N>& polar : element.polar) sum += dilatation(of.law, polar.S);
+  return pressures(of, N(T(1.0 / kCorners)) * sum, element.volume, u, gradient);
 }
 
 /// Elastic energy over the volume of the material shape.                                     eq. E1, E5, E14
@@ -199,18 +244,19 @@ HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N
   return N(T(1.0 / kCorners)) * sum + N(T(0.5)) * (p.shared * p.dilatation + (p.in_stress - p.shared) * p.excess);
 }
 
-/// What the turning of R_m with the corners adds to dE/dF_m: [y]x R_m, times 2 J_o^-T, as rows that act on F_m 2 J_o.
-/// a, Q: columns and modes; acting_a, acting_Q: what acts on them by way of what is assumed.                  eq. E13
-template <int kModes, class N>
-HWY_NOINLINE Mat<N> turning(const Mat<N>& R, const Sym<N>& S, const Mat<N>& dual, const N (&a)[3][3],
-                            const N (&acting_a)[3][3], const N (&Q)[kModes][3], const N (&acting_Q)[kModes][3]) {
+/// M += sum_n factor a_n x acting_n: the moment of what acts on these columns or modes.                        eq. E12
+template <int kCount, class N>
+HWY_INLINE void add_moment(double factor, const N (&a)[kCount][3], const N (&acting)[kCount][3], N (&M)[3]) {
+  for (int n = 0; n < kCount; ++n) add_cross(N(ScalarOf<N>(factor)), a[n], acting[n], M);
+}
+
+/// What the turning of R_m with the corners, of which the moment is M, adds to dE/dF_m: [y]x R_m, times 2 J_o^-T, as
+/// rows that act on F_m 2 J_o.                                                                               eq. E13
+template <class N>
+HWY_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& dual, const N (&M)[3]) {
   using T = ScalarOf<N>;
-  N M[3] = {N(T(0)), N(T(0)), N(T(0))};
-  for (int i = 0; i < 3; ++i) {
-    const int k = (i + 1) % 3, l = (i + 2) % 3;
-    for (int n = 0; n < 3; ++n) M[i] += a[n][k] * acting_a[n][l] - a[n][l] * acting_a[n][k];
-    for (int n = 0; n < kModes; ++n) M[i] -= Q[n][k] * acting_Q[n][l] - Q[n][l] * acting_Q[n][k];
-  }
+  const Mat<N>& R = mean.R;
+  const Sym<N>& S = mean.S;
   // (tr S - S)^-1 by its cofactors; where two stretches are opposite it is bounded
   const N trace = S.xx + S.yy + S.zz;
   const Mat<N> K = matrix(Sym<N>{trace - S.xx, trace - S.yy, trace - S.zz, -S.yz, -S.zx, -S.xy});

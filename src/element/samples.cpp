@@ -24,7 +24,7 @@ ElementSamples samples(const ElementPoints& material, const ElementPoints& world
   place_element(corners_of(material), u, sampling_of(settings), element);
   decompose(sampling_of(settings), element);
   const plain::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
-  plain::CornerLanes<double> volume_gradient;
+  plain::ModeLanes<double> volume_gradient;
   const plain::PressureLanes<double> pressure = pressures(of, element, u, volume_gradient);
 
   ElementSamples found;

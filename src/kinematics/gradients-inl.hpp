@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Deformation gradients at the eight samples of a hexahedron, for elements in lanes and for one element, from the
-// twelve edges.                                                                                       theory.md
-// sections 2, 9.1
+// A hexahedron by its twelve edges, for elements in lanes and for one element: its volume, its hourglass modes and the
+// constants of its material shape.                                                              theory.md sections
+// 2, 9.1
 #if defined(HEXAPLAST_KINEMATICS_GRADIENTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_KINEMATICS_GRADIENTS_INL
 #undef HEXAPLAST_KINEMATICS_GRADIENTS_INL
@@ -95,11 +95,11 @@ HWY_INLINE Mat<N> mean_edges(const EdgeLanes<N>& e) {
   return M;
 }
 
-/// dV/dx of an element with these edges, over V where kPerVolume, and its volume V, exactly.                eq. 4, 9
+/// dV/dx over V of an element with these edges, and its volume V, exactly.                                  eq. 4, 9
 ///
 /// dN_a/ds_d is bilinear in the two other coordinates: four moments of each column of cof(J) over the Gauss points hold
 /// the integrals for all eight corners.
-template <bool kPerVolume, class N>
+template <class N>
 HWY_INLINE void volume_gradient(const EdgeLanes<N>& e, CornerLanes<N>& gradient, N& volume) {
   using T = ScalarOf<N>;
   constexpr T kAt = T(0.57735026918962576451);  // Gauss point
@@ -127,8 +127,7 @@ HWY_INLINE void volume_gradient(const EdgeLanes<N>& e, CornerLanes<N>& gradient,
   volume = N(T(0.125)) * det_sum;
 
   // dN_a/ds_d at a Gauss line is sign / 2 times the weight of a's edge there: the same interpolation, transposed
-  N scale(T(0.125));  // 1/2 of dN, 1/4 of cof(2 J) = 4 cof(J)
-  if constexpr (kPerVolume) scale = scale / volume;
+  const N scale = N(T(0.125)) / volume;  // 1/2 of dN, 1/4 of cof(2 J) = 4 cof(J)
   for (int d = 0; d < 3; ++d)
     for (int i = 0; i < 3; ++i) {
       N half[4];
@@ -173,8 +172,9 @@ HWY_INLINE void hourglass_modes(const EdgeLanes<N>& e, N (&Q)[kModes][3]) {
     if constexpr (kModes == 4) Q[3][i] = quarter * ((e.at[0][0][i] + e.at[0][3][i]) - (e.at[0][1][i] + e.at[0][2][i]));
   }
 }
-template <int kModes, class N>
-HWY_INLINE void add_hourglass_transpose(const N (&Q)[kModes][3], EdgeLanes<N>& e) {
+/// Of the first three.
+template <class N>
+HWY_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
   const N quarter(ScalarOf<N>(0.25));
   for (int i = 0; i < 3; ++i) {
     const N first = quarter * Q[0][i], second = quarter * Q[1][i], third = quarter * Q[2][i];
@@ -183,10 +183,6 @@ HWY_INLINE void add_hourglass_transpose(const N (&Q)[kModes][3], EdgeLanes<N>& e
       of_1 = edge_sign(m, 1) > 0 ? of_1 + first : of_1 - first;
       of_0 = edge_sign(m, 1) > 0 ? of_0 + second : of_0 - second;
       of_0 = edge_sign(m, 0) > 0 ? of_0 + third : of_0 - third;
-      if constexpr (kModes == 4) {
-        const N fourth = quarter * Q[3][i];
-        of_0 = edge_sign(m, 0) * edge_sign(m, 1) > 0 ? of_0 + fourth : of_0 - fourth;
-      }
     }
   }
 }
@@ -197,7 +193,8 @@ template <bool kGeneral, Assumed kAssumed, class N>
 struct RestLanes {
   static constexpr bool kAtCorners = kGeneral && kAssumed != Assumed::kModes;
   static constexpr bool kHasMean = kGeneral && kAssumed != Assumed::kNothing;
-  static constexpr int kModes = kAssumed == Assumed::kModes ? 4 : 3;
+  static constexpr bool kByModes = kAssumed != Assumed::kNothing && !kAtCorners;
+  static constexpr int kModes = kByModes ? 4 : 3;
 
   Mat<N> inverse[kAtCorners ? kCorners : 1];  ///< J_i^-1 / 2; its rows belong to the edges of the corner
   CornerLanes<N> h;                           ///< where kAtCorners: what all samples share
@@ -220,7 +217,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
   edges(x, e);
   if constexpr (!kGeneral) {
     blend(N(T(0)), e);  // the mean: exactly what all corners share
-    rest.inverse[0] = reciprocal(edges_at(e, 0), rest.volume);
+    assign(reciprocal(edges_at(e, 0), rest.volume), rest.inverse[0]);
     rest.least_jacobian = N(T(0.125)) * rest.volume;
   } else {
     rest.least_jacobian = N(T(1e30));
@@ -230,7 +227,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
       rest.least_jacobian = min(rest.least_jacobian, N(T(0.125)) * det);
     }
     CornerLanes<N> Gm;
-    volume_gradient<true>(e, Gm, rest.volume);
+    volume_gradient(e, Gm, rest.volume);
 
     const Mat<N> centre_edges = mean_edges(e), centre = reciprocal(centre_edges, det);
     if constexpr (Rest::kHasMean) {
@@ -270,324 +267,6 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
     }
   }
 }
-
-/// The assumed part of the samples: a_n, which is added to column n of 2 Jhat at s_n = 1 and taken away at s_n = -1, of
-/// the hourglass modes Q; j: rows R_m J^n, of any length.                                                      eq. E10
-///
-///   a_n = -share sum_(m, l) [ al_nm Q_l + be_nl (j_m - al_nm j_n) ],  al_nm = j_n . j_m / j_n . j_n,
-///                                                                     be_nl = Q_l . j_n / j_n . j_n
-///
-/// over the two (m, l) with n, m, l different.
-template <class N>
-struct AssumedLanes {
-  HWY_INLINE AssumedLanes(const Mat<N>& rows, N share) : j(rows), share_(share) {
-    for (int n = 0; n < 3; ++n) {
-      const N squared = j(n, 0) * j(n, 0) + j(n, 1) * j(n, 1) + j(n, 2) * j(n, 2);
-      inverse_[n] = N(ScalarOf<N>(1)) / squared;
-    }
-    for (int n = 0; n < 3; ++n) {
-      const int m = (n + 1) % 3;
-      const N product = j(n, 0) * j(m, 0) + j(n, 1) * j(m, 1) + j(n, 2) * j(m, 2);
-      al_[n][m] = product * inverse_[n];
-      al_[m][n] = product * inverse_[m];
-    }
-  }
-
-  template <int kModes>
-  HWY_INLINE void columns(const N (&Q)[kModes][3], N (&a)[3][3]) const {
-    for (int n = 0; n < 3; ++n) {
-      N sum[3];
-      for (int k = 1; k < 3; ++k) {
-        const int m = (n + k) % 3, l = 3 - n - m;
-        const N al = al_[n][m];
-        const N be = (Q[l][0] * j(n, 0) + Q[l][1] * j(n, 1) + Q[l][2] * j(n, 2)) * inverse_[n];
-        const N albe = al * be;
-        for (int i = 0; i < 3; ++i) {
-          const N part = al * Q[l][i] + be * j(m, i) - albe * j(n, i);
-          sum[i] = k == 1 ? part : sum[i] + part;
-        }
-      }
-      for (int i = 0; i < 3; ++i) a[n][i] = -(share_ * sum[i]);
-    }
-  }
-
-  /// Q += the transpose of that, of what acts on the a_n.
-  template <int kModes>
-  HWY_INLINE void add_transpose(const N (&a)[3][3], N (&Q)[kModes][3]) const {
-    for (int n = 0; n < 3; ++n) {
-      N acting[3];
-      for (int i = 0; i < 3; ++i) acting[i] = share_ * a[n][i];
-      const N along = acting[0] * j(n, 0) + acting[1] * j(n, 1) + acting[2] * j(n, 2);
-      for (int k = 1; k < 3; ++k) {
-        const int m = (n + k) % 3, l = 3 - n - m;
-        const N al = al_[n][m];
-        const N across = (acting[0] * j(m, 0) + acting[1] * j(m, 1) + acting[2] * j(m, 2) - al * along) * inverse_[n];
-        for (int i = 0; i < 3; ++i) Q[l][i] -= al * acting[i] + across * j(n, i);
-      }
-    }
-  }
-
-  Mat<N> j;
-
- private:
-  N share_, inverse_[3], al_[3][3];
-};
-
-/// Columns of 2 Jhat at the samples, as far as they are linear in nodal values once the rotation of the mean is held.
-template <bool kGeneral, Assumed kAssumed, class N>
-struct ColumnLanes {
-  using Rest = RestLanes<kGeneral, kAssumed, N>;
-
-  EdgeLanes<N> e;        ///< by edges
-  N a[3][3];             ///< assumed: of sign s_n in column n
-  Mat<N> H;              ///< where the inverses are those of corners: what all gradients share
-  Mat<N> turned[3];      ///< there: a_n (x) dual_n
-  Mat<N> mean;           ///< rows: F_m 2 J_o
-  N Q[Rest::kModes][3];  ///< hourglass modes
-};
-
-/// Mean columns and hourglass modes, which what is assumed needs.
-template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE void begin_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u,
-                              ColumnLanes<kGeneral, kAssumed, N>& at) {
-  edges(u, at.e);
-  if constexpr (kAssumed != Assumed::kNothing) {
-    hourglass_modes(at.e, at.Q);
-    if constexpr (kGeneral) {
-      for (int n = 0; n < 3; ++n)
-        for (int i = 0; i < 3; ++i) {
-          N sum = u.at[0][i] * rest.mean.at[0][n];
-          for (int a = 1; a < kCorners; ++a) sum += u.at[a][i] * rest.mean.at[a][n];
-          at.mean(n, i) = sum;
-        }
-      for (auto l = 0; l < ColumnLanes<kGeneral, kAssumed, N>::Rest::kModes; ++l)
-        for (int i = 0; i < 3; ++i)
-          at.Q[l][i] -=
-              rest.skew[l][0] * at.mean(0, i) + rest.skew[l][1] * at.mean(1, i) + rest.skew[l][2] * at.mean(2, i);
-    } else {
-      at.mean = mean_edges(at.e);
-    }
-  }
-}
-
-/// Share of the mode s_0 s_1 s_2 in samples that are made of hourglass modes.
-inline constexpr double kFourthShare = 1.0 / 3.0;
-
-/// `how`: what is assumed; not used where nothing is.
-template <bool kGeneral, Assumed kAssumed, class N, class How>
-HWY_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u, const How& how,
-                               ColumnLanes<kGeneral, kAssumed, N>& at) {
-  using T = ScalarOf<N>;
-  if constexpr (kAssumed != Assumed::kNothing) how.columns(at.Q, at.a);
-  if constexpr (RestLanes<kGeneral, kAssumed, N>::kAtCorners) {
-    at.H = outer_sum(u, rest.h);
-    scale(rest.share, at.e);
-    if constexpr (kAssumed != Assumed::kNothing)
-      for (int n = 0; n < 3; ++n)
-        for (int i = 0; i < 3; ++i)
-          for (int k = 0; k < 3; ++k) at.turned[n](i, k) = at.a[n][i] * rest.dual(n, k);
-  } else if constexpr (kGeneral) {
-    for (int d = 0; d < 3; ++d) {
-      const int j = kOther[d][0], k = kOther[d][1];
-      for (int i = 0; i < 3; ++i) {
-        const N by_j = rest.share * at.Q[k][i], by_k = rest.share * at.Q[j][i], both = N(T(kFourthShare)) * at.Q[3][i];
-        const N near = at.mean(d, i) - by_k, far = at.mean(d, i) + by_k;
-        at.e.at[d][0][i] = near - by_j + both;
-        at.e.at[d][1][i] = near + by_j - both;
-        at.e.at[d][2][i] = far - by_j - both;
-        at.e.at[d][3][i] = far + by_j + both;
-      }
-    }
-  } else {
-    blend(rest.share, at.e);
-    if constexpr (kAssumed == Assumed::kModes) {
-      const N rest_of_share = N(T(kFourthShare)) - rest.share;
-      for (int d = 0; d < 3; ++d)
-        for (int i = 0; i < 3; ++i) {
-          const N both = rest_of_share * at.Q[3][i];
-          at.e.at[d][0][i] += both;
-          at.e.at[d][1][i] -= both;
-          at.e.at[d][2][i] -= both;
-          at.e.at[d][3][i] += both;
-        }
-    }
-  }
-}
-
-// A sample is an int or, in an unrolled loop, a constant.
-
-/// a + s b with s coordinate d of a corner in the reference cube, 1 or -1.
-template <class Corner, class N>
-HWY_INLINE N signed_sum(Corner corner, int d, N a, N b) {
-  if constexpr (std::is_same_v<Corner, int>)
-    return a + N(static_cast<ScalarOf<N>>(kCornerSign[corner][d])) * b;
-  else
-    return kCornerSign[corner][d] > 0 ? a + b : a - b;
-}
-
-/// Rows: the columns at a sample, to be multiplied by its inverse.
-template <bool kGeneral, Assumed kAssumed, class N, class Sample>
-HWY_INLINE Mat<N> columns_at(const ColumnLanes<kGeneral, kAssumed, N>& at, Sample sample) {
-  Mat<N> M = edges_at(at.e, sample);
-  if constexpr (kAssumed != Assumed::kNothing && !RestLanes<kGeneral, kAssumed, N>::kAtCorners)
-    for (int n = 0; n < 3; ++n)
-      for (int i = 0; i < 3; ++i) M(n, i) = signed_sum(sample, n, M(n, i), at.a[n][i]);
-  return M;
-}
-/// What is added to the gradient of a sample, where the inverses are those of corners.
-template <bool kGeneral, Assumed kAssumed, class N, class Sample>
-HWY_INLINE Mat<N> shared_at(const ColumnLanes<kGeneral, kAssumed, N>& at, Sample sample) {
-  Mat<N> H = at.H;
-  if constexpr (kAssumed != Assumed::kNothing)
-    for (int n = 0; n < 3; ++n)
-      for (int k = 0; k < 9; ++k)
-        H.m[k / 3][k % 3] = signed_sum(sample, n, H.m[k / 3][k % 3], at.turned[n].m[k / 3][k % 3]);
-  return H;
-}
-
-/// A factor of one that takes no multiplication.
-struct One {
-  template <class N>
-  friend HWY_INLINE N operator*(One, N a) {
-    return a;
-  }
-};
-
-/// The transpose: collects what acts on the columns of the samples and brings it to the corners.
-template <bool kGeneral, Assumed kAssumed, class N>
-struct ColumnsTranspose {
-  using Rest = RestLanes<kGeneral, kAssumed, N>;
-  static constexpr bool kAssumes = kAssumed != Assumed::kNothing;
-
-  HWY_INLINE ColumnsTranspose() {
-    using T = ScalarOf<N>;
-    set_zero(e);
-    if constexpr (Rest::kAtCorners) {
-      set_zero(H);
-      if constexpr (kAssumes)
-        for (Mat<N>& M : turned) set_zero(M);
-    }
-    if constexpr (kAssumes) {
-      for (auto& column : a)
-        for (N& entry : column) entry = N(T(0));
-      for (auto& mode : Q)
-        for (N& entry : mode) entry = N(T(0));
-    }
-  }
-
-  /// Rows: what acts on the columns of a sample. Unrolled, samples come in their order.
-  template <class Sample>
-  HWY_INLINE void add_columns(Sample sample, const Mat<N>& acting) {
-    for (int d = 0; d < 3; ++d) {
-      N* const to = e.at[d][kEdgeAt[sample][d]];
-      const bool is_first = !std::is_same_v<Sample, int> && sample < kEdgeNeighbour[sample][d];
-      for (int i = 0; i < 3; ++i) to[i] = is_first ? acting(d, i) : to[i] + acting(d, i);
-      if constexpr (kAssumes && !Rest::kAtCorners)
-        for (int i = 0; i < 3; ++i) a[d][i] = signed_sum(sample, d, a[d][i], acting(d, i));
-    }
-  }
-  /// P on the whole gradient of a sample, where the inverses are those of corners.
-  template <class Sample>
-  HWY_INLINE void add_shared(Sample sample, const Mat<N>& P) {
-    for (int k = 0; k < 9; ++k) H.m[k / 3][k % 3] += P.m[k / 3][k % 3];
-    if constexpr (kAssumes)
-      for (int n = 0; n < 3; ++n)
-        for (int k = 0; k < 9; ++k)
-          turned[n].m[k / 3][k % 3] = signed_sum(sample, n, turned[n].m[k / 3][k % 3], P.m[k / 3][k % 3]);
-  }
-
-  /// What acts on the modes by way of what is assumed. To be called once, when all samples are in.
-  template <class How>
-  HWY_INLINE void take_assumed(const Rest& rest, const How& how) {
-    if constexpr (kAssumes) {
-      if constexpr (Rest::kAtCorners)
-        for (int n = 0; n < 3; ++n)
-          for (int i = 0; i < 3; ++i)
-            a[n][i] = turned[n](i, 0) * rest.dual(n, 0) + turned[n](i, 1) * rest.dual(n, 1) +
-                      turned[n](i, 2) * rest.dual(n, 2);
-      how.add_transpose(a, Q);
-    }
-  }
-
-  /// All that acts on the modes, where samples are made of them: by way of what is assumed, and by themselves.
-  HWY_INLINE void all_on_modes(const Rest& rest, N (&total)[4][3]) const {
-    using T = ScalarOf<N>;
-    for (int l = 0; l < 4; ++l)
-      for (int i = 0; i < 3; ++i) total[l][i] = Q[l][i];
-    for (int d = 0; d < 3; ++d) {
-      const int j = kOther[d][0], k = kOther[d][1];
-      const auto& of = e.at[d];
-      for (int i = 0; i < 3; ++i) {
-        total[k][i] += rest.share * ((of[1][i] + of[3][i]) - (of[0][i] + of[2][i]));
-        total[j][i] += rest.share * ((of[2][i] + of[3][i]) - (of[0][i] + of[1][i]));
-        total[3][i] += N(T(kFourthShare)) * ((of[0][i] + of[3][i]) - (of[1][i] + of[2][i]));
-      }
-    }
-  }
-
-  /// factor times all that, at the corners; mean_acting: rows, what acts on F_m 2 J_o besides, or null.
-  template <class Factor>
-  HWY_INLINE void finish(const Rest& rest, const Mat<N>* mean_acting, Factor factor, CornerLanes<N>& f) {
-    using T = ScalarOf<N>;
-    if constexpr (Rest::kAtCorners) {
-      for (int c = 0; c < kCorners; ++c)
-        for (int r = 0; r < 3; ++r)
-          f.at[c][r] = factor * (H(r, 0) * rest.h.at[c][0] + H(r, 1) * rest.h.at[c][1] + H(r, 2) * rest.h.at[c][2]);
-      scale(factor * rest.share, e);
-    } else {
-      set_zero(f);
-    }
-    Mat<N> mean;
-    if constexpr (kGeneral && kAssumes) {
-      if (mean_acting)
-        mean = *mean_acting;
-      else
-        set_zero(mean);
-      if constexpr (!Rest::kAtCorners) {
-        for (int d = 0; d < 3; ++d) {
-          for (int i = 0; i < 3; ++i) mean(d, i) += (e.at[d][0][i] + e.at[d][1][i]) + (e.at[d][2][i] + e.at[d][3][i]);
-        }
-        all_on_modes(rest, Q);
-        set_zero(e);
-      }
-      for (int l = 0; l < Rest::kModes; ++l)
-        for (int n = 0; n < 3; ++n)
-          for (int i = 0; i < 3; ++i) mean(n, i) -= rest.skew[l][n] * Q[l][i];
-      for (int c = 0; c < kCorners; ++c)
-        for (int i = 0; i < 3; ++i)
-          f.at[c][i] += factor * (rest.mean.at[c][0] * mean(0, i) + rest.mean.at[c][1] * mean(1, i) +
-                                  rest.mean.at[c][2] * mean(2, i));
-    } else if constexpr (!kGeneral) {
-      if constexpr (kAssumed == Assumed::kModes) {
-        const N rest_of_share = N(T(kFourthShare)) - rest.share;
-        for (int d = 0; d < 3; ++d)
-          for (int i = 0; i < 3; ++i) {
-            const auto& of = e.at[d];
-            Q[3][i] += rest_of_share * ((of[0][i] + of[3][i]) - (of[1][i] + of[2][i]));
-          }
-      }
-      blend(rest.share, e);
-      if (kAssumes && mean_acting)
-        for (int d = 0; d < 3; ++d)
-          for (int i = 0; i < 3; ++i) {
-            const N quarter = N(T(0.25)) * (*mean_acting)(d, i);
-            for (int m = 0; m < 4; ++m) e.at[d][m][i] += quarter;
-          }
-      if constexpr (!std::is_same_v<Factor, One>) scale(factor, e);
-    }
-    if constexpr (kAssumes) {
-      for (auto& mode : Q)
-        for (N& entry : mode) entry = factor * entry;
-      add_hourglass_transpose(Q, e);
-    }
-    add_edges_transpose(e, f);
-  }
-
-  EdgeLanes<N> e;
-  Mat<N> H, turned[3];
-  N a[3][3];
-  N Q[Rest::kModes][3];
-};
 
 /// Deformation gradient at the centre.                                                                        eq. 1
 template <class N>

@@ -27,6 +27,12 @@ HWY_INLINE void set_zero(CornerLanes<V>& corners) {
   for (auto& corner : corners.at)
     for (V& entry : corner) entry = V(ScalarOf<V>(0));
 }
+/// to += corners
+template <class V>
+HWY_INLINE void add(const CornerLanes<V>& corners, CornerLanes<V>& to) {
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) to.at[a][i] += corners.at[a][i];
+}
 
 #if HWY_TARGET == HWY_SCALAR
 

@@ -75,7 +75,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   if (sampling_of(settings).one_rotation) decompose(sampling_of(settings), element);
   const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   const MaterialLanes<V> of(settings, load(lame), load(lame + kBlock));
-  CornerLanes<V> volume_gradient;
+  ModeLanes<V> volume_gradient;
   const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
   const V step(dt);
   const auto material = [&](double Material::*constant) {

@@ -43,21 +43,22 @@ struct CoefficientPlaces {
   static constexpr int kShared = kRotation + (kAtCorners ? 9 * kCorners : 0);    ///< h
   static constexpr int kDirections = kShared + (kAtCorners ? 3 * kCorners : 0);  ///< rows R_m J^n / 2
   static constexpr int kMean = kDirections + (kAssumes ? 9 : 0);                 ///< RestLanes::mean
-  static constexpr int kSkew = kMean + (kHasMean ? 3 * kCorners : 0);            ///< RestLanes::skew
+  static constexpr int kSkew = kMean + (kHasMean ? (kAtCorners ? 24 : 21) : 0);  ///< RestLanes::skew
   static constexpr int kDual = kSkew + (kHasMean ? (kAtCorners ? 9 : 12) : 0);   ///< RestLanes::dual
   static constexpr int kCount = kDual + (kHasMean && kAtCorners ? 9 : 0);
 };
 /// The same of elements with one rotation, whose products are sums over modes instead of samples.
 template <bool kGeneral>
 struct OneRotationPlaces {
-  static constexpr int kDirections = 0;
-  static constexpr int kMean = 9;
-  static constexpr int kSkew = kMean + (kGeneral ? 3 * kCorners : 0);
+  static constexpr int kDirections = 0;                         ///< rows R_m J^n / 2
+  static constexpr int kOfTwo = 9;                              ///< ModeStiffness, as its factor
+  static constexpr int kOfThree = kOfTwo + 45;                  ///< the same
+  static constexpr int kMean = kOfThree + 6;                    ///< modes of RestLanes::mean
+  static constexpr int kSkew = kMean + (kGeneral ? 3 * 7 : 0);  ///< RestLanes::skew
   static constexpr int kCount = kSkew + (kGeneral ? 12 : 0);
 };
-/// Of a gradient at the corners: their sum is zero, so that the last one is not kept.
-inline constexpr int kGradientCoefficients = 3 * (kCorners - 1);
-inline constexpr int kLawCoefficients = 7 * kCorners;  ///< R_i cof(S_i) R_i^T (6) and beta (1)
+inline constexpr int kGradientCoefficients = 3 * (kCorners - 1);  ///< modes of a gradient at the corners
+inline constexpr int kLawCoefficients = 7 * kCorners;             ///< R_i cof(S_i) R_i^T (6) and beta (1)
 
 /// Numbers per element.
 int num_coefficients(const StiffnessKind& kind, bool is_general);

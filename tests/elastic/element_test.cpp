@@ -223,6 +223,50 @@ TEST_P(EveryForm, KeepsItsAngularMomentumWhileSpinning) {
   EXPECT_LE((angular_momentum() - before).norm(), lost * before.norm());
 }
 
+// Its modes have a stiffness of their own, and at rest nothing tells it from assumed strains at samples.
+TEST(OneRotation, HasTheStiffnessOfAssumedStrainsAtRest) {
+  Mat3 shear = Mat3::Identity();
+  shear(0, 1) = 0.7;
+  shear(2, 0) = -0.4;
+  for (const Volumetric volumetric : kVolumetrics)
+    for (const double distortion : {0.0, 0.15}) {
+      HexMesh mesh = support::distorted_block({2, 1, 2}, kEdge, distortion, 319);
+      mesh = HexMesh(support::mapped(mesh.positions(), shear), mesh.hexahedra());
+      const auto stiffness = [&](Bending bending) {
+        Body body(mesh, {Material{.poisson_ratio = 0.45}}, Settings{.bending = bending, .volumetric = volumetric});
+        return stiffness_at(body, mesh.positions());
+      };
+      const Eigen::MatrixXd expected = stiffness(Bending::kAssumed);
+      EXPECT_LE(support::max_abs(stiffness(Bending::kOneRotation) - expected), 1e-12 * support::max_abs(expected))
+          << word("volumetric", static_cast<int>(volumetric)) << ' ' << distortion;
+    }
+}
+
+// Rounding to half does not make the stiffness of its modes negative, however slender the hexahedron and stiff its
+// volume.
+TEST(OneRotation, ResistsEveryModeInHalf) {
+  PointArray X = support::block({1, 1, 1}, kEdge).positions();
+  X.col(2) *= 60;
+  Random random(320);
+  const Mat3 turn = random.rotation();
+  const PointArray x = support::mapped(X, turn);
+  for (const Volumetric volumetric : {Volumetric::kSample, Volumetric::kVolumeRatio}) {
+    Body body(HexMesh(X, support::block({1, 1, 1}, kEdge).hexahedra()), {Material{.poisson_ratio = 0.499}},
+              Settings{.bending = Bending::kOneRotation, .volumetric = volumetric, .precision = Precision::kMixed});
+    body.linearize(x);
+    Eigen::MatrixXd K(3 * kCorners, 3 * kCorners);
+    for (int column = 0; column < 3 * kCorners; ++column) {
+      PointArray dx = PointArray::Zero(kCorners, 3), df = dx;
+      dx(column / 3, column % 3) = 1;
+      body.add_stiffness_product(-1, dx, df);
+      K.col(column) = Eigen::Map<const Eigen::VectorXd>(df.data(), df.size());
+    }
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>((K + K.transpose()) / 2).eigenvalues();
+    EXPECT_GT(values[0], -1e-6 * values[23]) << values.transpose();
+  }
+}
+
 // ---- large strain of one hexahedron, against the solution of the equations for it
 
 struct Uniaxial {

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Coefficients of the stiffness as they are stored: [component][element], kStride elements.
+#if defined(HEXAPLAST_ELASTIC_COEFFICIENTS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HEXAPLAST_ELASTIC_COEFFICIENTS_INL
+#undef HEXAPLAST_ELASTIC_COEFFICIENTS_INL
+#else
+#define HEXAPLAST_ELASTIC_COEFFICIENTS_INL
+#endif
+
+#include "element/element-inl.hpp"
+#include "kinematics/modes-inl.hpp"
+#include "state/element_operator.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+/// The type that Highway knows a stored coefficient by.
+template <class Coef>
+struct Stored {
+  using type = Coef;
+};
+template <>
+struct Stored<Half> {
+  using type = hwy::float16_t;
+};
+
+template <class T, class Coef>
+HWY_INLINE const typename Stored<Coef>::type* stored(const ElementOperator<T, Coef>& op, int block) {
+  return reinterpret_cast<const typename Stored<Coef>::type*>(op.coef.data() + op.offset[block]);
+}
+
+template <int kStride, class V, class Coef>
+HWY_INLINE Mat<V> load_mat(const Coef* from) {
+  Mat<V> M;
+  for (int k = 0; k < 9; ++k) M.m[k / 3][k % 3] = load_as(from + k * kStride);
+  return M;
+}
+template <int kStride, class V, class Coef>
+HWY_INLINE Mat<V> load_symmetric(const Coef* from) {
+  return matrix(Sym<V>{load_as(from), load_as(from + kStride), load_as(from + 2 * kStride), load_as(from + 3 * kStride),
+                       load_as(from + 4 * kStride), load_as(from + 5 * kStride)});
+}
+template <int kStride, class V, class Coef>
+HWY_INLINE void load_corners(const Coef* from, CornerLanes<V>& corners) {
+  for (int a = 0; a < kCorners; ++a)
+    for (int j = 0; j < 3; ++j) corners.at[a][j] = load_as(from + (3 * a + j) * kStride);
+}
+template <int kStride, class V, class Coef>
+HWY_INLINE void store_mat(const Mat<V>& M, V scale, Coef* to) {
+  for (int k = 0; k < 9; ++k) store_as(M.m[k / 3][k % 3] * scale, to + k * kStride);
+}
+template <int kStride, class V, class Coef>
+HWY_INLINE void store_corners(const CornerLanes<V>& corners, V scale, Coef* to) {
+  for (int a = 0; a < kCorners; ++a)
+    for (int j = 0; j < 3; ++j) store_as(corners.at[a][j] * scale, to + (3 * a + j) * kStride);
+}
+
+/// What grows with the stretch, within the numbers that a half can be.
+template <class Coef, class V>
+HWY_INLINE V bounded(V a) {
+  if constexpr (!std::is_same_v<Coef, hwy::float16_t>) return a;
+  constexpr double kLargest = 3e4;
+  return min(max(a, V(-kLargest)), V(kLargest));
+}
+
+/// dP R^T of a sample with one of the other laws, which store G = R cof(S) R^T and beta.                      eq. E20
+template <int kStride, class V, class Coef>
+HWY_INLINE Mat<V> law_increment(const Coef* of_law, const Mat<V>& Z, V mu, V free) {
+  const Mat<V> G = load_symmetric<kStride, V>(of_law);
+  const V pressure = free * dot(G, Z), beta = mu * load_as(of_law + 6 * kStride);
+  Mat<V> P = stress_increment(Z, mu, V(ScalarOf<V>(0)));
+  for (int k = 0; k < 9; ++k) P.m[k / 3][k % 3] += pressure * G.m[k / 3][k % 3] + beta * Z.m[k / 3][k % 3];
+  return P;
+}
+
+// Gradients at the corners by their modes: the sum of the corners is zero, and rounding does not change that.
+
+template <int kStride, class V, class Coef>
+HWY_INLINE void store_gradient(const ModeLanes<V>& gradient, V scale, Coef* to) {
+  unrolled<kGradientCoefficients>([&](auto k) __attribute__((always_inline)) {
+    store_as(bounded<Coef>(gradient.at[k / 3][k % 3] * scale), to + k * kStride);
+  });
+}
+/// gradient . u
+template <int kStride, class V, class Coef>
+HWY_INLINE V along_gradient(const Coef* gradient, const ModeLanes<V>& u) {
+  V sum[3];  // not one chain
+  unrolled<kGradientCoefficients>([&](auto k) __attribute__((always_inline)) {
+    const V part = load_as(gradient + k * kStride) * u.at[k / 3][k % 3];
+    sum[k % 3] = k < 3 ? part : sum[k % 3] + part;
+  });
+  return sum[0] + sum[1] + sum[2];
+}
+/// What acts on the modes += factor gradient
+template <int kStride, class V, class Coef>
+HWY_INLINE void add_gradient(V factor, const Coef* gradient, ModeLanes<V>& acting) {
+  unrolled<kGradientCoefficients>([&](auto k) __attribute__((always_inline)) {
+    acting.at[k / 3][k % 3] += factor * load_as(gradient + k * kStride);
+  });
+}
+
+/// The mean gradient and the hourglass modes of general shapes, as sums of the modes of the reference cube; those of
+/// parallelepipeds are these modes. Both are four times what they are elsewhere.
+template <int kStride, bool kGeneral, class V>
+struct ShapeModes {
+  V of_mean[kGeneral ? 7 : 1][3];  ///< modes of RestLanes::mean
+  V skew[kGeneral ? 4 : 1][3];     ///< RestLanes::skew
+
+  template <class Coef>
+  HWY_INLINE ShapeModes(const Coef* mean, const Coef* skews) {
+    if constexpr (kGeneral) {
+      for (int k = 0; k < kGradientCoefficients; ++k) of_mean[k / 3][k % 3] = load_as(mean + k * kStride);
+      for (int k = 0; k < 12; ++k) skew[k / 3][k % 3] = load_as(skews + k * kStride);
+    }
+  }
+  /// The first three become the mean, in columns of the edges, the others the hourglass modes.
+  HWY_INLINE void apply(ModeLanes<V>& modes) const {
+    if constexpr (kGeneral)
+      for (int i = 0; i < 3; ++i) {
+        V mean[3];
+        for (int n = 0; n < 3; ++n) {
+          mean[n] = of_mean[0][n] * modes.at[0][i];
+          for (int k = 1; k < 7; ++k) mean[n] += of_mean[k][n] * modes.at[k][i];
+        }
+        for (int n = 0; n < 3; ++n) modes.at[n][i] = mean[n];
+        for (int l = 0; l < 4; ++l)
+          modes.at[3 + l][i] -= skew[l][0] * mean[0] + skew[l][1] * mean[1] + skew[l][2] * mean[2];
+      }
+  }
+  HWY_INLINE void apply_transpose(ModeLanes<V>& acting) const {
+    if constexpr (kGeneral)
+      for (int i = 0; i < 3; ++i) {
+        V mean[3];
+        for (int n = 0; n < 3; ++n) {
+          mean[n] = acting.at[n][i];
+          for (int l = 0; l < 4; ++l) mean[n] -= skew[l][n] * acting.at[3 + l][i];
+        }
+        for (int k = 0; k < 7; ++k) {
+          const V part = of_mean[k][0] * mean[0] + of_mean[k][1] * mean[1] + of_mean[k][2] * mean[2];
+          acting.at[k][i] = k < 3 ? part : acting.at[k][i] + part;
+        }
+      }
+  }
+};
+/// Stores them.
+template <int kStride, class Rest, class Coef>
+HWY_INLINE void store_shape(const Rest& rest, Coef* mean, Coef* skews) {
+  using V = std::remove_cvref_t<decltype(rest.volume)>;
+  ModeLanes<V> modes_of;
+  modes(rest.mean, modes_of);
+  for (int k = 0; k < kGradientCoefficients; ++k) store_as(V(0.5) * modes_of.at[k / 3][k % 3], mean + k * kStride);
+  for (int k = 0; k < 12; ++k) store_as(rest.skew[k / 3][k % 3], skews + k * kStride);
+}
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
