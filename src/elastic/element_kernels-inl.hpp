@@ -95,6 +95,19 @@ class CoefficientWriter {
   ColumnsTranspose<kGeneral, kAssumed, V> dilatations_;  // of all samples
 };
 
+/// out = sum of factor gradient (gradient . u) over the gradients that are there. Not inlined: elements that have none
+/// are to keep their registers.
+template <int kStride, class V, class Coef>
+HWY_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coef* second, V of_second,
+                                  const CornerLanes<V>& u, CornerLanes<V>& out) {
+  ModeLanes<V> at, acting;
+  modes(u, at);
+  set_zero(acting);
+  if (first) add_gradient<kStride>(of_first * along_gradient<kStride>(first, at), first, acting);
+  if (second) add_gradient<kStride>(of_second * along_gradient<kStride>(second, at), second, acting);
+  modes_transpose(acting, out);
+}
+
 /// u <- L u, L = - df/dx with the rotations held fixed.
 ///
 ///   Z_i = dF~_i R_i^T,   dP_i R_i^T = 2 mu sym Z_i + (lambda_f t_i + shared) I,   t_i = tr Z_i              eq. 52, E4
@@ -130,7 +143,8 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
   finish_columns(rest, u, how, columns);
 
   V mu = factor * load(weight), lambda = factor * load(weight + kStride);
-  V free = lambda, along_volume(T(0)), along_mean(T(0));
+  V free = lambda;
+  CornerLanes<V> together;  // what the element does as a whole
   const bool has_volume = !kPerSample && kind.has_volume(), has_mean = !kPerSample && kind.has_mean();
   const Coef* const of_volume = coef + Places::kCount * kStride;
   const Coef* const of_mean = of_volume + (has_volume ? kGradientCoefficients : 0) * kStride;
@@ -138,10 +152,9 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
   if constexpr (!kPerSample) {
     free = free_modulus(kind.volumetric, mu, lambda);
     const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
-    ModeLanes<V> at;
-    if (has_volume || has_mean) modes(u, at);
-    if (has_volume) along_volume = all * (kHasLaw ? lambda - free : lambda) * along_gradient<kStride>(of_volume, at);
-    if (has_mean) along_mean = all * (has_volume ? -free : lambda - free) * along_gradient<kStride>(of_mean, at);
+    if (has_volume || has_mean)
+      apply_gradients<kStride>(has_volume ? of_volume : nullptr, all * (kHasLaw ? lambda - free : lambda),
+                               has_mean ? of_mean : nullptr, all * (has_volume ? -free : lambda - free), u, together);
   }
 
   ColumnsTranspose<kGeneral, kAssumed, V> acting;
@@ -172,15 +185,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
     for (int i = 0; i < kCorners; ++i) sample(i);
   acting.take_assumed(rest, how);
   acting.finish(rest, nullptr, One(), u);
-  if (has_volume || has_mean) {
-    ModeLanes<V> on_modes;
-    CornerLanes<V> more;
-    set_zero(on_modes);
-    if (has_volume) add_gradient<kStride>(along_volume, of_volume, on_modes);
-    if (has_mean) add_gradient<kStride>(along_mean, of_mean, on_modes);
-    modes_transpose(on_modes, more);
-    add(more, u);
-  }
+  if (has_volume || has_mean) add(together, u);
 }
 
 /// u <- L u of elements with a rotation at each sample.
