@@ -25,6 +25,7 @@ void BlockMatrix::add(int row, int column, const Mat3& block) {
 
 void BlockMatrix::clear() {
   num_unused_ = 0;
+  rank_ones_.clear();
   for (auto& [entries, is_used] : rows_) {
     for (Entry& entry : entries) entry.block.setZero();
     std::fill(is_used.begin(), is_used.end(), 0);
@@ -54,6 +55,7 @@ void BlockMatrix::pin(int node, int axis) {
                                      [](const Entry& other, int wanted) { return other.column < wanted; });
     if (at != mirrored.end() && at->column == node) at->block.col(axis).setZero();
   }
+  for (RankOne& term : rank_ones_) term.u(node, axis) = 0;
   Mat3 one = Mat3::Zero();
   one(axis, axis) = 1;
   add(node, node, one);

@@ -4,6 +4,8 @@
 #include <cholmod.h>
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
+
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
@@ -15,6 +17,8 @@ struct CholeskySolver::Factor {
   cholmod_dense* right_hand_side = nullptr;
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;  // kept by cholmod_l_solve2 between calls
   long pattern_version = -1;
+  Eigen::MatrixXd columns, solved;        // U and A^-1 U of the terms U D U^T beside A
+  Eigen::LDLT<Eigen::MatrixXd> capacity;  // D^-1 + U^T A^-1 U
 
   Factor() {
     cholmod_l_start(&common);
@@ -79,6 +83,38 @@ struct CholeskySolver::Factor {
     }
     first[3 * A.num_nodes()] = at;
   }
+
+  /// values = A^-1 values of the factorised A.
+  void solve_in_place(Eigen::Ref<Eigen::VectorXd> values) {
+    Eigen::Map<Eigen::VectorXd>(static_cast<double*>(right_hand_side->x), values.size()) = values;
+    if (!cholmod_l_solve2(CHOLMOD_A, factor, right_hand_side, nullptr, &solution, nullptr, &work_y, &work_e, &common))
+      throw NumericalError(fmt::format("Cholesky: the solution failed ({})", common.status));
+    values = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(solution->x), values.size());
+  }
+
+  /// Throws where A with its terms of rank one is not positive definite, as A is.
+  void set_rank_ones(const std::vector<BlockMatrix::RankOne>& terms) {
+    const auto size = static_cast<Eigen::Index>(factor->n), count = static_cast<Eigen::Index>(terms.size());
+    columns.resize(size, count);
+    Eigen::VectorXd inverse_factors(count);
+    Eigen::Index num_terms = 0, num_positive = 0;
+    for (const auto& [scale, u] : terms) {
+      if (scale == 0 || u.isZero(0)) continue;
+      columns.col(num_terms) = Eigen::Map<const Eigen::VectorXd>(u.data(), size);
+      inverse_factors[num_terms++] = 1 / scale;
+      num_positive += scale > 0;
+    }
+    columns.conservativeResize(size, num_terms);
+    solved = columns;
+    if (num_terms == 0) return;
+    for (Eigen::Index k = 0; k < num_terms; ++k) solve_in_place(solved.col(k));
+    Eigen::MatrixXd sum = columns.transpose() * solved;
+    sum.diagonal() += inverse_factors.head(num_terms);
+    capacity.compute(sum);
+    // A and A + U D U^T have as many negative eigenvalues if D^-1 and the capacity have as many positive ones
+    if (capacity.info() != Eigen::Success || (capacity.vectorD().array() > 0).count() != num_positive)
+      throw NumericalError("Cholesky: the matrix with its terms of rank one is not positive definite");
+  }
 };
 
 CholeskySolver::CholeskySolver() : factor_(std::make_unique<Factor>()) {}
@@ -103,7 +139,7 @@ void CholeskySolver::setup(const LinearSystem& A) {
   const auto status = f.common.status;
   const bool is_definite = status >= CHOLMOD_OK && status != CHOLMOD_NOT_POSDEF;
   const bool is_finite = is_definite && cholmod_l_rcond(f.factor, &f.common) > 0;  // no pivot stands out of all numbers
-  if (is_finite) return;
+  if (is_finite) return f.set_rank_ones(matrix_.rank_ones());
 
   const auto pivot = f.factor->minor, size = f.factor->n;
   f.free_all();  // what it has become is no beginning for another
@@ -120,11 +156,10 @@ SolveReport CholeskySolver::solve_again(const LinearSystem& A, ConstPoints b, Po
   if (!f.factor || matrix_.num_nodes() != A.num_nodes())
     throw InputError("Cholesky: setup must come before solve_again");
   if (!b.allFinite()) throw NumericalError("Cholesky: the right-hand side is not finite");
-  Eigen::Map<PointArray>(static_cast<double*>(f.right_hand_side->x), b.rows(), 3) = b;
-  if (!cholmod_l_solve2(CHOLMOD_A, f.factor, f.right_hand_side, nullptr, &f.solution, nullptr, &f.work_y, &f.work_e,
-                        &f.common))
-    throw NumericalError(fmt::format("Cholesky: the solution failed ({})", f.common.status));
-  x = Eigen::Map<const PointArray>(static_cast<const double*>(f.solution->x), b.rows(), 3);
+  x = b;
+  Eigen::Map<Eigen::VectorXd> values(x.data(), x.size());
+  f.solve_in_place(values);
+  if (f.columns.cols() > 0) values -= f.solved * f.capacity.solve(f.columns.transpose() * values);
   return {.iterations = 1, .residual = 0, .converged = true, .preconditioner = PreconditionedBy::kFactorisation};
 }
 

@@ -154,6 +154,20 @@ void Recovery::add_diagonal(double factor, Points diagonal) const {
 
 void Recovery::add_blocks(double factor, BlockMatrix& K) const {
   for (const Spring& spring : springs_) K.add(spring.node, spring.node, factor * spring.weight * Mat3::Identity());
+  PointArray u(K.num_nodes(), 3);
+  for (const Cluster& cluster : clusters_) {
+    const auto add = [&](double scale, const auto& motion) {
+      u.setZero();
+      for (const Spring& spring : springs_of(cluster)) u.row(spring.node) = spring.weight * motion(spring).transpose();
+      K.add_rank_one(-factor * scale, u);
+    };
+    const Eigen::SelfAdjointEigenSolver<Mat3> turns(cluster.inverse_inertia);
+    for (int axis = 0; axis < 3; ++axis) {
+      add(1 / cluster.weight, [&](const Spring&) -> Vec3 { return Vec3::Unit(axis); });
+      const Vec3 about = turns.eigenvectors().col(axis);
+      add(turns.eigenvalues()[axis], [&](const Spring& spring) -> Vec3 { return about.cross(spring.arm); });
+    }
+  }
 }
 
 }  // namespace hexaplast

@@ -42,8 +42,7 @@ class Recovery {
   /// diagonal += factor diag(W).
   void add_diagonal(double factor, Points diagonal) const;
 
-  /// K += factor W: what the springs would be if the placements stood still. The whole of (E26) is dense over a
-  /// cluster.
+  /// K += the same operator: W as blocks, and six terms of rank one for each cluster.
   void add_blocks(double factor, BlockMatrix& K) const;
 
  private:

@@ -72,6 +72,7 @@ TEST(BlockMatrix, PinsOneDegreeOfFreedom) {
   for (const int row : {0, 1}) {
     for (const int column : {0, 1}) M.add(row, column, Mat3::Ones());
   }
+  M.add_rank_one(-0.5, PointArray::Ones(2, 3));
   Eigen::MatrixXd expected = dense(M);
   M.pin(1, 2);
   expected.row(5).setZero();

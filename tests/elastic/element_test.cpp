@@ -425,5 +425,24 @@ TEST(Recovery, HasNoForceOrMomentInSumAndResistsNoRigidMotion) {
   EXPECT_LE(product.norm(), 1e-12 * weights.cwiseProduct(motion).norm());
 }
 
+TEST(Recovery, IsInAssembledMatricesAsInProducts) {
+  const HexMesh mesh = support::distorted_block({8, 2, 1}, kEdge, 0.1, 317);
+  Settings settings;
+  settings.recovery = RecoveryMode::kCluster;
+  Random random(318);
+  PointArray x = mesh.positions();
+  for (int n = 0; n < mesh.num_nodes(); ++n)  // both ends are folded, the middle is not: two clusters
+    if (std::abs(x(n, 0) - 4 * kEdge) > 2.5 * kEdge) x.row(n) += random.field(1, 0.9 * kEdge).row(0);
+  Body body(mesh, {Material{}}, settings);
+  const Eigen::MatrixXd K = support::stiffness_at(body, x);
+  BlockMatrix again(mesh.num_nodes());
+  body.add_stiffness_blocks(-1, again);
+  EXPECT_EQ(again.rank_ones().size(), 12u);
+  const PointArray dx = random.field(mesh.num_nodes(), 1);
+  PointArray product = PointArray::Zero(mesh.num_nodes(), 3);
+  body.add_stiffness_product(-1, dx, product);
+  EXPECT_TRUE(agrees(support::unstacked(K * support::stacked(dx)), product, 1e-12));
+}
+
 }  // namespace
 }  // namespace hexaplast

@@ -7,6 +7,7 @@
 #include "hexaplast/mesh/faces.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
 #include "support/compare.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"
 
@@ -207,17 +208,14 @@ TEST(Embedding, BlocksAgreeWithTheProduct) {
   BlockMatrix B(7), A(kMesh.num_nodes());
   for (int i = 0; i < 7; ++i)
     for (int j = 0; j < 7; j += 2) B.add(i, j, random.matrix(1));
+  B.add_rank_one(-0.7, random.field(7, 1));
   embedding.add_transposed_blocks(B, A);
 
   const PointArray dx = random.field(kMesh.num_nodes(), 1);
-  PointArray dp(7, 3), Bdp = PointArray::Zero(7, 3);
-  PointArray expected = PointArray::Zero(kMesh.num_nodes(), 3), product = expected;
+  PointArray dp(7, 3), expected = PointArray::Zero(kMesh.num_nodes(), 3);
   embedding.apply(dx, dp);
-  for (int i = 0; i < 7; ++i)
-    for (const auto& [j, block] : B.row(i)) Bdp.row(i) += dp.row(j) * block.transpose();
-  embedding.add_transposed(Bdp, expected);
-  for (int n = 0; n < kMesh.num_nodes(); ++n)
-    for (const auto& [m, block] : A.row(n)) product.row(n) += dx.row(m) * block.transpose();
+  embedding.add_transposed(support::unstacked(support::dense(B) * support::stacked(dp)), expected);
+  const PointArray product = support::unstacked(support::dense(A) * support::stacked(dx));
   EXPECT_TRUE(support::agrees(product, expected, 1e-13));
 }
 

@@ -41,6 +41,7 @@ class DenseSystem final : public LinearSystem {
         if (n == m || !block.isZero(0)) A.add(n, m, block);
       }
     }
+    for (const auto& [factor, u] : rank_ones) A.add_rank_one(factor, u);  // A_ is without them
     for (const int dof : constrained_) A.pin(dof / 3, dof % 3);
   }
   void precondition(ConstPoints r, Points z) const override {
@@ -50,6 +51,7 @@ class DenseSystem final : public LinearSystem {
 
   const Eigen::MatrixXd& matrix() const { return A_; }
 
+  std::vector<BlockMatrix::RankOne> rank_ones;
   mutable int num_assemblies = 0;
 
  private:
@@ -300,6 +302,23 @@ TEST_F(Solvers, RefuseAMatrixThatIsNotFinite) {
             << name << ": " << spoil << " at " << row << ", " << column;
       }
     }
+}
+
+TEST_F(Solvers, CholeskySolvesWithTermsOfRankOne) {
+  DenseSystem system(A, {5, 20});
+  system.rank_ones = {
+      {-0.01, random.field(kNodes, 1)}, {0.3, random.field(kNodes, 1)}, {-0.02, random.field(kNodes, 1)}};
+  BlockMatrix assembled(kNodes);
+  system.assemble(assembled);
+  const Eigen::MatrixXd full = support::dense(assembled);
+  PointArray x(kNodes, 3);
+  CholeskySolver cholesky;
+  cholesky.solve(system, b, x);
+  EXPECT_TRUE(agrees(unstacked(full * stacked(x)), b, 1e-11));
+  system.rank_ones = {{-100, random.field(kNodes, 1)}, {0.3, random.field(kNodes, 1)}};
+  EXPECT_TRUE(refuses<NumericalError>([&] { cholesky.solve(system, b, x); }, {"rank one", "not positive definite"}));
+  cholesky.solve(DenseSystem(A), b, x);  // and forgets them
+  EXPECT_TRUE(agrees(x, exact, 1e-10));
 }
 
 TEST_F(Solvers, CholeskyRefusesARightHandSideThatIsNotFinite) {

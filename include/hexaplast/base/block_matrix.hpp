@@ -9,7 +9,8 @@ namespace hexaplast {
 
 /// Square sparse matrix of 3x3 blocks, assembled by adding. The pattern grows with the first assembly and is kept by
 /// clear(), so that later assemblies only add numbers; drop_unused() then leaves the pattern of the latest one,
-/// whatever was assembled before.
+/// whatever was assembled before. Terms of rank one stand beside the blocks: whoever reads the blocks alone misses
+/// them.
 class BlockMatrix {
  public:
   explicit BlockMatrix(int num_nodes = 0);
@@ -19,7 +20,15 @@ class BlockMatrix {
   /// Adds a block at (row, column). Both triangles are stored; the caller adds a symmetric matrix symmetrically.
   void add(int row, int column, const Mat3& block);
 
-  /// All blocks to zero; the pattern stays.
+  /// A term factor u u^T with u (num_nodes x 3) of many nodes, whose blocks would be dense.
+  struct RankOne {
+    double factor;
+    PointArray u;
+  };
+  void add_rank_one(double factor, ConstPoints u) { rank_ones_.push_back({factor, u}); }
+  const std::vector<RankOne>& rank_ones() const { return rank_ones_; }
+
+  /// All blocks to zero, and no terms of rank one; the pattern stays.
   void clear();
 
   /// Takes out the blocks to which nothing was added since clear().
@@ -44,6 +53,7 @@ class BlockMatrix {
     std::vector<unsigned char> is_used;  // per entry: something was added since clear()
   };
   std::vector<Row> rows_;
+  std::vector<RankOne> rank_ones_;
   long num_unused_ = 0;  // entries
   long pattern_version_ = 0;
 };

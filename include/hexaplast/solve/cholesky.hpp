@@ -8,7 +8,7 @@
 namespace hexaplast {
 
 /// Sparse Cholesky factorisation (CHOLMOD) of the assembled system; the symbolic part is reused while the pattern
-/// stays.
+/// stays. Terms of rank one are solved for by the formula of Sherman, Morrison and Woodbury.
 class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver();
