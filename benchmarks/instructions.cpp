@@ -52,7 +52,8 @@ Settings element_of(std::string words) {
 void carry_out(const std::string& stage_and_element, int count) {
   const std::size_t colon = stage_and_element.find(':');
   const std::string name = stage_and_element.substr(0, colon);
-  const Settings element = colon == std::string::npos ? Settings() : element_of(stage_and_element.substr(colon + 1));
+  const Settings element =
+      colon == std::string::npos ? published_element() : element_of(stage_and_element.substr(colon + 1));
   const bool flows = name == "flow";
   bench::Bar bar({.size = 1000,
                   .mode = flows ? bench::Mode::kPlastic : bench::Mode::kElastic,

@@ -39,7 +39,7 @@ struct Bar {
     return {.yield_stress = 300, .flow_rate = 2, .rotation_yield = .01, .rotation_flow_rate = 1, .hardening = .2};
   }
   static Settings settings(Precision precision) {
-    Settings settings;
+    Settings settings = published_element();
     settings.precision = precision;
     return settings;
   }

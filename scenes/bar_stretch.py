@@ -48,6 +48,7 @@ def createScene(root):
     bar.addObject("MechanicalObject", name="nodes", template="Vec3d")
     bar.addObject("DiagonalMass", massDensity=1000)
     body = bar.addObject("HexahedronElastoplasticFEMForceField", name="material", template="Vec3d",
+                         bending="blended", volumetric="sample", recovery="none",
                          youngModulus=[5000], poissonRatio=[0.45], yieldNorm="frobenius", yieldStress=[300],
                          plasticFlowRate=4, hardening=0.2, rotationPlasticity="none", volumeRestitution=1)
     bar.addObject("BoxROI", name="middle", box=[-0.16, -0.16, -0.01, 0.16, 0.16, 0.01])

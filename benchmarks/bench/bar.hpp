@@ -23,7 +23,7 @@ struct BarSettings {
   Mode mode = Mode::kElastic;
   Precision precision = Precision::kDouble;
   double poisson_ratio = 0.45;
-  Settings element = {};  ///< its form; the precision is the one above
+  Settings element = published_element();  ///< its form; the precision is the one above
 };
 
 inline constexpr double kBarLength = 0.2;  ///< [m]

@@ -34,6 +34,9 @@ struct StepTimes {
   explicit StepTimes(std::vector<double> ms);
 };
 
+/// Of Record.
+std::string element_name(const Settings& settings);
+
 /// [ms] of a step of the dense peer on a body of that mesh and elasticity, under gravity, with so many iterations.
 double time_peer(const Body& body, double iterations);
 

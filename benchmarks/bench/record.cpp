@@ -23,6 +23,8 @@ template <class R, class Visit>
 void for_each_field(R& r, const Visit& visit) {
   visit("size", r.size);
   visit("shape", r.shape);
+  visit("element", r.element);
+  visit("poisson_ratio", r.poisson_ratio);
   visit("mode", r.mode);
   visit("precision", r.precision);
   visit("solver", r.solver);
@@ -60,13 +62,14 @@ double rounded(double value) {
 }
 
 bool same_kind(const Record& a, const Record& b) {
-  return a.size == b.size && a.shape == b.shape && a.mode == b.mode && a.precision == b.precision &&
-         a.solver == b.solver && a.target == b.target && a.threads == b.threads && a.simd == b.simd;
+  return a.size == b.size && a.shape == b.shape && a.element == b.element && a.poisson_ratio == b.poisson_ratio &&
+         a.mode == b.mode && a.precision == b.precision && a.solver == b.solver && a.target == b.target &&
+         a.threads == b.threads && a.simd == b.simd;
 }
 
 std::string kind(const Record& r) {
-  return fmt::format("{} hexahedra, {}, {}, {} {}, {} thread{}", r.size, r.mode, r.precision, r.solver, r.target,
-                     r.threads, r.threads == 1 ? "" : "s");
+  return fmt::format("{} hexahedra, {}, {}, {}, {} {}, {} thread{}", r.size, r.element, r.mode, r.precision, r.solver,
+                     r.target, r.threads, r.threads == 1 ? "" : "s");
 }
 
 std::string number(double value, const char* format) {
@@ -115,21 +118,23 @@ std::vector<Record> read_json(const std::filesystem::path& file) {
 
 std::string table_head() {
   return fmt::format(
-      "{:>7} {:<12} {:<6} {:<9} {:>7} {:>2} | {:>6} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} | {:>5} {:>5} {:>5} {:>5} "
+      "{:>7} {:<25} {:>5} {:<12} {:<6} {:<9} {:>7} {:>2} | {:>6} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} | {:>5} {:>5} "
+      "{:>5} {:>5} "
       "{:>5} "
       "{:>5} {:>5}  {}\n",
-      "hex", "mode", "prec.", "solver", "asked", "th", "its", "hex/ms", "p50 ms", "p99 ms", "x peer", "B/hex",
-      "residual", "lin", "op", "vec", "flow", "avg", "%flop", "%read", "state hash");
+      "hex", "element", "nu", "mode", "prec.", "solver", "asked", "th", "its", "hex/ms", "p50 ms", "p99 ms", "x peer",
+      "B/hex", "residual", "lin", "op", "vec", "flow", "avg", "%flop", "%read", "state hash");
 }
 
 std::string table_row(const Record& r) {
   return fmt::format(
-      "{:>7} {:<12} {:<6} {:<9} {:>7} {:>2} | {:>6.1f} {:>8.1f} {:>8.3f} {:>8.3f} {:>7} {:>7} {:>8.1e} | {:>5} {:>5} "
+      "{:>7} {:<25} {:>5} {:<12} {:<6} {:<9} {:>7} {:>2} | {:>6.1f} {:>8.1f} {:>8.3f} {:>8.3f} {:>7} {:>7} {:>8.1e} | "
+      "{:>5} {:>5} "
       "{:>5} {:>5} {:>5} {:>5} {:>5}  {}\n",
-      r.size, r.mode, r.precision, r.solver, r.target, r.threads, r.iterations, r.hex_per_ms, r.p50_ms, r.p99_ms,
-      number(r.ratio_to_dense_peer, "{:.2f}"), number(r.bytes_per_hex, "{:.0f}"), r.residual,
-      number(r.linearize_ns, "{:.0f}"), number(r.operator_ns, "{:.1f}"), number(r.vectors_ns, "{:.1f}"),
-      number(r.flow_ns, "{:.0f}"), number(r.averaging_ns, "{:.0f}"),
+      r.size, r.element, number(r.poisson_ratio, "{:.3g}"), r.mode, r.precision, r.solver, r.target, r.threads,
+      r.iterations, r.hex_per_ms, r.p50_ms, r.p99_ms, number(r.ratio_to_dense_peer, "{:.2f}"),
+      number(r.bytes_per_hex, "{:.0f}"), r.residual, number(r.linearize_ns, "{:.0f}"), number(r.operator_ns, "{:.1f}"),
+      number(r.vectors_ns, "{:.1f}"), number(r.flow_ns, "{:.0f}"), number(r.averaging_ns, "{:.0f}"),
       number(100 * r.operator_gflops / r.peak_gflops, "{:.0f}"), number(100 * r.operator_gbs / r.read_gbs, "{:.0f}"),
       r.state_hash);
 }

@@ -13,12 +13,14 @@ inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 /// One thread-precision-solver-mode cell of the table. Times are wall times of whole implicit steps.
 struct Record {
   // what was measured
-  int size = 0;           ///< hexahedra
-  std::string shape;      ///< box: every rest shape a parallelepiped at the start; or the name of a scene
-  std::string mode;       ///< elastic, plastic_idle, plastic
-  std::string precision;  ///< double, mixed
-  std::string solver;     ///< cg, jacobi, multigrid, auto; or the scene's
-  std::string target;     ///< what the solver was asked for: "25 its", "1 %", "1e-6"
+  int size = 0;              ///< hexahedra
+  std::string shape;         ///< box: every rest shape a parallelepiped at the start; or the name of a scene
+  std::string element;       ///< bending and volumetric: "blended sample"
+  double poisson_ratio = 0;  ///< 0 for scenes
+  std::string mode;          ///< elastic, plastic_idle, plastic
+  std::string precision;     ///< double, mixed
+  std::string solver;        ///< cg, jacobi, multigrid, auto; or the scene's
+  std::string target;        ///< what the solver was asked for: "25 its", "1 %", "1e-6"
   int threads = 1;
   std::string simd;  ///< instruction set
   std::string processor;

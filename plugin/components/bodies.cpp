@@ -18,7 +18,9 @@ namespace {
 /// A body as a force field. What it does not say otherwise is elastic.
 class HexahedronField : public scene::ForceField, public scene::Potential {
  public:
-  using ForceField::ForceField;
+  /// defaults: what attributes do not say.
+  explicit HexahedronField(const attributes::Description& description, const Settings& defaults = {})
+      : ForceField(description), defaults_(defaults) {}
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
@@ -102,12 +104,14 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
   }
 
   parts::HexahedralBodyOptions options(std::size_t num_elements) {
-    return parts::body_options([this](const auto& row) { return given(row); }, num_elements, topology_->fill());
+    return parts::body_options([this](const auto& row) { return given(row); }, num_elements, topology_->fill(),
+                               defaults_);
   }
 
   scene::MechanicalState* state_ = nullptr;
   scene::Topology* topology_ = nullptr;
   std::optional<parts::HexahedralBody> body_;
+  Settings defaults_;
   double rayleigh_stiffness_ = 0;
 };
 
@@ -133,7 +137,7 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
 
 class HexahedronFEMForceField final : public HexahedronField {
  public:
-  HexahedronFEMForceField() : HexahedronField(attributes::kHexahedronFEMForceField) {}
+  HexahedronFEMForceField() : HexahedronField(attributes::kHexahedronFEMForceField, published_element()) {}
 
   void init() override {
     HexahedronField::init();

@@ -28,11 +28,12 @@ void set_value(const Row<Settings>& row, double value, Settings& settings);
 void fill_partly(std::span<const double> fill, std::vector<Material>& materials);
 
 /// Options from what a host has for attributes. given(row): the values of a member, none where it has its default; of a
-/// word its place among those of the row. fill: share of each hexahedron that is full; empty: all are. Throws
-/// OptionError with all that is wrong, including what `given` throws.
+/// word its place among those of the row. fill: share of each hexahedron that is full; empty: all are. settings: what
+/// is not given. Throws OptionError with all that is wrong, including what `given` throws.
 template <class Given>
-HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill) {
-  HexahedralBodyOptions options;
+HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill,
+                                   const Settings& settings = {}) {
+  HexahedralBodyOptions options{.settings = settings};
   OptionErrors errors;
   for (const Row<Settings>& row : settings_rows())
     errors.collect([&] {

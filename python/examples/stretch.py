@@ -23,7 +23,8 @@ def bar(yield_stress, flow_rate):
     material = hexaplast.Material(
         young_modulus=5000, poisson_ratio=0.45, yield_stress=yield_stress, flow_rate=flow_rate, hardening=0.2
     )
-    settings = hexaplast.Settings(yield_norm="frobenius", rotation_plasticity="none")
+    settings = hexaplast.Settings(bending="blended", volumetric="sample", recovery="none",  # as the paper's
+                                  yield_norm="frobenius", rotation_plasticity="none")
     return hexaplast.Body(positions, hexahedra, material, settings)
 
 

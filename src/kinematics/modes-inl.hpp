@@ -27,26 +27,25 @@ HWY_INLINE void set_zero(ModeLanes<N>& modes) {
     for (N& entry : mode) entry = N(ScalarOf<N>(0));
 }
 
+/// Differences come first: of values that are nearly alike, as those of a body that falls, they are exact.
 template <class N>
 HWY_INLINE void modes(const CornerLanes<N>& u, ModeLanes<N>& at) {
   for (int i = 0; i < 3; ++i) {
-    N sum[4], difference[4];  // along the third coordinate
-    for (int a = 0; a < 4; ++a) {
-      sum[a] = u.at[a + 4][i] + u.at[a][i];
-      difference[a] = u.at[a + 4][i] - u.at[a][i];
-    }
+    N along[4];  // the third coordinate
+    for (int a = 0; a < 4; ++a) along[a] = u.at[a + 4][i] - u.at[a][i];
     // and along the first: near and far in the second
-    const N near = sum[1] + sum[0], far = sum[2] + sum[3];
-    const N across_near = sum[1] - sum[0], across_far = sum[2] - sum[3];
-    const N up_near = difference[1] + difference[0], up_far = difference[2] + difference[3];
-    const N both_near = difference[1] - difference[0], both_far = difference[2] - difference[3];
-    at.at[0][i] = across_far + across_near;
-    at.at[1][i] = far - near;
+    const N up_near = along[1] + along[0], up_far = along[2] + along[3];
+    const N both_near = along[1] - along[0], both_far = along[2] - along[3];
     at.at[2][i] = up_far + up_near;
     at.at[3][i] = up_far - up_near;
     at.at[4][i] = both_far + both_near;
-    at.at[5][i] = across_far - across_near;
     at.at[6][i] = both_far - both_near;
+    const N across_near = (u.at[1][i] - u.at[0][i]) + (u.at[5][i] - u.at[4][i]);
+    const N across_far = (u.at[2][i] - u.at[3][i]) + (u.at[6][i] - u.at[7][i]);
+    at.at[0][i] = across_far + across_near;
+    at.at[5][i] = across_far - across_near;
+    at.at[1][i] = ((u.at[3][i] - u.at[0][i]) + (u.at[2][i] - u.at[1][i])) +
+                  ((u.at[7][i] - u.at[4][i]) + (u.at[6][i] - u.at[5][i]));
   }
 }
 

@@ -20,6 +20,11 @@ struct Sampling {
   bool of_the_centre = false;  ///< share = 0, and what all have in common is the gradient at the centre
   bool one_rotation =
       false;  ///< with kModes: samples have the rotation of the mean, and S_i = S_m + sym R_m^T (F_i - F_m)
+
+  /// What of the difference of a sample's plastic increment from the mean of the eight goes into the rest shape:
+  /// samples of share 1/2 show as much of a mode in which the element bends as their corners move by, others 2 share of
+  /// it.
+  constexpr double increment_share() const { return assumed == Assumed::kNothing ? 1 : 1 / (2 * share); }  // eq. 27
 };
 
 constexpr Sampling sampling_of(const Settings& settings) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "hexaplast/mesh/trilinear.hpp"
+#include "kinematics/sampling.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
@@ -19,6 +20,7 @@ void flow_stretch(const FlowInput& at, double dt, ElementStep& step) {
     StretchFlow& flow = step.stretch[i];
     flow = stretch_flow(at.samples.polar[i].S, at.samples.stress[i], at.settings.yield_norm, step.next.yield_stress[i],
                         at.material.flow_rate, dt, at.settings.law);
+    if (!std::isfinite(flow.norm)) step.dissipated = flow.norm;  // an overflow, which whoever takes the step refuses
     if (flow.share == 0) continue;
     step.yielded = true;
     step.dissipated += at.samples.volume / kCorners * flow.dissipated;
@@ -66,6 +68,11 @@ void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& ste
   for (int i = 0; i < kCorners; ++i) {
     increments[i] = step.stretch[i].increment;
     if (objective) increments[i] = step.rotation[i].increment * increments[i];
+  }
+  if (const double share = sampling_of(at.settings).increment_share(); share != 1) {
+    Mat3 mean = Mat3::Zero();
+    for (const Mat3& increment : increments) mean += increment / kCorners;
+    for (Mat3& increment : increments) increment = mean + share * (increment - mean);
   }
   if (tracks_stretch)
     for (int i = 0; i < kCorners; ++i) {

@@ -99,6 +99,10 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
 
   V dissipated(0.0), flowing(0.0);
   V y[kCorners][3], mean[3] = {V(0.0), V(0.0), V(0.0)};
+  const double increment_share = sampling_of(settings).increment_share();
+  const bool shares = increment_share != 1;
+  Mat<V> mean_increment;
+  set_zero(mean_increment);
   for (int i = 0; i < kCorners; ++i) {
     const Mat<V>& F = element.F[i];
     const PolarLanes<V>& FRS = element.polar[i];
@@ -116,6 +120,9 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       for (int a = 0; a < 3; ++a) at_corner[a] = turned[a];
     };
     turn(Pi, false);
+    Mat<V> increment;
+    set_zero(increment);
+    for (int k = 0; k < 3; ++k) increment(k, k) = V(1.0);
 
     if (sampling_of(settings).one_rotation) {  // stretches may be negative though F is not inverted
       const V t(settings.inversion_threshold), xx = FRS.S.xx - t, yy = FRS.S.yy - t,
@@ -128,11 +135,14 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       const Sym<V> sigma =
           stress(of.law, of.mooney_share, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
       const V norm = stress_norm_bound(sigma, settings.yield_norm);
+      fails |= bits<double>(hn::Not(norm < V(std::numeric_limits<double>::infinity())));
       const V tau = yield_stress[i];
       const V share = flow_share(norm, tau, rate, norm);  // gamma
       if (any_positive(share)) {
-        turn(stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), share, plastic_strain[i], dissipated, fails),
-             false);
+        const Mat<V> Sp =
+            stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), share, plastic_strain[i], dissipated, fails);
+        turn(Sp, false);
+        if (shares) increment = Sp;
         flowing = max(flowing, share);
         yield_stress[i] = hardened(tau, hardening, share, norm);
       }
@@ -143,17 +153,29 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       const V tau = rotation_yield[i];
       const V share = flow_share(Q.angle, tau, rotation_rate, Q.angle);  // eta
       if (any_positive(share)) {
-        turn(rotation_exp(Q, share), false);  // R^p                                                         eq. 26
+        const Mat<V> Rp = rotation_exp(Q, share);  //                                                        eq. 26
+        turn(Rp, false);
+        if (shares) increment = Rp * increment;
         flowing = max(flowing, share);
         rotation_yield[i] = hardened(tau, hardening, share, Q.angle);
       }
     }
     turn(Pi, true);
-    for (int a = 0; a < 3; ++a) {
-      y[i][a] = at_corner[a];
-      mean[a] += V(1.0 / kCorners) * at_corner[a];
-    }
+    for (int a = 0; a < 3; ++a) y[i][a] = at_corner[a];
+    if (shares)
+      for (int k = 0; k < 9; ++k) mean_increment.m[k / 3][k % 3] += V(1.0 / kCorners) * increment.m[k / 3][k % 3];
   }
+  if (shares) {
+    const Mat<V> of_all = transposed_product(Pi, mean_increment * Pi);
+    for (int i = 0; i < kCorners; ++i)
+      for (int a = 0; a < 3; ++a) {
+        V alike(0.0);
+        for (int b = 0; b < 3; ++b) alike += of_all(a, b) * rest_shape[b * kCorners + i];
+        y[i][a] = alike + V(increment_share) * (y[i][a] - alike);
+      }
+  }
+  for (int i = 0; i < kCorners; ++i)
+    for (int a = 0; a < 3; ++a) mean[a] += V(1.0 / kCorners) * y[i][a];
 
   const V beta = element.volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
   const V scale = restitution_scale(beta, V(settings.volume_restitution * dt));

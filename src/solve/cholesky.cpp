@@ -94,6 +94,8 @@ struct CholeskySolver::Factor {
 
   /// Throws where A with its terms of rank one is not positive definite, as A is.
   void set_rank_ones(const std::vector<BlockMatrix::RankOne>& terms) {
+    columns.resize(0, 0);
+    if (terms.empty()) return;
     const auto size = static_cast<Eigen::Index>(factor->n), count = static_cast<Eigen::Index>(terms.size());
     columns.resize(size, count);
     Eigen::VectorXd inverse_factors(count);

@@ -154,6 +154,7 @@ void Recovery::add_diagonal(double factor, Points diagonal) const {
 
 void Recovery::add_blocks(double factor, BlockMatrix& K) const {
   for (const Spring& spring : springs_) K.add(spring.node, spring.node, factor * spring.weight * Mat3::Identity());
+  if (clusters_.empty()) return;
   PointArray u(K.num_nodes(), 3);
   for (const Cluster& cluster : clusters_) {
     const auto add = [&](double scale, const auto& motion) {

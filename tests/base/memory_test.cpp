@@ -27,8 +27,10 @@ TEST(Memory, ABodyThatDoesNotFitIsRefused) {
 // BodyMemory.IsWhatTheGuardCounts measures it.
 TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2}, turns{.rotation_flow_rate = 1};
-  const Settings in_double, mixed{.precision = Precision::kMixed},
-      stretches_alone{.rotation_plasticity = RotationPlasticity::kNone};
+  const Settings in_double = published_element();
+  Settings mixed = in_double, stretches_alone = in_double;
+  mixed.precision = Precision::kMixed;
+  stretches_alone.rotation_plasticity = RotationPlasticity::kNone;
   for (const Settings& settings : {in_double, mixed}) {
     const double still = bytes_per_hexahedron({elastic}, settings);
     EXPECT_GT(bytes_per_hexahedron({yields}, settings), still);

@@ -23,7 +23,7 @@ HexMesh shaken_mesh() {
 }
 
 struct DensePeerTest : testing::Test {
-  Body body{shaken_mesh(), {Material{.young_modulus = 700, .poisson_ratio = .3}}};
+  Body body{shaken_mesh(), {Material{.young_modulus = 700, .poisson_ratio = .3}}, published_element()};
   const PointArray& X = body.mesh().positions();
   Eigen::VectorXd masses = 3 * nodal_volumes(X, body.mesh().hexahedra());
   baselines::DensePeer peer{body.mesh(), body.state().model.lame, masses, {0, 1, 2}};

@@ -108,7 +108,7 @@ TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
   Mat3 stretched = Mat3::Identity();
   stretched(0, 0) = 1.1;
   std::vector<PathResponse> answers;
-  follow_path(support::distorted_hexahedron(kEdge, 0.15, 414), material, {}, 0.25,
+  follow_path(support::distorted_hexahedron(kEdge, 0.15, 414), material, published_element(), 0.25,
               {{1, Mat3::Identity()}, {2, stretched}, {2.1, stretched}},
               [&](const PathResponse& answer) { answers.push_back(answer); });
   ASSERT_EQ(answers.size(), 6u) << "four steps of .25 s and one that is shorter, after the beginning";

@@ -163,7 +163,7 @@ support::Simulation pulled_sheet(const HexMesh& mesh, double pull, const bool& i
     for (const int n : lower) f(n, 0) -= share;
     for (const int n : upper) f(n, 0) += share;
   };
-  return {Body(mesh, {tearing(320)}), std::move(setup)};
+  return {Body(mesh, {tearing(320)}, published_element()), std::move(setup)};
 }
 
 using Crack = std::set<std::array<int, 2>>;  // hexahedra by column and row

@@ -29,7 +29,7 @@ constexpr double kYoung = 5000;  // [Pa]
 Body elastic_body(HexMesh mesh) {
   Material m;
   m.young_modulus = kYoung;
-  return Body(std::move(mesh), {m});
+  return Body(std::move(mesh), {m}, published_element());
 }
 
 /// True when no sample of the body comes near a gradient at which its rotation jumps (the two least stretches

@@ -114,7 +114,7 @@ Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
 TEST_P(OnEverySet, ForceProductAndEnergyAreThoseOfTheElements) {
   for (const Bending scheme : {Bending::kBlended, Bending::kVertex, Bending::kCentre})
     for (const double distortion : {0.0, 0.15}) {
-      Settings settings;
+      Settings settings = published_element();
       settings.bending = scheme;
       const HexMesh mesh = support::distorted_block({3, 4, 5}, kEdge, distortion, 91);
       Random random(92);

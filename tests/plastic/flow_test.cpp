@@ -70,7 +70,7 @@ TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
   for (const YieldNorm norm : kNorms) {
     for (const double stretch : {0.8, 1.4}) {
       const ElementPoints X = support::distorted_hexahedron(kEdge, 0.2, 156);
-      Settings settings;
+      Settings settings = published_element();
       settings.yield_norm = norm;
       Body body(support::single_element(X), {kSoft}, settings);
       const Mat3 Q = random.rotation();

@@ -23,7 +23,7 @@ using support::Random;
 // ---- gradients
 
 int num_zero_modes(Bending scheme, double distortion) {
-  Settings settings;
+  Settings settings = published_element();
   settings.bending = scheme;
   Body body(support::single_element(support::distorted_hexahedron(kEdge, distortion, 211)), {Material{}}, settings);
   BlockMatrix K(kCorners);
@@ -47,7 +47,7 @@ TEST(Bending, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
   const std::vector<bool> on_boundary = support::is_on_boundary(mesh);
   for (const Bending scheme : {Bending::kBlended, Bending::kVertex, Bending::kCentre}) {
     Random random(213);
-    Settings settings;
+    Settings settings = published_element();
     settings.bending = scheme;
     Body body(mesh, {Material{}}, settings);
     const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge);
@@ -76,13 +76,14 @@ TEST(Bending, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
 // ---- shares of stretch and rotation
 
 /// Share of a small displacement u of a cube that one full step makes permanent, by stretch or rotation flow or both.
-double permanent_share(const ElementPoints& X, const ElementPoints& u, bool stretch, bool rotation) {
+double permanent_share(Bending bending, const ElementPoints& X, const ElementPoints& u, bool stretch, bool rotation) {
   Material m;
   m.yield_stress = 0;
   m.flow_rate = stretch ? 1 / kStep : 0;  // all of it at once
   m.rotation_yield = 0;
   m.rotation_flow_rate = rotation ? 1 / kStep : 0;
   Settings settings;
+  settings.bending = bending;
   settings.volume_restitution = 0;
   Body body(support::single_element(X), {m}, settings);
   body.flow(PointArray(X + u), kStep);
@@ -102,14 +103,16 @@ TEST(PlasticStep, SharesTwistBendAndStretchBetweenStretchAndRotation) {
   }
   const struct {
     ElementPoints u;
-    double by_stretch, by_rotation;
-  } modes[] = {{twist, 0.25, 0.75}, {bend, 0.75, 0.25}, {stretch, 1, 0}};
-  for (const auto& mode : modes) {
-    const ElementPoints u = small * kEdge * mode.u;
-    EXPECT_NEAR(permanent_share(X, u, true, false), mode.by_stretch, 2 * small);
-    EXPECT_NEAR(permanent_share(X, u, false, true), mode.by_rotation, 2 * small);
-    EXPECT_NEAR(permanent_share(X, u, true, true), 1, 2 * small);
-  }
+    double by_stretch, by_stretch_where_shear_is_assumed;  // the rest by rotation
+  } modes[] = {{twist, 0.25, 0.25}, {bend, 0.75, 0.5}, {stretch, 1, 1}};
+  for (const Bending bending : {Bending::kBlended, Bending::kAssumedCorner, Bending::kAssumed, Bending::kOneRotation})
+    for (const auto& mode : modes) {
+      const ElementPoints u = small * kEdge * mode.u;
+      const double by_stretch = bending == Bending::kBlended ? mode.by_stretch : mode.by_stretch_where_shear_is_assumed;
+      EXPECT_NEAR(permanent_share(bending, X, u, true, false), by_stretch, 2 * small);
+      EXPECT_NEAR(permanent_share(bending, X, u, false, true), 1 - by_stretch, 2 * small);
+      EXPECT_NEAR(permanent_share(bending, X, u, true, true), 1, 2 * small);
+    }
 }
 
 // ---- frames of the paper's rotation modes

@@ -186,7 +186,8 @@ Table table(const std::string& csv) {
 
 TEST_F(ElementCommand, DrivesTheHexahedronThroughAPath) {
   write("path.csv", "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n0,1,0,0,0,1,0,0,0,1\n# hold\n1,1.2,0,0,0,1,0,0,0,1\r\n");
-  const std::string elastic = R"(, "parameters": {"youngModulus": 1000, "poissonRatio": 0.25, "dt": 0.1)";
+  const std::string elastic = R"(, "parameters": {"youngModulus": 1000, "poissonRatio": 0.25, "dt": 0.1,
+      "bending": "blended", "volumetric": "sample")";
   Outcome outcome = element("- --path path.csv", "{" + kCube + elastic + "}}");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   Table t = table(outcome.out);

@@ -27,7 +27,8 @@ std::string bar(const std::string& solver, const std::string& times, const std::
          "' gravity='0 0 0'>\n<DefaultAnimationLoop/><RunSettings steps='100'/><EulerImplicitSolver " + solver +
          "/><SparseLDLSolver/>\n<RegularGridTopology n='5 2 2' max='.4 .1 .1'/><MechanicalObject/><DiagonalMass "
          "massDensity='1000'/>\n<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' "
-         "poissonRatio='.3'/>\n<FixedProjectiveConstraint indices='0 5 10 15'/><LinearForceField points='4 9 14 19' "
+         "poissonRatio='.3' bending='blended' volumetric='sample' recovery='none'/>\n<FixedProjectiveConstraint "
+         "indices='0 5 10 15'/><LinearForceField points='4 9 14 19' "
          "times='" +
          times + "' forces='" + forces + "'/></Node>";
 }

@@ -250,13 +250,13 @@ TEST(FattyTissue, KeepsABumpOnAWallThatDoesNotFlow) {
 
   const double top = mesh.positions().col(1).maxCoeff();
   EXPECT_NEAR(top, 0.038, 1e-4);
-  EXPECT_NEAR(world.col(1).maxCoeff() - top, 0.012, 0.0015);
-  EXPECT_NEAR(material.col(1).maxCoeff() - top, 0.012, 0.0015);
+  EXPECT_NEAR(world.col(1).maxCoeff() - top, 0.014, 0.0015);
+  EXPECT_NEAR(material.col(1).maxCoeff() - top, 0.014, 0.0015);
 
   // of every four nodes outward, the first lies on the inside of the wall, the second one on its outside
   for (int n = 0; n < mesh.num_nodes(); n += 4)
     for (const int node : {n, n + 1})
-      ASSERT_LT((world.row(node) - mesh.positions().row(node)).norm(), 3e-3) << "node " << node;
+      ASSERT_LT((world.row(node) - mesh.positions().row(node)).norm(), 5e-3) << "node " << node;
   for (int e = 0; e < mesh.num_elements(); e += 3)
     ASSERT_EQ(final["yield_stress"][e], 1e9) << "hexahedron " << e << " of the wall has flowed";
 

@@ -172,7 +172,8 @@ TEST(HexahedronFEM, IsTheElasticCase) {
     return PointArray(at<scene::MechanicalState>(scene, "nodes").positions());
   };
   const PointArray ours =
-      end("<HexahedronElastoplasticFEMForceField youngModulus='300' poissonRatio='0.3' rayleighStiffness='0.1'/>");
+      end("<HexahedronElastoplasticFEMForceField youngModulus='300' poissonRatio='0.3' rayleighStiffness='0.1' "
+          "bending='blended' volumetric='sample' recovery='none'/>");
   EXPECT_EQ(end("<HexahedronFEMForceField youngModulus='300' poissonRatio='0.3' rayleighStiffness='0.1' "
                 "method='polar' updateStiffnessMatrix='false' drawing='1'/>"),
             ours);

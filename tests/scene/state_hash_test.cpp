@@ -35,7 +35,7 @@ void PrintTo(const PinnedScene& scene, std::ostream* out) { *out << scene.name; 
 
 constexpr PinnedScene kScenes[] = {
     {"bar_stretch_high", 25}, {"bar_stretch_medium", 25},
-    {"bar_stretch_low", 40},  {"bar_stretch_face", 25},
+    {"bar_stretch_low", 40},  {"bar_stretch_face", 40},
     {"bar_twist_high", 25},   {"bar_twist_medium", 25},
     {"bar_twist_low", 40},    {"cantilever_static", 2, Comes::kElastic},
     {"fatty_tissue", 25},     {"liver_cage", 30},

@@ -32,7 +32,7 @@ struct Measured {
 
   Measured(std::array<int, 3> cells, Material material, EulerSettings settings, std::vector<int> fixed = {},
            NodalLoad load = {}, double step = kStep)
-      : body(support::block(cells, kEdge), {material}),
+      : body(support::block(cells, kEdge), {material}, published_element()),
         system(body, mass, std::move(fixed), std::move(load)),
         euler(settings),
         dt(step) {
@@ -212,7 +212,7 @@ TEST(EnergyBalance, MeasuringChangesNoBit) {
                       .euler = {.rayleigh_stiffness = 0.01},
                       .fixed = support::nodes_at(mesh, 0, 0),
                       .load = load};
-  MovingBody silent(Body(mesh, {material}), motion);
+  MovingBody silent(Body(mesh, {material}, published_element()), motion);
   Measured measured({3, 1, 1}, material, motion.euler, motion.fixed, load);
   for (int n = 0; n < 20; ++n) {
     silent.step();

@@ -48,7 +48,7 @@ class Slab final : public LinearSystem {
 
   /// Hexahedra [first, last) of the mesh.
   void add_body(int first, int last, double young_modulus, Precision precision = Precision::kDouble) {
-    Settings settings;
+    Settings settings = published_element();  // on which the bounds of iterations were measured
     settings.precision = precision;
     const std::vector<Hexahedron> some(mesh.hexahedra().begin() + first, mesh.hexahedra().begin() + last);
     Body& body =

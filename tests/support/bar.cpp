@@ -65,7 +65,7 @@ Material bar_material(BarLoad load, const std::string& strength) {
 Simulation bar(BarLoad load, const std::string& strength, double fracture_stress, double dt) {
   Material material = bar_material(load, strength);
   material.fracture_stress = fracture_stress;
-  Settings settings;
+  Settings settings = published_element();
   settings.yield_norm = YieldNorm::kFrobenius;
   HexMesh mesh = block({3, 3, kSlices}, kCell);
 

@@ -168,7 +168,7 @@ BarRun run_bar(const BarCase& bar) {
 std::vector<double> uniaxial_stretch(const Material& material, double nominal_stress,
                                      const std::vector<double>& times) {
   constexpr double kStep = 0.01;  // [s]
-  Settings settings;
+  Settings settings = published_element();
   settings.rotation_plasticity = RotationPlasticity::kNone;
   Body body(block({1, 1, 1}, kCell), {material}, settings);
   const double force = nominal_stress * kCell * kCell;

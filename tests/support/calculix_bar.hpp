@@ -26,7 +26,7 @@ struct Schedule {
 
 struct BarCase {
   Material material;
-  Settings settings = {};
+  Settings settings = published_element();
   EndLoad load = EndLoad::kCentralStretch;
   double force = 0;
   Schedule schedule = {};

@@ -60,7 +60,7 @@ inline Material material(const Json& params) {
 /// Settings of a rotation mode: "objective", "paper_vertex" or "paper_centre".
 inline Settings settings(const Json& params, const std::string& mode, RotationFrame frame) {
   if (params.at("norm") != "fro") throw std::runtime_error("golden data know the Frobenius norm only");
-  Settings s;
+  Settings s = published_element();
   s.yield_norm = YieldNorm::kFrobenius;
   s.rotation_plasticity = mode == "paper_vertex"   ? RotationPlasticity::kVertex
                           : mode == "paper_centre" ? RotationPlasticity::kCentre

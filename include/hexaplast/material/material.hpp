@@ -101,15 +101,15 @@ enum class Precision {
 
 /// What holds for a whole body. Each member has a row (material/rows.hpp).
 struct Settings {
-  Bending bending = Bending::kBlended;
+  Bending bending = Bending::kAssumedCorner;
   double blend_share = 0.5;  ///< [-] of the corner in kBlended, in (0, 1)
-  Volumetric volumetric = Volumetric::kSample;
+  Volumetric volumetric = Volumetric::kVolumeRatio;
   ElasticLaw law = ElasticLaw::kCorotated;
   double mooney_share = 0.2;  ///< [-] m2 / mu of kMooneyRivlin, in [0, 1]
-  RecoveryMode recovery = RecoveryMode::kNone;
-  double recovery_strength = 4;  ///< [-] of the springs, > 0
+  RecoveryMode recovery = RecoveryMode::kCluster;
+  double recovery_strength = 3;  ///< [-] of the springs, > 0
   double recovery_from = 0.05;   ///< [-] corner ratio below which springs act
-  double recovery_full = -0.1;   ///< [-] at and below which they have their full strength, at most 0
+  double recovery_full = -1;     ///< [-] at and below which they have their full strength, at most 0
   YieldNorm yield_norm = YieldNorm::kVonMises;
   RotationPlasticity rotation_plasticity = RotationPlasticity::kObjective;
   RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre
@@ -129,6 +129,12 @@ struct Settings {
 
   bool operator==(const Settings&) const = default;
 };
+
+/// The element of the paper's figures and of all that is compared with them: theory.md sections 2 and 3 alone. It locks
+/// towards Poisson's ratio 0.5, is stiff in bending, and may stay folded.
+inline Settings published_element() {
+  return {.bending = Bending::kBlended, .volumetric = Volumetric::kSample, .recovery = RecoveryMode::kNone};
+}
 
 /// Whether stretch, or rotation, of a hexahedron can ever become permanent.
 bool can_stretch(const Material& material);

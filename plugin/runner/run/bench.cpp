@@ -75,6 +75,7 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   bench::Record record;
   record.size = body.mesh().num_elements();
   record.shape = options.scene.file.stem().string();
+  record.element = bench::element_name(body.settings());
   record.mode = body.can_flow() ? (most_yielded > 0 ? "plastic" : "plastic_idle") : "elastic";
   record.precision = body.settings().precision == Precision::kDouble ? "double" : "mixed";
   record.solver = solver ? solver->class_name() : "none";

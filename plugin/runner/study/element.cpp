@@ -186,6 +186,7 @@ Element read_element(const Json& given) {
 
   Element element;
   element.names_modes = given.contains("X0");
+  if (element.names_modes) element.settings = published_element();  // of which reference files are
   static const std::set<std::string> known{"original",    "material",    "rest",          "world",
                                            "rotationMap", "yieldStress", "rotationYield", "parameters"};
   if (!element.names_modes)
