@@ -52,6 +52,7 @@ bool slider(const char* name, const char* unit, double& value, double least, dou
 void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   ImGui::TextUnformatted(fmt::format("{} [{}]", title, unit).c_str());
+  if (curves.size() > 1) ImGui::Dummy({0, ImGui::GetFontSize()});  // values of several do not fit beside the title
   ImVec2 pen = ImGui::GetItemRectMin();
   pen.x += ImGui::GetContentRegionAvail().x;
   for (auto curve = std::rbegin(curves); curve != std::rend(curves); ++curve) {

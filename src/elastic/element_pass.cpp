@@ -77,6 +77,30 @@ HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lan
   return pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
 }
 
+/// Whether every corner keeps most of its volume: where the gradient of a corner F_i is nearer than 1 - d1^1/3 to a
+/// rotation, det F_i > d1. Of parallelepipeds, with Q the hourglass modes,                                      eq. E31
+///
+///   |F_i - R_m|^2 <= 2 |S_m - I|^2 + 2 |F_i - F_m|^2 <= 2 |S_m - I|^2 + 18 |Q|^2 |J_o^-1 / 2|^2
+template <Assumed kAssumed, class V>
+HWY_NOINLINE bool corners_are_thick(const ElementLanes<false, kAssumed, V>& element, double safe_strain) {
+  const Sym<V>& S = element.mean.S;
+  const V one(1.0);
+  const V strain = squared_norm(Sym<V>{S.xx - one, S.yy - one, S.zz - one, S.yz, S.zx, S.xy});
+  V modes(0.0), dual(0.0);
+  for (const auto& mode : element.columns.Q) modes += dot(mode, mode);
+  for (const auto& row : dual_of(element.rest).m) dual += dot(row, row);
+  const V bound = strain + V(9.0) * modes * dual;
+  return bits<double>(bound < V(0.5 * safe_strain * safe_strain)) == (1u << V::kCount) - 1;
+}
+template <bool kGeneral, Assumed kAssumed, class V, class T, class Coef>
+HWY_INLINE void screen_folding(const ElementPass<T, Coef>& pass, const ElementLanes<kGeneral, kAssumed, V>& element,
+                               int block) {
+  if constexpr (kGeneral || kAssumed == Assumed::kNothing)
+    pass.may_fold[block] = 1;
+  else if (!corners_are_thick(element, pass.safe_strain))
+    pass.may_fold[block] = 1;
+}
+
 /// What rotation flow is screened for.
 template <class V>
 HWY_INLINE void screen_turns(const Mat<V>& R_centre, const PolarLanes<V>* polar, float* screen) {
@@ -123,6 +147,7 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
     screen_turns(transposed_product(element.mean.R, safe_polar(centre_gradient(x, u)).R), polar, screen);
   }
   store_as(rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  screen_folding(pass, element, block);
 
   const Mat<V> j = scaled(V(pass.length), element.j);
   ModeStiffness<V> stiffness(j, rest.share, of.mu, of.free);
@@ -188,6 +213,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
   store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
   store_as(element.rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  screen_folding(pass, element, block);
   writer.finish(of_volume);
 
   CornerLanes<V> f;
@@ -197,7 +223,8 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
 
 template <class T, class Coef>
 void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
-  for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block)
+  for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block) {
+    pass.may_fold[block] = 0;
     for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
       for_shape(
           pass.op.is_general[block] != 0,
@@ -206,6 +233,7 @@ void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
               if (pass.op.kind.sampling.one_rotation) return linearize_one_rotation<kGeneral>(pass, block, lane);
             linearize_lanes<kGeneral, kAssumed>(pass, block, lane);
           });
+  }
 }
 
 /// The coefficients of one register of elements in double precision, computed anew.

@@ -18,9 +18,11 @@ struct ElementPass {
   bool screens_rotation;  ///< fills YieldScreen::kCosine
   double length;          ///< [m] unit of the coefficients
   ElementOperator<T, Coef>& op;
-  double* force;   ///< [N] slots, added to
-  double* volume;  ///< [m^3] [block][element]
-  float* screen;   ///< YieldScreen, per block
+  double* force;            ///< [N] slots, added to
+  double* volume;           ///< [m^3] [block][element]
+  float* screen;            ///< YieldScreen, per block
+  double safe_strain;       ///< gradients of corners that are nearer to a rotation are not folded
+  unsigned char* may_fold;  ///< per block, written: some corner may be
 };
 
 template <class T, class Coef>

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
+#include <span>
 
 #include "elastic/element_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -39,16 +41,22 @@ std::uint16_t present(const Partition& partition, const History& history, int bl
   return static_cast<std::uint16_t>(bits);
 }
 
-/// The springs at positions whose slots are given.
+/// The springs at positions whose slots are given; may_fold: per block, or nothing where that is not known.
 void find_recovery(const Model& model, const History& history, const AlignedVector<double>& material,
-                   const AlignedVector<double>& world, ConstPoints x, Recovery& recovery) {
+                   const AlignedVector<double>& world, std::span<const unsigned char> may_fold, ConstPoints x,
+                   Recovery& recovery) {
   if (model.settings.recovery == RecoveryMode::kNone) return;
+  const auto looks_at = [&](int block) { return may_fold.empty() || may_fold[block] != 0; };
+  if (!may_fold.empty() && std::ranges::count(may_fold, 0) == std::ssize(may_fold)) return recovery.clear();
   const Partition& partition = *model.partition;
   AlignedVector<double>& ratios = recovery.corner_ratios;
   ratios.resize(static_cast<std::size_t>(partition.num_blocks) * kBlock);
   parallel_for(partition.num_blocks, [&](int block) {
-    corner_ratios(model, material.data(), world.data(), block,
-                  ratios.data() + static_cast<std::size_t>(block) * kBlock);
+    double* const of_block = ratios.data() + static_cast<std::size_t>(block) * kBlock;
+    if (looks_at(block))
+      corner_ratios(model, material.data(), world.data(), block, of_block);
+    else
+      std::fill_n(of_block, kBlock, 1.0);
   });
   recovery.find(model, history.alive, history.material, x);
 }
@@ -120,12 +128,14 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .op = op,
                                         .force = at.force.data(),
                                         .volume = at.volume.data(),
-                                        .screen = at.screen.data()};
+                                        .screen = at.screen.data(),
+                                        .safe_strain = 1 - std::cbrt(std::max(model.settings.recovery_from, 0.0)),
+                                        .may_fold = at.may_fold.data()};
         parallel_for(partition.num_chunks, [&](int chunk) { linearize_elements(pass, chunk); });
       },
       at.op);
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
-  find_recovery(model, history, at.material, at.world, at.x, at.recovery);
+  find_recovery(model, history, at.material, at.world, at.may_fold, at.x, at.recovery);
   at.is_current = true;
 }
 
@@ -179,7 +189,7 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
   parallel_for(partition.num_blocks, [&](int block) {
     work.energy[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
   });
-  find_recovery(model, history, material, world, x, work.recovery);
+  find_recovery(model, history, material, world, {}, x, work.recovery);
   return std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
 }
 

@@ -31,13 +31,14 @@ struct Linearization {
   AlignedVector<double> volume;           ///< [m^3] of the material shape, [block][element]; 0 where nothing is
 
   // of the world positions
-  bool is_current = false;      ///< what follows belongs to x and the material shape
-  long revision = 0;            ///< grows whenever what follows changes
-  PointArray x;                 ///< [m] world positions
-  AlignedVector<double> world;  ///< [m] slots
-  AlignedVector<double> force;  ///< [N] slots
-  AlignedVector<float> screen;  ///< YieldScreen, per block
-  Recovery recovery;            ///< its forces stand beside those of the elements
+  bool is_current = false;              ///< what follows belongs to x and the material shape
+  long revision = 0;                    ///< grows whenever what follows changes
+  PointArray x;                         ///< [m] world positions
+  AlignedVector<double> world;          ///< [m] slots
+  AlignedVector<double> force;          ///< [N] slots
+  AlignedVector<float> screen;          ///< YieldScreen, per block
+  std::vector<unsigned char> may_fold;  ///< per block: some corner may have lost most of its volume
+  Recovery recovery;                    ///< its forces stand beside those of the elements
   std::variant<ElementOperator<double, double>, ElementOperator<float, Half>, ElementOperator<float, float>> op;
 };
 

@@ -30,10 +30,14 @@ Mat3 pseudo_inverse(const Mat3& A) {
 
 }  // namespace
 
-void Recovery::find(const Model& model, std::span<const unsigned char> alive, ConstPoints material, ConstPoints world) {
+void Recovery::clear() {
   springs_.clear();
   clusters_.clear();
   energy_ = 0;
+}
+
+void Recovery::find(const Model& model, std::span<const unsigned char> alive, ConstPoints material, ConstPoints world) {
+  clear();
   const std::vector<Hexahedron>& hexahedra = model.mesh.hexahedra();
   const auto own_pull = [&](int e) {
     return alive[e] ? pull_of(corner_ratios[model.partition->place_of_element[e]], model.settings) : 0.0;

@@ -27,6 +27,8 @@ class Recovery {
   /// material, world: nodes x 3 [m].
   void find(const Model& model, std::span<const unsigned char> alive, ConstPoints material, ConstPoints world);
 
+  void clear();
+
   bool acts() const { return !clusters_.empty(); }
   double energy() const { return energy_; }  ///< [J]
 

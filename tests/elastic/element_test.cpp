@@ -398,9 +398,51 @@ TEST(Recovery, DoesNothingToABodyThatIsNotFolded) {
   settings.recovery = RecoveryMode::kCluster;
   Random random(314);
   const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.1 * kEdge);
-  Body with_springs(mesh, {Material{}}, settings), without_springs(mesh, {Material{}});
+  Settings without = settings;
+  without.recovery = RecoveryMode::kNone;
+  Body with_springs(mesh, {Material{}}, settings), without_springs(mesh, {Material{}}, without);
   EXPECT_EQ(force_at(with_springs, x), force_at(without_springs, x));
   EXPECT_EQ(with_springs.energy(x), without_springs.energy(x));
+}
+
+double least_corner_ratio(const HexMesh& mesh, const PointArray& x) {
+  double least = 1e300;
+  for (const Hexahedron& corners : mesh.hexahedra())
+    for (int a = 0; a < kCorners; ++a)
+      least = std::min(least, corner_jacobian(gather(x, corners), a).determinant() /
+                                  corner_jacobian(gather(mesh.positions(), corners), a).determinant());
+  return least;
+}
+
+// Elements that cannot be folded are passed over: that must miss none.
+TEST(Recovery, ActsAsSoonAsACornerIsThin) {
+  Random random(319);
+  int passed_over = 0;
+  for (int round = 0; round < 400; ++round) {
+    Settings settings;
+    settings.bending = kBendings[round % 4];
+    settings.recovery_from = round % 3 == 0 ? 0.5 : 0.05;
+    const Mat3 sheared = Mat3::Identity() + 0.5 * Mat3(random.field(3, 1));
+    const HexMesh cubes = support::block({2, 2, 1}, kEdge);
+    const HexMesh mesh(support::mapped(cubes.positions(), sheared * sheared.transpose()), cubes.hexahedra());
+    const PointArray way =
+        random.field(mesh.num_nodes(), kEdge) + support::mapped(cubes.positions(), Mat3(random.field(3, 1)));
+    double thick = 0, thin = 1;  // of the way
+    while (least_corner_ratio(mesh, mesh.positions() + thin * way) >= settings.recovery_from) thin *= 2;
+    while (thin - thick > 1e-9) {
+      const double middle = (thin + thick) / 2;
+      (least_corner_ratio(mesh, mesh.positions() + middle * way) < settings.recovery_from ? thin : thick) = middle;
+    }
+    Body body(mesh, {Material{}}, settings);
+    const Linearization& at = body.state().at;
+    for (const double share : {0.05 * thick, 0.3 * thick, 0.6 * thick, 0.9 * thick, thick, thin, 2 * thin}) {
+      const PointArray x = mesh.positions() + share * way;
+      force_at(body, x);
+      EXPECT_EQ(at.recovery.acts(), least_corner_ratio(mesh, x) < settings.recovery_from) << round << " " << share;
+      passed_over += at.may_fold[0] == 0;
+    }
+  }
+  EXPECT_GT(passed_over, 200);  // of 2800
 }
 
 TEST(Recovery, HasNoForceOrMomentInSumAndResistsNoRigidMotion) {
