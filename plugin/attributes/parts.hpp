@@ -130,6 +130,39 @@ inline constexpr Description kGraspForceField{
     .templates = kVec3Templates,
     .attributes = kGraspAttributes};
 
+inline constexpr Attribute kProbeAttributes[] = {
+    {.name = "value",
+     .type = Type::kReals,
+     .help = "A link to the numbers or vectors that are recorded, for example @forceps.force, @nodes.position or "
+             "@material.plasticStrain."},
+    {.name = "indices",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Entries of the value that count, for example nodes, or @tumour.hexahedronIndices; default: all."},
+    {.name = "component",
+     .type = Type::kWord,
+     .initial = "norm",
+     .words = "x y z norm",
+     .help = "Of vectors: which component, or their length. Without effect for numbers."},
+    {.name = "statistic",
+     .type = Type::kWord,
+     .initial = "mean",
+     .words = "mean sum min max",
+     .help = "How several entries become one number. Mean and sum of vectors are vectors; min and max are those of the "
+             "component."},
+    {.name = "change",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "The change since the beginning: of positions, the displacement."},
+};
+inline constexpr Description kProbe{
+    .class_name = "Probe",
+    .category = "Probe",
+    .help =
+        "Records a number after every step: a column of history.csv that has its name, a chart of the report, a "
+        "line of the summary, and a column that `hexaplast fit` can compare. It changes nothing in the run.",
+    .attributes = kProbeAttributes};
+
 inline constexpr Attribute kRunSettingsAttributes[] = {
     {.name = "steps",
      .type = Type::kInteger,

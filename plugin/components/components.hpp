@@ -22,6 +22,7 @@ void add_loads(scene::Factory& factory);           // forces of the scene, press
 void add_instruments(scene::Factory& factory);     // GraspForceField
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
 void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
+void add_probes(scene::Factory& factory);          // Probe
 void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
 

@@ -20,5 +20,6 @@ HEXAPLAST_PLUGIN(factory) {
   add_bodies(factory);
   add_mappings(factory);
   add_visuals(factory);
+  add_probes(factory);
   add_exporters(factory);
 }

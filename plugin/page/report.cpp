@@ -95,11 +95,19 @@ std::string mark_step_times(Panel& panel, const StepTimes& times) {
                      times.longest);
 }
 
-void add_charts(HtmlPage& page, const fs::path& directory) {
+/// A panel for each probe, behind what every run has.
+std::vector<HistoryPanel> panels_of(const std::vector<ProbeRecord>& probes) {
+  std::vector<HistoryPanel> panels(history_panels().begin(), history_panels().end());
+  for (const ProbeRecord& probe : probes)
+    panels.push_back({probe.name, probe.unit, 1e-12, {{probe.name, {probe.name}, 1, 0, &CurveColours::first}}});
+  return panels;
+}
+
+void add_charts(HtmlPage& page, const fs::path& directory, const std::vector<ProbeRecord>& probes) {
   // nothing is loaded, nothing is torn: nothing to see
   constexpr std::string_view kShownIfNotZero[] = {"yielded hexahedra", "displacement of loaded nodes",
                                                   "removed hexahedra"};
-  HistoryView view = view_history(directory / "history.csv", history_panels(), kPageColours);
+  HistoryView view = view_history(directory / "history.csv", panels_of(probes), kPageColours);
   if (view.panels.empty()) return;
   page.heading("Over time");
   page.add("<div class=\"charts\">");
@@ -203,7 +211,7 @@ void write_report(const fs::path& directory, const Manifest& run) {
     page.table({}, rows);
   }
   add_pictures(page, directory, run.dt);
-  add_charts(page, directory);
+  add_charts(page, directory, run.probes);
   add_removed(page, directory);
   add_scene(page, run);
   add_run(page, run);

@@ -35,6 +35,12 @@ Json json_of(const std::vector<Figure>& figures) {
   return list;
 }
 
+Json json_of(const std::vector<ProbeRecord>& probes) {
+  Json list = Json::array();
+  for (const ProbeRecord& probe : probes) list.push_back({{"name", probe.name}, {"unit", probe.unit}});
+  return list;
+}
+
 /// JSON's numbers know no limits.
 template <std::integral Integer>
 Integer integer_of(const Json& json) {
@@ -127,6 +133,7 @@ Json json_of(const Manifest& run) {
             {"summary", json_of(run.summary)},
             {"warnings", run.warnings}};
   if (run.pictures) json["pictures"] = json_of(*run.pictures);
+  if (!run.probes.empty()) json["probes"] = json_of(run.probes);
   json["components"] = json_of(run.components);
   return json;
 }
@@ -159,6 +166,8 @@ Manifest manifest_of(const Json& json) {
   for (const auto& [label, value] : json.at("summary").items()) run.summary.push_back({label, value});
   run.warnings = json.at("warnings").get<std::vector<std::string>>();
   if (json.contains("pictures")) run.pictures = pictures_of(json.at("pictures"));
+  for (const Json& probe : json.value("probes", Json::array()))
+    run.probes.push_back({.name = probe.at("name"), .unit = probe.at("unit")});
   run.components = components_of(json.at("components"));
   return run;
 }

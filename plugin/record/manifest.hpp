@@ -27,6 +27,11 @@ struct ComponentRecord {
   std::vector<AttributeRecord> attributes = {};
 };
 
+/// A column of history.csv that the scene asks for.
+struct ProbeRecord {
+  std::string name, unit;
+};
+
 /// A line of the summary: "plastic twist", "+1.2 deg".
 struct Figure {
   std::string label, value;
@@ -55,6 +60,7 @@ struct Manifest {
   std::string scene_hash = {};  ///< XXH64 of the scene as carried out: includes and overrides are in it
   std::vector<std::string> overrides = {};
   std::vector<ComponentRecord> components = {};
+  std::vector<ProbeRecord> probes = {};
   std::optional<PictureRecord> pictures = {};  ///< none: written by an earlier version
 
   int threads = 1;

@@ -36,11 +36,18 @@ std::string balance_columns(const EnergyBalance& energy) {
                      energy.numerical_loss, energy.recovery_work, energy.flow_loss, energy.error());
 }
 
+/// The first line of history.csv.
+std::string header_of(const RunPlan& plan) {
+  std::string names = std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : "");
+  for (const std::string& probe : plan.probes) names += "," + probe;
+  return names;
+}
+
 /// Throws NumericalError naming the first column of a row that is not finite: "inf" and "nan" alone have letters n.
-void require_finite(std::string_view row, long step) {
+void require_finite(std::string_view row, const RunPlan& plan, long step) {
   const std::size_t at = row.find('n');
   if (at == std::string_view::npos) return;
-  std::string names = std::string(kHeader).append(kBalanceHeader);
+  const std::string names = header_of(plan);
   std::string_view name = names;
   for (auto commas = std::ranges::count(row.substr(0, at), ','); commas > 0; --commas)
     name.remove_prefix(name.find(',') + 1);
@@ -106,7 +113,7 @@ struct Recorder::Files {
         embedded_surfaces(body.mesh(), plan.staging.embedded_surfaces),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
-    history.append(std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : ""));
+    history.append(header_of(plan));
     removed.append("step,time,hexahedron");
     open_companions();
     open_gallery();
@@ -240,7 +247,7 @@ void Recorder::Files::append_removed(const StepRecord& record) {
 
 std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
   const Measures measures = measurement.measure(positions);
-  const std::string row = fmt::format(
+  std::string row = fmt::format(
       "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time, record.kinetic_energy,
       record.energy ? record.energy->elastic : body.energy(positions), body.dissipated_energy(),
       measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
@@ -248,7 +255,8 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
       record.flow.yielded, record.flow.inverted, body.removed().size(), record.solver_iterations, record.residual,
       record.step_ms, measures.world_elongation, measures.world_twist_deg,
       plan.has_energy_balance ? balance_columns(*record.energy) : "");
-  require_finite(row, record.step);
+  for (const double probe : record.probes) row += fmt::format(",{}", probe);
+  require_finite(row, plan, record.step);
   return row;
 }
 
@@ -302,6 +310,11 @@ std::vector<std::string> Recorder::Files::draw_pictures() {
   }
   if (film) film->finish();
   return {};
+}
+
+bool is_history_column(std::string_view name) {
+  const std::string own = fmt::format(",{}{},", kHeader, kBalanceHeader);
+  return own.find(fmt::format(",{},", name)) != std::string::npos;
 }
 
 void require_saved_files(const fs::path& directory, Archive& saved) {

@@ -27,10 +27,11 @@ struct RunPlan {
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;               ///< write into a directory that holds an earlier run
   InputFiles inputs = {};           ///< files that are read, and so never replaced
-  std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
-  bool has_instruments = false;        ///< something in the scene may take hold of the body
-  Staging staging = {};                ///< of the pictures
-  std::filesystem::path video = {};    ///< film of the run in real time, at most 25 pictures a second; empty: none
+  std::vector<int> loaded_nodes = {};    ///< nodes that carry prescribed forces, ascending; may be empty
+  bool has_instruments = false;          ///< something in the scene may take hold of the body
+  Staging staging = {};                  ///< of the pictures
+  std::vector<std::string> probes = {};  ///< names of further columns of history.csv, one per StepRecord::probes
+  std::filesystem::path video = {};      ///< film of the run in real time, at most 25 pictures a second; empty: none
 };
 
 /// One accepted step, or the initial state (step 0).
@@ -43,6 +44,7 @@ struct StepRecord {
   int solver_iterations = 0;
   double residual = 0;  ///< relative residual of the linear solve
   double step_ms = 0;   ///< wall time of the step without output
+  std::vector<double> probes = {};
 };
 
 /// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png;
@@ -111,6 +113,9 @@ Summary summarise(const Body& body, ConstPoints positions);
 /// XXH64, as 16 hexadecimal digits, over step count (64 bits), positions, velocities and every History array of the
 /// body; null: there is none.
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body);
+
+/// Whether history.csv has a column of that name in every run.
+bool is_history_column(std::string_view name);
 
 /// Looks whether the files of a run are those of a checkpoint, without changing them; `saved` is what save() left.
 /// Throws InputError and OutputError.

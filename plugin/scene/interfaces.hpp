@@ -218,6 +218,16 @@ class Engine : public Component {
   std::set<const Data*> computed_;  // outputs that were found from these
 };
 
+/// A number that is recorded after every step, under the name of the component.
+class Probe : public Component {
+ public:
+  static constexpr std::string_view kCategory = "Probe";
+  using Component::Component;
+
+  virtual double read() = 0;            ///< at accepted positions; from init on
+  virtual std::string_view unit() = 0;  ///< empty: none
+};
+
 /// The order of events of a time step.
 class AnimationLoop : public Component {
  public:

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace hexaplast::scene {
 namespace {
 
@@ -37,6 +39,25 @@ ForceField* find_body(Scene& scene) {
     found = field;
   }
   return found;
+}
+
+std::vector<Probe*> probes_of(Scene& scene) {
+  std::vector<Probe*> probes = scene.root().all<Probe>();
+  for (std::size_t p = 0; p < probes.size(); ++p) {
+    const std::string& name = probes[p]->name();
+    const auto refuse = [&](const std::string& what) {
+      throw SceneError(format_error(probes[p]->place(), fmt::format("Probe '{}': {}", name, what)));
+    };
+    const bool is_plain = std::ranges::all_of(name, [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+             c == '.';
+    });
+    if (!is_plain) refuse("names a column of history.csv: the name must be of letters, digits, _, - and .");
+    for (std::size_t other = 0; other < p; ++other)
+      if (probes[other]->name() == name)
+        refuse("a second probe of that name; columns of history.csv need names of their own");
+  }
+  return probes;
 }
 
 // Found by its class, because the component itself lives in a plugin.

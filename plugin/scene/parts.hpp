@@ -13,6 +13,10 @@ OdeSolver& only_solver(Scene& scene);
 /// The force field that has a body; null: there is none. Throws SceneError where there are two.
 ForceField* find_body(Scene& scene);
 
+/// In their order. Throws SceneError where two have the same name, or one has a name that a table cannot have for a
+/// column.
+std::vector<Probe*> probes_of(Scene& scene);
+
 /// [kg] of the nodes of a state.
 double total_mass(const std::vector<Mass*>& masses, MechanicalState& state);
 

@@ -33,11 +33,12 @@ TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
   EXPECT_EQ(names,
             (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField", "GraspForceField",
                                    "TubeGridTopology", "SheetGridTopology", "SpherePatchGridTopology",
-                                   "MultigridCGLinearSolver", "FinalStateExporter", "RunSettings"}));
+                                   "MultigridCGLinearSolver", "FinalStateExporter", "Probe", "RunSettings"}));
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
         &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
-        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kRunSettings}) {
+        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kProbe,
+        &attributes::kRunSettings}) {
     const auto& entry = factory().entries.at(std::string(each->class_name));
     EXPECT_EQ(entry.help, each->help);
     EXPECT_EQ(entry.template_name, each->category == "ForceField" ? "Vec3d" : "") << each->class_name;
@@ -66,7 +67,8 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
         &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
-        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kRunSettings}) {
+        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kProbe,
+        &attributes::kRunSettings}) {
     const auto component = factory().entries.at(std::string(each->class_name)).make();
     for (const attributes::Attribute& attribute : each->attributes) {
       if (attribute.type == attributes::Type::kLink) continue;

@@ -86,6 +86,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
       loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
+  for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   plan.staging = staging_of(simulation);
   plan.staging.quantity = quantity_named(options.field);
   if (options.video) plan.video = place_of(*options.video, options, plan.inputs);
@@ -239,6 +240,11 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     add_largest("plastic strain", "max, in", summary.plastic_strain);
     if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
   }
+  for (std::size_t p = 0; p < simulation.probes().size(); ++p) {
+    const double reading = simulation.latest().probes[p];
+    add_finite(simulation.probes()[p]->name().c_str(), {reading},
+               fmt::format("{:.6g} {}", reading, simulation.probes()[p]->unit()));
+  }
   if (const std::optional<EnergyBalance>& energy = simulation.latest().energy)
     add_finite("energy", {energy->error()}, energy_line(*energy, totals.energy_put_in));
   if (num_steps > 0)
@@ -279,6 +285,8 @@ output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOp
   manifest.scene_file = options.scene.file.string();
   manifest.overrides = options.scene.overrides;
   manifest.steps_asked = num_steps;
+  for (scene::Probe* probe : simulation.probes())
+    manifest.probes.push_back({.name = probe->name(), .unit = std::string(probe->unit())});
   return manifest;
 }
 

@@ -68,6 +68,7 @@ class Simulation {
   double load_time() const { return load_time_; }
   scene::Scene& scene() { return scene_; }
   scene::MechanicalState& state() { return *state_; }
+  const std::vector<scene::Probe*>& probes() const { return probes_; }    ///< in the order of StepRecord::probes
   const Body* body() const { return field_ ? field_->body() : nullptr; }  ///< null: only masses
 
  private:
@@ -78,6 +79,7 @@ class Simulation {
   scene::MechanicalState* state_;
   scene::OdeSolver* solver_;
   const scene::ForceField* field_;  // that has the body
+  std::vector<scene::Probe*> probes_;
   std::uint64_t scene_identity_;
   std::optional<long> num_steps_;
   int output_every_ = 25;

@@ -2,6 +2,7 @@
 #include "runner/study/experiment.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,10 +26,35 @@ const Body& required_body(Simulation& simulation) {
   return *simulation.body();
 }
 
+/// As many as there are probes: there is none of that name.
+std::size_t place_of_probe(const Simulation& simulation, const std::string& name) {
+  const std::vector<scene::Probe*>& probes = simulation.probes();
+  return static_cast<std::size_t>(std::ranges::find(probes, name, &scene::Probe::name) - probes.begin());
+}
+
+/// Gives columns of probes the units that these have.
+void find_probes(TargetCurve& target, const Simulation& simulation) {
+  std::vector<std::string> known;
+  for (const QuantityEntry& entry : quantities()) known.emplace_back(entry.column);
+  for (const scene::Probe* probe : simulation.probes()) known.push_back(probe->name());
+  for (TargetCurve::Column& column : target.columns) {
+    if (column.quantity != Quantity::kProbe) continue;
+    const std::size_t place = place_of_probe(simulation, column.name);
+    if (place == simulation.probes().size())
+      throw scene::SceneError(scene::format_error(
+          {target.file.string(), target.head_line},
+          fmt::format("column '{}' is not known; comparable are {}, and probes of the scene. --compare chooses some "
+                      "columns of many",
+                      column.name, fmt::join(known, ", "))));
+    column.unit = simulation.probes()[place]->unit();
+    if (!column.unit.empty()) column.label = fmt::format("{} [{}]", column.name, column.unit);
+  }
+}
+
 /// Reads off a body in motion what a curve compares.
-class Probe {
+class Reader {
  public:
-  explicit Probe(Simulation& simulation)
+  explicit Reader(Simulation& simulation)
       : simulation_(simulation),
         body_(required_body(simulation)),
         measurement_(body_),
@@ -37,13 +63,13 @@ class Probe {
   std::vector<double> read(const std::vector<TargetCurve::Column>& columns) {
     const output::Measures measures = measurement_.measure(simulation_.state().positions());
     std::vector<double> values;
-    for (const TargetCurve::Column& column : columns) values.push_back(value_of(column.quantity, measures));
+    for (const TargetCurve::Column& column : columns) values.push_back(value_of(column, measures));
     return values;
   }
 
  private:
-  double value_of(Quantity quantity, const output::Measures& measures) {
-    switch (quantity) {
+  double value_of(const TargetCurve::Column& column, const output::Measures& measures) {
+    switch (column.quantity) {
       case Quantity::kElongation:
         return measures.world_elongation;
       case Quantity::kPlasticElongation:
@@ -54,6 +80,8 @@ class Probe {
         return measures.plastic_twist_deg;
       case Quantity::kForce:
         return carried_force();
+      case Quantity::kProbe:
+        return simulation_.latest().probes[place_of_probe(simulation_, column.name)];
     }
     return 0;
   }
@@ -124,6 +152,7 @@ Experiment::Experiment(SceneOptions scene, TargetCurve target, std::optional<lon
   scene_.output.writes = false;  // hundreds of runs that are only tried
   Simulation simulation(with(assignments));
   required_body(simulation);
+  find_probes(target_, simulation);
   inputs_ = simulation.scene().root().files().inputs;
   inputs_.add(target_.file);
   if (moments_.empty())
@@ -140,18 +169,18 @@ SceneOptions Experiment::with(const std::vector<std::string>& assignments) const
 
 std::vector<std::vector<double>> Experiment::run(const std::vector<std::string>& assignments) const {
   Simulation simulation(with(assignments));
-  Probe probe(simulation);
+  Reader reader(simulation);
   const std::size_t num_columns = target_.columns.size();
   std::vector<std::vector<double>> found(num_columns);
 
   double before = simulation.time(), now = before;
-  std::vector<double> values_before = probe.read(target_.columns), values = values_before;
+  std::vector<double> values_before = reader.read(target_.columns), values = values_before;
   for (std::size_t row = 0; row < moments_.size();) {
     if (moments_[row] > now + kSameMoment * simulation.dt()) {
       if (requested_signal() != 0) throw Interrupted();
       simulation.step();
       before = std::exchange(now, simulation.time());
-      values_before = std::exchange(values, probe.read(target_.columns));
+      values_before = std::exchange(values, reader.read(target_.columns));
       continue;
     }
     const double share = now > before ? std::clamp((moments_[row] - before) / (now - before), 0.0, 1.0) : 1;

@@ -181,9 +181,9 @@ void print(const Result& result, const TargetCurve& target, const FitOptions& op
     fmt::print("  {:<{}}  {} {}  (within {:g} % of the curve: {} to {})\n", printable_line(found.free.name), width,
                written(found.value), found.free.unit, 100 * kCloseness, written(found.from()), written(found.to()));
   for (std::size_t c = 0; c < target.columns.size(); ++c) {
-    const QuantityEntry& entry = entry_of(target.columns[c].quantity);
-    fmt::print("  {:<{}}  {} {} root mean square\n", entry.column, width,
-               written(rms_of(result.fitted[c], target.columns[c].values)), entry.unit);
+    const TargetCurve::Column& column = target.columns[c];
+    fmt::print("  {:<{}}  {} {} root mean square\n", column.name, width,
+               written(rms_of(result.fitted[c], target.columns[c].values)), column.unit);
   }
   fmt::print("  {:<{}}  {:.4f} % of the largest value\n", "residual", width, 100 * result.relative_rms());
   fmt::print("  {:<{}}  {}\n", "evaluations", width, result.calibration.num_evaluations);
@@ -224,9 +224,9 @@ void write_json(output::WholeFile& out, const Result& result, const TargetCurve&
                {"converged", result.calibration.is_converged},
                {"parameters", Json::array()}};
   for (std::size_t c = 0; c < target.columns.size(); ++c) {
-    const QuantityEntry& entry = entry_of(target.columns[c].quantity);
+    const TargetCurve::Column& column = target.columns[c];
     json["columns"].push_back(
-        {{"name", entry.column}, {"unit", entry.unit}, {"rms", rms_of(result.fitted[c], target.columns[c].values)}});
+        {{"name", column.name}, {"unit", column.unit}, {"rms", rms_of(result.fitted[c], target.columns[c].values)}});
   }
   const auto number_or_null = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   for (const Found& found : result.found)
@@ -252,9 +252,9 @@ void draw(output::WholeFile& file, const Result& result, const TargetCurve& targ
   const bool is_over_time = !target.times.empty();
   std::vector<output::PanelGrid> grids;
   for (std::size_t c = 0; c < target.columns.size(); ++c) {
-    const QuantityEntry& entry = entry_of(target.columns[c].quantity);
+    const TargetCurve::Column& column = target.columns[c];
     const auto curve = [&](const char* name, std::string_view colour, std::vector<double> values, bool is_measured) {
-      for (double& value : values) value *= entry.shown_scale;
+      for (double& value : values) value *= column.shown_scale;
       return output::Curve{.name = name,
                            .colour = std::string(colour),
                            .values = std::move(values),
@@ -268,7 +268,7 @@ void draw(output::WholeFile& file, const Result& result, const TargetCurve& targ
     output::Panel panel{.least_span = 1e-9,
                         .across = {.label = is_over_time ? "time [s]" : "force [N]"},
                         .series = {std::move(series)}};
-    grids.push_back({std::string(entry.label), {std::move(panel)}});
+    grids.push_back({std::string(column.label), {std::move(panel)}});
   }
   output::write_panel_grids(file, options.scene.file.stem().string(), grids);
 }

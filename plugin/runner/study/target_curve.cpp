@@ -23,19 +23,24 @@ constexpr std::array<QuantityEntry, 5> kQuantities{{
     {Quantity::kForce, "force", "N", "force [N]", 1},
 }};
 constexpr std::string_view kWorld = "world_";  // what history.csv calls the first two
-constexpr std::string_view kColumns =
-    "elongation, plastic_elongation, twist_deg, plastic_twist_deg and force; world_elongation and world_twist_deg are "
-    "the first and the third";
 constexpr std::size_t kLeastRows = 2;
 
-std::optional<Quantity> quantity_of(std::string_view column) {
+/// A column without values. What is none of the quantities is a probe of that name.
+TargetCurve::Column column_named(std::string_view column) {
+  const std::string_view name = column;
   const bool is_world = column.starts_with(kWorld);
   if (is_world) column.remove_prefix(kWorld.size());
   for (const QuantityEntry& entry : kQuantities)
     if (column == entry.column &&
         (!is_world || entry.quantity == Quantity::kElongation || entry.quantity == Quantity::kTwist))
-      return entry.quantity;
-  return {};
+      return {.quantity = entry.quantity,
+              .name = std::string(entry.column),
+              .unit = std::string(entry.unit),
+              .label = std::string(entry.label),
+              .shown_scale = entry.shown_scale,
+              .values = {}};
+  return {
+      .quantity = Quantity::kProbe, .name = std::string(name), .unit = {}, .label = std::string(name), .values = {}};
 }
 
 /// The fields of a line without the blanks around them.
@@ -94,10 +99,6 @@ double number_of(std::string_view field, const Lines& lines, std::string_view co
 
 std::span<const QuantityEntry> quantities() { return kQuantities; }
 
-const QuantityEntry& entry_of(Quantity quantity) {
-  return *std::ranges::find(kQuantities, quantity, &QuantityEntry::quantity);
-}
-
 TargetCurve read_target(const std::filesystem::path& file, const std::vector<std::string>& compare) {
   Lines lines(file);
   const auto head = lines.next();
@@ -110,7 +111,7 @@ TargetCurve read_target(const std::filesystem::path& file, const std::vector<std
     return static_cast<std::size_t>(found - names.begin());
   };
 
-  TargetCurve target{.file = file, .lines = {}, .times = {}, .forces = {}, .columns = {}};
+  TargetCurve target{.file = file, .head_line = head_line, .lines = {}, .times = {}, .forces = {}, .columns = {}};
   const std::optional<std::size_t> time = column_of("time"), force = column_of("force");
   if (!time && !force)
     lines.refuse(head_line,
@@ -127,16 +128,12 @@ TargetCurve read_target(const std::filesystem::path& file, const std::vector<std
     compared.push_back(*column);
   }
   for (const std::size_t c : compared) {
-    const std::optional<Quantity> quantity = quantity_of(names[c]);
-    if (!quantity)
-      lines.refuse(head_line, fmt::format("column '{}' is not known; comparable are {}. --compare chooses some columns "
-                                          "of many",
-                                          names[c], kColumns));
-    if (std::ranges::find(target.columns, *quantity, &TargetCurve::Column::quantity) != target.columns.end())
-      lines.refuse(head_line, fmt::format("{} is there twice", entry_of(*quantity).column));
-    target.columns.push_back({*quantity, {}});
+    TargetCurve::Column column = column_named(names[c]);
+    if (std::ranges::find(target.columns, column.name, &TargetCurve::Column::name) != target.columns.end())
+      lines.refuse(head_line, fmt::format("{} is there twice", column.name));
+    target.columns.push_back(std::move(column));
   }
-  if (target.columns.empty()) lines.refuse(head_line, fmt::format("no column to compare; there may be {}", kColumns));
+  if (target.columns.empty()) lines.refuse(head_line, "no column to compare");
 
   while (const auto fields = lines.next()) {
     if (fields->size() != names.size())
@@ -155,7 +152,7 @@ TargetCurve read_target(const std::filesystem::path& file, const std::vector<std
   if (target.num_rows() < kLeastRows) lines.refuse(0, fmt::format("at least {} rows are needed", kLeastRows));
   for (const TargetCurve::Column& column : target.columns)
     if (std::ranges::all_of(column.values, [](double value) { return value == 0; }))
-      lines.refuse(0, fmt::format("{} is zero in every row: nothing to fit to", entry_of(column.quantity).column));
+      lines.refuse(0, fmt::format("{} is zero in every row: nothing to fit to", column.name));
   return target;
 }
 

@@ -39,6 +39,7 @@ extern "C"
         registerShapeTopologies(factory);
         registerMultigridCGLinearSolver(factory);
         registerFinalStateExporter(factory);
+        registerProbe(factory);
         registerRunSettings(factory);
     }
 }

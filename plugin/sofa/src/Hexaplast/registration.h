@@ -24,6 +24,7 @@ void registerGraspForceField(sofa::core::ObjectFactory* factory);
 void registerShapeTopologies(sofa::core::ObjectFactory* factory);
 void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory);
 void registerFinalStateExporter(sofa::core::ObjectFactory* factory);
+void registerProbe(sofa::core::ObjectFactory* factory);
 void registerRunSettings(sofa::core::ObjectFactory* factory);
 
 }  // namespace hexaplast::sofa_plugin

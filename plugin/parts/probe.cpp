@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/probe.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+
+double Probe::component_of(const double* entry) const {
+  if (width_ == 1) return *entry;
+  switch (options_.component) {
+    case ProbeOptions::Component::kX:
+      return entry[0];
+    case ProbeOptions::Component::kY:
+      return entry[1];
+    case ProbeOptions::Component::kZ:
+      return entry[2];
+    case ProbeOptions::Component::kNorm:
+      break;
+  }
+  return std::hypot(entry[0], entry[1], entry[2]);
+}
+
+double Probe::read(std::span<const double> values) {
+  using Statistic = ProbeOptions::Statistic;
+  const int count = static_cast<int>(values.size()) / width_;
+  if (count == 0) throw OptionError("value", "holds no number");
+  std::vector<int> entries = options_.entries;
+  if (entries.empty()) {
+    entries.resize(static_cast<std::size_t>(count));
+    std::iota(entries.begin(), entries.end(), 0);
+  }
+  for (const int entry : entries)
+    if (entry >= count) throw OptionError("indices", fmt::format("holds {}, must be below {}", entry, count));
+
+  std::vector<double> changed;
+  if (options_.is_change) {
+    if (first_.empty()) first_.assign(values.begin(), values.end());
+    if (first_.size() != values.size())
+      throw OptionError("value", fmt::format("holds {} numbers, {} at first: there is no change of that", values.size(),
+                                             first_.size()));
+    for (std::size_t k = 0; k < values.size(); ++k) changed.push_back(values[k] - first_[k]);
+    values = changed;
+  }
+
+  const auto entry_at = [&](int entry) { return values.data() + static_cast<std::size_t>(entry) * width_; };
+  if (options_.statistic == Statistic::kMin || options_.statistic == Statistic::kMax) {
+    double found = component_of(entry_at(entries.front()));
+    for (const int entry : entries) {
+      const double value = component_of(entry_at(entry));
+      found = options_.statistic == Statistic::kMin ? std::fmin(found, value) : std::fmax(found, value);
+    }
+    return found;
+  }
+  std::array<double, 3> sum{};
+  for (const int entry : entries)
+    for (int i = 0; i < width_; ++i) sum[static_cast<std::size_t>(i)] += entry_at(entry)[i];
+  if (options_.statistic == Statistic::kMean)
+    for (double& component : sum) component /= static_cast<double>(entries.size());
+  return component_of(sum.data());
+}
+
+}  // namespace hexaplast::parts

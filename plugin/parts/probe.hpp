@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace hexaplast::parts {
+
+/// In scenes: Probe.
+struct ProbeOptions {
+  enum class Component { kX, kY, kZ, kNorm };
+  enum class Statistic { kMean, kSum, kMin, kMax };
+
+  std::vector<int> entries = {};           ///< that count; empty: all
+  Component component = Component::kNorm;  ///< of vectors
+  Statistic statistic = Statistic::kMean;  ///< over the entries
+  bool is_change = false;                  ///< since the first reading
+};
+
+/// Makes one number of a list of numbers or vectors. Sum and mean are those of the vectors, of which the component is
+/// taken then; min and max are those of the components.
+class Probe {
+ public:
+  /// width: 1 for numbers, 3 for vectors.
+  Probe(ProbeOptions options, int width) : width_(width), options_(std::move(options)) {}
+
+  /// Other options; the first reading stays.
+  void set_options(ProbeOptions options) { options_ = std::move(options); }
+
+  /// Throws OptionError where an entry is not there, where there is none, and for a change of another number of
+  /// entries.
+  double read(std::span<const double> values);
+
+ private:
+  double component_of(const double* entry) const;
+
+  int width_;
+  ProbeOptions options_;
+  std::vector<double> first_;  // reading
+};
+
+}  // namespace hexaplast::parts

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Hexaplast/registration.h>
+#include <Hexaplast/table.h>
+#include <sofa/core/objectmodel/BaseObject.h>
+
+#include "attributes/parts.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+
+/// What `hexaplast run` records. In SOFA that is the business of Monitor and of scripts, which may read it.
+class Probe final : public sofa::core::objectmodel::BaseObject
+{
+public:
+    SOFA_CLASS(Probe, sofa::core::objectmodel::BaseObject);
+
+    Data<sofa::type::vector<SReal>> d_value;  ///< what is recorded
+    Data<sofa::type::vector<sofa::Index>> d_indices;  ///< of its entries
+    DataWord d_component;                     ///< of vectors
+    DataWord d_statistic;                     ///< over the entries
+    Data<bool> d_change;                      ///< since the beginning
+
+protected:
+    Probe()
+        : d_value(from_table(*this, d_value, row(attributes::kProbe, "value"))),
+          d_indices(from_table(*this, d_indices, row(attributes::kProbe, "indices"))),
+          d_component(from_table(*this, d_component, row(attributes::kProbe, "component"))),
+          d_statistic(from_table(*this, d_statistic, row(attributes::kProbe, "statistic"))),
+          d_change(from_table(*this, d_change, row(attributes::kProbe, "change")))
+    {
+    }
+};
+
+void registerProbe(sofa::core::ObjectFactory* factory) { register_component<Probe>(factory, attributes::kProbe); }
+
+}  // namespace hexaplast::sofa_plugin

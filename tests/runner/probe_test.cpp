@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "hexaplast/base/types.hpp"
+#include "record/history_table.hpp"
+#include "support/command.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::content;
+using support::Outcome;
+using Json = nlohmann::json;
+
+/// A bar that forceps pull by its upper end.
+class Probes : public support::Command {
+ protected:
+  void write_scene(const std::string& probes) {
+    write("bar.scn", R"xml(<Node dt="0.01" gravity="0 0 0">
+  <RunSettings steps="30" outputEvery="10"/>
+  <DefaultAnimationLoop/>
+  <EulerImplicitSolver rayleighMass="0.1" rayleighStiffness="0.1"/>
+  <SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="3 3 9" max="0.1 0.1 0.4"/>
+  <MechanicalObject name="nodes"/>
+  <DiagonalMass massDensity="1000"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5e4" poissonRatio="0.4" yieldStress="2000"
+      plasticFlowRate="4"/>
+  <FixedProjectiveConstraint indices="0-8"/>
+  <GraspForceField name="forceps" indices="72-80" radius="1" graspTime="0.05" keyTimes="0.05 0.3"
+      positions="0.05 0.05 0.4  0.05 0.1 0.45" stiffness="500"/>
+)xml" + probes + "</Node>\n");
+  }
+
+  /// The last row's value of a column.
+  double last(const std::string& column, const std::string& run = "run") {
+    output::HistoryTable table(directory_ / run / "history.csv");
+    const int place = table.find(column);
+    double value = std::nan("");
+    for (std::span<const double> row = table.next(); !row.empty(); row = table.next())
+      if (place >= 0) value = row[static_cast<std::size_t>(place)];
+    return value;
+  }
+};
+
+TEST_F(Probes, AreColumnsOfTheHistoryLinesOfTheSummaryAndChartsOfTheReport) {
+  write_scene(R"xml(  <Probe name="tip" value="@nodes.position" indices="72-80" change="true"/>
+  <Probe name="tip_y" value="@nodes.position" indices="72-80" component="y"/>
+  <Probe name="lowest" value="@nodes.position" indices="72-80" component="z" statistic="min"/>
+  <Probe name="pull" value="@forceps.force"/>
+  <Probe name="pull_z" value="@forceps.force" component="z"/>
+  <Probe name="strain" value="@body.plasticStrain" statistic="max"/>
+  <Probe name="volumes" value="@body.volumeRatio" indices="0-3" statistic="sum"/>
+)xml");
+  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --final final.json --summary summary.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+
+  const Json state = Json::parse(content(directory_ / "final.json"));
+  Vec3 mean = Vec3::Zero();
+  double lowest = 1e300;
+  for (int n = 72; n <= 80; ++n) {
+    for (int i = 0; i < 3; ++i) mean[i] += state["positions"][n][i].get<double>() / 9;
+    lowest = std::min(lowest, state["positions"][n][2].get<double>());
+  }
+  EXPECT_NEAR(last("tip"), (mean - Vec3(0.05, 0.05, 0.4)).norm(), 1e-15);
+  EXPECT_NEAR(last("tip_y"), mean.y(), 1e-15);
+  EXPECT_EQ(last("lowest"), lowest);
+  EXPECT_GT(last("pull"), std::abs(last("pull_z")));
+  EXPECT_GT(last("pull_z"), 1);
+  EXPECT_EQ(last("strain"), Json::parse(content(directory_ / "summary.json"))["largest_plastic_strain"]);
+  double sum = 0;
+  for (int e = 0; e < 4; ++e) sum += state["volume_ratio"][e].get<double>();
+  EXPECT_NEAR(last("volumes"), sum, 1e-14);
+
+  for (const char* line : {"\n  tip                 ", " m\n", "\n  pull                ", " N\n", "\n  strain"})
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
+  const std::string report = content(directory_ / "run/report.html");
+  for (const char* title : {"pull_z", "tip_y", "volumes"}) EXPECT_NE(report.find(title), std::string::npos) << title;
+}
+
+TEST_F(Probes, ChangeNothingAndGoOnFromACheckpoint) {
+  write_scene("");
+  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
+  const std::string without = hash(hexaplast("run bar.scn").out);
+  write_scene("  <Probe name='tip' value='@nodes.position' indices='80' change='true'/>\n");
+  const Outcome whole = hexaplast("run bar.scn --out run --frames 0");
+  EXPECT_EQ(hash(whole.out), without);
+
+  ASSERT_EQ(hexaplast("run bar.scn --out half --frames 0 --steps 15 --checkpoint every=15 --quiet").code, 0);
+  const Outcome resumed = hexaplast("resume half --steps 30");
+  EXPECT_EQ(hash(resumed.out), without) << resumed.err;
+  EXPECT_EQ(last("tip", "half"), last("tip"));
+}
+
+TEST_F(Probes, AreWhatAFitCompares) {
+  write_scene("  <Probe name='pull' value='@forceps.force'/>\n");
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --quiet").code, 0);
+  write_scene("  <Probe name='pull' value='@forceps.force'/>\n");
+  const Outcome outcome =
+      hexaplast("fit bar.scn --target run/history.csv --compare pull --free body.youngModulus=1e4:9e4 --out found");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json found = Json::parse(content(directory_ / "found/fit.json"));
+  EXPECT_NEAR(found["parameters"][0]["value"], 5e4, 50);
+  EXPECT_EQ(found["columns"][0]["name"], "pull");
+  EXPECT_EQ(found["columns"][0]["unit"], "N");
+  EXPECT_NE(content(directory_ / "found/fit.svg").find("pull [N]"), std::string::npos);
+
+  const Outcome unknown =
+      hexaplast("fit bar.scn --target run/history.csv --compare strain --free body.youngModulus=1e4:9e4");
+  EXPECT_EQ(unknown.code, 3);
+  write("curve.csv", "time,strain\n0.1,1\n0.2,2\n");
+  const Outcome missing = hexaplast("fit bar.scn --target curve.csv --free body.youngModulus=1e4:9e4");
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_EQ(missing.err.find("curve.csv:1: error: column 'strain' is not known; comparable are elongation, "), 0u)
+      << missing.err;
+  EXPECT_NE(missing.err.find("force, pull, and probes of the scene"), std::string::npos) << missing.err;
+}
+
+TEST_F(Probes, ThatCannotBeReadAreRefused) {
+  for (const auto& [probe, message] : std::vector<std::pair<std::string, std::string>>{
+           {"<Probe name='tip'/>", "bar.scn:14: error: Probe.value: is not given: there is nothing to record"},
+           {"<Probe name='tip' value='@nodes.position' indices='81'/>",
+            "bar.scn:14: error: Probe.indices: holds 81, must be below 81"},
+           {"<Probe name='tip' value='@nodes.position' component='w'/>", "bar.scn:14: error: Probe.component"},
+           {"<Probe name='tip' value='@forceps.name'/>", "bar.scn:14: error: "},
+           {"<Probe name='tip' value='@nobody.force'/>", "bar.scn:14: error: "},
+           {"<Probe name='the tip' value='@nodes.position'/>", "bar.scn:14: error: Probe 'the tip': names a column"},
+           {"<Probe name='step_ms' value='@nodes.position'/>",
+            "bar.scn:14: error: Probe 'step_ms': history.csv has a column of that name"},
+           {"<Probe name='load_work' value='@nodes.position'/>",
+            "bar.scn:14: error: Probe 'load_work': history.csv has a column of that name"}}) {
+    write_scene(probe + "\n");
+    const Outcome outcome = hexaplast("run bar.scn --out run --frames 0");
+    EXPECT_EQ(outcome.code, 3) << probe;
+    EXPECT_EQ(outcome.err.find(message), 0u) << probe << "\n" << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(directory_ / "run/history.csv"));
+  }
+  write_scene(
+      "<Node name='a'><Probe name='tip' value='@../nodes.position'/></Node>\n<Node name='b'><Probe name='tip' "
+      "value='@../nodes.position'/></Node>\n");
+  const Outcome twice = hexaplast("run bar.scn");
+  EXPECT_EQ(twice.code, 3);
+  EXPECT_EQ(twice.err.find("bar.scn:15: error: Probe 'tip': a second probe of that name"), 0u) << twice.err;
+}
+
+}  // namespace
+}  // namespace hexaplast
