@@ -155,11 +155,28 @@ class SphereROI final : public RegionOfInterest {
   std::vector<double> radii_;  // [m]
 };
 
+/// Gives some of a list's values another one.
+class IndexValueMapper final : public scene::Engine {
+ public:
+  IndexValueMapper() : Engine(attributes::kIndexValueMapper) {}
+
+ private:
+  void compute(std::string_view) override {
+    std::vector<double> values = reals("inputValues");
+    const std::vector<std::int64_t>& chosen = integers("indices");
+    const auto length = chosen.empty() ? 0 : static_cast<std::size_t>(std::ranges::max(chosen)) + 1;
+    values.resize(std::max(values.size(), length), real("defaultValue"));
+    for (const std::int64_t index : chosen) values[static_cast<std::size_t>(index)] = real("value");
+    found("outputValues", std::move(values));
+  }
+};
+
 }  // namespace
 
 void add_engines(scene::Factory& factory) {
   factory.add<BoxROI>(attributes::kBoxROI);
   factory.add<SphereROI>(attributes::kSphereROI);
+  factory.add<IndexValueMapper>(attributes::kIndexValueMapper);
 }
 
 }  // namespace hexaplast::components

@@ -83,4 +83,23 @@ TEST(SphereROI, CountsItsSurfaceAsInside) {
             "test.scn:1: error: SphereROI.radii: 2 radii given for 1 centers, must be one or as many");
 }
 
+// As in SOFA: the list grows as far as the indices reach.
+TEST(IndexValueMapper, PutsAValueAtIndices) {
+  scene::Scene scene = read_and_init(
+      four_nodes("<IndexValueMapper name='given' inputValues='5 6 7' indices='2 0' value='-1'/>"
+                 "<IndexValueMapper name='grown' inputValues='5' indices='3 1' value='9' defaultValue='0.5'/>"
+                 "<IndexValueMapper name='chain' inputValues='@grown.outputValues' indices='0 5' value='2'/>"
+                 "<IndexValueMapper name='none'/>"));
+  const auto values = [&](const char* name) { return at<scene::Engine>(scene, name).reals("outputValues"); };
+  using Values = std::vector<double>;
+  EXPECT_EQ(values("given"), (Values{-1, 6, -1}));
+  EXPECT_EQ(values("grown"), (Values{5, 9, 0.5, 9}));
+  EXPECT_EQ(values("chain"), (Values{2, 9, 0.5, 9, 1, 2}));
+  EXPECT_EQ(values("none"), Values{});
+  at<scene::Engine>(scene, "grown").find_data("value")->give(8.0, {});
+  EXPECT_EQ(values("chain"), (Values{2, 8, 0.5, 8, 1, 2}));
+  EXPECT_EQ(errors_of(four_nodes("<IndexValueMapper indices='10000000'/>")),
+            "test.scn:1: error: IndexValueMapper.indices: 10000000 must lie in [0, 9999999]");
+}
+
 }  // namespace

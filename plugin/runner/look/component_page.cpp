@@ -169,9 +169,9 @@ std::string_view describe(Access access) {
 
 std::vector<ComponentGroup> grouped(const std::vector<const Description*>& components) {
   std::vector<ComponentGroup> groups;
-  for (const std::string_view category :
-       {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "Loader", "Topology",
-        "MechanicalState", "Mass", "ForceField", "ProjectiveConstraint", "Engine", "Mapping", "Exporter"})
+  for (const std::string_view category : {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver",
+                                          "LinearSolver", "Loader", "Topology", "MechanicalState", "Mass", "ForceField",
+                                          "MaterialRegion", "ProjectiveConstraint", "Engine", "Mapping", "Exporter"})
     groups.push_back({category, {}});
   for (const Description* component : components) {
     if (component->takes_anything) continue;
