@@ -15,7 +15,7 @@ void add_topologies(scene::Factory& factory);      // RegularGridTopology, MeshT
 void add_shapes(scene::Factory& factory);          // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology
 void add_states(scene::Factory& factory);          // MechanicalObject
 void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass, MeshMatrixMass
-void add_engines(scene::Factory& factory);         // BoxROI, SphereROI, IndexValueMapper
+void add_engines(scene::Factory& factory);         // BoxROI and its like, IndexValueMapper, IndicesFromValues
 void add_extrusion(scene::Factory& factory);       // ExtrudeQuadsAndGenerateHexas
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag

@@ -10,6 +10,17 @@
 #include "components/part.hpp"
 
 namespace hexaplast::components {
+namespace {
+
+/// What a body says of its material.
+std::vector<std::string_view> members_of(scene::Object& body) {
+  std::vector<std::string_view> names;
+  for (const Row<Material>& row : material_rows())
+    if (body.find_data(row.name)) names.push_back(row.name);
+  return names;
+}
+
+}  // namespace
 
 MaterialRegion::MaterialRegion() : scene::MaterialRegion(attributes::kMaterialRegion) {}
 
@@ -35,7 +46,8 @@ const parts::MaterialRegion& MaterialRegion::values(const std::vector<Hexahedron
   const auto given = [&](const Row<Material>& row) {
     std::optional<std::vector<double>> found = values_of(*this, row);
     if (found && !find_body()->find_data(row.name))
-      throw parts::OptionError(row.name, fmt::format("{} has no such value", find_body()->class_name()));
+      throw parts::OptionError(row.name, fmt::format("{} has no such value, must be {}", find_body()->class_name(),
+                                                     alternatives(members_of(*find_body()))));
     return found;
   };
   return present_ = accepted(*this, [&] {

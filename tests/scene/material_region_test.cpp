@@ -228,7 +228,8 @@ TEST(MaterialRegion, OfSOFAsElasticBodyGivesWhatThatHas) {
     return scene.replace(scene.find(ours), ours.size(), "HexahedronFEMForceField");
   };
   EXPECT_EQ(moduli_of(text("youngModulus='300'"))[1], 300);
-  EXPECT_EQ(errors_of(text("yieldStress='300'")), kRegion + ".yieldStress: HexahedronFEMForceField has no such value");
+  EXPECT_EQ(errors_of(text("yieldStress='300'")),
+            kRegion + ".yieldStress: HexahedronFEMForceField has no such value, must be youngModulus or poissonRatio");
 }
 
 TEST(MaterialRegion, WarnsWhereItGivesNothing) {

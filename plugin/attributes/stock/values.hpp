@@ -26,4 +26,22 @@ inline constexpr Description kIndexValueMapper{
     .templates = kVec3Templates,
     .attributes = kIndexValueMapperAttributes};
 
+inline constexpr Attribute kIndicesFromValuesAttributes[] = {
+    {.name = "values", .type = Type::kReals, .help = "What is looked for."},
+    {.name = "global", .type = Type::kReals, .help = "The list in which it is looked for."},
+    {.name = "recursiveSearch",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "true: all places of each value, ascending; otherwise the first place of each value, in the order of the "
+             "values. A value that is not there gives a warning."},
+    {.name = "indices", .type = Type::kIntegers, .access = Access::kOutput, .help = "Places of the values."},
+    {.name = "otherIndices", .type = Type::kIntegers, .access = Access::kOutput, .help = "The other places."},
+};
+inline constexpr Description kIndicesFromValues{
+    .class_name = "IndicesFromValues",
+    .category = "Engine",
+    .help = "Finds the places of values in a list: hexahedra with a label, for one.",
+    .templates = "d f i I",
+    .attributes = kIndicesFromValuesAttributes};
+
 }  // namespace hexaplast::attributes
