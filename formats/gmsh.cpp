@@ -3,9 +3,14 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <map>
+#include <span>
+#include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "exported_cells.hpp"
 #include "mesh_source.hpp"
@@ -51,6 +56,10 @@ class GmshFile {
         is_version_4_ ? read_nodes_4() : read_nodes_2();
       else if (section == "$Elements")
         is_version_4_ ? read_elements_4() : read_elements_2();
+      else if (reads_groups_ && section == "$PhysicalNames")
+        read_group_names();
+      else if (reads_groups_ && is_version_4_ && section == "$Entities")
+        read_entities();
       else if (section.starts_with('$'))
         source_.skip_past_line("$End" + std::string(section.substr(1)));
       else
@@ -59,6 +68,16 @@ class GmshFile {
     if (!has_nodes_) source_.refuse("the file ends without $Nodes");
     if (!has_elements_) source_.refuse("the file ends without $Elements");
     return std::move(mesh_);
+  }
+
+  std::vector<ImportedGroup> read_groups() {
+    reads_groups_ = true;
+    read();
+    std::vector<ImportedGroup> groups;
+    for (auto& [group, name] : name_of_) groups.push_back({std::move(name), std::move(hexahedra_of_[group])});
+    for (auto& [group, hexahedra] : hexahedra_of_)
+      if (!name_of_.contains(group)) groups.push_back({std::to_string(group), std::move(hexahedra)});
+    return groups;
   }
 
  private:
@@ -108,8 +127,12 @@ class GmshFile {
         if (num_tags < 0) source_.refuse_at_byte(fmt::format("{} tags, must be at least 0", num_tags));
         source_.checked_count(static_cast<std::uint64_t>(num_tags) + 1, "the number of tags", 4);
         for (int i = 0; i < in_block; ++i, ++e) {
-          for (int t = 0; t <= num_tags; ++t) source_.binary<std::int32_t>();  // the element's own tag, then the others
-          add_element(type, num_nodes, [&] { return std::int64_t{source_.binary<std::int32_t>()}; });
+          std::int64_t group = 0;
+          for (int t = 0; t <= num_tags; ++t) {  // the element's own tag, its group, then the others
+            const auto next = source_.binary<std::int32_t>();
+            if (t == 1) group = next;
+          }
+          add_element(type, num_nodes, {&group, 1}, [&] { return std::int64_t{source_.binary<std::int32_t>()}; });
         }
       }
     } else {
@@ -118,8 +141,12 @@ class GmshFile {
         const std::int64_t type = source_.integer("an element type", 1, kMostNodes);
         const std::int64_t num_tags = source_.integer("the number of tags", 0, kMostNodes);
         const int num_nodes = nodes_of(type);
-        for (std::int64_t t = 0; t < num_tags; ++t) tag("a tag");
-        add_element(type, num_nodes, [&] { return tag("a node"); });
+        std::int64_t group = 0;
+        for (std::int64_t t = 0; t < num_tags; ++t) {
+          const std::int64_t next = tag("a tag");
+          if (t == 0) group = next;
+        }
+        add_element(type, num_nodes, {&group, 1}, [&] { return tag("a node"); });
       }
     }
     source_.expect("$EndElements");
@@ -156,15 +183,16 @@ class GmshFile {
     for (int i = 0; i < 2; ++i) number_of_any_size("an element tag");
     std::size_t e = 0;
     for (std::size_t block = 0; block < num_blocks; ++block) {
-      small_number("a dimension", 0, 3);
-      small_number("an entity", std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+      const std::int64_t dimension = small_number("a dimension", 0, 3);
+      const std::int64_t entity = any_small_number("an entity");
+      const std::vector<std::int64_t>& groups = groups_of_volume_[dimension == 3 ? entity : kNoVolume];
       const std::int64_t type = small_number("an element type", 1, std::numeric_limits<int>::max());
       const int num_nodes = nodes_of(type);
       const std::size_t in_block = number("the number of elements of a block", is_binary_ ? 16 : 4);
       if (in_block > count - e) refuse(fmt::format("a block of {} elements, there are {} left", in_block, count - e));
       for (std::size_t i = 0; i < in_block; ++i) {
         number_of_any_size("an element tag");
-        add_element(type, num_nodes, [&] { return number_of_any_size("a node tag"); });
+        add_element(type, num_nodes, groups, [&] { return number_of_any_size("a node tag"); });
       }
       e += in_block;
     }
@@ -186,6 +214,31 @@ class GmshFile {
     if (value < least || value > most)
       source_.refuse_at_byte(fmt::format("{} is not {}: must lie in [{}, {}]", value, what, least, most));
     return value;
+  }
+
+  std::int64_t any_small_number(const char* what) {
+    return small_number(what, std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+  }
+
+  /// Of which only the groups of volumes matter.
+  void read_entities() {
+    if (is_binary_) source_.line();
+    std::array<std::size_t, 4> counts;  // by dimension
+    for (std::size_t& count : counts) count = number("the number of entities", is_binary_ ? 36 : 8);
+    for (std::size_t dimension = 0; dimension < counts.size(); ++dimension)
+      for (std::size_t i = 0; i < counts[dimension]; ++i) {
+        const std::int64_t entity = any_small_number("an entity");
+        for (int d = 0; d < (dimension == 0 ? 3 : 6); ++d)
+          is_binary_ ? source_.binary<double>() : source_.real("a coordinate");
+        for (std::size_t left = number("the number of groups", is_binary_ ? 4 : 2); left > 0; --left) {
+          const std::int64_t group = any_small_number("a group");
+          if (dimension == 3) groups_of_volume_[entity].push_back(group);
+        }
+        if (dimension == 0) continue;
+        for (std::size_t left = number("the number of boundaries", is_binary_ ? 4 : 2); left > 0; --left)
+          any_small_number("a boundary");
+      }
+    source_.expect("$EndEntities");
   }
 
   // Both
@@ -233,8 +286,23 @@ class GmshFile {
     return kNodesOfType[static_cast<std::size_t>(type)];
   }
 
+  /// Text in binary files too.
+  void read_group_names() {
+    const std::size_t count = source_.count("the number of names", 5);
+    source_.line();
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int64_t dimension = source_.integer("a dimension", 0, 3), group = tag("a group");
+      const std::string_view rest = source_.line();
+      const std::size_t begin = rest.find('"'), end = rest.rfind('"');
+      if (begin == end) source_.refuse("a group without a name, must have one in quotes");
+      if (dimension == 3) name_of_[group] = rest.substr(begin + 1, end - begin - 1);
+    }
+    source_.expect("$EndPhysicalNames");
+  }
+
+  /// groups: that it belongs to; 0 is none, and a sign tells of a direction.
   template <class NextTag>
-  void add_element(std::int64_t type, int num_nodes, const NextTag& next_tag) {
+  void add_element(std::int64_t type, int num_nodes, std::span<const std::int64_t> groups, const NextTag& next_tag) {
     std::array<std::int64_t, 64> nodes;
     for (int a = 0; a < num_nodes; ++a) {
       const std::int64_t node = next_tag();
@@ -242,7 +310,12 @@ class GmshFile {
       if (found == number_of_.end()) refuse(fmt::format("node {}, which is not among the nodes", node));
       nodes[a] = found->second;
     }
+    const std::size_t num_hexahedra = mesh_.hexahedra.size();
     add_vtk_cell(vtk_kind(type), nodes.data(), static_cast<std::size_t>(num_nodes), mesh_);
+    if (!reads_groups_ || mesh_.hexahedra.size() == num_hexahedra) return;
+    for (const std::int64_t group : groups)
+      if (group != 0 && group != std::numeric_limits<std::int64_t>::min())
+        hexahedra_of_[std::abs(group)].push_back(static_cast<int>(num_hexahedra));
   }
 
   MeshSource source_;
@@ -250,11 +323,25 @@ class GmshFile {
   std::unordered_map<std::int64_t, int> number_of_;  // of the node with a tag
   bool is_version_4_ = false, is_binary_ = false;
   bool has_nodes_ = false, has_elements_ = false;
+
+  static constexpr std::int64_t kNoVolume = std::numeric_limits<std::int64_t>::max();
+  bool reads_groups_ = false;
+  std::map<std::int64_t, std::string> name_of_;                                   // of groups of volumes
+  std::unordered_map<std::int64_t, std::vector<std::int64_t>> groups_of_volume_;  // in version 4
+  std::map<std::int64_t, std::vector<int>> hexahedra_of_;                         // of groups
 };
 
 }  // namespace
 
 ImportedMesh parse_gmsh(std::string_view content, const std::string& name) { return GmshFile(content, name).read(); }
+
+std::vector<ImportedGroup> parse_gmsh_groups(std::string_view content, const std::string& name) {
+  return GmshFile(content, name).read_groups();
+}
+
+std::vector<ImportedGroup> read_gmsh_groups(const std::filesystem::path& file) {
+  return parse_gmsh_groups(whole_file(file), file.string());
+}
 
 ImportedMesh read_gmsh(const std::filesystem::path& file) { return parse_gmsh(whole_file(file), file.string()); }
 

@@ -180,7 +180,10 @@ class VtuFile {
     }
     for (std::size_t e = 0; e < num_cells; ++e) {
       const std::int64_t begin = e == 0 ? 0 : ends[e - 1];
+      const std::size_t num_hexahedra = state_.mesh.hexahedra.size();
       add_vtk_cell(kind_of(types[e]), nodes.data() + begin, static_cast<std::size_t>(ends[e] - begin), state_.mesh);
+      if (reads_data_ && state_.mesh.hexahedra.size() > num_hexahedra)
+        state_.hexahedron_cells.push_back(static_cast<int>(e));
     }
   }
 

@@ -84,6 +84,17 @@ inline constexpr std::array kExamples = {
     keyTimes="0.2 1 1.4" positions="0.05 0.05 0.4  0.05 0.1 0.45  0.08 0.1 0.45" stiffness="500" maxForce="2"/>)xml"},
     Example{"Probe", R"xml(<Probe name="tip" value="@nodes.position" indices="72-80" component="z" change="true"/>)xml"},
     Example{"BoxROI", R"xml(<BoxROI name="shin" box="-0.01 -0.01 -0.01  0.11 0.11 0.06"/>)xml"},
+    Example{"MaterialRegion", R"xml(<SphereROI name="tumour" centers="0.05 0.05 0.2" radii="0.06" strict="false"/>
+<MaterialRegion name="hard" hexahedra="@tumour.hexahedraInROI" youngModulus="3e5" yieldStress="2e4"/>)xml"},
+    Example{"PlaneROI", R"xml(<PlaneROI name="slice" plane="0 0 0.1  0.1 0 0.1  0.1 0.1 0.1  0.02"/>)xml"},
+    Example{"MeshROI", R"xml(<MeshROI name="wedge" ROIposition="0 0 0  0.1 0 0  0 0.1 0  0 0 0.4"
+    ROItriangles="0 2 1  0 1 3  1 2 3  0 3 2"/>)xml"},
+    Example{"IndicesFromValues", R"xml(<IndicesFromValues name="tumour" global="1 1 2 2  1 1 2 2" values="2"
+    recursiveSearch="true"/>
+<MaterialRegion name="hard" indices="@tumour.indices" youngModulus="3e5"/>)xml"},
+    Example{"IndexValueMapper", R"xml(<BoxROI name="shin" box="-0.01 -0.01 -0.01  0.11 0.11 0.11"/>
+<IndexValueMapper name="moduli" inputValues="5e4 5e4 5e4 5e4  5e4 5e4 5e4 5e4" indices="@shin.hexahedronIndices"
+    value="2e5"/>)xml"},
     Example{"FixedProjectiveConstraint", R"xml(<FixedProjectiveConstraint indices="0-8"/>)xml"},
     Example{"MeshTopology", R"xml(<MeshTopology name="grid" hexahedra="0-7"
     position="0 0 0  0.1 0 0  0.1 0.1 0  0 0.1 0  0 0 0.1  0.1 0 0.1  0.1 0.1 0.1  0 0.1 0.1"/>)xml"},

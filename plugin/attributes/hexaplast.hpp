@@ -52,4 +52,26 @@ inline const Description kHexahedronElastoplasticFEMForceField{
     .templates = kVec3Templates,
     .attributes = kHexahedronElastoplasticAttributes};
 
+/// Where a region is, besides what it is made of.
+inline constexpr Attribute kRegionPlaceAttributes[] = {
+    {.name = "hexahedra",
+     .type = Type::kHexahedra,
+     .range = kIndex,
+     .help = "Its hexahedra by their nodes, eight each, as hexahedraInROI gives them."},
+    {.name = "indices",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Its hexahedra by their numbers, as hexahedronIndices gives them, instead of `hexahedra`."},
+    {.name = "body", .type = Type::kLink, .help = "Default: the body of the node, or the nearest one above."},
+};
+inline const std::vector<Attribute> kMaterialRegionAttributes = joined(kRegionPlaceAttributes, region_attributes());
+inline const Description kMaterialRegion{
+    .class_name = "MaterialRegion",
+    .category = "MaterialRegion",
+    .help =
+        "Gives some hexahedra of a body values of their own. A value that is not given is that of the body, or of a "
+        "region before this one in the scene: later regions count more than earlier ones. The region may stand "
+        "before or behind its body. Values may change during a run.",
+    .attributes = kMaterialRegionAttributes};
+
 }  // namespace hexaplast::attributes

@@ -27,11 +27,14 @@ std::string initial_text(const Row<Options>& row) {
   return row.may_be_infinite() ? "" : fmt::format("{}", value);
 }
 
-/// Says after the first sentence that there may be a value for each hexahedron.
-std::string help_of_list(std::string_view help) {
+/// Says after the first sentence that there may be a value for each of several things: "hexahedron".
+std::string help_of_list(std::string_view help, std::string_view things) {
   const std::size_t end = std::min(help.find(". "), help.size() - 1);
-  return fmt::format("{}: one value, or one per hexahedron{}", help.substr(0, end), help.substr(end));
+  return fmt::format("{}: one value, or one per {}{}", help.substr(0, end), things, help.substr(end));
 }
+
+/// Without the last sentence where that tells of a body that has no value.
+std::string_view help_of_given(std::string_view help) { return help.substr(0, help.find(" Without it ")); }
 
 template <class Options>
 Attribute attribute_of(const Row<Options>& row) {
@@ -46,7 +49,7 @@ Attribute attribute_of(const Row<Options>& row) {
           .range = row.range,
           .words = kept(fmt::format("{}", fmt::join(row.words, " "))),
           .aliases = row.alias,
-          .help = row.may_vary ? kept(help_of_list(row.help)) : row.help};
+          .help = row.may_vary ? kept(help_of_list(row.help, "hexahedron")) : row.help};
 }
 
 template <class Options>
@@ -63,6 +66,21 @@ std::span<const Attribute> body_attributes() {
     for (const std::string_view group : kBodyGroups) {
       add_group(group, material_rows(), found);
       add_group(group, settings_rows(), found);
+    }
+    return found;
+  }();
+  return all;
+}
+
+std::span<const Attribute> region_attributes() {
+  static const std::vector<Attribute> all = [] {
+    std::vector<Attribute> found;
+    for (const std::string_view group : kBodyGroups) add_group(group, material_rows(), found);
+    for (Attribute& attribute : found) {
+      const Row<Material>& row = *find_row(material_rows(), attribute.name, Names::kScenes);
+      const std::string_view help = help_of_given(row.help);
+      attribute.initial = {};
+      attribute.help = row.may_vary ? kept(help_of_list(help, "hexahedron of the region")) : help;
     }
     return found;
   }();

@@ -10,7 +10,10 @@ namespace hexaplast::attributes {
 /// The core's rows of Material and Settings as attributes of a component, group by group.
 std::span<const Attribute> body_attributes();
 
-/// One of them.
+/// The core's rows of Material as attributes of a region of a body: none has a default.
+std::span<const Attribute> region_attributes();
+
+/// One of the body's.
 const Attribute& body_attribute(std::string_view name);
 
 /// The attributes of one table, then those of another.

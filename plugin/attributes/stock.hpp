@@ -13,6 +13,7 @@
 #include "attributes/stock/masses.hpp"
 #include "attributes/stock/regions.hpp"
 #include "attributes/stock/solvers.hpp"
+#include "attributes/stock/values.hpp"
 #include "attributes/stock/visuals.hpp"
 
 /// SOFA's components as the embedded host knows them: names, defaults and meaning are SOFA's.

@@ -3,31 +3,32 @@
 
 #include "attributes/hexaplast.hpp"
 #include "attributes/stock.hpp"
+#include "components/body_field.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "components/material_region.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "parts/hexahedral_body.hpp"
-#include "scene/potential.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
 
 /// A body as a force field. What it does not say otherwise is elastic.
-class HexahedronField : public scene::ForceField, public scene::Potential {
+class HexahedronField : public BodyField {
  public:
   /// defaults: what attributes do not say.
   explicit HexahedronField(const attributes::Description& description, const Settings& defaults = {})
-      : ForceField(description), defaults_(defaults) {}
+      : BodyField(description), defaults_(defaults) {}
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
     topology_ = &linked<scene::Topology>("topology");
-    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, *topology_, state_->num_nodes());
+    hexahedra_ = &hexahedra_on(*this, *topology_, state_->num_nodes());
     body_.emplace(accepted(*this, [&] {
-      return parts::HexahedralBody(state_->rest_positions(), hexahedra, options(hexahedra.size()), node().clock().dt);
+      return parts::HexahedralBody(state_->rest_positions(), *hexahedra_, options(), node().clock().dt);
     }));
     pass_on(*this, body_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
@@ -36,8 +37,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
   // The material may change during a run: what flowed stays.
   void refresh() override {
     try {
-      const auto num_elements = static_cast<std::size_t>(body_->body().mesh().num_elements());
-      accepted(*this, [&] { body_->set_options(options(num_elements), node().clock().dt); });
+      accepted(*this, [&] { body_->set_options(options(), node().clock().dt); });
     } catch (const InputError& error) {
       reject(error.what());
     }
@@ -70,6 +70,7 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     announce();
   }
 
+  const std::vector<Hexahedron>* hexahedra() const override { return hexahedra_; }
   const Body* body() const override { return body_ ? &body_->body() : nullptr; }
   const FlowReport* flow_report() const override { return body_ ? &body_->report() : nullptr; }
   void remove_elements(std::span<const int> elements) override {
@@ -86,30 +87,16 @@ class HexahedronField : public scene::ForceField, public scene::Potential {
     if (const std::span<const int> gone = body_->take_removed(); !gone.empty()) scene::announce_removed(*this, gone);
   }
 
-  /// The values of a member; none where the component has no such attribute, or no value for it.
-  template <class Options>
-  std::optional<std::vector<double>> given(const Row<Options>& row) {
-    const scene::Data* data = find_data(row.name);
-    if (!data || (!data->is_given() && data->attribute().initial.empty())) return std::nullopt;
-    if (row.may_vary) return reals(row.name);
-    switch (row.at.type) {
-      case MemberType::kWord:
-        return {{static_cast<double>(place_of_word(row, text(row.name)))}};
-      case MemberType::kInteger:
-        return {{static_cast<double>(integer(row.name))}};
-      case MemberType::kReal:
-        break;
-    }
-    return {{real(row.name)}};
-  }
-
-  parts::HexahedralBodyOptions options(std::size_t num_elements) {
-    return parts::body_options([this](const auto& row) { return given(row); }, num_elements, topology_->fill(),
-                               defaults_);
+  parts::HexahedralBodyOptions options() {
+    std::vector<parts::MaterialRegion> regions;
+    for (MaterialRegion* region : MaterialRegion::all_of(*this)) regions.push_back(region->values(*hexahedra_));
+    return parts::body_options([this](const auto& row) { return values_of(*this, row); }, hexahedra_->size(),
+                               topology_->fill(), regions, defaults_);
   }
 
   scene::MechanicalState* state_ = nullptr;
   scene::Topology* topology_ = nullptr;
+  const std::vector<Hexahedron>* hexahedra_ = nullptr;
   std::optional<parts::HexahedralBody> body_;
   Settings defaults_;
   double rayleigh_stiffness_ = 0;

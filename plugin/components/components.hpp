@@ -15,7 +15,7 @@ void add_topologies(scene::Factory& factory);      // RegularGridTopology, MeshT
 void add_shapes(scene::Factory& factory);          // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology
 void add_states(scene::Factory& factory);          // MechanicalObject
 void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass, MeshMatrixMass
-void add_engines(scene::Factory& factory);         // BoxROI, SphereROI
+void add_engines(scene::Factory& factory);         // BoxROI and its like, IndexValueMapper, IndicesFromValues
 void add_extrusion(scene::Factory& factory);       // ExtrudeQuadsAndGenerateHexas
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
@@ -25,5 +25,6 @@ void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, Int
 void add_probes(scene::Factory& factory);          // Probe
 void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
+void add_regions(scene::Factory& factory);         // MaterialRegion
 
 }  // namespace hexaplast::components

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/selection.hpp"
 
 namespace hexaplast::components {
@@ -99,6 +101,19 @@ class RegionOfInterest : public scene::Engine {
   }
 };
 
+/// Ten numbers for each.
+std::vector<OrientedBox> oriented_boxes(scene::Object& owner, std::string_view attribute) {
+  const std::vector<double>& numbers = owner.reals(attribute);
+  if (numbers.size() % 10 != 0)
+    owner.reject(attribute, fmt::format("{} numbers given, must be groups of 10", numbers.size()));
+  std::vector<OrientedBox> boxes;
+  for (std::size_t b = 0; b < numbers.size(); b += 10) {
+    const double* box = &numbers[b];
+    boxes.push_back({Vec3(box), Vec3(box + 3), Vec3(box + 6), box[9]});
+  }
+  return boxes;
+}
+
 class BoxROI final : public RegionOfInterest {
  public:
   BoxROI() : RegionOfInterest(attributes::kBoxROI) {}
@@ -106,20 +121,13 @@ class BoxROI final : public RegionOfInterest {
  private:
   void take_region() override {
     boxes_.clear();
-    oriented_boxes_.clear();
     const bool has_boxes = is_given("box") || !is_given("orientedBox");
     const std::vector<double> corners = has_boxes ? reals("box") : std::vector<double>();
     for (std::size_t b = 0; b < corners.size(); b += 6) {
       const Eigen::Map<const Vec3> one(&corners[b]), other(&corners[b + 3]);
       boxes_.emplace_back(one.cwiseMin(other), one.cwiseMax(other));
     }
-    const std::vector<double>& oriented = reals("orientedBox");
-    if (oriented.size() % 10 != 0)
-      reject("orientedBox", fmt::format("{} numbers given, must be groups of 10", oriented.size()));
-    for (std::size_t b = 0; b < oriented.size(); b += 10) {
-      const double* numbers = &oriented[b];
-      oriented_boxes_.push_back({Vec3(numbers), Vec3(numbers + 3), Vec3(numbers + 6), numbers[9]});
-    }
+    oriented_boxes_ = oriented_boxes(*this, "orientedBox");
   }
 
   bool is_inside(const Vec3& point) const override {
@@ -155,11 +163,98 @@ class SphereROI final : public RegionOfInterest {
   std::vector<double> radii_;  // [m]
 };
 
+class PlaneROI final : public RegionOfInterest {
+ public:
+  PlaneROI() : RegionOfInterest(attributes::kPlaneROI) {}
+
+ private:
+  void take_region() override { rectangles_ = oriented_boxes(*this, "plane"); }
+  bool is_inside(const Vec3& point) const override {
+    return std::ranges::any_of(rectangles_, [&](const OrientedBox& box) { return box.contains(point); });
+  }
+
+  std::vector<OrientedBox> rectangles_;
+};
+
+class MeshROI final : public RegionOfInterest {
+ public:
+  MeshROI() : RegionOfInterest(attributes::kMeshROI) {}
+
+ private:
+  void take_region() override {
+    const PointArray points = vectors3("ROIposition");
+    const std::vector<Triangle> triangles = cells_of<3>(*this, "ROItriangles", static_cast<int>(points.rows()));
+    if (triangles.empty()) reject("ROItriangles", "has no triangle, must have those of a closed surface");
+    try {
+      space_.emplace(points, triangles);
+    } catch (const InputError& error) {
+      reject("ROItriangles", error.what());
+    }
+    const Vec3 &min = space_->box().min(), &max = space_->box().max();
+    found("box", std::vector<double>{min.x(), min.y(), min.z(), max.x(), max.y(), max.z()});
+    takes_box_ = !boolean("computeMeshROI");
+  }
+  bool is_inside(const Vec3& point) const override {
+    return takes_box_ ? space_->box().contains(point) : space_->contains(point);
+  }
+
+  std::optional<EnclosedSpace> space_;
+  bool takes_box_ = false;
+};
+
+/// Gives some of a list's values another one.
+class IndexValueMapper final : public scene::Engine {
+ public:
+  IndexValueMapper() : Engine(attributes::kIndexValueMapper) {}
+
+ private:
+  void compute(std::string_view) override {
+    std::vector<double> values = reals("inputValues");
+    const std::vector<std::int64_t>& chosen = integers("indices");
+    const auto length = chosen.empty() ? 0 : static_cast<std::size_t>(std::ranges::max(chosen)) + 1;
+    values.resize(std::max(values.size(), length), real("defaultValue"));
+    for (const std::int64_t index : chosen) values[static_cast<std::size_t>(index)] = real("value");
+    found("outputValues", std::move(values));
+  }
+};
+
+/// Finds values in a list.
+class IndicesFromValues final : public scene::Engine {
+ public:
+  IndicesFromValues() : Engine(attributes::kIndicesFromValues) {}
+
+ private:
+  void compute(std::string_view) override {
+    const std::vector<double>&values = reals("values"), &list = reals("global");
+    std::vector<std::int64_t> places, others;
+    std::vector<bool> is_found(list.size(), false);
+    for (const double value : values) {
+      const std::size_t count = places.size();
+      for (std::size_t i = 0; i < list.size() && (boolean("recursiveSearch") || places.size() == count); ++i) {
+        if (list[i] != value) continue;
+        places.push_back(static_cast<std::int64_t>(i));
+        is_found[i] = true;
+      }
+      if (places.size() == count)
+        remark(scene::Severity::kWarning, "values", fmt::format("{} is not among the values of global", value));
+    }
+    if (boolean("recursiveSearch")) std::ranges::sort(places);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (!is_found[i]) others.push_back(static_cast<std::int64_t>(i));
+    found("indices", std::move(places));
+    found("otherIndices", std::move(others));
+  }
+};
+
 }  // namespace
 
 void add_engines(scene::Factory& factory) {
   factory.add<BoxROI>(attributes::kBoxROI);
   factory.add<SphereROI>(attributes::kSphereROI);
+  factory.add<PlaneROI>(attributes::kPlaneROI);
+  factory.add<MeshROI>(attributes::kMeshROI);
+  factory.add<IndicesFromValues>(attributes::kIndicesFromValues);
+  factory.add<IndexValueMapper>(attributes::kIndexValueMapper);
 }
 
 }  // namespace hexaplast::components

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "attributes/stock.hpp"
@@ -10,12 +12,13 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/placement.hpp"
+#include "scene/arrays.hpp"
 
 namespace hexaplast::components {
 namespace {
 
 /// Reads a mesh file when the first of its outputs is asked for, or at init.
-class MeshLoader final : public scene::Component {
+class MeshLoader : public scene::Component {
  public:
   using Read = ImportedMesh (*)(const std::filesystem::path&);
 
@@ -30,6 +33,13 @@ class MeshLoader final : public scene::Component {
     if (name == "triangles") output.set_once([this] { return flattened<3>(mesh().triangles); });
     if (name == "quads") output.set_once([this] { return flattened<4>(mesh().quads); });
     if (name == "hexahedra") output.set_once([this] { return flattened<8>(mesh().hexahedra); });
+  }
+
+ protected:
+  std::filesystem::path path() {
+    const std::string& name = text("filename");
+    if (name.empty()) reject("filename", "is not given, must name a mesh file");
+    return std::filesystem::path(place().file).parent_path() / name;
   }
 
  private:
@@ -61,12 +71,6 @@ class MeshLoader final : public scene::Component {
     return mesh;
   }
 
-  std::filesystem::path path() {
-    const std::string& name = text("filename");
-    if (name.empty()) reject("filename", "is not given, must name a mesh file");
-    return std::filesystem::path(place().file).parent_path() / name;
-  }
-
   void transform(PointArray& points) {
     const std::vector<double>& rows = reals("transformation");
     if (rows.empty())
@@ -81,14 +85,86 @@ class MeshLoader final : public scene::Component {
   bool is_refused_ = false;
 };
 
+/// Gives what its file says about hexahedra besides.
+class LabelledMeshLoader : public MeshLoader, public scene::ArraySource {
+ public:
+  using MeshLoader::MeshLoader;
+
+  scene::Data* array(std::string_view name) final {
+    const auto known =
+        std::ranges::find(arrays_, name, [](const auto& array) { return std::string_view(array->name); });
+    if (known != arrays_.end()) return &(*known)->data;
+    if (text("filename").empty()) return nullptr;
+    std::optional<scene::Value> found;
+    try {
+      found = read_array(name);
+    } catch (const InputError&) {  // of which init tells
+    }
+    if (!found) return nullptr;
+    scene::Data& data = arrays_.emplace_back(std::make_unique<Array>(*this, name, *found))->data;
+    data.set(std::move(*found));
+    return &data;
+  }
+
+ protected:
+  /// Numbers: real or whole ones. None where the file has no such array.
+  virtual std::optional<scene::Value> read_array(std::string_view name) = 0;
+
+ private:
+  struct Array {
+    Array(scene::Object& loader, std::string_view name_in_file, const scene::Value& value)
+        : name(name_in_file),
+          attribute{.name = name,
+                    .type = std::holds_alternative<std::vector<double>>(value) ? attributes::Type::kReals
+                                                                               : attributes::Type::kIntegers,
+                    .access = attributes::Access::kOutput},
+          data(loader, attribute) {}
+
+    std::string name;
+    attributes::Attribute attribute;
+    scene::Data data;
+  };
+
+  std::vector<std::unique_ptr<Array>> arrays_;
+};
+
+/// Gives the cell data of .vtu files, as SOFA's does: of the hexahedra, in their order.
+class MeshVTKLoader final : public LabelledMeshLoader {
+ public:
+  MeshVTKLoader() : LabelledMeshLoader(attributes::kMeshVTKLoader, read_vtk) {}
+
+ private:
+  std::optional<scene::Value> read_array(std::string_view name) override {
+    const ImportedState state = read_vtu_state(path());
+    const auto found = std::ranges::find(state.cell_data, name, &ImportedArray::name);
+    if (found == state.cell_data.end() || found->num_components != 1) return std::nullopt;
+    std::vector<double> values;
+    for (const int cell : state.hexahedron_cells) values.push_back(found->values[static_cast<std::size_t>(cell)]);
+    return values;
+  }
+};
+
+/// Gives the hexahedra of physical groups.
+class MeshGmshLoader final : public LabelledMeshLoader {
+ public:
+  MeshGmshLoader() : LabelledMeshLoader(attributes::kMeshGmshLoader, read_gmsh) {}
+
+ private:
+  std::optional<scene::Value> read_array(std::string_view name) override {
+    const std::vector<ImportedGroup> groups = read_gmsh_groups(path());
+    const auto found = std::ranges::find(groups, name, &ImportedGroup::name);
+    if (found == groups.end()) return std::nullopt;
+    return std::vector<std::int64_t>(found->hexahedra.begin(), found->hexahedra.end());
+  }
+};
+
 }  // namespace
 
 void add_loaders(scene::Factory& factory) {
   using namespace attributes;
-  for (const auto& [description, read] : std::initializer_list<std::pair<const Description*, MeshLoader::Read>>{
-           {&kMeshGmshLoader, read_gmsh}, {&kMeshVTKLoader, read_vtk}, {&kMeshOBJLoader, read_obj}})
-    factory.add(*description,
-                [description = description, read = read] { return std::make_unique<MeshLoader>(*description, read); });
+  factory.add<MeshGmshLoader>(kMeshGmshLoader);
+  factory.add<MeshVTKLoader>(kMeshVTKLoader);
+  factory.add(kMeshOBJLoader, [] { return std::make_unique<MeshLoader>(kMeshOBJLoader, read_obj); });
 }
 
 }  // namespace hexaplast::components

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "parts/hexahedral_body.hpp"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 #include "hexaplast/base/memory.hpp"
@@ -11,29 +9,16 @@
 #include "hexaplast/model_check.hpp"
 
 namespace hexaplast::parts {
-namespace {
-
-template <class Options>
-void require_admissible(const Row<Options>& row, double value) {
-  if (row.admits(value)) return;
-  check_range(row.name, row.range, value);
-  throw OptionError(row.name, "must " + row.condition());
-}
-
-}  // namespace
 
 void set_values(const Row<Material>& row, std::span<const double> values, std::size_t num_hexahedra,
                 std::vector<Material>& materials) {
-  for (const double value : values) require_admissible(row, value);
-  if (values.empty() || (values.size() != 1 && values.size() != num_hexahedra))
-    throw OptionError(
-        row.name, fmt::format("{} values given, must be one or {} (one per hexahedron)", values.size(), num_hexahedra));
+  check_values(row, values, num_hexahedra, "hexahedron");
   if (values.size() > materials.size()) materials.resize(values.size(), Material(materials.front()));
   for (std::size_t e = 0; e < materials.size(); ++e) row.at.set(materials[e], values[values.size() == 1 ? 0 : e]);
 }
 
 void set_value(const Row<Settings>& row, double value, Settings& settings) {
-  require_admissible(row, value);
+  check_admissible(row, value);
   row.at.set(settings, value);
 }
 

@@ -8,6 +8,7 @@
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
+#include "parts/material_region.hpp"
 #include "parts/option.hpp"
 
 namespace hexaplast::parts {
@@ -28,11 +29,12 @@ void set_value(const Row<Settings>& row, double value, Settings& settings);
 void fill_partly(std::span<const double> fill, std::vector<Material>& materials);
 
 /// Options from what a host has for attributes. given(row): the values of a member, none where it has its default; of a
-/// word its place among those of the row. fill: share of each hexahedron that is full; empty: all are. settings: what
-/// is not given. Throws OptionError with all that is wrong, including what `given` throws.
+/// word its place among those of the row. fill: share of each hexahedron that is full; empty: all are. regions: later
+/// ones over earlier ones. settings: what is not given. Throws OptionError with all that is wrong, including what
+/// `given` throws.
 template <class Given>
 HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill,
-                                   const Settings& settings = {}) {
+                                   std::span<const MaterialRegion> regions = {}, const Settings& settings = {}) {
   HexahedralBodyOptions options{.settings = settings};
   OptionErrors errors;
   for (const Row<Settings>& row : settings_rows())
@@ -46,6 +48,7 @@ HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra
         set_values(row, *values, num_hexahedra, options.materials);
     });
   errors.throw_all();
+  for (const MaterialRegion& region : regions) apply(region, num_hexahedra, options.materials);
   fill_partly(fill, options.materials);
   return options;
 }

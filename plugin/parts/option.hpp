@@ -85,6 +85,14 @@ class OptionRanges : public OptionErrors {
 /// Throws OptionError for a number that a range does not contain, or that is not finite.
 void check_range(std::string_view option, const attributes::Range& range, double number);
 
+/// Throws OptionError for a value that a row does not admit.
+template <class Options>
+void check_admissible(const Row<Options>& row, double value) {
+  if (row.admits(value)) return;
+  check_range(row.name, row.range, value);
+  throw OptionError(row.name, "must " + row.condition());
+}
+
 /// Throws OptionError for a node that a state of `num_nodes` nodes has not.
 void check_nodes(std::string_view option, std::span<const int> nodes, int num_nodes);
 

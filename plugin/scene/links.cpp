@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "scene/arrays.hpp"
+
 namespace hexaplast::scene {
 namespace {
 
@@ -122,6 +124,8 @@ class Resolver {
 
     const std::string_view name = path.substr(dot + 1);
     if (Data* source = found.target->find_data(name)) return connect(data, *source, data.link());
+    auto* const arrays = dynamic_cast<ArraySource*>(found.target);
+    if (Data* source = arrays ? arrays->array(name) : nullptr) return connect(data, *source, data.link());
     std::vector<std::string_view> names;
     for (const auto& other : found.target->all_data()) names.push_back(other->attribute().name);
     refuse(data, fmt::format("stops at {}, which has no attribute '{}'", describe(*found.target), name),

@@ -16,7 +16,7 @@ namespace {
 constexpr std::array kGhosts{"none", "initial", "without load"};
 
 void draw_parameter(Session& session, const Parameter& parameter, std::optional<double> value) {
-  const std::string name(parameter.attribute->name), unit(parameter.attribute->unit);
+  const std::string &name = parameter.name, unit(parameter.attribute->unit);
   const bool is_factor = !parameter.of_hexahedra.empty();
   const std::string help = fmt::format(
       "{}\n{}{}{}", parameter.attribute->help, unit.empty() ? "" : "[" + unit + "]  ",
@@ -28,7 +28,8 @@ void draw_parameter(Session& session, const Parameter& parameter, std::optional<
     bool is_given = value.has_value();
     if (ImGui::Checkbox("##given", &is_given))
       session.set(name, is_given ? std::optional(parameter.value.value_or(parameter.suggested)) : std::nullopt);
-    explain(help + "\nWithout a check mark there is no limit.");
+    explain(help + (name == parameter.attribute->name ? "\nWithout a check mark there is no limit."
+                                                      : "\nWithout a check mark the region has the body's value."));
     ImGui::SameLine();
   }
   if (value) {

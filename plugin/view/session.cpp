@@ -13,6 +13,7 @@
 #include "hexaplast/material/rows.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "scene/parts.hpp"
+#include "scene/region.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -58,10 +59,14 @@ std::optional<double> value_of(scene::Data& data, const Parameter& parameter) {
 
 /// From where to where it makes sense to move a number: within its range, around what it is, and no rate faster than
 /// is wise for the time step.
-Parameter parameter_of(scene::Data& data, const Body& body, double dt) {
+Parameter parameter_of(scene::Component& component, scene::Data& data, const Body& body, double dt) {
   const Attribute& attribute = data.attribute();
   const Material& material = body.materials().front();
-  Parameter parameter{.attribute = &attribute, .value = first_value(data), .may_be_none = attribute.initial.empty()};
+  Parameter parameter{.attribute = &attribute,
+                      .component = &component,
+                      .name = std::string(attribute.name),
+                      .value = first_value(data),
+                      .may_be_none = attribute.initial.empty()};
   const auto* reals = std::get_if<std::vector<double>>(&data.value());
   const double fastest = kRecommendedFlowPerStep / dt;
   if (reals && reals->size() > 1) {
@@ -104,7 +109,14 @@ Session::Session(Subject subject, std::unique_ptr<scene::Component> hand)
       dt_(subject_.scene.dt()),
       measurement_(body()) {
   for (const Row<Material>& row : material_rows())  // what a body may take anew between two steps
-    if (scene::Data* data = field_->find_data(row.name)) parameters_.push_back(parameter_of(*data, body(), dt_));
+    if (scene::Data* data = field_->find_data(row.name))
+      parameters_.push_back(parameter_of(*field_, *data, body(), dt_));
+  for (scene::MaterialRegion* region : subject_.scene.root().all<scene::MaterialRegion>())
+    for (const Row<Material>& row : material_rows())
+      if (scene::Data* data = region->find_data(row.name); data->is_given()) {
+        Parameter& parameter = parameters_.emplace_back(parameter_of(*region, *data, body(), dt_));
+        parameter.name = region->name() + "." + parameter.name;
+      }
 
   // a hand that is about as strong as a cube of the same matter, and holds a handful of nodes
   const double size = std::cbrt(body().initial_volume());
@@ -220,16 +232,15 @@ void Session::release() {
   post([this] { open_hand(); });
 }
 
-void Session::set(std::string_view attribute, std::optional<double> value) {
-  const auto parameter =
-      std::ranges::find(parameters_, attribute, [](const Parameter& one) { return one.attribute->name; });
+void Session::set(std::string_view name, std::optional<double> value) {
+  const auto parameter = std::ranges::find(parameters_, name, &Parameter::name);
   post([this, &parameter = *parameter, value] {
-    const std::string_view name = parameter.attribute->name;
-    if (!value) return change(*field_, name, std::nullopt);
-    if (parameter.attribute->type != Type::kReals) return change(*field_, name, scene::Value(*value));
+    const std::string_view attribute = parameter.attribute->name;
+    if (!value) return change(*parameter.component, attribute, std::nullopt);
+    if (parameter.attribute->type != Type::kReals) return change(*parameter.component, attribute, scene::Value(*value));
     std::vector<double> values = parameter.of_hexahedra.empty() ? std::vector{1.0} : parameter.of_hexahedra;
     for (double& one : values) one *= *value;
-    change(*field_, name, scene::Value(std::move(values)));
+    change(*parameter.component, attribute, scene::Value(std::move(values)));
   });
 }
 
@@ -361,7 +372,7 @@ void Session::publish() {
   back_.values = values_of(quantity_, fields);
   back_.parameter_values.clear();
   for (const Parameter& parameter : parameters_)
-    back_.parameter_values.push_back(value_of(*field_->find_data(parameter.attribute->name), parameter));
+    back_.parameter_values.push_back(value_of(*parameter.component->find_data(parameter.attribute->name), parameter));
   const std::vector<std::int64_t>& held = hand_->integers("grasped");
   back_.held.assign(held.begin(), held.end());
   back_.grip_force = hand_->vector3("force");

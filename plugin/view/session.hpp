@@ -42,12 +42,14 @@ struct HandSettings {
   double damping = 0;    ///< [N s/m]
 };
 
-/// A number of the body's material that may change while it moves.
+/// A number of the body's material, or one that a region of it has given, that may change while it moves.
 struct Parameter {
   const attributes::Attribute* attribute;
+  scene::Component* component = nullptr;  ///< that has the attribute
+  std::string name = {};                  ///< "youngModulus" of the body, "tumour.youngModulus" of a region
   std::optional<double> value;            ///< at first; none: not given
   std::vector<double> of_hexahedra = {};  ///< own values; the slider is then a factor on all of them, at first 1
-  bool may_be_none = false;               ///< the body can do without
+  bool may_be_none = false;               ///< the body, or the region, can do without
   double min = 0, max = 0;                ///< where a slider begins and ends
   double suggested = 0;                   ///< for one that is not given
   bool is_logarithmic = false;            ///< equal ways of the slider are equal factors
@@ -104,9 +106,9 @@ class Session {
   void drag(const Vec3& place);  ///< moves the hand [m]
   void release();
 
-  /// Changes a number of the material, by its attribute, or the factor of one that each hexahedron has for itself;
-  /// none: as if it had never been given. What the body does not admit becomes a message, and nothing changes.
-  void set(std::string_view attribute, std::optional<double> value);
+  /// Changes a number of the material, by the parameter's name, or the factor of one that each hexahedron has for
+  /// itself; none: as if it had never been given. What the body does not admit becomes a message, and nothing changes.
+  void set(std::string_view name, std::optional<double> value);
 
   /// Takes the newest snapshot, if there is one that was not taken yet, and asks for the next one.
   bool take(Snapshot& snapshot);

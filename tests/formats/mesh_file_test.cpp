@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <sstream>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
@@ -285,6 +287,48 @@ TEST(GmshFile, MayHaveTheOtherByteOrder) {
   const ImportedMesh mesh = parse_gmsh(file + "\n$EndElements\n", "foreign.msh");
   EXPECT_EQ(mesh.positions.row(1), Eigen::RowVector3d(3.5, 1, -2.25));
   EXPECT_EQ(mesh.edges, (std::vector<Edge>{{1, 0}}));
+}
+
+// Two volumes, of which the second is in two groups, and a surface in a group of its own.
+TEST(GmshFile, GivesItsGroupsOfVolumes) {
+  const std::string names =
+      "$PhysicalNames\n3\n3 7 \"liver and tumour\"\n3 8 \"tumour\"\n2 7 \"skin\"\n$EndPhysicalNames\n";
+  std::string points;
+  for (int n = 0; n < 12; ++n)
+    points += std::to_string(n % 3) + " " + std::to_string(n / 3 % 2) + " " + std::to_string(n / 6) + "\n";
+  const auto version_4 = [&](const std::string& entities) {
+    return "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" + names + "$Entities\n" + entities +
+           "$EndEntities\n$Nodes\n1 12 1 12\n3 1 0 12\n1 2 3 4 5 6 7 8 9 10 11 12\n" + points +
+           "$EndNodes\n$Elements\n3 3 1 3\n2 1 3 1\n1 1 2 5 4\n3 1 5 1\n2 1 2 5 4 7 8 11 10\n"
+           "3 2 5 1\n3 2 3 6 5 8 9 12 11\n$EndElements\n";
+  };
+  std::string version_2 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names + "$Nodes\n12\n";
+  std::istringstream lines(points);
+  int n = 0;
+  for (std::string line; std::getline(lines, line);) version_2 += std::to_string(++n) + " " + line + "\n";
+  version_2 +=
+      "$EndNodes\n$Elements\n3\n1 3 2 7 1 1 2 5 4\n2 5 2 7 1 1 2 5 4 7 8 11 10\n"
+      "3 5 2 9 2 2 3 6 5 8 9 12 11\n$EndElements\n";
+
+  const auto found = [](const std::string& content) {
+    std::map<std::string, std::vector<int>> groups;
+    for (const ImportedGroup& group : parse_gmsh_groups(content, "a.msh")) groups[group.name] = group.hexahedra;
+    return groups;
+  };
+  using Groups = std::map<std::string, std::vector<int>>;
+  const std::string entities =
+      "1 0 1 2\n5 0 0 0 0\n1 0 0 0 1 1 0 1 7 1 -3\n1 0 0 0 1 1 1 1 7 2 1 -4\n"
+      "2 1 0 0 2 1 1 2 7 8 0\n";
+  EXPECT_EQ(found(version_4(entities)), (Groups{{"liver and tumour", {0, 1}}, {"tumour", {1}}}));
+  EXPECT_EQ(found(version_2), (Groups{{"liver and tumour", {0}}, {"tumour", {}}, {"9", {1}}}));
+  EXPECT_EQ(parse_gmsh(version_4("what others need not be\n"), "a.msh").hexahedra.size(), 2u);
+  EXPECT_TRUE(refuses<InputError>([&] { found(version_4("0 0 0 1\n1 0 0 0 1 1 1 99999 7\n")); },
+                                  {"a.msh:", "the number of groups"}));
+  std::string nameless = version_2;
+  nameless.erase(nameless.find("\"tumour\""), 8);
+  EXPECT_TRUE(refuses<InputError>([&] { found(nameless); }, {"a.msh:7", "must have one in quotes"}));
+  for (std::size_t size = 0; size < version_2.size(); size += 7)
+    EXPECT_THROW(parse_gmsh_groups(version_2.substr(0, size), "a.msh"), InputError) << size;
 }
 
 TEST(VtuFile, GivesItsDataInTheOrderOfPointsAndCells) {

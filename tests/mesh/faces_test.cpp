@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <set>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/selection.hpp"
 #include "mesh/neighbours.hpp"
+#include "support/random.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
@@ -109,6 +111,32 @@ TEST(Selection, OrientedBoxesLieAboutTheirRectangle) {
   EXPECT_FALSE(box.contains({2, 0.9, 0}));
   EXPECT_FALSE(box.contains({0.9, 0, 0}));
   EXPECT_FALSE(box.contains({2, 3.1, 0}));
+}
+
+// A corner of 2 x 2 x 2 cells without one of them, and with one that touches another at an edge alone.
+TEST(Selection, ClosedSurfacesEncloseTheirHexahedra) {
+  const HexMesh mesh = block({2, 2, 2}, 1);
+  for (const std::vector<unsigned char>& alive :
+       {std::vector<unsigned char>{1, 1, 1, 1, 1, 1, 1, 0}, std::vector<unsigned char>{1, 0, 0, 1, 0, 0, 0, 0}}) {
+    std::vector<Triangle> triangles;
+    for (const Quad& face : mesh.boundary_faces(alive)) {
+      triangles.push_back({face[0], face[1], face[2]});
+      triangles.push_back({face[0], face[2], face[3]});
+    }
+    const EnclosedSpace space(mesh.positions(), triangles);
+    support::Random random(5);
+    for (int k = 0; k < 500; ++k) {
+      const Vec3 point = Vec3(1, 1, 1) + random.vector(1.4);
+      const Eigen::Array3i cell = point.array().floor().cast<int>();
+      const bool is_in_block = (cell >= 0).all() && (cell < 2).all();
+      const bool expected = is_in_block && alive[static_cast<std::size_t>(cell[0] + 2 * cell[1] + 4 * cell[2])];
+      EXPECT_EQ(space.contains(point), expected) << point.transpose();
+    }
+    triangles.pop_back();
+    EXPECT_THROW(EnclosedSpace(mesh.positions(), triangles), InputError);
+    triangles.push_back({0, 1, 99});
+    EXPECT_THROW(EnclosedSpace(mesh.positions(), triangles), InputError);
+  }
 }
 
 TEST(Selection, CellsOfAnyKindAreTakenWholeOrByTheirCentre) {

@@ -96,6 +96,29 @@ TEST_F(Command, CheckAndRunWarnOfCornersThatAreInsideOut) {
   EXPECT_LT(Json::parse(content(directory_ / "sum"))["least_scaled_jacobian"], 0);
 }
 
+TEST_F(Command, CheckAndRunNameTheRegionsOfTheBody) {
+  write("bar.scn", bar(kHeld, "yieldStress='90' plasticFlowRate='1'"));
+  std::string scene = content(directory_ / "bar.scn");
+  scene.replace(scene.rfind("</Node>"), 7,
+                "<MaterialRegion name='hard' indices='1' youngModulus='8000' yieldStress='300'/><Node name='inner'>"
+                "<MaterialRegion name='all' indices='0 1' yieldStress='80 100' hardening='0.5'/></Node></Node>");
+  write("bar.scn", scene);
+  const std::string hard = "1 hexahedron, youngModulus 8000 Pa, yieldStress 300 Pa",
+                    all = "2 hexahedra, yieldStress 80 to 100 Pa, hardening 0.5";
+  const std::string checked = hexaplast("check bar.scn").out;
+  EXPECT_NE(checked.find("  region              hard: " + hard + "\n"), std::string::npos) << checked;
+  EXPECT_NE(checked.find("  region              inner/all: " + all + "\n"), std::string::npos) << checked;
+  const Json regions = Json::parse(hexaplast("check bar.scn --json --set inner/all.hardening=2").out)["regions"];
+  EXPECT_EQ(regions, Json::parse(R"([
+    {"path": "hard", "hexahedra": 1, "values": {"youngModulus": [8000.0, 8000.0], "yieldStress": [300.0, 300.0]}},
+    {"path": "inner/all", "hexahedra": 2, "values": {"yieldStress": [80.0, 100.0], "hardening": [2.0, 2.0]}}])"));
+
+  const Outcome ran = hexaplast("run bar.scn --steps 1 --out results --frames 0");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("  region hard         " + hard + "\n"), std::string::npos) << ran.out;
+  EXPECT_NE(content(directory_ / "results/report.html").find(all), std::string::npos);
+}
+
 TEST_F(Command, CheckTakesNoStep) {
   write("bar.scn", bar(kHeld));
   EXPECT_EQ(hexaplast("check bar.scn --set LinearForceField1.forces='1e308 0 0 1e308 0 0 1e308 0 0'").code, 0);

@@ -87,7 +87,8 @@ TEST_F(Command, ListRefusesWhatIsNoComponent) {
   const Outcome outcome = hexaplast("list BoxRO");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err, "hexaplast: error: no component 'BoxRO'\n  hint: did you mean 'BoxROI'?\n");
-  EXPECT_EQ(hexaplast("list roi").err, "hexaplast: error: no component 'roi'\n  hint: there are BoxROI, SphereROI\n");
+  EXPECT_EQ(hexaplast("list roi").err,
+            "hexaplast: error: no component 'roi'\n  hint: there are BoxROI, MeshROI, PlaneROI, SphereROI\n");
   EXPECT_EQ(hexaplast("list e").err, "hexaplast: error: no component 'e'\n");
   EXPECT_EQ(hexaplast("list BoxROI --markdown").code, 2);
   EXPECT_EQ(hexaplast("list --plugin Absent").code, 6);

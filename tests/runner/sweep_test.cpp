@@ -68,6 +68,31 @@ TEST_F(Sweep, RunsEveryCombinationAndTellsWhatItCameTo) {
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_ / "found"), {}), 3);  // plan, table and picture
 }
 
+// Two springs in series: the elongation of each half of 0.5 m is F / (2 E A).
+TEST_F(Sweep, ReachesTheValuesOfARegion) {
+  std::string bar = hexaplast::support::pulled_bar();
+  bar.replace(bar.rfind("</Node>"), 7, "<MaterialRegion name='tip' indices='1' youngModulus='700'/></Node>");
+  write("bar.scn", bar);
+  const Outcome outcome = hexaplast("sweep bar.scn --out found --vary tip.youngModulus=500:8000:2");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const Csv found = table();
+  ASSERT_EQ(found.num_rows(), 2u);
+  const auto elongation = [](double tip) { return 50 / kSection / 2 * (1 / 2000.0 + 1 / tip); };
+  for (const std::size_t row : {0u, 1u}) {
+    const double tip = row == 0 ? 500 : 8000;
+    EXPECT_EQ(found.number(row, "tip.youngModulus"), tip);
+    EXPECT_NEAR(found.number(row, "world_elongation"), elongation(tip), 1e-9);
+  }
+  EXPECT_EQ(hexaplast("run bar.scn --quiet --summary one.json --set tip.youngModulus=8000").code, 0);
+  EXPECT_EQ(Json::parse(content(directory_ / "one.json"))["state_hash"], found.text(1, "state_hash"));
+  const Outcome refused = hexaplast("run bar.scn --set tip.youngModulus='1 2'");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("--set tip.youngModulus=1 2: error: MaterialRegion.youngModulus: 2 values given, must be "
+                             "one or 1 (one per hexahedron of the region)"),
+            std::string::npos)
+      << refused.err;
+}
+
 TEST_F(Sweep, GoesOnWhereItWasInterrupted) {
   write("bar.scn", hexaplast::support::pulled_bar());
   ASSERT_EQ(hexaplast(kTwoByTwo).code, 0);

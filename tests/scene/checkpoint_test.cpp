@@ -451,4 +451,18 @@ TEST_F(WrittenFiles, OfExportersGoOnWhereTheyWere) {
   EXPECT_THROW(take_up(third, checkpoint), scene::FileError);
 }
 
+// The values of a region follow what hardens, in every step.
+TEST(Checkpoint, ContinuesARegionWhoseValuesChange) {
+  expect_same_future(
+      support::in_root(
+          "gravity='0 0 0' dt='0.02'",
+          "<RegularGridTopology n='3 2 2'/><MechanicalObject name='nodes'/><DiagonalMass massDensity='100'/>"
+          "<IndexValueMapper name='mapper' inputValues='@body.presentYieldStress' indices='1' value='900' "
+          "defaultValue='800'/>"
+          "<MaterialRegion name='region' indices='0 1' youngModulus='@mapper.outputValues'/>"
+          "<HexahedronElastoplasticFEMForceField name='body' yieldStress='20' plasticFlowRate='2' hardening='3'/>"
+          "<ConstantForceField indices='2 5 8 11' totalForce='90 0 0'/><FixedProjectiveConstraint indices='0 3 6 9'/>"),
+      20, {1, 11});
+}
+
 }  // namespace

@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
@@ -7,6 +13,7 @@
 
 namespace {
 
+namespace fs = std::filesystem;
 using namespace hexaplast;
 using support::at;
 using support::errors_of;
@@ -49,6 +56,60 @@ TEST(MeshLoader, PlacesAndCleans) {
   scene::Scene matrix =
       loaded("MeshVTKLoader", "two_ascii.vtu", "transformation='0 0 1 5  1 0 0 6  0 1 0 7  0 0 0 1' scale='9'");
   EXPECT_TRUE(at<scene::Topology>(matrix, "mesh").positions().row(1).isApprox(Eigen::RowVector3d(5.1, 7.25, 7), 1e-14));
+}
+
+// Files of meshio: both hexahedra are in group 1 of volume 1, which has no name.
+TEST(MeshLoader, GivesThePhysicalGroupsOfAGmshFile) {
+  for (const char* file : {"two_41_ascii.msh", "two_41_binary.msh"}) {
+    scene::Scene scene =
+        read_and_init(in_root("", "<MeshGmshLoader name='loader' filename='" + kFolder + file +
+                                      "'/><MeshTopology src='@loader'/><MechanicalObject/><UniformMass totalMass='1'/>"
+                                      "<HexahedronElastoplasticFEMForceField name='body'/>"
+                                      "<MaterialRegion indices='@loader.1' youngModulus='40 50'/>"));
+    const Body& body = *at<scene::ForceField>(scene, "body").body();
+    EXPECT_EQ(body.material(0).young_modulus, 40) << file;
+    EXPECT_EQ(body.material(1).young_modulus, 50) << file;
+    EXPECT_NE(errors_of("<Node><MeshGmshLoader name='loader' filename='" + kFolder + file +
+                        "'/><IndexValueMapper indices='@loader.2'/></Node>")
+                  .find("which has no attribute '2'"),
+              std::string::npos);
+  }
+}
+
+// Two hexahedra behind a triangle.
+TEST(MeshLoader, GivesTheCellDataOfHexahedra) {
+  const fs::path folder = fs::temp_directory_path() / ("loader_test_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  std::ofstream(folder / "labels.vtu")
+      << "<VTKFile type='UnstructuredGrid' byte_order='LittleEndian'><UnstructuredGrid><Piece NumberOfPoints='12' "
+         "NumberOfCells='3'><Points><DataArray type='Float64' NumberOfComponents='3' format='ascii'>"
+         "0 0 0 1 0 0 2 0 0 0 1 0 1 1 0 2 1 0 0 0 1 1 0 1 2 0 1 0 1 1 1 1 1 2 1 1</DataArray></Points><Cells>"
+         "<DataArray type='Int32' Name='connectivity' format='ascii'>0 1 4 0 1 4 3 6 7 10 9 1 2 5 4 7 8 11 10"
+         "</DataArray><DataArray type='Int32' Name='offsets' format='ascii'>3 11 19</DataArray>"
+         "<DataArray type='UInt8' Name='types' format='ascii'>5 12 12</DataArray></Cells><CellData>"
+         "<DataArray type='Int32' Name='label' format='ascii'>7 4 7</DataArray>"
+         "<DataArray type='Float64' Name='modulus' format='ascii'>-1 300 500.5</DataArray>"
+         "<DataArray type='Float64' Name='pairs' NumberOfComponents='2' format='ascii'>1 2 3 4 5 6</DataArray>"
+         "</CellData></Piece></UnstructuredGrid></VTKFile>";
+  const auto scene_of = [&](const std::string& more) {
+    return in_root("", "<MeshVTKLoader name='loader' filename='" + (folder / "labels.vtu").string() +
+                           "'/><MeshTopology src='@loader'/><MechanicalObject/><UniformMass totalMass='1'/>"
+                           "<HexahedronElastoplasticFEMForceField name='body' youngModulus='@loader.modulus'/>" +
+                           more);
+  };
+  scene::Scene scene = read_and_init(
+      scene_of("<IndicesFromValues name='liver' global='@loader.label' values='7' recursiveSearch='true'/>"
+               "<MaterialRegion indices='@liver.indices' yieldStress='40'/>"));
+  const Body& body = *at<scene::ForceField>(scene, "body").body();
+  EXPECT_EQ(body.material(0).young_modulus, 300);
+  EXPECT_EQ(body.material(1).young_modulus, 500.5);
+  EXPECT_EQ(body.material(1).yield_stress, 40);
+  EXPECT_FALSE(std::isfinite(body.material(0).yield_stress));
+  for (const char* name : {"labels", "pairs"})
+    EXPECT_NE(errors_of(scene_of("<IndicesFromValues name='liver' global='@loader." + std::string(name) + "'/>"))
+                  .find("stops at MeshVTKLoader 'loader', which has no attribute '" + std::string(name) + "'"),
+              std::string::npos);
+  fs::remove_all(folder);
 }
 
 // Said once, however many components ask for the mesh.

@@ -83,4 +83,92 @@ TEST(SphereROI, CountsItsSurfaceAsInside) {
             "test.scn:1: error: SphereROI.radii: 2 radii given for 1 centers, must be one or as many");
 }
 
+TEST(PlaneROI, TakesWhatLiesInAThickRectangle) {
+  scene::Scene scene = read_and_init(
+      in_root("",
+              "<RegularGridTopology n='4 2 2' max='3 1 1'/><MechanicalObject/><UniformMass totalMass='1'/>"
+              "<PlaneROI name='thin' plane='1 0 0  1 1 0  1 1 1  0.1'/>"
+              "<PlaneROI name='thick' plane='1 0 0  1 1 0  1 1 1  2  3 0 0  3 1 0  3 1 1  0.1'/>"));
+  EXPECT_EQ(at<scene::Engine>(scene, "thin").integers("indices"), (Numbers{1, 5, 9, 13}));
+  EXPECT_EQ(at<scene::Engine>(scene, "thin").integers("hexahedronIndices"), (Numbers{}));
+  EXPECT_EQ(at<scene::Engine>(scene, "thick").integers("hexahedronIndices"), (Numbers{0, 1, 2}));
+  EXPECT_EQ(errors_of(four_nodes("<PlaneROI plane='1 2 3'/>")),
+            "test.scn:1: error: PlaneROI.plane: 3 numbers given, must be groups of 10");
+}
+
+// The tetrahedron x, y, z >= 0, x + y + z <= 3.
+TEST(MeshROI, TakesWhatAClosedSurfaceEncloses) {
+  const std::string points = "ROIposition='0 0 0  3 0 0  0 3 0  0 0 3  3 0 0'", closed = "ROItriangles='0 2 1 0 1 3 ";
+  const auto roi = [&](const std::string& rest) { return "<MeshROI name='roi' " + points + " " + rest + "/>"; };
+  const auto scene_of = [&](const std::string& rest) {
+    return in_root("",
+                   "<RegularGridTopology n='4 4 4' max='3 3 3'/><MechanicalObject name='nodes'/><UniformMass "
+                   "totalMass='1'/>" +
+                       roi(rest));
+  };
+  const auto inside = [&](const std::string& rest) {
+    scene::Scene scene = read_and_init(scene_of(rest));
+    return Numbers(at<scene::Engine>(scene, "roi").integers("hexahedronIndices"));
+  };
+  Numbers expected;  // cells whose centre has a sum of coordinates below 3
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i)
+        if (i + j + k + 1.5 < 3) expected.push_back(i + 3 * (j + 3 * k));
+  EXPECT_EQ(inside(closed + "1 2 3 0 3 2'"), expected);
+  EXPECT_EQ(inside(closed + "4 2 3 0 3 2'"), expected) << "by two points at one place";
+  EXPECT_EQ(inside("ROItriangles='0 1 2 0 3 1 1 3 2 0 2 3'"), expected) << "inside out";
+  EXPECT_EQ(inside(closed + "1 2 3 0 3 2' computeMeshROI='false'").size(), 27u);
+  scene::Scene scene = read_and_init(scene_of(closed + "1 2 3 0 3 2'"));
+  EXPECT_EQ(at<scene::Engine>(scene, "roi").reals("box"), (std::vector<double>{0, 0, 0, 3, 3, 3}));
+
+  const std::string error = "test.scn:1: error: MeshROI.ROItriangles: ";
+  const std::string rule = ": each edge must occur as often in one direction as in the other";
+  EXPECT_EQ(errors_of(scene_of(closed + "1 2 3'")),
+            error + "the surface is open or not oriented at the edge from point 0 to point 2" + rule);
+  EXPECT_EQ(errors_of(scene_of(closed + "1 2 3 0 2 3'")),
+            error + "the surface is open or not oriented at the edge from point 0 to point 2" + rule);
+  EXPECT_EQ(errors_of(scene_of("")), error + "has no triangle, must have those of a closed surface");
+  EXPECT_EQ(errors_of(scene_of("ROItriangles='0 1'")), error + "2 numbers given, must be groups of 3");
+  EXPECT_EQ(errors_of(scene_of("ROItriangles='0 1 5'")), error + "5 must lie in [0, 5)");
+}
+
+TEST(IndicesFromValues, FindsPlacesOfValues) {
+  scene::Scene scene =
+      read_and_init(four_nodes("<IndicesFromValues name='first' global='7 5 7 3 5' values='5 7'/>"
+                               "<IndicesFromValues name='all' global='7 5 7 3 5' values='5 7' recursiveSearch='true'/>"
+                               "<IndicesFromValues name='missing' global='7 5' values='6'/>"));
+  const auto numbers = [&](const char* name, const char* output) {
+    return at<scene::Engine>(scene, name).integers(output);
+  };
+  EXPECT_EQ(numbers("first", "indices"), (Numbers{1, 0}));
+  EXPECT_EQ(numbers("first", "otherIndices"), (Numbers{2, 3, 4}));
+  EXPECT_EQ(numbers("all", "indices"), (Numbers{0, 1, 2, 4}));
+  EXPECT_EQ(numbers("all", "otherIndices"), (Numbers{3}));
+  EXPECT_TRUE(numbers("missing", "indices").empty());
+  const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(scene::format(warnings[0]),
+            "test.scn:1: warning: IndicesFromValues.values: 6 is not among the values of global");
+}
+
+// As in SOFA: the list grows as far as the indices reach.
+TEST(IndexValueMapper, PutsAValueAtIndices) {
+  scene::Scene scene = read_and_init(
+      four_nodes("<IndexValueMapper name='given' inputValues='5 6 7' indices='2 0' value='-1'/>"
+                 "<IndexValueMapper name='grown' inputValues='5' indices='3 1' value='9' defaultValue='0.5'/>"
+                 "<IndexValueMapper name='chain' inputValues='@grown.outputValues' indices='0 5' value='2'/>"
+                 "<IndexValueMapper name='none'/>"));
+  const auto values = [&](const char* name) { return at<scene::Engine>(scene, name).reals("outputValues"); };
+  using Values = std::vector<double>;
+  EXPECT_EQ(values("given"), (Values{-1, 6, -1}));
+  EXPECT_EQ(values("grown"), (Values{5, 9, 0.5, 9}));
+  EXPECT_EQ(values("chain"), (Values{2, 9, 0.5, 9, 1, 2}));
+  EXPECT_EQ(values("none"), Values{});
+  at<scene::Engine>(scene, "grown").find_data("value")->give(8.0, {});
+  EXPECT_EQ(values("chain"), (Values{2, 8, 0.5, 8, 1, 2}));
+  EXPECT_EQ(errors_of(four_nodes("<IndexValueMapper indices='10000000'/>")),
+            "test.scn:1: error: IndexValueMapper.indices: 10000000 must lie in [0, 9999999]");
+}
+
 }  // namespace

@@ -30,15 +30,15 @@ namespace fs = std::filesystem;
 TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
   std::set<std::string> names;
   for (const auto& [name, entry] : factory().entries) names.insert(name);
-  EXPECT_EQ(names,
-            (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField", "GraspForceField",
-                                   "TubeGridTopology", "SheetGridTopology", "SpherePatchGridTopology",
-                                   "MultigridCGLinearSolver", "FinalStateExporter", "Probe", "RunSettings"}));
+  EXPECT_EQ(names, (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField",
+                                          "GraspForceField", "TubeGridTopology", "SheetGridTopology",
+                                          "SpherePatchGridTopology", "MultigridCGLinearSolver", "FinalStateExporter",
+                                          "Probe", "RunSettings", "MaterialRegion"}));
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
         &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
         &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kProbe,
-        &attributes::kRunSettings}) {
+        &attributes::kRunSettings, &attributes::kMaterialRegion}) {
     const auto& entry = factory().entries.at(std::string(each->class_name));
     EXPECT_EQ(entry.help, each->help);
     EXPECT_EQ(entry.template_name, each->category == "ForceField" ? "Vec3d" : "") << each->class_name;
@@ -68,7 +68,7 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
         &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
         &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kProbe,
-        &attributes::kRunSettings}) {
+        &attributes::kRunSettings, &attributes::kMaterialRegion}) {
     const auto component = factory().entries.at(std::string(each->class_name)).make();
     for (const attributes::Attribute& attribute : each->attributes) {
       if (attribute.type == attributes::Type::kLink) continue;
@@ -96,12 +96,13 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
 }
 
 TEST(SofaPlugin, GroupsTheDataOfABodyAsTheRowsAre) {
-  const auto body = factory().entries.at("HexahedronElastoplasticFEMForceField").make();
-  const auto check = [&](const auto& rows) {
-    for (const auto& row : rows) EXPECT_EQ(body->findData(std::string(row.name))->getGroup(), row.group) << row.name;
+  const auto check = [&](const std::string& class_name, const auto& rows) {
+    const auto made = factory().entries.at(class_name).make();
+    for (const auto& row : rows) EXPECT_EQ(made->findData(std::string(row.name))->getGroup(), row.group) << row.name;
   };
-  check(material_rows());
-  check(settings_rows());
+  check("HexahedronElastoplasticFEMForceField", material_rows());
+  check("HexahedronElastoplasticFEMForceField", settings_rows());
+  check("MaterialRegion", material_rows());
 }
 
 TEST_F(Adapter, TangentialForcesTurnAboutTheAxis) {

@@ -253,6 +253,40 @@ TEST(Session, AFactorMovesTheValuesOfAllHexahedra) {
     EXPECT_NEAR(played.body().materials().at(static_cast<std::size_t>(e)).young_modulus, 3 * (4000 + 100 * e), 1e-9);
 }
 
+TEST(Session, SlidersOfARegionReachTheBody) {
+  const std::string end = "</Node>";
+  std::string text = kBar;
+  text.replace(text.rfind(end), end.size(),
+               "<MaterialRegion name='tumour' indices='3 7' youngModulus='9000' yieldStress='100 300'/></Node>");
+  Played played(text);
+  Session session(played.subject(), hand());
+  ASSERT_EQ(session.parameters().size(), material_rows().size() + 2);
+  const Parameter& modulus = session.parameters()[material_rows().size()];
+  EXPECT_EQ(modulus.name, "tumour.youngModulus");
+  EXPECT_EQ(modulus.value, 9000);
+  EXPECT_TRUE(modulus.may_be_none);
+  session.set("tumour.youngModulus", 7000);
+  session.set("tumour.yieldStress", 2);  // of both
+  session.set("youngModulus", 6000);
+  session.advance(1);
+  const Snapshot at = wait_for_step(session, 1);
+  EXPECT_EQ(at.parameter_values[material_rows().size()], 7000);
+  EXPECT_TRUE(at.messages.empty());
+  const auto material = [&](int e) { return played.body().materials().at(static_cast<std::size_t>(e)); };
+  EXPECT_EQ(material(3).young_modulus, 7000);
+  EXPECT_EQ(material(3).yield_stress, 200);
+  EXPECT_EQ(material(7).yield_stress, 600);
+  EXPECT_EQ(material(4).young_modulus, 6000);
+  EXPECT_EQ(material(4).yield_stress, 150);
+  session.set("tumour.youngModulus", std::nullopt);
+  session.set("tumour.yieldStress", -1);
+  session.advance(1);
+  EXPECT_EQ(wait_for_step(session, 2).messages.size(), 1u);
+  session.stop();
+  EXPECT_EQ(material(3).young_modulus, 6000);
+  EXPECT_EQ(material(3).yield_stress, 200);
+}
+
 TEST(Session, KeepsRealTimeAndCanBePaused) {
   Played played;
   Session session(played.subject(), hand());

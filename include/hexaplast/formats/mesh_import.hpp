@@ -34,10 +34,20 @@ struct ImportedArray {
 struct ImportedState {
   ImportedMesh mesh;
   std::vector<ImportedArray> point_data, cell_data;
+  std::vector<int> hexahedron_cells = {};  ///< which cell of the file each hexahedron of the mesh is
+};
+
+/// Hexahedra that a file puts together.
+struct ImportedGroup {
+  std::string name;            ///< or its number, where it has no name
+  std::vector<int> hexahedra;  ///< their numbers in the mesh
 };
 
 /// Gmsh, version 2 and 4.1, text or binary of either byte order.
 ImportedMesh read_gmsh(const std::filesystem::path& file);
+
+/// The physical groups of volumes in such a file.
+std::vector<ImportedGroup> read_gmsh_groups(const std::filesystem::path& file);
 
 /// VTK unstructured grids: legacy files (text or big-endian binary, versions up to 5.1) and XML files (.vtu: text,
 /// base64, or raw appended data; uncompressed or by zlib). Which of the two it is is told by the content.
@@ -64,6 +74,7 @@ ImportedMesh read_mesh(const std::filesystem::path& file);
 ///
 /// The same from content in memory; `name` stands for the file in messages.
 ImportedMesh parse_gmsh(std::string_view content, const std::string& name);
+std::vector<ImportedGroup> parse_gmsh_groups(std::string_view content, const std::string& name);
 ImportedMesh parse_vtk(std::string_view content, const std::string& name);
 ImportedState parse_vtu_state(std::string_view content, const std::string& name);
 ImportedMesh parse_obj(std::string_view content, const std::string& name);

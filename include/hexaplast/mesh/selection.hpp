@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
 
+#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
@@ -24,6 +26,24 @@ struct OrientedBox {
 
   /// Points on the surface are inside, up to rounding of the projections.
   bool contains(const Vec3& point) const;
+};
+
+/// What a closed surface of triangles encloses.
+class EnclosedSpace {
+ public:
+  /// points: num_points x 3 [m], of which several may lie at one place. Throws InputError for a corner that they have
+  /// not, and where the surface is open or not oriented: each of its edges must occur as often in one direction
+  /// as in the other.
+  EnclosedSpace(ConstPoints points, std::span<const Triangle> triangles);
+
+  /// Whether the surface winds around a point. On the surface itself either may be.
+  bool contains(const Vec3& point) const;
+
+  const Eigen::AlignedBox3d& box() const { return box_; }  ///< around the surface
+
+ private:
+  std::vector<std::array<Vec3, 3>> triangles_;
+  Eigen::AlignedBox3d box_;
 };
 
 /// Cells (edges, triangles, quads, hexahedra: their corners are rows of x) that lie inside a region, in ascending

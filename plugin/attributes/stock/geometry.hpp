@@ -316,7 +316,8 @@ inline constexpr Description kMeshGmshLoader{
     .category = "MeshLoader",
     .help =
         "Reads .msh files of Gmsh: versions 2 and 4.1, text or binary. Cells that are neither edges, triangles, quads "
-        "nor hexahedra of first order are skipped, with a warning.",
+        "nor hexahedra of first order are skipped, with a warning. Links reach physical groups of volumes by their "
+        "names, or by their numbers if they have none, `@loader.tumour`: the numbers of their hexahedra.",
     .attributes = kGmshLoaderAttributes};
 inline constexpr Description kMeshVTKLoader{
     .class_name = "MeshVTKLoader",
@@ -324,7 +325,8 @@ inline constexpr Description kMeshVTKLoader{
     .help =
         "Reads unstructured grids of VTK: legacy .vtk files (text or binary) and .vtu files (text, base64 or raw, "
         "uncompressed or by zlib). Cells that are neither edges, triangles, quads nor hexahedra of first order are "
-        "skipped, with a warning.",
+        "skipped, with a warning. Links reach the cell data of .vtu files by their names, `@loader.label`: one number "
+        "per hexahedron.",
     .attributes = kMeshLoaderAttributes};
 inline constexpr Description kMeshOBJLoader{.class_name = "MeshOBJLoader",
                                             .category = "MeshLoader",

@@ -120,4 +120,46 @@ inline constexpr Description kSphereROI{.class_name = "SphereROI",
                                         .templates = kVec3Templates,
                                         .attributes = kSphereROIAttributes};
 
+inline constexpr Attribute kPlanes[] = {
+    {.name = "plane",
+     .type = Type::kReals,
+     .unit = "m",
+     .help =
+         "Ten numbers for each rectangle: three consecutive corners, and the thickness, half of it to either side."},
+};
+inline constexpr auto kPlaneROIAttributes = joined(kPlanes, kRegionAttributes);
+inline constexpr Description kPlaneROI{
+    .class_name = "PlaneROI",
+    .category = "Engine",
+    .help = "Finds what lies in thick rectangles. SOFA's finds no hexahedra: BoxROI with orientedBox does in both.",
+    .templates = kVec3Templates,
+    .attributes = kPlaneROIAttributes};
+
+inline constexpr Attribute kEnclosures[] = {
+    {.name = "ROIposition", .type = Type::kVectors3, .unit = "m", .help = "Points of a surface."},
+    {.name = "ROItriangles",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Its triangles. It must be closed and oriented; several points may lie at one place."},
+    {.name = "computeMeshROI",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "false: what lies in the box around the surface."},
+    {.name = "box", .type = Type::kBoxes, .unit = "m", .access = Access::kOutput, .help = "Around the surface."},
+    ignored_attribute("ROIedges", "Ignored here: the triangles have them."),
+    visual_attribute("drawOut"),
+    visual_attribute("drawBox"),
+};
+inline constexpr auto kMeshROIAttributes = [] {
+  auto all = joined(kEnclosures, kRegionAttributes);
+  for (Attribute& attribute : all)
+    if (attribute.name == "strict") attribute.initial = "false";  // unlike the other regions, in SOFA too
+  return all;
+}();
+inline constexpr Description kMeshROI{.class_name = "MeshROI",
+                                      .category = "Engine",
+                                      .help = "Finds what a closed surface of triangles encloses.",
+                                      .templates = kVec3Templates,
+                                      .attributes = kMeshROIAttributes};
+
 }  // namespace hexaplast::attributes

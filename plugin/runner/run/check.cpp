@@ -15,6 +15,7 @@
 #include "hexaplast/model_check.hpp"
 #include "runner/run/loads.hpp"
 #include "runner/run/output_options.hpp"
+#include "runner/run/regions.hpp"
 #include "runner/standard_output.hpp"
 
 namespace hexaplast::runner {
@@ -38,6 +39,7 @@ struct Findings {
   double memory = 0;         // [byte] most that the process has held
   std::optional<ModelCheck> body;
   int num_hexahedra = 0;
+  std::vector<RegionFigure> regions;
   std::vector<std::string> warnings;  // but what the body itself has remarked, check_shapes
   std::vector<std::string> writes;    // names of files
 };
@@ -68,6 +70,7 @@ Findings look_at(scene::Scene& scene) {
     std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, state); });
     found.body = check_model(*field->body(), scene::total_mass(masses, state), found.dt);
     found.num_hexahedra = field->body()->mesh().num_elements();
+    found.regions = regions_of(scene);
     found.warnings = model_warnings(*found.body, Names::kScenes);
   }
   const bool is_pushed = found.load.norm() > 1e-9 * found.load_size;  // more than rounding
@@ -110,6 +113,16 @@ Json json_of(const ModelCheck& body) {
           {"steps_across", body.steps_across}};
 }
 
+Json json_of(const std::vector<RegionFigure>& regions) {
+  Json list = Json::array();
+  for (const RegionFigure& region : regions) {
+    Json values = Json::object();
+    for (const RegionFigure::Value& value : region.values) values[std::string(value.name)] = {value.min, value.max};
+    list.push_back({{"path", region.path}, {"hexahedra", region.num_hexahedra}, {"values", values}});
+  }
+  return list;
+}
+
 Json json_of(const Findings& found) {
   std::vector<std::string> warnings = found.warnings;
   if (found.body) std::ranges::copy(check_shapes(found.body->quality), std::back_inserter(warnings));
@@ -124,12 +137,9 @@ Json json_of(const Findings& found) {
           {"steps", found.steps ? Json(*found.steps) : Json(nullptr)},
           {"memory_bytes", found.memory},
           {"body", found.body ? json_of(*found.body) : Json(nullptr)},
+          {"regions", json_of(found.regions)},
           {"writes", found.writes},
           {"advice", warnings}};
-}
-
-std::string range(double least, double greatest) {
-  return least == greatest ? fmt::format("{:.6g}", least) : fmt::format("{:.6g} to {:.6g}", least, greatest);
 }
 
 void print(const ModelCheck& body) {
@@ -137,9 +147,9 @@ void print(const ModelCheck& body) {
              body.extent.y(), body.extent.z(), body.volume, body.num_parts, body.num_parts == 1 ? "" : "s");
   fmt::print("  shape               min scaled Jacobian {:.3f} (hexahedron {}), edges {} m\n",
              body.quality.min_scaled_jacobian, body.quality.worst_element,
-             range(body.quality.shortest_edge, body.quality.longest_edge));
-  fmt::print("  material            E {} Pa, nu {}\n", range(body.min_young_modulus, body.max_young_modulus),
-             range(body.min_poisson_ratio, body.max_poisson_ratio));
+             min_to_max(body.quality.shortest_edge, body.quality.longest_edge));
+  fmt::print("  material            E {} Pa, nu {}\n", min_to_max(body.min_young_modulus, body.max_young_modulus),
+             min_to_max(body.min_poisson_ratio, body.max_poisson_ratio));
   const bool yields = std::isfinite(body.yield_stress), turns = std::isfinite(body.rotation_yield);
   fmt::print("  yield               {}\n",
              yields ? fmt::format("stress {:.6g} Pa, strain {:.4g}", body.yield_stress, body.yield_strain) : "never");
@@ -160,6 +170,8 @@ void print(const Findings& found, const std::string& title) {
              found.num_partly_held);
   fmt::print("  hexahedra           {}\n", found.num_hexahedra);
   if (found.body) print(*found.body);
+  for (const RegionFigure& region : found.regions)
+    fmt::print("  region              {}: {}\n", printable_line(region.path), describe(region));
   fmt::print("  loads               on {} nodes, together ({:.4g}, {:.4g}, {:.4g}) N at t = {:.4g} s\n",
              found.num_loaded, found.load.x(), found.load.y(), found.load.z(), found.loads_time);
   fmt::print("  steps               {} of {:.6g} s\n", found.steps ? std::to_string(*found.steps) : "set by --steps",

@@ -25,6 +25,7 @@
 #include "runner/run/kept_warnings.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/run/progress.hpp"
+#include "runner/run/regions.hpp"
 #include "runner/run/result_checks.hpp"
 #include "runner/run/rounded.hpp"
 #include "runner/run/scene_identity.hpp"
@@ -199,7 +200,9 @@ std::string hash_of(Simulation& simulation) {
 
 std::vector<output::Figure> summary_of(Simulation& simulation) {
   std::vector<output::Figure> figures;
-  const auto add = [&](const char* label, std::string value) { figures.push_back({label, std::move(value)}); };
+  const auto add = [&](std::string label, std::string value) {
+    figures.push_back({std::move(label), std::move(value)});
+  };
   // of a run that fails, the latest step may have been beyond all numbers already
   const auto add_finite = [&](const char* label, std::initializer_list<double> numbers, std::string value) {
     if (std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); })) add(label, std::move(value));
@@ -211,6 +214,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
   if (const Body* body = simulation.body()) {
     const output::Summary summary = output::summarise(*body, simulation.state().positions());
     add("hexahedra", fmt::format("{}", body->mesh().num_elements()));
+    for (const RegionFigure& region : regions_of(simulation.scene())) add("region " + region.path, describe(region));
     if (!body->removed().empty()) {
       add("removed", removed_line(body->removed(), totals));
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
@@ -259,7 +263,8 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
 void print_summary(Simulation& simulation, const path& scene_file) {
   fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(scene_file.stem().string()),
              simulation.latest().step, simulation.dt(), simulation.time());
-  for (const output::Figure& figure : summary_of(simulation)) fmt::print("  {:<18}  {}\n", figure.label, figure.value);
+  for (const output::Figure& figure : summary_of(simulation))
+    fmt::print("  {:<18}  {}\n", printable_line(figure.label), figure.value);
 }
 
 void warn_of_stalls(const Simulation& simulation) {

@@ -12,6 +12,8 @@
 namespace hexaplast::sofa_plugin
 {
 
+class MaterialRegion;
+
 /// Hexahedral corotational finite elements that stretch, yield and stay stretched. Plastic flow happens once per time
 /// step, at AnimateEndEvent. Data and outputs: the rows of Material and Settings, and plugin/attributes/hexaplast.hpp.
 template <class TDataTypes>
@@ -64,6 +66,7 @@ public:
         l_topology;  ///< the hexahedra
 
     void init() override;
+    void bwdInit() override;
     void draw(const sofa::core::visual::VisualParams* vparams) override;
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
@@ -82,6 +85,7 @@ protected:
 
     void makePart() override;
     void updatePart() override;
+    bool othersHaveChanged() override;
     void resetPart() override;
     void endStep(SReal dt) override;
     void addPartForce(SReal time, ConstPoints x, ConstPoints v, Points f) override;
@@ -93,7 +97,11 @@ private:
     template <class T>
     auto fromRow(Data<T>& data, std::string_view name);
 
-    parts::HexahedralBodyOptions options(std::size_t numHexahedra) const;
+    /// Throws InputError where a region cannot be.
+    parts::HexahedralBodyOptions options(const std::vector<Hexahedron>& hexahedra) const;
+
+    /// Those of this body, in the order of the scene.
+    std::vector<MaterialRegion*> regions() const;
 
     /// Throws InputError where its topology has changed in a way that it cannot follow.
     void requireTopology() const;
@@ -107,6 +115,7 @@ private:
     std::vector<double> m_fill;   // share of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
     bool m_topologyIsLost = false;
+    bool m_regionsAreReady = false;  // they may stand behind the body, and what they follow too
 
     /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.
     class Outputs final : public sofa::core::objectmodel::DDGNode

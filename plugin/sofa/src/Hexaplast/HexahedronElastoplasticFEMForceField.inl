@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
+#include <Hexaplast/MaterialRegion.h>
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/component/topology/container/grid/SparseGridTopology.h>
 #include <sofa/core/topology/TopologyChange.h>
@@ -98,6 +99,34 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::init()
     m_outputs.setDirtyValue();
 }
 
+// Regions are asked when all of them, and the engines that they follow, have had their init.
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::bwdInit()
+{
+    Inherit::bwdInit();
+    m_regionsAreReady = true;
+    if (this->works() && !regions().empty()) this->reinit();
+}
+
+template <class TDataTypes>
+std::vector<MaterialRegion*> HexahedronElastoplasticFEMForceField<TDataTypes>::regions() const
+{
+    std::vector<MaterialRegion*> found;
+    if (!m_regionsAreReady) return found;
+    this->getContext()->getRootContext()->template get<MaterialRegion>(
+        &found, sofa::core::objectmodel::BaseContext::SearchDown);
+    std::erase_if(found, [this](const MaterialRegion* region) { return region->body() != this; });
+    return found;
+}
+
+template <class TDataTypes>
+bool HexahedronElastoplasticFEMForceField<TDataTypes>::othersHaveChanged()
+{
+    bool haveChanged = false;
+    for (MaterialRegion* region : regions()) haveChanged = region->haveChanged() || haveChanged;
+    return haveChanged;
+}
+
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 {
@@ -115,7 +144,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
     m_original.resize(hexahedra.size());
     std::iota(m_original.begin(), m_original.end(), 0);
 
-    m_body.emplace(view(this->mstate->readRestPositions().ref()), hexahedra, options(hexahedra.size()),
+    m_body.emplace(view(this->mstate->readRestPositions().ref()), hexahedra, options(hexahedra),
                    this->getContext()->getDt());
     pass_on(*this, m_body->take_warnings());
 }
@@ -124,14 +153,22 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::updatePart()
 {
     requireTopology();
-    m_body->set_options(options(static_cast<std::size_t>(m_body->body().mesh().num_elements())),
-                        this->getContext()->getDt());
+    m_body->set_options(options(body()->mesh().hexahedra()), this->getContext()->getDt());
     pass_on(*this, m_body->take_warnings());
 }
 
 template <class TDataTypes>
-parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::options(std::size_t numHexahedra) const
+parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::options(
+    const std::vector<Hexahedron>& hexahedra) const
 {
+    std::vector<parts::MaterialRegion> ofRegions;
+    for (MaterialRegion* region : regions())
+    {
+        std::optional<parts::MaterialRegion> values = region->values(hexahedra);
+        if (!values)
+            throw InputError("its MaterialRegion '" + region->getName() + "' is invalid (see its error above)");
+        ofRegions.push_back(std::move(*values));
+    }
     const auto given = [this](const auto& row) -> std::optional<std::vector<double>>
     {
         const auto* data = this->findData(std::string(row.name));
@@ -145,7 +182,7 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
         if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
         return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
     };
-    return parts::body_options(given, numHexahedra, m_fill);
+    return parts::body_options(given, hexahedra.size(), m_fill, ofRegions);
 }
 
 template <class TDataTypes>

@@ -73,6 +73,8 @@ protected:
 
     virtual void makePart() = 0;    ///< from the Data; what was there goes
     virtual void updatePart() = 0;  ///< by Data that have changed
+    /// Whether Data of other components that the part is made from have changed since this was asked last.
+    virtual bool othersHaveChanged() { return false; }
     virtual void resetPart() {}
     virtual void beginStep(SReal /*time*/, SReal /*dt*/) {}
     virtual void endStep(SReal /*dt*/) {}

@@ -82,6 +82,7 @@ void PartForceField<TDataTypes>::reinit()
 {
     if (!hasPart()) return init();
     m_inputs->have_changed();
+    othersHaveChanged();
     acceptData([&] { updatePart(); });
 }
 
@@ -101,7 +102,8 @@ void PartForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* eve
     {
         if (!may_step(*this) || !hasPart()) return;
         const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
-        if (m_inputs->have_changed()) acceptData([&] { updatePart(); });
+        const bool ownHaveChanged = m_inputs->have_changed(), othersHave = othersHaveChanged();
+        if (ownHaveChanged || othersHave) acceptData([&] { updatePart(); });
         if (works()) attempt(*this, [&] { beginStep(this->getContext()->getTime(), dt); });
     }
     else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))

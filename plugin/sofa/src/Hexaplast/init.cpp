@@ -34,6 +34,7 @@ extern "C"
     {
         using namespace hexaplast::sofa_plugin;
         registerHexahedronElastoplasticFEMForceField(factory);
+        registerMaterialRegion(factory);
         registerTangentialForceField(factory);
         registerGraspForceField(factory);
         registerShapeTopologies(factory);

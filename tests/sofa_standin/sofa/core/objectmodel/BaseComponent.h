@@ -30,6 +30,7 @@ class BaseComponent : public Base {
   std::string getPathName() const override { return context_ ? context_->getPathName() + "/" + getName() : getName(); }
 
   virtual void init() {}
+  virtual void bwdInit() {}
   virtual void reinit() {}
   virtual void reset() {}
   virtual void handleEvent(Event*) {}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hexaplast/base/rows.hpp"
+#include "scene/interfaces.hpp"
+#include "scene/potential.hpp"
+
+namespace hexaplast::components {
+
+/// The values of a member that a component has an attribute for; none where it has none, or no value for it.
+template <class Options>
+std::optional<std::vector<double>> values_of(scene::Object& owner, const Row<Options>& row) {
+  const scene::Data* data = owner.find_data(row.name);
+  if (!data || (!data->is_given() && data->attribute().initial.empty())) return std::nullopt;
+  if (row.may_vary) return owner.reals(row.name);
+  switch (row.at.type) {
+    case MemberType::kWord:
+      return {{static_cast<double>(place_of_word(row, owner.text(row.name)))}};
+    case MemberType::kInteger:
+      return {{static_cast<double>(owner.integer(row.name))}};
+    case MemberType::kReal:
+      break;
+  }
+  return {{owner.real(row.name)}};
+}
+
+/// A body as a force field, for the regions that it has.
+class BodyField : public scene::ForceField, public scene::Potential {
+ public:
+  using ForceField::ForceField;
+
+  /// The hexahedra; null: not known yet.
+  virtual const std::vector<Hexahedron>* hexahedra() const = 0;
+};
+
+}  // namespace hexaplast::components

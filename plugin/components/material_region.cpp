@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/material_region.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "attributes/hexaplast.hpp"
+#include "components/components.hpp"
+#include "components/part.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+/// What a body says of its material.
+std::vector<std::string_view> members_of(scene::Object& body) {
+  std::vector<std::string_view> names;
+  for (const Row<Material>& row : material_rows())
+    if (body.find_data(row.name)) names.push_back(row.name);
+  return names;
+}
+
+}  // namespace
+
+MaterialRegion::MaterialRegion() : scene::MaterialRegion(attributes::kMaterialRegion) {}
+
+std::vector<MaterialRegion*> MaterialRegion::all_of(const BodyField& body) {
+  std::vector<MaterialRegion*> regions = body.node().root().all<MaterialRegion>();
+  std::erase_if(regions, [&](MaterialRegion* region) { return region->find_body() != &body; });
+  return regions;
+}
+
+BodyField* MaterialRegion::find_body() {
+  scene::Object* target = find_data("body")->target();
+  if (!target) return node().nearest<BodyField>();
+  const scene::Node* holder = dynamic_cast<scene::Node*>(target);
+  return holder ? holder->local<BodyField>() : dynamic_cast<BodyField*>(target);
+}
+
+const parts::MaterialRegion& MaterialRegion::values(const std::vector<Hexahedron>& of_body) {
+  was_asked_ = true;
+  const auto numbers = [&](std::string_view attribute) -> std::optional<std::vector<int>> {
+    if (!is_given(attribute)) return std::nullopt;
+    return indices(attribute, std::numeric_limits<int>::max());
+  };
+  const auto given = [&](const Row<Material>& row) {
+    std::optional<std::vector<double>> found = values_of(*this, row);
+    if (found && !find_body()->find_data(row.name))
+      throw parts::OptionError(row.name, fmt::format("{} has no such value, must be {}", find_body()->class_name(),
+                                                     alternatives(members_of(*find_body()))));
+    return found;
+  };
+  return present_ = accepted(*this, [&] {
+           std::vector<int> hexahedra = parts::region_hexahedra(numbers("hexahedra"), numbers("indices"), of_body);
+           return parts::material_region(given, std::move(hexahedra), node().clock().dt);
+         });
+}
+
+void MaterialRegion::init() {
+  if (find_body()) return;
+  if (const scene::Object* target = find_data("body")->target())
+    reject("body", fmt::format("the link leads to {} '{}', must lead to a body of hexahedra", target->class_name(),
+                               target->name()));
+  reject("needs a body of hexahedra in its node or above, or a link to one");
+}
+
+// What a body has not asked for, because it has failed before, is wrong all the same.
+void MaterialRegion::bwd_init() {
+  if (const std::vector<Hexahedron>* of_body = find_body()->hexahedra(); of_body && !was_asked_) values(*of_body);
+  if (present_.values.empty() && find_body()->stage() == Stage::kReady)
+    remark(scene::Severity::kWarning, {}, "gives its hexahedra no value: it has no effect");
+}
+
+// The body takes what all of its regions give.
+void MaterialRegion::refresh() { find_body()->refresh(); }
+
+void add_regions(scene::Factory& factory) { factory.add<MaterialRegion>(attributes::kMaterialRegion); }
+
+}  // namespace hexaplast::components

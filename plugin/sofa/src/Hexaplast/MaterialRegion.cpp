@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Hexaplast/MaterialRegion.h>
+#include <Hexaplast/errors.h>
+#include <Hexaplast/registration.h>
+
+#include "attributes/hexaplast.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+
+using sofa::core::objectmodel::BaseContext;
+using sofa::core::objectmodel::ComponentState;
+
+template <class T>
+auto MaterialRegion::fromRow(Data<T>& data, std::string_view name)
+{
+    const auto* of_material = find_row(material_rows(), name, Names::kScenes);
+    return from_table(*this, data, attributes::attribute_of(attributes::kMaterialRegion, name),
+                      of_material ? of_material->group.data() : "");
+}
+
+MaterialRegion::MaterialRegion()
+    : d_hexahedra(this->initData(&d_hexahedra, "hexahedra",
+                                 help_of(attributes::attribute_of(attributes::kMaterialRegion, "hexahedra")).c_str())),
+      d_indices(fromRow(d_indices, "indices")),
+      d_youngModulus(fromRow(d_youngModulus, "youngModulus")),
+      d_poissonRatio(fromRow(d_poissonRatio, "poissonRatio")),
+      d_yieldStress(fromRow(d_yieldStress, "yieldStress")),
+      d_plasticFlowRate(fromRow(d_plasticFlowRate, "plasticFlowRate")),
+      d_rotationYield(fromRow(d_rotationYield, "rotationYield")),
+      d_rotationFlowRate(fromRow(d_rotationFlowRate, "rotationFlowRate")),
+      d_hardening(fromRow(d_hardening, "hardening")),
+      d_fractureStress(fromRow(d_fractureStress, "fractureStress")),
+      d_fractureStretch(fromRow(d_fractureStretch, "fractureStretch")),
+      l_body(this->initLink("body", "The body; the one of the node, or the nearest one above, where it is not given.")),
+      m_inputs(*this, attributes::kMaterialRegion)
+{
+}
+
+MaterialRegion::Field* MaterialRegion::body() const
+{
+    return l_body ? l_body.get() : this->getContext()->template get<Field>(BaseContext::SearchUp);
+}
+
+void MaterialRegion::init()
+{
+    attempt(
+        *this,
+        [&]
+        {
+            if (!body())
+                throw InputError("needs a HexahedronElastoplasticFEMForceField in its node or above, or a link to one");
+        });
+}
+
+void MaterialRegion::reinit()
+{
+    if (Field* field = body()) field->reinit();
+}
+
+std::optional<std::vector<double>> MaterialRegion::given(const Row<Material>& row) const
+{
+    const auto* data = this->findData(std::string(row.name));
+    data->updateIfDirty();  // where it follows another one
+    if (!data->isSet()) return std::nullopt;
+    if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
+    return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
+}
+
+std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<Hexahedron>& ofBody)
+{
+    std::optional<parts::MaterialRegion> found;
+    const bool isAccepted =
+        attempt(*this,
+                [&]
+                {
+                    d_hexahedra.updateIfDirty();
+                    d_indices.updateIfDirty();
+                    std::optional<std::vector<int>> nodes, numbers;
+                    if (d_hexahedra.isSet())
+                    {
+                        nodes.emplace();
+                        for (const auto& hexahedron : d_hexahedra.getValue())
+                            nodes->insert(nodes->end(), hexahedron.begin(), hexahedron.end());
+                    }
+                    if (d_indices.isSet()) numbers = whole_numbers(d_indices.getValue());
+                    found = parts::material_region([this](const Row<Material>& row) { return given(row); },
+                                                   parts::region_hexahedra(nodes, numbers, ofBody),
+                                                   this->getContext()->getDt());
+                });
+    if (isAccepted) this->d_componentState.setValue(ComponentState::Valid);
+    return found;
+}
+
+void registerMaterialRegion(sofa::core::ObjectFactory* factory)
+{
+    register_component<MaterialRegion>(factory, attributes::kMaterialRegion);
+}
+
+}  // namespace hexaplast::sofa_plugin

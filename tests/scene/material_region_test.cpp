@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Regions of a body in scenes: the values that its hexahedra get, whatever the order, and what is refused.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "hexaplast/base/hash.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/material/rows.hpp"
+#include "scene/region.hpp"
+#include "support/pulled_bar.hpp"
+#include "support/rows.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::in_root;
+using support::read_and_init;
+using support::run;
+
+const std::string kRegion = "test.scn:1: error: MaterialRegion";
+
+/// A row of four hexahedra along x, of 1 m each.
+std::string row_of_four(const std::string& body, const std::string& behind = "", const std::string& before = "") {
+  return in_root("gravity='0 0 0' dt='0.02'",
+                 "<RegularGridTopology name='grid' n='5 2 2' max='4 1 1'/><MechanicalObject name='nodes'/>"
+                 "<DiagonalMass massDensity='1000'/>" +
+                     before + "<HexahedronElastoplasticFEMForceField name='body' " + body + "/>" + behind +
+                     "<FixedProjectiveConstraint indices='0 5 10 15'/>");
+}
+
+std::vector<double> moduli(scene::Scene& scene) {
+  const Body* body = at<scene::ForceField>(scene, "body").body();
+  std::vector<double> values;
+  for (int e = 0; e < body->mesh().num_elements(); ++e) values.push_back(body->material(e).young_modulus);
+  return values;
+}
+std::vector<double> moduli_of(const std::string& text) {
+  scene::Scene scene = read_and_init(text);
+  return moduli(scene);
+}
+using Values = std::vector<double>;
+
+const std::string kBox = "<BoxROI name='roi' box='0.9 -1 -1  3.1 2 2'/>";
+
+TEST(MaterialRegion, TakesTheHexahedraOfAnROIWhereverItStands) {
+  const Values expected = {5000, 300, 300, 5000};
+  const std::string by_nodes = "<MaterialRegion hexahedra='@roi.hexahedraInROI' youngModulus='300'/>";
+  const std::string by_numbers = "<MaterialRegion indices='@roi.hexahedronIndices' youngModulus='300'/>";
+  EXPECT_EQ(moduli_of(row_of_four("", kBox + by_nodes)), expected);
+  EXPECT_EQ(moduli_of(row_of_four("", by_nodes + kBox)), expected);
+  EXPECT_EQ(moduli_of(row_of_four("", kBox, by_nodes)), expected);
+  EXPECT_EQ(moduli_of(row_of_four("", by_numbers, kBox)), expected);
+  EXPECT_EQ(moduli_of(row_of_four("", "", by_numbers + kBox)), expected);
+  EXPECT_EQ(moduli_of(row_of_four("", "<Node name='below'>" + by_nodes + "</Node>", kBox)), expected)
+      << "the nearest body above";
+
+  std::string bar = row_of_four("", kBox);
+  bar.replace(bar.find("<DefaultAnimationLoop/>"), 23, "").replace(0, 5, "<Node name='bar'");
+  scene::Scene scene = read_and_init("<Node><DefaultAnimationLoop/>" + bar +
+                                     "<MaterialRegion body='@bar/body' indices='2' youngModulus='9'/></Node>");
+  EXPECT_EQ(at<scene::ForceField>(scene, "bar/body").body()->material(2).young_modulus, 9) << "by its link";
+}
+
+TEST(MaterialRegion, LaterOnesCountMoreThanEarlierOnes) {
+  const std::string first = "<MaterialRegion indices='0 1 2' youngModulus='100 200 300' hardening='0.5'/>";
+  const std::string second = "<MaterialRegion indices='2 1' youngModulus='7000 8000'/>";
+  EXPECT_EQ(moduli_of(row_of_four("youngModulus='1 2 3 4'", first + second)), (Values{100, 8000, 7000, 4}));
+  EXPECT_EQ(moduli_of(row_of_four("youngModulus='1 2 3 4'", second + first)), (Values{100, 200, 300, 4}));
+  EXPECT_EQ(moduli_of(row_of_four("youngModulus='1 2 3 4'", second, first)), (Values{100, 8000, 7000, 4}));
+  EXPECT_EQ(moduli_of(row_of_four("youngModulus='1 2 3 4'", first, second)), (Values{100, 200, 300, 4}));
+  scene::Scene scene = read_and_init(row_of_four("hardening='0.1'", first + second));
+  const Body& body = *at<scene::ForceField>(scene, "body").body();
+  EXPECT_EQ(body.material(1).hardening, 0.5);
+  EXPECT_EQ(body.material(3).hardening, 0.1);
+}
+
+// Whatever rows the core has.
+TEST(MaterialRegion, GivesEveryMemberOfAMaterial) {
+  for (const Row<Material>& row : material_rows()) {
+    const double value = support::another(row, row.at.get({}));
+    scene::Scene scene =
+        read_and_init(row_of_four("", fmt::format("<MaterialRegion indices='2' {}='{}'/>", row.name, value)));
+    const Body& body = *at<scene::ForceField>(scene, "body").body();
+    for (const Row<Material>& other : material_rows())
+      for (const int e : {1, 2})
+        EXPECT_EQ(other.at.get(body.material(e)), &other == &row && e == 2 ? value : other.at.get({})) << other.name;
+  }
+}
+
+// Without lateral contraction a bar of two materials is two springs in series.
+TEST(MaterialRegion, ABarOfTwoMaterialsIsTwoSpringsInSeries) {
+  std::string text = support::pulled_bar();
+  const std::string end = "</Node>";
+  text.replace(text.rfind(end), end.size(), "<MaterialRegion indices='1' youngModulus='700'/>" + end);
+  scene::Scene scene = read_and_init(text);
+  run(scene, 11);
+  const PointArray& x = scene.root().local<scene::MechanicalState>()->positions();
+  const double force = 50, length = 0.5;
+  const double first = force * length / (2000 * support::kSection), second = force * length / (700 * support::kSection);
+  EXPECT_NEAR(x(1, 0) - 0.5, first, 1e-9);
+  EXPECT_NEAR(x(2, 0) - 1, first + second, 1e-9);
+}
+
+std::string hash_after(const std::string& text, int steps) {
+  scene::Scene scene = read_and_init(text);
+  run(scene, steps);
+  StateHash hash;
+  const auto& state = at<scene::MechanicalState>(scene, "nodes");
+  const PointArray& x = const_cast<scene::MechanicalState&>(state).positions();
+  hash.add(x.data(), static_cast<std::size_t>(x.size()) * sizeof(double));
+  at<scene::ForceField>(scene, "body").body()->add_to(hash);
+  return hash.text();
+}
+
+TEST(MaterialRegion, IsAsValuesForEachHexahedron) {
+  const std::string load = "<ConstantForceField indices='4 9 14 19' totalForce='90 20 0'/>";
+  const std::string rest = " plasticFlowRate='2' hardening='0.3'";
+  const std::string by_regions =
+      row_of_four("youngModulus='2000' yieldStress='50'" + rest,
+                  load +
+                      "<MaterialRegion indices='1-3' youngModulus='3000'/>"
+                      "<MaterialRegion indices='2 3' youngModulus='900 4000' yieldStress='30'/>");
+  const std::string by_values = row_of_four("youngModulus='2000 3000 900 4000' yieldStress='50 50 30 30'" + rest, load);
+  EXPECT_EQ(hash_after(by_regions, 30), hash_after(by_values, 30));
+  EXPECT_NE(hash_after(by_regions, 30),
+            hash_after(row_of_four("youngModulus='2000' yieldStress='50'" + rest, load), 30));
+}
+
+// Hexahedra that the surface passes through are half full.
+TEST(MaterialRegion, IsScaledWhereHexahedraArePartlyFilled) {
+  const auto scene_of = [](const std::string& body, const std::string& more) {
+    return in_root("", "<SparseGridTopology name='grid' fileTopology='" HEXAPLAST_TEST_DATA
+                       "/meshes/organ.obj' n='4 4 6'/><MechanicalObject name='nodes'/><DiagonalMass/>"
+                       "<HexahedronElastoplasticFEMForceField name='body' youngModulus='" +
+                           body + "'/>" + more);
+  };
+  const Values full = moduli_of(scene_of("3000", ""));
+  ASSERT_NE(std::ranges::min(full), std::ranges::max(full));
+  EXPECT_EQ(
+      moduli_of(scene_of("1", fmt::format("<MaterialRegion indices='0-{}' youngModulus='3000'/>", full.size() - 1))),
+      full);
+}
+
+TEST(MaterialRegion, MayChangeDuringARunAndWhatFlowedStays) {
+  scene::Scene scene =
+      read_and_init(row_of_four("youngModulus='1000' yieldStress='5' plasticFlowRate='5'", kBox,
+                                "<MaterialRegion name='region' hexahedra='@roi.hexahedraInROI' youngModulus='2000'/>"));
+  auto& field = at<scene::ForceField>(scene, "body");
+  auto& region = at<scene::MaterialRegion>(scene, "region");
+  at<scene::MechanicalState>(scene, "nodes").positions().col(0) *= 1.3;
+  scene.step();
+  const double strain = field.reals("plasticStrain")[1];
+  EXPECT_GT(strain, 0);
+  region.find_data("youngModulus")->give(Values{3000, 4000}, {});
+  scene.step();
+  EXPECT_EQ(moduli(scene), (Values{1000, 3000, 4000, 1000}));
+  EXPECT_GE(field.reals("plasticStrain")[1], strain);
+  at<scene::Engine>(scene, "roi").find_data("box")->give(Values{-1, -1, -1, 2.1, 2, 2}, {});
+  scene.step();
+  EXPECT_EQ(moduli(scene), (Values{3000, 4000, 1000, 1000})) << "the ROI may change too";
+  field.find_data("youngModulus")->give(Values{800}, {});
+  scene.step();
+  EXPECT_EQ(moduli(scene), (Values{3000, 4000, 800, 800})) << "regions stay over their body";
+  scene.reset();
+  EXPECT_EQ(moduli(scene), (Values{3000, 4000, 800, 800}));
+  region.find_data("youngModulus")->unset();
+  scene.step();
+  EXPECT_EQ(moduli(scene), (Values{800, 800, 800, 800}));
+  region.find_data("youngModulus")->give(Values{1, 2, 3}, {});
+  EXPECT_THROW(scene.step(), scene::SceneError);
+}
+
+TEST(MaterialRegion, TellsWhichHexahedraAndWhoseTheyAre) {
+  scene::Scene scene =
+      read_and_init(row_of_four("", kBox + "<MaterialRegion name='r' hexahedra='@roi.hexahedraInROI' hardening='1'/>"));
+  auto& region = at<scene::MaterialRegion>(scene, "r");
+  EXPECT_TRUE(std::ranges::equal(region.hexahedra(), std::vector<int>{1, 2}));
+  EXPECT_EQ(region.field(), &at<scene::ForceField>(scene, "body"));
+  EXPECT_TRUE(scene.diagnostics().take_warnings().empty());
+}
+
+TEST(MaterialRegion, RefusesWhatCannotBe) {
+  const auto error = [](const std::string& attributes, const std::string& more = "") {
+    return errors_of(row_of_four("", more + "<MaterialRegion " + attributes + "/>"));
+  };
+  EXPECT_EQ(error("youngModulus='1'"), kRegion + ".hexahedra: is not given, nor is indices: one of the two is needed");
+  EXPECT_EQ(error("hexahedra='0 1 6 5 10 11 16 15' indices='0'"),
+            kRegion + ".indices: is given besides hexahedra: must be one of the two");
+  EXPECT_EQ(error("indices=''"), kRegion + ".indices: has no hexahedron, must have at least one of the body");
+  EXPECT_EQ(error("hexahedra='@roi.hexahedraInROI'", "<BoxROI name='roi' box='0 0 0 0.5 1 1'/>"),
+            kRegion + ".hexahedra: has no hexahedron, must have at least one of the body");
+  EXPECT_EQ(error("indices='0 4'"), kRegion + ".indices: 4 must lie in [0, 4)");
+  EXPECT_EQ(error("indices='0 1 0'"), kRegion + ".indices: hexahedron 0 is given twice, must be given once");
+  EXPECT_EQ(error("hexahedra='0 1 6 5 10 11 16 14'"),
+            kRegion + ".hexahedra: 0 1 6 5 10 11 16 14 are the nodes of no hexahedron of the body, must be of one");
+  EXPECT_EQ(error("indices='0 1' youngModulus='1 2 3'"),
+            kRegion + ".youngModulus: 3 values given, must be one or 2 (one per hexahedron of the region)");
+  EXPECT_EQ(error("indices='0 1' youngModulus=''"),
+            kRegion + ".youngModulus: 0 values given, must be one or 2 (one per hexahedron of the region)");
+  EXPECT_EQ(error("indices='0 1' poissonRatio='0.5'"), kRegion + ".poissonRatio: 0.5 must lie in [0, 0.5)");
+  EXPECT_EQ(error("indices='0 1' hardening='1 2'"), kRegion + ".hardening: 2 values given, must be one");
+  EXPECT_EQ(error("indices='0 1' plasticFlowRate='51'"),
+            kRegion + ".plasticFlowRate: 51 times dt = 0.02 s is 1.02: must be at most 1");
+  EXPECT_EQ(error("indices='0' averaging='jacobi'"), kRegion + ".averaging: unknown attribute");
+  EXPECT_EQ(error("indices='0' body='@grid'"),
+            kRegion + ".body: the link leads to RegularGridTopology 'grid', must lead to a body of hexahedra");
+  EXPECT_EQ(errors_of(support::four_nodes("<MaterialRegion indices='0'/>")),
+            kRegion + ": needs a body of hexahedra in its node or above, or a link to one");
+}
+
+TEST(MaterialRegion, AllThatIsWrongIsSaidOnce) {
+  const std::string two = "<MaterialRegion indices='9'/>\n<MaterialRegion indices='0' youngModulus='1 2'/>";
+  const std::string expected =
+      "test.scn:1: error: MaterialRegion.indices: 9 must lie in [0, 4)\n"
+      "test.scn:2: error: MaterialRegion.youngModulus: 2 values given, must be one or 1 (one per hexahedron of the "
+      "region)";
+  EXPECT_EQ(errors_of(row_of_four("", two)), expected);
+  EXPECT_EQ(errors_of(row_of_four("", "", two)), expected);
+}
+
+TEST(MaterialRegion, OfSOFAsElasticBodyGivesWhatThatHas) {
+  const auto text = [](const std::string& region) {
+    std::string scene = row_of_four("", "<MaterialRegion indices='1' " + region + "/>");
+    const std::string ours = "HexahedronElastoplasticFEMForceField";
+    return scene.replace(scene.find(ours), ours.size(), "HexahedronFEMForceField");
+  };
+  EXPECT_EQ(moduli_of(text("youngModulus='300'"))[1], 300);
+  EXPECT_EQ(errors_of(text("yieldStress='300'")),
+            kRegion + ".yieldStress: HexahedronFEMForceField has no such value, must be youngModulus or poissonRatio");
+}
+
+TEST(MaterialRegion, WarnsWhereItGivesNothing) {
+  scene::Scene scene = read_and_init(row_of_four("", "<MaterialRegion indices='1'/>"));
+  const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(scene::format(warnings[0]),
+            "test.scn:1: warning: MaterialRegion: gives its hexahedra no value: it has no effect");
+}
+
+TEST(IndexValueMapper, GivesValuesToABody) {
+  const std::string mapper =
+      "<IndexValueMapper name='mapper' inputValues='1 2 3 4' indices='@roi.hexahedronIndices' value='70'/>";
+  EXPECT_EQ(moduli_of(row_of_four("youngModulus='@mapper.outputValues'", kBox, mapper)), (Values{1, 70, 70, 4}));
+  EXPECT_EQ(moduli_of(row_of_four("youngModulus='@mapper.outputValues'", mapper + kBox)), (Values{1, 70, 70, 4}));
+}
+
+}  // namespace
