@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "runner/mesh/voxels.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "hexaplast/formats/volume_import.hpp"
+#include "hexaplast/formats/vtu_grid.hpp"
+#include "hexaplast/formats/whole_file.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/standard_output.hpp"
+#include "scene/reader.hpp"
+
+namespace hexaplast::runner {
+namespace {
+
+constexpr double kCubicMillimetresPerMillilitre = 1000;
+
+double mm_per(const std::string& unit) {
+  if (unit == "mm") return 1;
+  return unit == "cm" ? 10 : 1000;
+}
+
+ImportedVolume load_volume(const std::filesystem::path& file) {
+  scene::require_readable(file);
+  try {
+    return read_volume(file);
+  } catch (const InputError& error) {  // says the place itself
+    throw scene::SceneError(scene::format_error({"hexaplast", 0}, error.what()));
+  }
+}
+
+void write_vtu(const std::filesystem::path& file, const VoxelMesh& made) {
+  const HexMesh& mesh = made.mesh;
+  VtuGrid grid{.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
+               .connectivity = std::as_bytes(std::span(mesh.hexahedra()))};
+  grid.add_cells(mesh.hexahedra().size(), kVtkHexahedron, kCorners);
+  const std::vector<std::int32_t> labels(made.labels.begin(), made.labels.end());
+  grid.cell_data.push_back(scalars("Int32", "label", labels));
+  grid.shown_first = "label";
+  grid.write(file);
+}
+
+void print_summary(const MeshVoxelsOptions& options, const LabelledVolume& volume, const VoxelMesh& made) {
+  const PointArray& x = made.mesh.positions();
+  const Vec3 min = x.colwise().minCoeff().transpose(), max = x.colwise().maxCoeff().transpose();
+  Vec3 edges;  // [mm]
+  for (int d = 0; d < 3; ++d) edges[d] = options.coarsening * volume.axes().col(d).norm();
+  const double millilitres =
+      std::abs((options.coarsening * volume.axes()).determinant()) / kCubicMillimetresPerMillilitre;
+
+  fmt::print("{}: hexahedra of {:.4g} x {:.4g} x {:.4g} mm\n", printable_line(options.out.stem().string()), edges[0],
+             edges[1], edges[2]);
+  fmt::print("  nodes               {}\n", made.mesh.num_nodes());
+  fmt::print("  hexahedra           {} in {} part{}\n", made.mesh.num_elements(), made.num_parts,
+             made.num_parts == 1 ? "" : "s");
+  if (made.num_left_out > 0) fmt::print("  left out            {} of smaller parts\n", made.num_left_out);
+  std::map<int, int> count;
+  for (const int label : made.labels) ++count[label];
+  for (const auto& [label, cells] : count) {
+    const auto name = volume.names.find(label);
+    fmt::print("  {:<20}{} hexahedra, {:.6g} ml{}\n", fmt::format("label {}", label), cells, cells * millilitres,
+               name == volume.names.end() ? "" : fmt::format("  {}", printable_line(name->second)));
+  }
+  fmt::print("  from                {:.6g} {:.6g} {:.6g} {}\n", min[0], min[1], min[2], options.unit);
+  fmt::print("  to                  {:.6g} {:.6g} {:.6g} {}\n", max[0], max[1], max[2], options.unit);
+  flush_standard_output();
+}
+
+}  // namespace
+
+void make_voxels(const MeshVoxelsOptions& options) {
+  if (options.out.extension() != ".vtu")
+    throw UsageError(fmt::format("--out {}: the name must end in .vtu", options.out.string()));
+  const ImportedVolume found = load_volume(options.segmentation);
+  const VoxelMesh made = mesh_of_voxels(found.volume, {.labels = options.labels,
+                                                       .coarsening = options.coarsening,
+                                                       .largest_part = options.largest_part,
+                                                       .mm_per_length = mm_per(options.unit)});
+  write_vtu(output_place(options.out, InputFiles(found.files)), made);
+  print_summary(options, found.volume, made);
+  if (!found.has_frame)
+    spdlog::warn("{}: warning: the file does not say where left, back and head are: its axes are taken for x, y and z",
+                 options.segmentation.string());
+  if (made.num_hinges > 0)
+    spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
+                 made.num_hinges);
+}
+
+}  // namespace hexaplast::runner
