@@ -55,10 +55,9 @@ class MetaImageFile {
     MeshSource source(content_.substr(0, kMostHeader), name_);
     for (long line = 1;; ++line) {
       if (source.at_end())
-        header_.refuse_line(line, content_.size() > kMostHeader
-                                      ? fmt::format("the header is longer than {} bytes", kMostHeader)
-                                      : fmt::format("the file ends in its header: {} must follow", kLast));
+        header_.refuse_line(line, fmt::format("the file ends in its header: {} must follow", kLast));
       const std::string_view text = source.line();
+      if (source.at_end() && content_.size() > kMostHeader) header_.refuse_length(line);
       const std::size_t equals = text.find('=');
       if (equals == text.npos) header_.refuse_line(line, "must be 'Field = value'");
       const std::string_view field = without_blanks(text.substr(0, equals));

@@ -98,12 +98,11 @@ class NrrdFile {
       header_.refuse_line(1, "the file must begin with NRRD0001 to NRRD0005");
     for (long line = 2;; ++line) {
       if (source.at_end()) {
-        if (content_.size() > kMostHeader)
-          header_.refuse_line(line, fmt::format("the header is longer than {} bytes", kMostHeader));
         if (header_.find("data file") || header_.find("datafile")) return {};
         header_.refuse_line(line, "the file ends in its header: an empty line and the data must follow");
       }
       const std::string_view text = source.line();
+      if (source.at_end() && content_.size() > kMostHeader) header_.refuse_length(line);
       if (text.empty()) return content_.substr(std::min(content_.size(), kMostHeader) - source.remaining());
       if (text.starts_with('#')) continue;
       add(text, line);

@@ -70,9 +70,10 @@ ByteSource::~ByteSource() = default;
 void ByteSource::refuse(const std::string& what) const { throw InputError(fmt::format("{}: {}", name_, what)); }
 
 void ByteSource::require_room_for(double bytes) const {
-  const double most = static_cast<double>(content_.size()) * (inflater_ ? kMostInflation : 1);
+  const std::size_t rest = content_.size() - (inflater_ ? 0 : num_read_);
+  const double most = static_cast<double>(rest) * (inflater_ ? kMostInflation : 1);
   if (bytes > most)
-    refuse(fmt::format("{:.10g} bytes of voxels cannot come from {} bytes of {}data", bytes, content_.size(),
+    refuse(fmt::format("{:.10g} bytes of voxels cannot come from {} bytes of {}data", bytes, rest,
                        inflater_ ? "compressed " : ""));
 }
 
@@ -238,6 +239,10 @@ void TextHeader::refuse_word(const std::string& field, const std::vector<std::st
 
 void TextHeader::refuse_line(long line, const std::string& what) const {
   throw InputError(fmt::format("{}:{}: {}", name_, line, what));
+}
+
+void TextHeader::refuse_length(long line) const {
+  refuse_line(line, fmt::format("the header is longer than {} bytes", kMostHeader));
 }
 
 std::string TextHeader::data_beside(const std::string& field, const ReadBeside& beside) const {

@@ -85,6 +85,7 @@ class TextHeader {
   /// "FILE:LINE: field 'value': what"
   [[noreturn]] void refuse(const std::string& field, const std::string& what) const;
   [[noreturn]] void refuse_line(long line, const std::string& what) const;
+  [[noreturn]] void refuse_length(long line) const;  ///< of the header
 
   /// The data of a header that names a file beside it.
   std::string data_beside(const std::string& field, const ReadBeside& beside) const;
