@@ -24,7 +24,7 @@ class MetaImageFile {
  public:
   MetaImageFile(std::string_view content, const std::string& name) : content_(content), name_(name), header_(name) {}
 
-  ImportedVolume read(const ReadBeside& beside) {
+  ImportedVolume read(const ReadBeside& beside, const VoxelCells& planned) {
     const std::string_view attached = read_header();
     header_.value("NDims");
     header_.expect("ObjectType", "Image");
@@ -45,7 +45,7 @@ class MetaImageFile {
     if (is_detached) data = header_.data_beside(kLast, beside);
     ByteSource source(is_detached ? std::string_view(data) : attached, is_true("CompressedData", false), name_);
     ImportedVolume found{.volume = volume_of(geometry, type, source, name_)};
-    read_voxels(source, type, name_, found.volume);
+    read_voxels(source, type, name_, planned, found.volume);
     return found;
   }
 
@@ -54,8 +54,7 @@ class MetaImageFile {
   std::string_view read_header() {
     MeshSource source(content_.substr(0, kMostHeader), name_);
     for (long line = 1;; ++line) {
-      if (source.at_end())
-        header_.refuse_line(line, fmt::format("the file ends in its header: {} must follow", kLast));
+      if (source.at_end()) header_.refuse_line(line, fmt::format("the file ends in its header: {} must follow", kLast));
       const std::string_view text = source.line();
       if (source.at_end() && content_.size() > kMostHeader) header_.refuse_length(line);
       const std::size_t equals = text.find('=');
@@ -110,8 +109,9 @@ class MetaImageFile {
 
 }  // namespace
 
-ImportedVolume parse_metaimage(std::string_view content, const std::string& name, const ReadBeside& beside) {
-  return MetaImageFile(content, name).read(beside);
+ImportedVolume parse_metaimage(std::string_view content, const std::string& name, const ReadBeside& beside,
+                               const VoxelCells& planned) {
+  return MetaImageFile(content, name).read(beside, planned);
 }
 
 }  // namespace hexaplast

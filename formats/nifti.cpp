@@ -22,7 +22,7 @@ class NiftiFile {
   NiftiFile(std::string_view content, const std::string& name)
       : name_(name), source_(content, is_gzip(content), name) {}
 
-  ImportedVolume read() {
+  ImportedVolume read(const VoxelCells& planned) {
     source_.read(header_, kNiftiHeader);
     read_byte_order();
     if (std::memcmp(header_ + 344, "ni1", 4) == 0)
@@ -35,7 +35,7 @@ class NiftiFile {
     const bool has_frame = read_axes(geometry);
     skip_extensions();
     ImportedVolume found{.volume = volume_of(geometry, type, source_, name_), .has_frame = has_frame};
-    read_voxels(source_, type, name_, found.volume);
+    read_voxels(source_, type, name_, planned, found.volume);
     return found;
   }
 
@@ -178,8 +178,8 @@ class NiftiFile {
 
 }  // namespace
 
-ImportedVolume parse_nifti(std::string_view content, const std::string& name) {
-  return NiftiFile(content, name).read();
+ImportedVolume parse_nifti(std::string_view content, const std::string& name, const VoxelCells& planned) {
+  return NiftiFile(content, name).read(planned);
 }
 
 }  // namespace hexaplast

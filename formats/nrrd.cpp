@@ -63,7 +63,7 @@ class NrrdFile {
   NrrdFile(std::string_view content, const std::string& name)
       : content_(content), name_(name), header_(name), keys_(name) {}
 
-  ImportedVolume read(const ReadBeside& beside) {
+  ImportedVolume read(const ReadBeside& beside, const VoxelCells& planned) {
     const std::string_view attached = read_header();
     require_one_layer();
     for (const char* skip : {"byte skip", "byteskip", "line skip", "lineskip"}) header_.expect(skip, "0");
@@ -85,7 +85,7 @@ class NrrdFile {
     ByteSource source(is_detached ? std::string_view(data) : attached, is_compressed, name_);
     ImportedVolume found{.volume = volume_of(geometry_, type, source, name_), .has_frame = space.is_of_patient};
     found.volume.names = names();
-    read_voxels(source, type, name_, found.volume);
+    read_voxels(source, type, name_, planned, found.volume);
     return found;
   }
 
@@ -226,8 +226,9 @@ class NrrdFile {
 
 }  // namespace
 
-ImportedVolume parse_nrrd(std::string_view content, const std::string& name, const ReadBeside& beside) {
-  return NrrdFile(content, name).read(beside);
+ImportedVolume parse_nrrd(std::string_view content, const std::string& name, const ReadBeside& beside,
+                          const VoxelCells& planned) {
+  return NrrdFile(content, name).read(beside, planned);
 }
 
 }  // namespace hexaplast

@@ -124,26 +124,30 @@ void ByteSource::expect_end() {
 
 bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b"); }
 
-void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, LabelledVolume& volume) {
+void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, const VoxelCells& planned,
+                 LabelledVolume& volume) {
   const LabelAt label_at = reader_of(type);
   std::vector<char> buffer(kBuffer);
   const std::vector<char> zeros(kBuffer, 0);
+  const auto set_labels = [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const int label = label_at(buffer.data() + i * type.bytes, type.swaps_bytes);
+      if (label == 0) continue;
+      if (label < 0 && !type.is_signed)
+        throw InputError(fmt::format("voxel {} has the label {}, must be at most {}", first + i,
+                                     static_cast<unsigned>(label), std::numeric_limits<int>::max()));
+      volume.set(first + i, label);
+    }
+    require_feasible(volume, planned);
+  };
   for (std::size_t voxel = 0; voxel < volume.num_voxels();) {
     const std::size_t count = std::min(kBuffer / type.bytes, volume.num_voxels() - voxel);
     source.read(buffer.data(), count * type.bytes);
-    if (std::memcmp(buffer.data(), zeros.data(), count * type.bytes) != 0)
-      for (std::size_t i = 0; i < count; ++i) {
-        const int label = label_at(buffer.data() + i * type.bytes, type.swaps_bytes);
-        if (label == 0) continue;
-        if (label < 0 && !type.is_signed)
-          throw InputError(fmt::format("{}: voxel {} has the label {}, must be at most {}", name, voxel + i,
-                                       static_cast<unsigned>(label), std::numeric_limits<int>::max()));
-        try {
-          volume.set(voxel + i, label);
-        } catch (const InputError& error) {
-          throw InputError(fmt::format("{}: {}", name, error.what()));
-        }
-      }
+    try {
+      if (std::memcmp(buffer.data(), zeros.data(), count * type.bytes) != 0) set_labels(voxel, count);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", name, error.what()));
+    }
     voxel += count;
   }
   source.expect_end();

@@ -47,7 +47,8 @@ class ByteSource {
 bool is_gzip(std::string_view content);
 
 /// All voxels of the volume, and then the end of the data.
-void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, LabelledVolume& volume);
+void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, const VoxelCells& planned,
+                 LabelledVolume& volume);
 
 /// Size, axes and origin of a volume, as a header describes them [mm].
 struct VolumeGeometry {

@@ -50,30 +50,54 @@ Places counted(const LabelledVolume& volume, const std::vector<int>& labels) {
   return places;
 }
 
-/// Voxels that count: how many, and the box that contains them.
+/// The box of all voxels that count.
 struct Extent {
-  std::int64_t count = 0;
   std::array<int, 3> min, max;
 };
 
+/// The part of a row of voxels that begins and ends with one that counts; empty: there is none.
+std::span<const unsigned char> counting_part(const LabelledVolume& volume, const Places& places, int j, int k) {
+  const auto [nx, ny, nz] = volume.size();
+  const auto row = volume.places().subspan(static_cast<std::size_t>(nx) * (j + static_cast<std::size_t>(ny) * k),
+                                           static_cast<std::size_t>(nx));
+  const auto counts = [&](unsigned char place) { return places[place] != 0; };
+  const auto first = std::ranges::find_if(row, counts);
+  auto end = row.end();
+  while (end != first && !counts(end[-1])) --end;
+  return {first, end};
+}
+
+/// The voxels of such a part, counted along the row.
+std::array<int, 2> range_of(const LabelledVolume& volume, std::span<const unsigned char> part) {
+  const auto first = static_cast<int>((part.data() - volume.places().data()) % volume.size()[0]);
+  return {first, first + static_cast<int>(part.size()) - 1};
+}
+
 Extent extent_of(const LabelledVolume& volume, const Places& places) {
   constexpr int kMax = std::numeric_limits<int>::max();
-  Extent extent{0, {kMax, kMax, kMax}, {-1, -1, -1}};
-  const auto [nx, ny, nz] = volume.size();
-  const unsigned char* row = volume.places().data();
-  for (int k = 0; k < nz; ++k)
-    for (int j = 0; j < ny; ++j, row += nx) {
-      const auto counts = [&](unsigned char place) { return places[place] != 0; };
-      const unsigned char* const first = std::find_if(row, row + nx, counts);
-      if (first == row + nx) continue;
-      const unsigned char* last = row + nx - 1;
-      while (!counts(*last)) --last;
-      extent.count += std::count_if(first, last + 1, counts);
-      extent.min = {std::min(extent.min[0], static_cast<int>(first - row)), std::min(extent.min[1], j),
-                    std::min(extent.min[2], k)};
-      extent.max = {std::max(extent.max[0], static_cast<int>(last - row)), std::max(extent.max[1], j), k};
+  Extent extent{{kMax, kMax, kMax}, {-1, -1, -1}};
+  for (int k = 0; k < volume.size()[2]; ++k)
+    for (int j = 0; j < volume.size()[1]; ++j) {
+      const std::span<const unsigned char> part = counting_part(volume, places, j, k);
+      if (part.empty()) continue;
+      const auto [first, last] = range_of(volume, part);
+      extent.min = {std::min(extent.min[0], first), std::min(extent.min[1], j), std::min(extent.min[2], k)};
+      extent.max = {std::max(extent.max[0], last), std::max(extent.max[1], j), k};
     }
   return extent;
+}
+
+/// The voxels along a row of cells between the first and the last that count; the first is behind the last: none does.
+std::array<int, 2> range_of_cells(const LabelledVolume& volume, const Places& places, int j, int k, int coarsening) {
+  std::array<int, 2> range{std::numeric_limits<int>::max(), -1};
+  for (int z = k * coarsening; z < std::min((k + 1) * coarsening, volume.size()[2]); ++z)
+    for (int y = j * coarsening; y < std::min((j + 1) * coarsening, volume.size()[1]); ++y) {
+      const std::span<const unsigned char> part = counting_part(volume, places, y, z);
+      if (part.empty()) continue;
+      const auto [first, last] = range_of(volume, part);
+      range = {std::min(range[0], first), std::max(range[1], last)};
+    }
+  return range;
 }
 
 /// Counts the labels of the voxels in one cell after the other.
@@ -136,21 +160,22 @@ Chosen choose(const LabelledVolume& volume, const VoxelCells& options) {
   if (options.coarsening < 1 || options.coarsening > kMostCoarsening)
     throw InputError(fmt::format("a coarsening of {}, must lie in [1, {}]", options.coarsening, kMostCoarsening));
   const Places places = counted(volume, options.labels);
+  if (volume.labels().empty()) throw InputError("no voxel has a label other than 0");
+  require_feasible(volume, options);
   const Extent extent = extent_of(volume, places);
-  if (extent.count == 0) throw InputError("no voxel has a label other than 0");
-  // a part of them may stay without hexahedron, but not so many
-  require_number(static_cast<double>(extent.count) / std::pow(options.coarsening, 3));
 
   Chosen chosen;
   LabelCount count(volume, places, options.coarsening);
   const int N = options.coarsening;
   for (int k = extent.min[2] / N; k <= extent.max[2] / N; ++k)
-    for (int j = extent.min[1] / N; j <= extent.max[1] / N; ++j)
-      for (int i = extent.min[0] / N; i <= extent.max[0] / N; ++i)
+    for (int j = extent.min[1] / N; j <= extent.max[1] / N; ++j) {
+      const auto [first, last] = range_of_cells(volume, places, j, k, N);
+      for (int i = first / N; i <= last / N && last >= 0; ++i)
         if (const int place = count.place({i, j, k}); place != 0) {
           chosen.cells.push_back({i, j, k});
           chosen.labels.push_back(volume.labels()[static_cast<std::size_t>(place) - 1]);
         }
+    }
   require_number(static_cast<double>(chosen.cells.size()));
   if (chosen.cells.empty())
     throw InputError(fmt::format("no cell of {0} x {0} x {0} voxels is at least half full of labels", N));
@@ -241,6 +266,7 @@ LabelledVolume::LabelledVolume(const std::array<int, 3>& size, const Mat3& axes,
   places_.reset(static_cast<unsigned char*>(std::calloc(num_voxels_, 1)));
   if (!places_) throw std::bad_alloc();
   place_of_[0] = 0;
+  counts_[0] = static_cast<std::int64_t>(num_voxels_);
 }
 
 void LabelledVolume::find(int label) {
@@ -255,6 +281,15 @@ void LabelledVolume::find(int label) {
   }
   latest_label_ = label;
   latest_place_ = found->second;
+}
+
+void require_feasible(const LabelledVolume& volume, const VoxelCells& cells) {
+  std::int64_t count = 0;
+  for (std::size_t l = 0; l < volume.labels().size(); ++l)
+    if (cells.labels.empty() || std::ranges::find(cells.labels, volume.labels()[l]) != cells.labels.end())
+      count += volume.count(l + 1);
+  // some of them may stay without a hexahedron, but not so many
+  require_number(static_cast<double>(count) / std::pow(cells.coarsening, 3));
 }
 
 VoxelMesh mesh_of_voxels(const LabelledVolume& volume, const VoxelCells& cells) {

@@ -23,21 +23,26 @@ struct ImportedVolume {
 /// Gives the content of a file that a header names, which lies in the same directory.
 using ReadBeside = std::function<std::string(const std::string& name)>;
 
+/// What is to be made of a volume where that is not known.
+inline const VoxelCells kAnyCells{.coarsening = kMostCoarsening};
+
 /// NRRD, attached (.nrrd) or detached (.nhdr), raw or gzip; also segmentations of 3D Slicer (.seg.nrrd), whose segments
 /// do not overlap: they give labels their names.
-ImportedVolume parse_nrrd(std::string_view content, const std::string& name, const ReadBeside& beside = {});
+ImportedVolume parse_nrrd(std::string_view content, const std::string& name, const ReadBeside& beside = {},
+                          const VoxelCells& planned = kAnyCells);
 
 /// NIfTI-1 in one file, plain or compressed by gzip (.nii, .nii.gz).
-ImportedVolume parse_nifti(std::string_view content, const std::string& name);
+ImportedVolume parse_nifti(std::string_view content, const std::string& name, const VoxelCells& planned = kAnyCells);
 
 /// MetaImage, with its data (.mha) or beside them (.mhd), raw or compressed by zlib.
-ImportedVolume parse_metaimage(std::string_view content, const std::string& name, const ReadBeside& beside = {});
+ImportedVolume parse_metaimage(std::string_view content, const std::string& name, const ReadBeside& beside = {},
+                               const VoxelCells& planned = kAnyCells);
 
 /// Whichever of these the ending of the file's name stands for: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd.
-ImportedVolume read_volume(const std::filesystem::path& file);
+ImportedVolume read_volume(const std::filesystem::path& file, const VoxelCells& planned = kAnyCells);
 
 /// All of these take three directions and whole numbers of 8, 16 or 32 bits, and throw InputError: "FILE:LINE: field:
 /// what" in a text header, "FILE: field: what" otherwise. Nothing is allocated by a number in a file before it has been
-/// compared with the size of the data.
+/// compared with the size of the data, and reading stops where the planned hexahedra would be too many.
 
 }  // namespace hexaplast

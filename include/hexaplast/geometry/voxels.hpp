@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -38,11 +39,16 @@ class LabelledVolume {
   /// Throws InputError where the volume would have more than 255 different labels.
   void set(std::size_t voxel, int label) {
     if (label != latest_label_) find(label);
+    --counts_[places_[voxel]];
     places_[voxel] = latest_place_;
+    ++counts_[latest_place_];
   }
 
   /// The different labels other than 0, in the order in which they were set first.
   const std::vector<int>& labels() const { return labels_; }
+
+  /// How many voxels have the label that is in that place, counted from 1; 0: how many are background.
+  std::int64_t count(std::size_t place) const { return counts_[place]; }
 
   /// Of each voxel: 0 for label 0, otherwise 1 + the place of its label in labels().
   std::span<const unsigned char> places() const { return {places_.get(), num_voxels_}; }
@@ -61,6 +67,7 @@ class LabelledVolume {
   std::size_t num_voxels_ = 0;
   std::unique_ptr<unsigned char[], Free> places_;
   std::vector<int> labels_;
+  std::array<std::int64_t, 256> counts_{};
   std::unordered_map<int, unsigned char> place_of_;
   int latest_label_ = 0;
   unsigned char latest_place_ = 0;
@@ -73,6 +80,10 @@ struct VoxelCells {
   bool largest_part = false;     ///< only the largest part that is connected by faces
   double mm_per_length = 1000;   ///< of the positions: 1000 for m
 };
+
+/// Throws InputError where so many voxels have labels that count that there would be more than kMostVoxelCells
+/// hexahedra.
+void require_feasible(const LabelledVolume& volume, const VoxelCells& cells);
 
 /// Hexahedra that are made of voxels. They are cells of one grid: neighbours share whole faces.
 struct VoxelMesh {

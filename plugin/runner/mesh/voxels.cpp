@@ -27,10 +27,10 @@ double mm_per(const std::string& unit) {
   return unit == "cm" ? 10 : 1000;
 }
 
-ImportedVolume load_volume(const std::filesystem::path& file) {
+ImportedVolume load_volume(const std::filesystem::path& file, const VoxelCells& planned) {
   scene::require_readable(file);
   try {
-    return read_volume(file);
+    return read_volume(file, planned);
   } catch (const InputError& error) {  // says the place itself
     throw scene::SceneError(scene::format_error({"hexaplast", 0}, error.what()));
   }
@@ -78,11 +78,12 @@ void print_summary(const MeshVoxelsOptions& options, const LabelledVolume& volum
 void make_voxels(const MeshVoxelsOptions& options) {
   if (options.out.extension() != ".vtu")
     throw UsageError(fmt::format("--out {}: the name must end in .vtu", options.out.string()));
-  const ImportedVolume found = load_volume(options.segmentation);
-  const VoxelMesh made = mesh_of_voxels(found.volume, {.labels = options.labels,
-                                                       .coarsening = options.coarsening,
-                                                       .largest_part = options.largest_part,
-                                                       .mm_per_length = mm_per(options.unit)});
+  const VoxelCells cells{.labels = options.labels,
+                         .coarsening = options.coarsening,
+                         .largest_part = options.largest_part,
+                         .mm_per_length = mm_per(options.unit)};
+  const ImportedVolume found = load_volume(options.segmentation, cells);
+  const VoxelMesh made = mesh_of_voxels(found.volume, cells);
   write_vtu(output_place(options.out, InputFiles(found.files)), made);
   print_summary(options, found.volume, made);
   if (!found.has_frame)
