@@ -301,6 +301,8 @@ void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
       ->capture_default_str();
   command->add_flag("--largest-part", options.largest_part,
                     "Leave out hexahedra that are not connected by faces to the largest part");
+  command->add_flag("--surfaces", options.surfaces,
+                    "Write a smooth surface around the hexahedra of each label, too: FILE_LABEL.obj");
   command->add_option("--unit", options.unit, "Unit of the coordinates that are written")
       ->type_name("m|cm|mm")
       ->check(CLI::IsMember({"m", "cm", "mm"}))

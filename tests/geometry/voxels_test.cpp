@@ -2,8 +2,10 @@
 #include "hexaplast/geometry/voxels.hpp"
 
 #include <limits>
+#include <map>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/geometry/voxel_surface.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "support/compare.hpp"
 
@@ -148,6 +150,92 @@ TEST(Voxels, NamesWhatIsWrong) {
         for (int label = 1; label < 400; ++label) volume.set(static_cast<std::size_t>(label), label);
       },
       {"more than 255 different labels"}));
+}
+
+/// Volume inside a closed surface of quads, each as two triangles.
+double volume_of(const VoxelSurface& surface) {
+  double volume = 0;
+  for (const Quad& quad : surface.quads)
+    for (const int c : {1, 2}) {
+      const Vec3 a = surface.positions.row(quad[0]), b = surface.positions.row(quad[c]),
+                 d = surface.positions.row(quad[c + 1]);
+      volume += a.dot(b.cross(d)) / 6;
+    }
+  return volume;
+}
+
+/// Every edge is run through once in each direction: the surface is closed, oriented and a manifold.
+void expect_closed(const VoxelSurface& surface) {
+  std::map<Edge, int> count;
+  for (const Quad& quad : surface.quads)
+    for (int c = 0; c < 4; ++c) ++count[{quad[c], quad[(c + 1) % 4]}];
+  for (const auto& [edge, times] : count) {
+    EXPECT_EQ(times, 1) << edge[0] << " " << edge[1];
+    EXPECT_EQ(count.contains({edge[1], edge[0]}), true) << edge[0] << " " << edge[1];
+  }
+}
+
+int euler_number(const VoxelSurface& surface) {
+  return static_cast<int>(surface.positions.rows() - static_cast<Eigen::Index>(surface.quads.size()));  // E = 2 F
+}
+
+// A ball of 10 voxels of 1 x 1 x 0.5 mm: its steps of half a voxel become waves of less than a fifth, its volume stays.
+TEST(VoxelSurface, SmoothsAwayStepsAndKeepsVolume) {
+  LabelledVolume volume({25, 25, 49}, Vec3(1, 1, 0.5).asDiagonal().toDenseMatrix(), Vec3(-12, -12, -12));
+  double count = 0;
+  for (int k = 0; k < 49; ++k)
+    for (int j = 0; j < 25; ++j)
+      for (int i = 0; i < 25; ++i)
+        if (Vec3(i - 12, j - 12, 0.5 * k - 12).norm() <= 10) {
+          mark(volume, {i, j, k}, 3);
+          ++count;
+        }
+  const VoxelMesh made = mesh_of_voxels(volume, {.mm_per_length = 1});
+  const VoxelSurface surface = surface_of_label(made, 3, volume.axes());
+  expect_closed(surface);
+  EXPECT_EQ(euler_number(surface), 2);
+  EXPECT_NEAR(volume_of(surface), 0.5 * count, 0.02 * 0.5 * count);
+  double least = 100, most = 0;
+  for (const auto& x : surface.positions.rowwise()) {
+    least = std::min(least, x.norm());
+    most = std::max(most, x.norm());
+  }
+  EXPECT_GT(least, 9.55);
+  EXPECT_LT(most, 10.45);
+}
+
+// Two cubes of a label that share an edge alone have surfaces of their own; a vertex moves by half a voxel at most.
+TEST(VoxelSurface, HexahedraThatShareAnEdgeStayApart) {
+  LabelledVolume volume = box_volume({4, 4, 2});
+  fill(volume, {0, 0, 0}, {2, 2, 2}, 1);
+  fill(volume, {2, 2, 0}, {4, 4, 2}, 1);
+  fill(volume, {2, 0, 0}, {4, 2, 2}, 2);
+  const VoxelMesh made = mesh_of_voxels(volume, {.mm_per_length = 1});
+  const VoxelSurface both = surface_of_label(made, 1, volume.axes()),
+                     between = surface_of_label(made, 2, volume.axes());
+  expect_closed(both);
+  expect_closed(between);
+  EXPECT_EQ(euler_number(both), 4);
+  EXPECT_EQ(euler_number(between), 2);
+  EXPECT_EQ(both.quads.size(), 48u);
+  const Vec3 lower(9.5, 19, 28), upper = lower + Vec3(4, 8, 8);
+  for (const auto& x : both.positions.rowwise())
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_GE(x[d], lower[d] - 0.5 * volume.axes()(d, d) - 1e-12);
+      EXPECT_LE(x[d], upper[d] + 0.5 * volume.axes()(d, d) + 1e-12);
+    }
+  EXPECT_GT(volume_of(both), 0.5 * 128);
+  EXPECT_TRUE(
+      refuses<InputError>([&] { surface_of_label(made, 5, volume.axes()); }, {"no hexahedron has the label 5"}));
+}
+
+// Left-handed axes: the surface is seen from outside all the same.
+TEST(VoxelSurface, IsSeenFromOutside) {
+  const Mat3 axes = Vec3(1, -1, 1).asDiagonal().toDenseMatrix();
+  LabelledVolume volume({4, 4, 4}, axes, Vec3::Zero());
+  fill(volume, {0, 0, 0}, {4, 4, 4}, 1);
+  const VoxelMesh made = mesh_of_voxels(volume, {.mm_per_length = 1});
+  EXPECT_GT(volume_of(surface_of_label(made, 1, axes)), 40);
 }
 
 }  // namespace

@@ -114,6 +114,22 @@ TEST_F(MeshVoxels, ShippedMeshIsThatOfTheDrawing) {
   EXPECT_NE(page.find(printed), std::string::npos) << of_file.out;
 }
 
+// A surface of each label, which other commands read.
+TEST_F(MeshVoxels, WritesSurfaces) {
+  draw(".seg.nrrd");
+  write("liver_2.obj", "old");
+  ASSERT_EQ(hexaplast("mesh voxels liver.seg.nrrd --largest-part --surfaces -o liver.vtu").code, 0);
+  for (const std::string label : {"1", "2", "3"}) {
+    const Outcome info = hexaplast("mesh info liver_" + label + ".obj");
+    EXPECT_EQ(info.code, 0) << info.err;
+    EXPECT_NE(info.out.find("  surface             closed"), std::string::npos) << info.out;
+  }
+  // the ball of the tumour is 42 mm wide
+  const ImportedMesh tumour = read_obj(directory_ / "liver_2.obj");
+  const Vec3 extent = tumour.positions.colwise().maxCoeff() - tumour.positions.colwise().minCoeff();
+  for (int d = 0; d < 3; ++d) EXPECT_NEAR(extent[d], 0.042, 0.0025);
+}
+
 /// A segmentation of one byte per voxel, of 1 mm each.
 std::string nrrd(const std::string& sizes, const std::string& data, const std::string& encoding = "raw") {
   return "NRRD0004\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: " + sizes +

@@ -7,12 +7,15 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
 #include "hexaplast/formats/text.hpp"
 #include "hexaplast/formats/volume_import.hpp"
 #include "hexaplast/formats/vtu_grid.hpp"
 #include "hexaplast/formats/whole_file.hpp"
+#include "hexaplast/geometry/voxel_surface.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/standard_output.hpp"
 #include "scene/reader.hpp"
@@ -45,6 +48,24 @@ void write_vtu(const std::filesystem::path& file, const VoxelMesh& made) {
   grid.cell_data.push_back(scalars("Int32", "label", labels));
   grid.shown_first = "label";
   grid.write(file);
+}
+
+/// "body.vtu" and 2 make "body_2.obj".
+std::filesystem::path surface_place(std::filesystem::path out, int label) {
+  const std::string stem = out.stem().string();
+  return out.replace_filename(fmt::format("{}_{}.obj", stem, label));
+}
+
+void write_surfaces(const MeshVoxelsOptions& options, const ImportedVolume& found, const VoxelCells& cells,
+                    const VoxelMesh& made) {
+  const Mat3 cell = cells.coarsening / cells.mm_per_length * found.volume.axes();
+  for (const int label : std::set<int>(made.labels.begin(), made.labels.end())) {
+    const VoxelSurface surface = surface_of_label(made, label, cell);
+    WholeFile file(output_place(surface_place(options.out, label), InputFiles(found.files)));
+    file.write(obj_text({.points = {surface.positions.data(), static_cast<std::size_t>(surface.positions.size())},
+                         .quads = surface.quads}));
+    file.commit();
+  }
 }
 
 void print_summary(const MeshVoxelsOptions& options, const LabelledVolume& volume, const VoxelMesh& made) {
@@ -85,6 +106,7 @@ void make_voxels(const MeshVoxelsOptions& options) {
   const ImportedVolume found = load_volume(options.segmentation, cells);
   const VoxelMesh made = mesh_of_voxels(found.volume, cells);
   write_vtu(output_place(options.out, InputFiles(found.files)), made);
+  if (options.surfaces) write_surfaces(options, found, cells, made);
   print_summary(options, found.volume, made);
   if (!found.has_frame)
     spdlog::warn("{}: warning: the file does not say where left, back and head are: its axes are taken for x, y and z",

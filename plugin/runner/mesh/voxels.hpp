@@ -14,11 +14,12 @@ struct MeshVoxelsOptions {
   int coarsening = 1;
   bool largest_part = false;
   std::string unit = "m";  ///< of the written lengths: m, cm or mm
+  bool surfaces = false;   ///< besides, FILE_LABEL.obj for each label
   std::filesystem::path out;
 };
 
 /// Writes the labelled voxels of a segmentation as hexahedra (.vtu), with the cell data `label`, and prints what they
-/// are. Throws what the modules below throw.
+/// are; surfaces of the labels too (.obj), if they are wanted. Throws what the modules below throw.
 void make_voxels(const MeshVoxelsOptions& options);
 
 }  // namespace hexaplast::runner
