@@ -69,8 +69,10 @@ class MetaImageFile {
   VolumeGeometry read_geometry() const {
     VolumeGeometry geometry;
     geometry.size = header_.size("DimSize");
-    const std::vector<double> spacing = header_.reals("ElementSpacing", 3);
+    const Vec3 spacing = header_.spacing("ElementSpacing");
+    geometry.axes_field = "ElementSpacing";
     if (const char* field = given({"TransformMatrix", "Rotation", "Orientation"})) {
+      geometry.axes_field = field;
       const std::vector<double> rows = header_.reals(field, 9);  // one direction after the other
       for (int d = 0; d < 3; ++d) {
         geometry.axes.col(d) = Vec3(rows.data() + 3 * d);
@@ -79,7 +81,7 @@ class MetaImageFile {
                          fmt::format("direction {} has the length {:.6g}: must be 1", d, geometry.axes.col(d).norm()));
       }
     }
-    geometry.axes = geometry.axes * Vec3(spacing.data()).asDiagonal();
+    geometry.axes = geometry.axes * spacing.asDiagonal();
     if (const char* field = given({"Offset", "Position", "Origin"}))
       geometry.origin = Vec3(header_.reals(field, 3).data());
     return geometry;

@@ -102,6 +102,7 @@ class NiftiFile {
   /// Returns whether the header says where left, back and head are.
   bool read_axes(VolumeGeometry& geometry) const {
     bool has_frame = true;
+    geometry.axes_field = whole(254) > 0 ? "srow_x, srow_y, srow_z" : "pixdim";
     if (whole(254) > 0) {
       for (int row = 0; row < 3; ++row)
         for (int d = 0; d < 4; ++d) {

@@ -146,12 +146,13 @@ class NrrdFile {
     if (header_.find("space directions")) {
       if (!header_.find("space") && !header_.find("space dimension"))
         header_.refuse("space directions", "'space' must be given too");
+      geometry_.axes_field = "space directions";
       const std::vector<Vec3> axes = vectors("space directions", 3);
       for (int d = 0; d < 3; ++d) geometry_.axes.col(d) = axes[static_cast<std::size_t>(d)];
       if (header_.find("space origin")) geometry_.origin = vectors("space origin", 1).front();
     } else if (header_.find("spacings")) {
-      const std::vector<double> spacing = header_.reals("spacings", 3);
-      geometry_.axes = Vec3(spacing.data()).asDiagonal();
+      geometry_.axes = header_.spacing("spacings").asDiagonal();
+      geometry_.axes_field = "spacings";
       if (header_.find("space origin")) header_.refuse("space origin", "'space directions' must be given too");
     } else {
       header_.refuse("space directions", "must be given, or 'spacings'");

@@ -158,11 +158,14 @@ LabelledVolume volume_of(const VolumeGeometry& geometry, const VoxelType& type, 
   const auto& [nx, ny, nz] = geometry.size;
   const double count = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
   source.require_room_for(std::min(count, kMostVoxels + 1) * static_cast<double>(type.bytes));
+  if (count > kMostVoxels)
+    throw InputError(
+        fmt::format("{}: {} x {} x {} voxels: must be at most {:.10g} in all", name, nx, ny, nz, kMostVoxels));
   try {
     return LabelledVolume({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}, geometry.axes,
                           geometry.origin);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", name, error.what()));
+    throw InputError(fmt::format("{}: {}: {}", name, geometry.axes_field, error.what()));
   }
 }
 
@@ -219,6 +222,12 @@ std::vector<double> TextHeader::reals(const std::string& field, std::size_t coun
   for (std::size_t i = 0; i < all.size(); ++i) is_right = is_right && read_number(all[i], numbers[i]);
   if (!is_right) refuse(field, fmt::format("must be {} finite numbers", count));
   return numbers;
+}
+
+Vec3 TextHeader::spacing(const std::string& field) const {
+  const Vec3 spacing(reals(field, 3).data());
+  if (!(spacing.minCoeff() > 0)) refuse(field, "must be 3 numbers greater than 0");
+  return spacing;
 }
 
 std::array<std::int64_t, 3> TextHeader::size(const std::string& field) const {

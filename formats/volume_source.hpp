@@ -53,6 +53,7 @@ void read_voxels(ByteSource& source, const VoxelType& type, const std::string& n
 /// Size, axes and origin of a volume, as a header describes them [mm].
 struct VolumeGeometry {
   std::array<std::int64_t, 3> size{};
+  std::string axes_field;  ///< which field of the header gives the axes
   Mat3 axes = Mat3::Identity();
   Vec3 origin = Vec3::Zero();
 };
@@ -80,6 +81,7 @@ class TextHeader {
   std::vector<std::string_view> words(const std::string& field) const;
   std::vector<double> reals(const std::string& field, std::size_t count) const;
   std::array<std::int64_t, 3> size(const std::string& field) const;  ///< three whole numbers from 1
+  Vec3 spacing(const std::string& field) const;                      ///< three numbers greater than 0
   template <class Known>
   const typename Known::mapped_type& one_of(const std::string& field, const Known& known) const;
 

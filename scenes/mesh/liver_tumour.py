@@ -5,7 +5,7 @@ file's name chooses the format: .nrrd (with the names of segments, as 3D Slicer 
 
 48 x 40 x 32 voxels of 5 x 4.5 x 4 mm in a frame that is turned by 20 degrees about the axis from foot to head. Label 1 is the
 liver: a thick right lobe and a thin left one, domed towards the head. Label 2 is a tumour, a ball in the right lobe. Label 3 is a
-vessel, a bent tube through both lobes. A crumb of label 1 lies apart, as segmentations by threshold have them.
+vessel, a bent tube in both lobes. A crumb of label 1 lies apart, as segmentations by threshold have them.
 
 `hexaplast mesh voxels liver_tumour.seg.nrrd --coarsen 2 --largest-part -o liver_tumour.vtu` makes the mesh.
 """
@@ -39,7 +39,7 @@ def draw():
     liver = (((x - 118) / 104) ** 2 + ((y - 88) / half_depth) ** 2 + (dome * (z - middle_z) / half_height) ** 2) <= 1
     tumour = (x - 78) ** 2 + (y - 70) ** 2 + (z - 58) ** 2 <= 21 ** 2
     course_y, course_z = 96 - 18 * np.sin(left * np.pi), 56 + 14 * left
-    vessel = ((y - course_y) ** 2 + (z - course_z) ** 2 <= 8 ** 2) & (x > 40)
+    vessel = ((y - course_y) ** 2 + (z - course_z) ** 2 <= 8 ** 2) & (x > 40) & (x < 190)
     labels = np.zeros(SIZE, np.uint8)
     labels[liver] = 1
     labels[liver & vessel] = 3

@@ -208,7 +208,7 @@ TEST(VolumeFile, NrrdNamesFieldValueAndWhatIsAllowed) {
   EXPECT_TRUE(refused("(0,2,0)", "(0,nan,0)", {"a.nrrd:7: space directions", "three finite numbers"}));
   EXPECT_TRUE(refused("(0,2,0)", "(0,2)", {"a.nrrd:7: space directions"}));
   EXPECT_TRUE(refused("(0,2,0)", "none", {"a.nrrd:7: space directions"}));
-  EXPECT_TRUE(refused("(0,2,0)", "(0,0,0)", {"a.nrrd: voxels are 0 mm long in direction 1"}));
+  EXPECT_TRUE(refused("(0,2,0)", "(0,0,0)", {"a.nrrd: space directions: voxels are 0 mm long in direction 1"}));
   EXPECT_TRUE(refused("(0,2,0)", "(0.001,2,0)", {"axes 0 and 1", "not perpendicular"}));
   EXPECT_TRUE(refused("(10,20,30)", "(10,20,inf)", {"a.nrrd:10: space origin", "1 vector of three"}));
   EXPECT_TRUE(refused("left-posterior-superior", "right-up", {"a.nrrd:5: space 'right-up'", "ras"}));
@@ -239,7 +239,9 @@ TEST(VolumeFile, MetaImageNamesFieldValueAndWhatIsAllowed) {
   EXPECT_TRUE(refused("ElementSpacing = 1 2 4", "Other = 1", {"a.mha: the header has no 'ElementSpacing'"}));
   EXPECT_TRUE(
       refused("1 0 0 0 1 0 0 0 1", "1 0 0 0 2 0 0 0 1", {"a.mha:5: TransformMatrix", "the length 2", "must be 1"}));
-  EXPECT_TRUE(refused("1 0 0 0 1 0 0 0 1", "1 0 0 1 0 0 0 0 1", {"not perpendicular"}));
+  EXPECT_TRUE(refused("1 0 0 0 1 0 0 0 1", "1 0 0 1 0 0 0 0 1", {"a.mha: TransformMatrix: ", "not perpendicular"}));
+  EXPECT_TRUE(
+      refused("ElementSpacing = 1 2 4", "ElementSpacing = 1 -2 4", {"a.mha:7: ElementSpacing", "greater than 0"}));
   EXPECT_TRUE(refused("Offset = 10 20 30", "Offset = 10 20", {"a.mha:6: Offset '10 20'", "3 finite numbers"}));
   EXPECT_TRUE(refused("Offset = 10 20 30", "Offset = 10 20 30\nPosition = 1 1 1",
                       {"a.mha:7: Position", "Offset is given, too"}));
@@ -276,7 +278,7 @@ TEST(VolumeFile, NiftiNamesFieldValueAndWhatIsAllowed) {
   EXPECT_TRUE(refused(108, 356.f, {"8 bytes of voxels cannot come from 4 bytes"}));
   EXPECT_TRUE(refused(108, 364.f, {"the data end after 360 bytes, must be at least 364"}));
   EXPECT_TRUE(refused(280, nan, {"srow_x[0]: nan", "finite"}));
-  EXPECT_TRUE(refused(284, 1.f, {"axes 0 and 1", "not perpendicular"}));
+  EXPECT_TRUE(refused(284, 1.f, {"a.nii: srow_x, srow_y, srow_z: ", "axes 0 and 1", "not perpendicular"}));
   EXPECT_TRUE(refused(123, '\4', {"xyzt_units: 4"}));
   std::string series = small_nifti();
   put(series, 40, std::int16_t{4});

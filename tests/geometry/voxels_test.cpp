@@ -179,7 +179,7 @@ int euler_number(const VoxelSurface& surface) {
   return static_cast<int>(surface.positions.rows() - static_cast<Eigen::Index>(surface.quads.size()));  // E = 2 F
 }
 
-// A ball of 10 voxels of 1 x 1 x 0.5 mm: its steps of half a voxel become waves of less than a fifth, its volume stays.
+// A ball of 10 mm of voxels of 1 x 1 x 0.5 mm: its steps become small waves, its volume stays.
 TEST(VoxelSurface, SmoothsAwayStepsAndKeepsVolume) {
   LabelledVolume volume({25, 25, 49}, Vec3(1, 1, 0.5).asDiagonal().toDenseMatrix(), Vec3(-12, -12, -12));
   double count = 0;
