@@ -148,6 +148,18 @@ TEST_F(MeshVoxels, WarnsOfHingesAndOfAFileWithoutFrame) {
             "z\n");
 }
 
+// A label may vanish: by coarsening, with a part that is left out, or before, in a segment without voxels.
+TEST_F(MeshVoxels, WarnsOfLabelsThatAreLost) {
+  const std::string segments = "Segment0_LabelValue:=5\nSegment0_Name:=duct\n";
+  write_bytes("lost.nrrd", nrrd("4 2 2", std::string("\1\1\0\2\1\1\0\0\1\1\0\0\1\1\0\0", 16)).insert(9, segments));
+  const std::string segment = "lost.nrrd: warning: no voxel has the label 5 of the segment 'duct'\n",
+                    lost = "warning: no hexahedron has the label 2, though voxels have it\n";
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd -o out.vtu").err, segment);
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd --coarsen 2 -o out.vtu").err, segment + lost);
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd --largest-part -o out.vtu").err, segment + lost);
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd --labels 1 --coarsen 2 -o out.vtu").err, segment);
+}
+
 TEST_F(MeshVoxels, RefusesWhatItCannotDo) {
   write_bytes("small.nrrd", nrrd("2 2 1", std::string("\1\0\2\1", 4)));
   write_bytes("empty.nrrd", nrrd("2 2 1", std::string(4, '\0')));

@@ -94,6 +94,19 @@ void print_summary(const MeshVoxelsOptions& options, const LabelledVolume& volum
   flush_standard_output();
 }
 
+/// Regions that a scene would look for in vain.
+void warn_of_lost_labels(const MeshVoxelsOptions& options, const LabelledVolume& volume, const VoxelMesh& made) {
+  const std::set<int> in_volume(volume.labels().begin(), volume.labels().end());
+  for (const auto& [label, name] : volume.names)
+    if (!in_volume.contains(label))
+      spdlog::warn("{}: warning: no voxel has the label {} of the segment '{}'", options.segmentation.string(), label,
+                   printable_line(name));
+  std::set<int> lost(options.labels.begin(), options.labels.end());
+  if (lost.empty()) lost = in_volume;
+  for (const int label : made.labels) lost.erase(label);
+  for (const int label : lost) spdlog::warn("warning: no hexahedron has the label {}, though voxels have it", label);
+}
+
 }  // namespace
 
 void make_voxels(const MeshVoxelsOptions& options) {
@@ -111,6 +124,7 @@ void make_voxels(const MeshVoxelsOptions& options) {
   if (!found.has_frame)
     spdlog::warn("{}: warning: the file does not say where left, back and head are: its axes are taken for x, y and z",
                  options.segmentation.string());
+  warn_of_lost_labels(options, found.volume, made);
   if (made.num_hinges > 0)
     spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
                  made.num_hinges);
