@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "exported_cells.hpp"
 #include "mesh_source.hpp"
 
 namespace hexaplast {
@@ -55,6 +56,16 @@ ImportedMesh parse_obj(std::string_view content, const std::string& name) {
   mesh.positions = Eigen::Map<const PointArray>(vertices.data(), static_cast<Eigen::Index>(vertices.size() / 3), 3);
   if (mesh.positions.rows() == 0) source.refuse("the file holds no vertex");
   return mesh;
+}
+
+std::string obj_text(const ExportedMesh& mesh) {
+  std::string text;
+  for (std::size_t i = 0; i + 2 < mesh.points.size(); i += 3)
+    text += fmt::format("v {} {} {}\n", mesh.points[i], mesh.points[i + 1], mesh.points[i + 2]);
+  for (const Edge& edge : mesh.edges) text += fmt::format("l {}\n", joined_from_1(edge, " "));
+  for (const Triangle& triangle : mesh.triangles) text += fmt::format("f {}\n", joined_from_1(triangle, " "));
+  for (const Quad& quad : mesh.quads) text += fmt::format("f {}\n", joined_from_1(quad, " "));
+  return text;
 }
 
 ImportedMesh read_obj(const std::filesystem::path& file) { return parse_obj(whole_file(file), file.string()); }

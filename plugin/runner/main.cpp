@@ -16,6 +16,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/geometry/voxels.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/look/command_page.hpp"
@@ -27,6 +28,7 @@
 #include "runner/mesh/export.hpp"
 #include "runner/mesh/info.hpp"
 #include "runner/mesh/make.hpp"
+#include "runner/mesh/voxels.hpp"
 #include "runner/run/bench.hpp"
 #include "runner/run/check.hpp"
 #include "runner/run/common_options.hpp"
@@ -68,6 +70,7 @@ struct MeshOptions {
   MeshSheetOptions sheet;
   MeshTubeOptions tube;
   MeshSpherePatchOptions sphere_patch;
+  MeshVoxelsOptions voxels;
   MeshInfoOptions info;
   MeshConvertOptions convert;
 };
@@ -275,6 +278,37 @@ void add_mesh_offset(CLI::App& mesh, MeshOffsetOptions& options) {
   command->add_option("-o,--out", options.out, kMeshFormats)->type_name("FILE")->required();
 }
 
+void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
+  CLI::App* command = mesh.add_subcommand("voxels", "Make hexahedra of the labelled voxels of a segmented image");
+  command->footer(kExitCodes);
+  command
+      ->add_option("segmentation", options.segmentation, "Volume of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd")
+      ->type_name("SEGMENTATION")
+      ->required();
+  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--labels", options.labels, "Labels that become hexahedra. Default: all but 0, the background")
+      ->type_name("L,L,...")
+      ->delimiter(',');
+  command
+      ->add_option(
+          "--coarsen", options.coarsening,
+          "One hexahedron for N x N x N voxels, if at least half of them have a label; it has the most frequent "
+          "one")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostCoarsening))
+      ->capture_default_str();
+  command->add_flag("--largest-part", options.largest_part,
+                    "Leave out hexahedra that are not connected by faces to the largest part");
+  command->add_flag("--surfaces", options.surfaces,
+                    "Write a smooth surface around the hexahedra of each label, too: FILE_LABEL.obj");
+  command->add_option("--unit", options.unit, "Unit of the coordinates that are written")
+      ->type_name("m|cm|mm")
+      ->check(CLI::IsMember({"m", "cm", "mm"}))
+      ->capture_default_str();
+}
+
 void add_mesh_info(CLI::App& mesh, MeshInfoOptions& options) {
   CLI::App* command = mesh.add_subcommand("info", "Print what a mesh file holds, its size, volume and shape");
   command->footer(kExitCodes);
@@ -299,6 +333,7 @@ void add_mesh(CLI::App& app, MeshOptions& options) {
   add_mesh_sheet(*mesh, options.sheet);
   add_mesh_tube(*mesh, options.tube);
   add_mesh_sphere_patch(*mesh, options.sphere_patch);
+  add_mesh_voxels(*mesh, options.voxels);
   add_mesh_info(*mesh, options.info);
   add_mesh_convert(*mesh, options.convert);
 }
@@ -468,6 +503,7 @@ int run_mesh(const CLI::App& mesh, const MeshOptions& options) {
   if (command == "sheet") return done("hexaplast mesh sheet", make_sheet, options.sheet);
   if (command == "tube") return done("hexaplast mesh tube", make_tube, options.tube);
   if (command == "sphere-patch") return done("hexaplast mesh sphere-patch", make_sphere_patch, options.sphere_patch);
+  if (command == "voxels") return done(options.voxels.segmentation, make_voxels, options.voxels);
   if (command == "info") return done(options.info.file, print_info, options.info);
   if (command == "convert") return done(options.convert.file, convert, options.convert);
   return done(options.scene_export.scene.file, export_mesh, options.scene_export);

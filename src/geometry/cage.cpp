@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <numeric>
 #include <utility>
 
-#include "hexaplast/base/disjoint_sets.hpp"
+#include "geometry/grid_cells.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
@@ -18,8 +16,6 @@ namespace {
 constexpr double kTouch = 1e-9;  // of a cell's size: a surface this near to a cell touches it
 
 enum class Kind : unsigned char { kUntouched, kTouched, kOutside };
-
-using GridCell = std::array<int, 3>;
 
 /// The cells of a grid, and what is known of each.
 class Cells {
@@ -132,59 +128,14 @@ void mark_outside(const CageGrid& grid, Cells& cells) {
 
 /// Nodes of the kept cells, numbered by x, then y, then z.
 HexMesh mesh_of(const std::vector<GridCell>& kept, const CageGrid& grid) {
-  const std::int64_t ny = grid.cells[1] + 1, nz = grid.cells[2] + 1;
-  const auto key = [&](const GridCell& c, int corner) {
-    std::array<std::int64_t, 3> at;
-    for (int d = 0; d < 3; ++d) at[d] = c[d] + (kCornerSign[corner][d] > 0 ? 1 : 0);
-    return (at[0] * ny + at[1]) * nz + at[2];
-  };
-  std::vector<std::int64_t> keys;
-  keys.reserve(kCorners * kept.size());
-  for (const GridCell& c : kept)
-    for (int a = 0; a < kCorners; ++a) keys.push_back(key(c, a));
-  std::ranges::sort(keys);
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-
+  GridHexahedra found = grid_hexahedra(kept, grid.cells);
   const Vec3 spacing = (grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
-  PointArray positions(static_cast<Eigen::Index>(keys.size()), 3);
-  for (std::size_t n = 0; n < keys.size(); ++n) {
-    const Vec3 at(static_cast<double>(keys[n] / (ny * nz)), static_cast<double>(keys[n] / nz % ny),
-                  static_cast<double>(keys[n] % nz));
-    positions.row(static_cast<Eigen::Index>(n)) = (grid.min + at.cwiseProduct(spacing)).transpose();
+  PointArray positions(static_cast<Eigen::Index>(found.nodes.size()), 3);
+  for (std::size_t n = 0; n < found.nodes.size(); ++n) {
+    const auto& [i, j, k] = found.nodes[n];
+    positions.row(static_cast<Eigen::Index>(n)) = (grid.min + Vec3(i, j, k).cwiseProduct(spacing)).transpose();
   }
-
-  std::vector<Hexahedron> hexahedra;
-  hexahedra.reserve(kept.size());
-  for (const GridCell& c : kept) {
-    Hexahedron& corners = hexahedra.emplace_back();
-    for (int a = 0; a < kCorners; ++a)
-      corners[a] = static_cast<int>(std::ranges::lower_bound(keys, key(c, a)) - keys.begin());
-  }
-  return HexMesh(std::move(positions), std::move(hexahedra));
-}
-
-bool share_a_face(const Hexahedron& a, const Hexahedron& b) {
-  return std::ranges::count_if(a, [&](int node) { return std::ranges::count(b, node) > 0; }) == 4;
-}
-
-/// Fills in num_parts and num_hinges. Two cells of a grid that share four nodes share a face.
-void judge_connection(Cage& cage) {
-  const HexMesh& mesh = cage.mesh;
-  DisjointSets parts(mesh.num_elements());
-  for (int n = 0; n < mesh.num_nodes(); ++n) {
-    const std::span<const HexMesh::Incidence> around = mesh.incident(n);
-    const int count = static_cast<int>(around.size());
-    DisjointSets here(count);
-    for (int i = 0; i < count; ++i)
-      for (int j = i + 1; j < count; ++j) {
-        const int a = around[i].element, b = around[j].element;
-        if (!share_a_face(mesh.hexahedra()[a], mesh.hexahedra()[b])) continue;
-        parts.join(a, b);
-        here.join(i, j);
-      }
-    cage.num_hinges += here.num_sets() > 1;
-  }
-  cage.num_parts = parts.num_sets();
+  return HexMesh(std::move(positions), std::move(found.hexahedra));
 }
 
 void require_grid(const CageGrid& grid) {
@@ -268,7 +219,9 @@ Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<c
   if (chosen.empty()) throw InputError("the surface encloses no cell: it is open, or the cells are too large");
 
   Cage cage{.mesh = mesh_of(chosen, grid), .num_touched = num_touched};
-  judge_connection(cage);
+  const GridConnection connection = connection_of(cage.mesh);
+  cage.num_parts = connection.num_parts;
+  cage.num_hinges = connection.num_hinges;
   return cage;
 }
 

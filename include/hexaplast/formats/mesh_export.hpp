@@ -38,4 +38,7 @@ std::string vtu_text(const ExportedMesh& mesh);
 std::string gmsh_text(const ExportedMesh& mesh);
 std::string abaqus_text(const ExportedMesh& mesh);
 
+/// The points, edges and faces as Wavefront OBJ, without hexahedra and fields.
+std::string obj_text(const ExportedMesh& mesh);
+
 }  // namespace hexaplast

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+
+#include "hexaplast/base/error.hpp"
+#include "mesh_source.hpp"
+#include "volume_source.hpp"
+
+// NRRD: a magic word, lines "field: value" and "key:=value", an empty line, and the data.
+
+namespace hexaplast {
+namespace {
+
+const std::map<std::string, VoxelType> kNrrdTypes = [] {
+  std::map<std::string, VoxelType> types;
+  const auto add = [&](const VoxelType& type, std::initializer_list<const char*> names) {
+    for (const char* name : names) types[name] = type;
+  };
+  add({1, true}, {"signed char", "int8", "int8_t"});
+  add({1, false}, {"uchar", "unsigned char", "uint8", "uint8_t"});
+  add({2, true}, {"short", "short int", "signed short", "signed short int", "int16", "int16_t"});
+  add({2, false}, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
+  add({4, true}, {"int", "signed int", "int32", "int32_t"});
+  add({4, false}, {"uint", "unsigned int", "uint32", "uint32_t"});
+  return types;
+}();
+
+const std::map<std::string, bool> kIsCompressed{{"raw", false}, {"gzip", true}, {"gz", true}};
+
+const std::map<std::string, double> kMillimetres{{"mm", 1},    {"millimeter", 1}, {"cm", 10},  {"m", 1000},
+                                                 {"um", 1e-3}, {"micron", 1e-3},  {"nm", 1e-6}};
+
+/// A space of patients, as the signs by which its coordinates become LPS, or one that names no patient.
+struct NrrdSpace {
+  Vec3 signs = Vec3::Ones();
+  bool is_of_patient = true;
+};
+
+const std::map<std::string, NrrdSpace> kNrrdSpaces{{"left-posterior-superior", {}},
+                                                   {"lps", {}},
+                                                   {"right-anterior-superior", {Vec3(-1, -1, 1)}},
+                                                   {"ras", {Vec3(-1, -1, 1)}},
+                                                   {"left-anterior-superior", {Vec3(1, -1, 1)}},
+                                                   {"las", {Vec3(1, -1, 1)}},
+                                                   {"scanner-xyz", {Vec3::Ones(), false}},
+                                                   {"3d-right-handed", {Vec3::Ones(), false}}};
+
+// Fields that do not change what a label is or where it lies.
+const std::vector<std::string> kWithoutEffect{
+    "content", "number", "sample units", "min",    "max",     "old min",    "oldmin",
+    "old max", "oldmax", "thicknesses",  "labels", "centers", "centerings", "measurement frame"};
+
+const std::vector<std::string> kNrrdFields{
+    "type",         "dimension",   "sizes",    "encoding", "endian", "space",     "space dimension", "space directions",
+    "space origin", "space units", "spacings", "units",    "kinds",  "data file", "datafile",        "byte skip",
+    "byteskip",     "line skip",   "lineskip"};
+
+class NrrdFile {
+ public:
+  NrrdFile(std::string_view content, const std::string& name)
+      : content_(content), name_(name), header_(name), keys_(name) {}
+
+  ImportedVolume read(const ReadBeside& beside, const VoxelCells& planned) {
+    const std::string_view attached = read_header();
+    require_one_layer();
+    for (const char* skip : {"byte skip", "byteskip", "line skip", "lineskip"}) header_.expect(skip, "0");
+
+    VoxelType type = header_.one_of("type", kNrrdTypes);
+    if (type.bytes > 1) {
+      header_.value("endian");
+      static const std::map<std::string, std::endian> kOrders{{"little", std::endian::little},
+                                                              {"big", std::endian::big}};
+      type.swaps_bytes = header_.one_of("endian", kOrders) != std::endian::native;
+    }
+    const bool is_compressed = header_.one_of("encoding", kIsCompressed);
+    const NrrdSpace space = read_space();
+
+    std::string data;
+    const std::string file_field = header_.find("datafile") ? "datafile" : "data file";
+    const bool is_detached = header_.find(file_field) != nullptr;
+    if (is_detached) data = header_.data_beside(file_field, beside);
+    ByteSource source(is_detached ? std::string_view(data) : attached, is_compressed, name_);
+    ImportedVolume found{.volume = volume_of(geometry_, type, source, name_), .has_frame = space.is_of_patient};
+    found.volume.names = names();
+    read_voxels(source, type, name_, planned, found.volume);
+    return found;
+  }
+
+ private:
+  /// Returns what is behind the header.
+  std::string_view read_header() {
+    MeshSource source(content_.substr(0, kMostHeader), name_);
+    const std::string_view magic = source.line();
+    if (magic.size() != 8 || !magic.starts_with("NRRD000") || magic[7] < '1' || magic[7] > '5')
+      header_.refuse_line(1, "the file must begin with NRRD0001 to NRRD0005");
+    for (long line = 2;; ++line) {
+      if (source.at_end()) {
+        if (header_.find("data file") || header_.find("datafile")) return {};
+        header_.refuse_line(line, "the file ends in its header: an empty line and the data must follow");
+      }
+      const std::string_view text = source.line();
+      if (source.at_end() && content_.size() > kMostHeader) header_.refuse_length(line);
+      if (text.empty()) return content_.substr(std::min(content_.size(), kMostHeader) - source.remaining());
+      if (text.starts_with('#')) continue;
+      add(text, line);
+    }
+  }
+
+  void add(std::string_view text, long line) {
+    const std::size_t colon = text.find(':');
+    if (colon == text.npos)
+      header_.refuse_line(line, "must be 'field: value', 'key:=value', or a comment that begins with #");
+    const std::string field(without_blanks(text.substr(0, colon)));
+    if (text.substr(colon).starts_with(":=")) {
+      if (field.starts_with("Segment")) keys_.add(field, without_blanks(text.substr(colon + 2)), line);
+      return;
+    }
+    const std::string known = in_small_letters(field);
+    header_.add(field, without_blanks(text.substr(colon + 1)), line);
+    if (std::ranges::find(kNrrdFields, known) == kNrrdFields.end() &&
+        std::ranges::find(kWithoutEffect, known) == kWithoutEffect.end())
+      header_.refuse(field, "this field is not known, or not read");
+  }
+
+  void require_one_layer() {
+    if (header_.value("dimension") == "4")
+      header_.refuse(
+          "dimension",
+          "must be 3; segments that overlap lie in several layers (4): remove the overlap, or save a labelmap");
+    header_.expect("dimension", "3");
+    header_.expect("space dimension", "3");
+    geometry_.size = header_.size("sizes");
+    if (header_.find("kinds"))
+      for (const std::string_view kind : header_.words("kinds"))
+        if (kind != "domain" && kind != "space" && kind != "???")
+          header_.refuse("kinds", "must be domain or space each");
+  }
+
+  /// Size, axes and origin [mm], in LPS where the file knows a patient.
+  NrrdSpace read_space() {
+    NrrdSpace space{Vec3::Ones(), false};
+    if (header_.find("space")) space = header_.one_of("space", kNrrdSpaces);
+    if (header_.find("space directions")) {
+      if (!header_.find("space") && !header_.find("space dimension"))
+        header_.refuse("space directions", "'space' must be given too");
+      geometry_.axes_field = "space directions";
+      const std::vector<Vec3> axes = vectors("space directions", 3);
+      for (int d = 0; d < 3; ++d) geometry_.axes.col(d) = axes[static_cast<std::size_t>(d)];
+      if (header_.find("space origin")) geometry_.origin = vectors("space origin", 1).front();
+    } else if (header_.find("spacings")) {
+      geometry_.axes = header_.spacing("spacings").asDiagonal();
+      geometry_.axes_field = "spacings";
+      if (header_.find("space origin")) header_.refuse("space origin", "'space directions' must be given too");
+    } else {
+      header_.refuse("space directions", "must be given, or 'spacings'");
+    }
+    for (const char* field : {"space units", "units"})
+      if (header_.find(field)) scale(millimetres(field));
+    flip(geometry_, space.signs);
+    return space;
+  }
+
+  void scale(double millimetres) {
+    geometry_.axes *= millimetres;
+    geometry_.origin *= millimetres;
+  }
+
+  /// What '"mm" "mm" "mm"' stands for.
+  double millimetres(const std::string& field) const {
+    const std::vector<std::string_view> words = header_.words(field);
+    const std::string_view first = words.empty() ? std::string_view() : words.front();
+    const bool is_quoted = first.size() > 2 && first.starts_with('"') && first.ends_with('"');
+    const auto found = kMillimetres.find(std::string(is_quoted ? first.substr(1, first.size() - 2) : first));
+    if (words.size() != 3 || words[1] != first || words[2] != first || found == kMillimetres.end())
+      header_.refuse(field, "must be three times the same of \"mm\", \"cm\", \"m\", \"um\", \"micron\" and \"nm\"");
+    return found->second;
+  }
+
+  /// "(1,0,0) (0,1,0)"
+  std::vector<Vec3> vectors(const std::string& field, std::size_t count) const {
+    const std::string what =
+        fmt::format("must be {} vector{} of three finite numbers, as (1,0,0)", count, count == 1 ? "" : "s");
+    std::string text = header_.value(field);
+    std::vector<Vec3> found;
+    for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
+      const std::size_t end = text.find(')', at);
+      if (text[at] != '(' || end == text.npos || found.size() == count) header_.refuse(field, what);
+      std::string_view rest = std::string_view(text).substr(at + 1, end - at - 1);
+      Vec3& vector = found.emplace_back();
+      for (int d = 0; d < 3; ++d) {
+        const std::size_t comma = rest.find(',');
+        if ((comma == rest.npos) != (d == 2) || !read_number(without_blanks(rest.substr(0, comma)), vector[d]))
+          header_.refuse(field, what);
+        rest.remove_prefix(d == 2 ? rest.size() : comma + 1);
+      }
+      at = end + 1;
+    }
+    if (found.size() != count) header_.refuse(field, what);
+    return found;
+  }
+
+  /// Of the labels, as 3D Slicer writes them.
+  std::map<int, std::string> names() const {
+    std::map<int, std::string> names;
+    for (int s = 0;; ++s) {
+      const std::string segment = fmt::format("Segment{}_", s);
+      const std::string *name = keys_.find(segment + "Name"), *label = keys_.find(segment + "LabelValue");
+      if (!name && !label) return names;
+      keys_.expect(segment + "Layer", "0");
+      if (!name || !label) continue;
+      std::int64_t value = 0;
+      if (!read_number(*label, value) || value != static_cast<int>(value))
+        keys_.refuse(segment + "LabelValue", "must be a whole number");
+      if (!names.try_emplace(static_cast<int>(value), *name).second)
+        keys_.refuse(segment + "LabelValue", "belongs to another segment, too");
+    }
+  }
+
+  std::string_view content_;
+  std::string name_;
+  TextHeader header_, keys_;
+  VolumeGeometry geometry_;
+};
+
+}  // namespace
+
+ImportedVolume parse_nrrd(std::string_view content, const std::string& name, const ReadBeside& beside,
+                          const VoxelCells& planned) {
+  return NrrdFile(content, name).read(beside, planned);
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "volume_source.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/text.hpp"
+#include "mesh_source.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kMostInflation = 1032;      // no byte of zlib's stands for more than this many
+constexpr std::size_t kBuffer = 1 << 16;     // [byte]
+constexpr std::size_t kLongestValue = 60;    // bytes of a file that a message repeats
+constexpr int kGzipOrZlib = MAX_WBITS + 32;  // for zlib: the header tells which of the two it is
+
+std::string quoted_value(std::string_view value) {
+  const bool is_long = value.size() > kLongestValue;
+  return fmt::format("'{}{}'", printable_line(value.substr(0, kLongestValue)), is_long ? "..." : "");
+}
+
+template <class Number>
+int label_at(const char* bytes, bool swaps_bytes) {
+  char own[sizeof(Number)];
+  std::memcpy(own, bytes, sizeof own);
+  if (swaps_bytes) std::reverse(own, own + sizeof own);
+  Number number;
+  std::memcpy(&number, own, sizeof own);
+  return static_cast<int>(number);
+}
+
+using LabelAt = int (*)(const char*, bool);
+
+LabelAt reader_of(const VoxelType& type) {
+  if (type.bytes == 1) return type.is_signed ? label_at<std::int8_t> : label_at<std::uint8_t>;
+  if (type.bytes == 2) return type.is_signed ? label_at<std::int16_t> : label_at<std::uint16_t>;
+  return type.is_signed ? label_at<std::int32_t> : label_at<std::uint32_t>;
+}
+
+}  // namespace
+
+struct ByteSource::Inflater {
+  explicit Inflater(std::string_view content) {
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(content.data()));  // which zlib only reads
+    is_ready = inflateInit2(&stream, kGzipOrZlib) == Z_OK;
+  }
+  ~Inflater() { inflateEnd(&stream); }
+  z_stream stream{};
+  std::size_t num_left = 0;  // bytes that zlib has not been told of
+  bool is_ready = false, is_at_end = false;
+};
+
+ByteSource::ByteSource(std::string_view content, bool is_compressed, std::string name)
+    : content_(content), name_(std::move(name)) {
+  if (!is_compressed) return;
+  inflater_ = std::make_unique<Inflater>(content);
+  inflater_->num_left = content.size();
+  if (!inflater_->is_ready) throw std::bad_alloc();
+}
+
+ByteSource::~ByteSource() = default;
+
+void ByteSource::refuse(const std::string& what) const { throw InputError(fmt::format("{}: {}", name_, what)); }
+
+void ByteSource::require_room_for(double bytes) const {
+  const std::size_t rest = content_.size() - (inflater_ ? 0 : num_read_);
+  const double most = static_cast<double>(rest) * (inflater_ ? kMostInflation : 1);
+  if (bytes > most)
+    refuse(fmt::format("{:.10g} bytes of voxels cannot come from {} bytes of {}data", bytes, rest,
+                       inflater_ ? "compressed " : ""));
+}
+
+std::size_t ByteSource::read_some(char* to, std::size_t bytes) {
+  if (!inflater_) {
+    const std::size_t count = std::min(bytes, content_.size() - num_read_);
+    std::memcpy(to, content_.data() + num_read_, count);
+    num_read_ += count;
+    return count;
+  }
+  z_stream& stream = inflater_->stream;
+  stream.next_out = reinterpret_cast<Bytef*>(to);
+  stream.avail_out = static_cast<uInt>(bytes);
+  while (stream.avail_out > 0 && !inflater_->is_at_end) {
+    if (stream.avail_in == 0) {
+      stream.avail_in = static_cast<uInt>(std::min<std::size_t>(inflater_->num_left, 1 << 30));
+      inflater_->num_left -= stream.avail_in;
+    }
+    const int status = inflate(&stream, Z_NO_FLUSH);
+    if (status == Z_STREAM_END) {
+      // a gzip file may be several, one after the other
+      const bool goes_on = stream.avail_in > 0 || inflater_->num_left > 0;
+      inflater_->is_at_end = !goes_on || inflateReset(&stream) != Z_OK;
+    } else if (status == Z_BUF_ERROR && stream.avail_in == 0 && inflater_->num_left == 0) {
+      refuse(fmt::format("the compressed data are cut off after byte {} of the voxels and what is before them",
+                         num_read_ + bytes - stream.avail_out));
+    } else if (status != Z_OK && status != Z_BUF_ERROR) {
+      refuse(fmt::format("the compressed data are damaged after {} bytes: {}",
+                         content_.size() - inflater_->num_left - stream.avail_in,
+                         stream.msg ? stream.msg : "no reason given"));
+    }
+  }
+  const std::size_t count = bytes - stream.avail_out;
+  num_read_ += count;
+  return count;
+}
+
+void ByteSource::read(char* to, std::size_t bytes) {
+  const std::size_t wanted = num_read_ + bytes;
+  if (read_some(to, bytes) < bytes)
+    refuse(fmt::format("the data end after {} bytes, must be at least {}", num_read_, wanted));
+}
+
+void ByteSource::expect_end() {
+  char more;
+  if (read_some(&more, 1) > 0) refuse(fmt::format("the data go on after the last voxel, at byte {}", num_read_ - 1));
+}
+
+bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b"); }
+
+void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, const VoxelCells& planned,
+                 LabelledVolume& volume) {
+  const LabelAt label_at = reader_of(type);
+  std::vector<char> buffer(kBuffer);
+  const std::vector<char> zeros(kBuffer, 0);
+  const auto set_labels = [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const int label = label_at(buffer.data() + i * type.bytes, type.swaps_bytes);
+      if (label == 0) continue;
+      if (label < 0 && !type.is_signed)
+        throw InputError(fmt::format("voxel {} has the label {}, must be at most {}", first + i,
+                                     static_cast<unsigned>(label), std::numeric_limits<int>::max()));
+      volume.set(first + i, label);
+    }
+    require_feasible(volume, planned);
+  };
+  for (std::size_t voxel = 0; voxel < volume.num_voxels();) {
+    const std::size_t count = std::min(kBuffer / type.bytes, volume.num_voxels() - voxel);
+    source.read(buffer.data(), count * type.bytes);
+    try {
+      if (std::memcmp(buffer.data(), zeros.data(), count * type.bytes) != 0) set_labels(voxel, count);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", name, error.what()));
+    }
+    voxel += count;
+  }
+  source.expect_end();
+}
+
+LabelledVolume volume_of(const VolumeGeometry& geometry, const VoxelType& type, const ByteSource& source,
+                         const std::string& name) {
+  const auto& [nx, ny, nz] = geometry.size;
+  const double count = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
+  source.require_room_for(std::min(count, kMostVoxels + 1) * static_cast<double>(type.bytes));
+  if (count > kMostVoxels)
+    throw InputError(
+        fmt::format("{}: {} x {} x {} voxels: must be at most {:.10g} in all", name, nx, ny, nz, kMostVoxels));
+  try {
+    return LabelledVolume({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}, geometry.axes,
+                          geometry.origin);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}: {}", name, geometry.axes_field, error.what()));
+  }
+}
+
+void flip(VolumeGeometry& geometry, const Vec3& signs) {
+  geometry.axes = signs.asDiagonal() * geometry.axes;
+  geometry.origin = signs.cwiseProduct(geometry.origin);
+}
+
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return small;
+}
+
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t first = std::min(text.find_first_not_of(" \t\r"), text.size());
+  return text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
+}
+
+void TextHeader::add(std::string_view field, std::string_view value, long line) {
+  const auto [found, is_new] = values_.try_emplace(in_small_letters(field), Value{std::string(value), line});
+  if (!is_new)
+    refuse_line(line,
+                fmt::format("{} is given again, the first time in line {}", quoted_value(field), found->second.line));
+}
+
+const std::string* TextHeader::find(const std::string& field) const {
+  const auto found = values_.find(in_small_letters(field));
+  return found == values_.end() ? nullptr : &found->second.text;
+}
+
+const std::string& TextHeader::value(const std::string& field) const {
+  if (const std::string* found = find(field)) return *found;
+  throw InputError(fmt::format("{}: the header has no '{}'", name_, field));
+}
+
+void TextHeader::expect(const std::string& field, const char* wanted) const {
+  const std::string* found = find(field);
+  if (found && in_small_letters(*found) != in_small_letters(wanted)) refuse(field, fmt::format("must be {}", wanted));
+}
+
+std::vector<std::string_view> TextHeader::words(const std::string& field) const {
+  std::vector<std::string_view> all;
+  MeshSource source(value(field), name_);
+  for (std::string_view word = source.word(); !word.empty(); word = source.word()) all.push_back(word);
+  return all;
+}
+
+std::vector<double> TextHeader::reals(const std::string& field, std::size_t count) const {
+  const std::vector<std::string_view> all = words(field);
+  std::vector<double> numbers(all.size());
+  bool is_right = all.size() == count;
+  for (std::size_t i = 0; i < all.size(); ++i) is_right = is_right && read_number(all[i], numbers[i]);
+  if (!is_right) refuse(field, fmt::format("must be {} finite numbers", count));
+  return numbers;
+}
+
+Vec3 TextHeader::spacing(const std::string& field) const {
+  const Vec3 spacing(reals(field, 3).data());
+  if (!(spacing.minCoeff() > 0)) refuse(field, "must be 3 numbers greater than 0");
+  return spacing;
+}
+
+std::array<std::int64_t, 3> TextHeader::size(const std::string& field) const {
+  const std::vector<std::string_view> all = words(field);
+  std::array<std::int64_t, 3> size{};
+  bool is_right = all.size() == 3;
+  for (std::size_t d = 0; is_right && d < 3; ++d)
+    is_right = read_number(all[d], size[d]) && size[d] >= 1 && size[d] <= std::numeric_limits<int>::max();
+  if (!is_right) refuse(field, fmt::format("must be 3 whole numbers in [1, {}]", std::numeric_limits<int>::max()));
+  return size;
+}
+
+void TextHeader::refuse(const std::string& field, const std::string& what) const {
+  const auto found = values_.find(in_small_letters(field));
+  if (found == values_.end()) throw InputError(fmt::format("{}: {}: {}", name_, field, what));
+  refuse_line(found->second.line, fmt::format("{} {}: {}", field, quoted_value(found->second.text), what));
+}
+
+void TextHeader::refuse_word(const std::string& field, const std::vector<std::string>& known) const {
+  refuse(field, fmt::format("must be one of {}", fmt::join(known, ", ")));
+}
+
+void TextHeader::refuse_line(long line, const std::string& what) const {
+  throw InputError(fmt::format("{}:{}: {}", name_, line, what));
+}
+
+void TextHeader::refuse_length(long line) const {
+  refuse_line(line, fmt::format("the header is longer than {} bytes", kMostHeader));
+}
+
+std::string TextHeader::data_beside(const std::string& field, const ReadBeside& beside) const {
+  std::string file = value(field);
+  if (file.starts_with("./")) file.erase(0, 2);
+  // a header from somebody else must not lead to any file of this machine
+  if (file.empty() || file == "." || file == ".." || file.find_first_of("/\\%") != file.npos ||
+      file.find('\0') != file.npos)
+    refuse(field, "must be the name of one file in the directory of the header");
+  if (!beside) refuse(field, "the data are in another file, which is not given");
+  try {
+    return beside(file);
+  } catch (const InputError& error) {
+    refuse(field, error.what());
+  }
+}
+
+}  // namespace hexaplast

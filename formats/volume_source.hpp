@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hexaplast/formats/volume_import.hpp"
+
+namespace hexaplast {
+
+/// How the voxels of a volume are stored.
+struct VoxelType {
+  std::size_t bytes = 1;
+  bool is_signed = false;
+  bool swaps_bytes = false;
+};
+
+/// Bytes of a file, as they are or unpacked while they are read (gzip and zlib).
+class ByteSource {
+ public:
+  ByteSource(std::string_view content, bool is_compressed, std::string name);
+  ~ByteSource();
+  ByteSource(const ByteSource&) = delete;
+  ByteSource& operator=(const ByteSource&) = delete;
+
+  /// Refuses data that cannot be that many bytes.
+  void require_room_for(double bytes) const;
+  void read(char* to, std::size_t bytes);  ///< refuses data that end before
+  void expect_end();                       ///< refuses data that go on, or whose checksum is wrong
+
+ private:
+  struct Inflater;
+  [[noreturn]] void refuse(const std::string& what) const;
+  std::size_t read_some(char* to, std::size_t bytes);  // less where the data end
+
+  std::string_view content_;
+  std::string name_;
+  std::size_t num_read_ = 0;            // bytes given so far
+  std::unique_ptr<Inflater> inflater_;  // null: the content is not compressed
+};
+
+bool is_gzip(std::string_view content);
+
+/// All voxels of the volume, and then the end of the data.
+void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, const VoxelCells& planned,
+                 LabelledVolume& volume);
+
+/// Size, axes and origin of a volume, as a header describes them [mm].
+struct VolumeGeometry {
+  std::array<std::int64_t, 3> size{};
+  std::string axes_field;  ///< which field of the header gives the axes
+  Mat3 axes = Mat3::Identity();
+  Vec3 origin = Vec3::Zero();
+};
+
+/// The volume of a header, whose voxels are still to be read. The source must have room for them.
+LabelledVolume volume_of(const VolumeGeometry& geometry, const VoxelType& type, const ByteSource& source,
+                         const std::string& name);
+
+/// Changes coordinates to LPS: some of x, y and z change their sign.
+void flip(VolumeGeometry& geometry, const Vec3& signs);
+
+inline constexpr std::size_t kMostHeader = 1 << 20;  // [byte] of a text header
+
+/// The fields of a text header, each with its line.
+class TextHeader {
+ public:
+  explicit TextHeader(std::string name) : name_(std::move(name)) {}
+
+  /// The fields may be named in any case. Refuses one that is there already.
+  void add(std::string_view field, std::string_view value, long line);
+
+  const std::string* find(const std::string& field) const;          ///< null: it is not there
+  const std::string& value(const std::string& field) const;         ///< refuses a header without it
+  void expect(const std::string& field, const char* wanted) const;  ///< refuses any other value, if it is there
+  std::vector<std::string_view> words(const std::string& field) const;
+  std::vector<double> reals(const std::string& field, std::size_t count) const;
+  std::array<std::int64_t, 3> size(const std::string& field) const;  ///< three whole numbers from 1
+  Vec3 spacing(const std::string& field) const;                      ///< three numbers greater than 0
+  template <class Known>
+  const typename Known::mapped_type& one_of(const std::string& field, const Known& known) const;
+
+  /// "FILE:LINE: field 'value': what"
+  [[noreturn]] void refuse(const std::string& field, const std::string& what) const;
+  [[noreturn]] void refuse_line(long line, const std::string& what) const;
+  [[noreturn]] void refuse_length(long line) const;  ///< of the header
+
+  /// The data of a header that names a file beside it.
+  std::string data_beside(const std::string& field, const ReadBeside& beside) const;
+
+ private:
+  struct Value {
+    std::string text;
+    long line;
+  };
+  [[noreturn]] void refuse_word(const std::string& field, const std::vector<std::string>& known) const;
+
+  std::string name_;
+  std::map<std::string, Value> values_;  // by the name in small letters
+};
+
+std::string in_small_letters(std::string_view text);
+std::string_view without_blanks(std::string_view text);  ///< at its ends
+
+template <class Known>
+const typename Known::mapped_type& TextHeader::one_of(const std::string& field, const Known& known) const {
+  const auto found = known.find(in_small_letters(value(field)));
+  if (found != known.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [name, meaning] : known) names.push_back(name);
+  refuse_word(field, names);
+}
+
+}  // namespace hexaplast

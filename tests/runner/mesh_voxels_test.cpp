@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// hexaplast mesh voxels: the synthetic liver of scenes/mesh/liver_tumour.py, and files made to hurt.
+#include <zlib.h>
+
+#include <map>
+
+#include "hexaplast/formats/mesh_import.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/mesh/quality.hpp"
+#include "support/cost.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::Outcome;
+
+class MeshVoxels : public support::Command {
+ protected:
+  /// Draws the liver as files of that ending.
+  void draw(const std::string& ending) {
+    const std::string script = HEXAPLAST_SOURCE_DIR "/scenes/mesh/liver_tumour.py";
+    const Outcome drawn = shell("/usr/bin/python3 '" + script + "' liver" + ending);
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+  }
+  ImportedState written(const std::string& name) { return read_vtu_state(directory_ / name); }
+
+  void write_bytes(const std::string& name, const std::string& bytes) {
+    std::ofstream(directory_ / name, std::ios::binary) << bytes;
+  }
+};
+
+/// Volume [ml] and centroid [mm] of the hexahedra of each label.
+struct Region {
+  double volume = 0;
+  Vec3 centroid = Vec3::Zero();
+};
+std::map<int, Region> regions_of(const ImportedState& state) {
+  std::map<int, Region> regions;
+  const HexMesh mesh(state.mesh.positions, state.mesh.hexahedra);
+  for (int e = 0; e < mesh.num_elements(); ++e) {
+    const ElementPoints x = gather(mesh.positions(), mesh.hexahedra()[static_cast<std::size_t>(e)]);
+    const double volume = (x.row(1) - x.row(0)).cross(x.row(3) - x.row(0)).dot(x.row(4) - x.row(0));
+    Region& region = regions[static_cast<int>(state.cell_data.front().values[static_cast<std::size_t>(e)])];
+    region.volume += 1e6 * volume;
+    region.centroid += 1e9 * volume * x.colwise().mean().transpose();
+  }
+  for (auto& [label, region] : regions) region.centroid /= region.volume;
+  return regions;
+}
+
+// 5 x 4.5 x 4 mm are 0.09 ml. The tumour is a ball of 21 mm about (78, 70, 58) mm from the first voxel, of which the
+// frame is turned by 20 degrees about z.
+TEST_F(MeshVoxels, MakesTheSameMeshOfEveryFormat) {
+  std::vector<ImportedState> states;
+  for (const std::string ending : {".seg.nrrd", ".nii.gz", ".mha"}) {
+    draw(ending);
+    const Outcome made = hexaplast("mesh voxels liver" + ending + " -o liver" + ending + ".vtu");
+    EXPECT_EQ(made.code, 0) << made.err;
+    states.push_back(written("liver" + ending + ".vtu"));
+    ASSERT_EQ(states.back().cell_data.size(), 1u);
+    EXPECT_EQ(states.back().cell_data.front().name, "label");
+  }
+  for (const ImportedState& state : states) {
+    EXPECT_EQ(state.mesh.hexahedra, states.front().mesh.hexahedra);
+    EXPECT_EQ(state.cell_data.front().values, states.front().cell_data.front().values);
+    // single precision of NIfTI at 1.3 m
+    EXPECT_LT((state.mesh.positions - states.front().mesh.positions).cwiseAbs().maxCoeff(), 2e-7);
+  }
+  const std::map<int, Region> regions = regions_of(states.front());
+  ASSERT_EQ(regions.size(), 3u);
+  const double ball = 4. / 3 * 3.14159265 * 2.1 * 2.1 * 2.1;
+  EXPECT_NEAR(regions.at(2).volume, ball, 0.02 * ball);
+  EXPECT_NEAR(regions.at(2).volume / 0.09, std::round(regions.at(2).volume / 0.09), 1e-6);
+  const double c = std::cos(20 * 3.14159265 / 180), s = std::sin(20 * 3.14159265 / 180);
+  const Vec3 centre(-90 + c * 78 - s * 70, -60 + s * 78 + c * 70, 1200 + 58);
+  EXPECT_LT((regions.at(2).centroid - centre).norm(), 0.5);
+}
+
+TEST_F(MeshVoxels, PrintsLabelsNamesAndVolumes) {
+  draw(".seg.nrrd");
+  const Outcome all = hexaplast("mesh voxels liver.seg.nrrd -o liver.vtu");
+  EXPECT_EQ(all.out,
+            "liver: hexahedra of 5 x 4.5 x 4 mm\n  nodes               11601\n  hexahedra           9674 in 2 parts\n"
+            "  label 1             8978 hexahedra, 808.02 ml  liver\n"
+            "  label 2             432 hexahedra, 38.88 ml  tumour\n"
+            "  label 3             264 hexahedra, 23.76 ml  vessel\n"
+            "  from                -0.111344 -0.0510919 1.234 m\n  to                  0.0906084 0.127878 1.318 m\n");
+  EXPECT_EQ(all.err, "");
+  const Outcome coarse =
+      hexaplast("mesh voxels liver.seg.nrrd --coarsen 2 --largest-part --labels 1,2 --unit mm -o liver.vtu");
+  EXPECT_EQ(coarse.code, 0) << coarse.err;
+  EXPECT_NE(coarse.out.find("hexahedra of 10 x 9 x 8 mm\n"), std::string::npos) << coarse.out;
+  EXPECT_NE(coarse.out.find("in 1 part\n  left out            "), std::string::npos) << coarse.out;
+  EXPECT_EQ(coarse.out.find("label 3"), std::string::npos) << coarse.out;
+  EXPECT_GT(written("liver.vtu").mesh.positions.maxCoeff(), 1200);
+}
+
+// The mesh of scenes/mesh is what the command of docs/commands.md makes of the drawing.
+TEST_F(MeshVoxels, ShippedMeshIsThatOfTheDrawing) {
+  draw(".seg.nrrd");
+  const std::string folder = HEXAPLAST_SOURCE_DIR "/scenes/mesh/";
+  ASSERT_EQ(hexaplast("mesh voxels liver.seg.nrrd --coarsen 2 --largest-part -o liver_tumour.vtu").code, 0);
+  const Outcome of_file = hexaplast("mesh voxels '" + folder +
+                                    "liver_tumour.seg.nrrd' --coarsen 2 --largest-part -o liver_tumour_file.vtu");
+  const ImportedState drawn = written("liver_tumour.vtu"), from_file = written("liver_tumour_file.vtu"),
+                      shipped = read_vtu_state(folder + "liver_tumour.vtu");
+  for (const ImportedState* other : {&drawn, &from_file}) {
+    EXPECT_EQ(other->mesh.hexahedra, shipped.mesh.hexahedra);
+    EXPECT_EQ(other->cell_data.front().values, shipped.cell_data.front().values);
+    EXPECT_LT((other->mesh.positions - shipped.mesh.positions).cwiseAbs().maxCoeff(), 1e-12);
+  }
+  const std::string page = support::content(HEXAPLAST_SOURCE_DIR "/docs/commands.md");
+  const std::string printed = of_file.out.substr(of_file.out.find('\n'));
+  EXPECT_NE(page.find(printed), std::string::npos) << of_file.out;
+}
+
+// A surface of each label, which other commands read.
+TEST_F(MeshVoxels, WritesSurfaces) {
+  draw(".seg.nrrd");
+  write("liver_2.obj", "old");
+  ASSERT_EQ(hexaplast("mesh voxels liver.seg.nrrd --largest-part --surfaces -o liver.vtu").code, 0);
+  for (const std::string label : {"1", "2", "3"}) {
+    const Outcome info = hexaplast("mesh info liver_" + label + ".obj");
+    EXPECT_EQ(info.code, 0) << info.err;
+    EXPECT_NE(info.out.find("  surface             closed"), std::string::npos) << info.out;
+  }
+  // the ball of the tumour is 42 mm wide
+  const ImportedMesh tumour = read_obj(directory_ / "liver_2.obj");
+  const Vec3 extent = tumour.positions.colwise().maxCoeff() - tumour.positions.colwise().minCoeff();
+  for (int d = 0; d < 3; ++d) EXPECT_NEAR(extent[d], 0.042, 0.0025);
+}
+
+/// A segmentation of one byte per voxel, of 1 mm each.
+std::string nrrd(const std::string& sizes, const std::string& data, const std::string& encoding = "raw") {
+  return "NRRD0004\ntype: uchar\ndimension: 3\nspace: LPS\nsizes: " + sizes +
+         "\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: " + encoding + "\n\n" + data;
+}
+
+TEST_F(MeshVoxels, WarnsOfHingesAndOfAFileWithoutFrame) {
+  write_bytes("hinge.nrrd", nrrd("2 2 1", std::string("\1\0\0\1", 4)));
+  const Outcome hinge = hexaplast("mesh voxels hinge.nrrd -o out.vtu");
+  EXPECT_EQ(hinge.code, 0);
+  EXPECT_EQ(hinge.err,
+            "warning: hexahedra meet at 2 nodes without sharing a face there: they fold freely about them\n");
+  write_bytes("plain.nrrd", "NRRD0001\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nspacings: 1 1 1\nencoding: raw\n\n\1");
+  EXPECT_EQ(hexaplast("mesh voxels plain.nrrd -o out.vtu").err,
+            "plain.nrrd: warning: the file does not say where left, back and head are: its axes are taken for x, y and "
+            "z\n");
+}
+
+// A label may vanish: by coarsening, with a part that is left out, or before, in a segment without voxels.
+TEST_F(MeshVoxels, WarnsOfLabelsThatAreLost) {
+  const std::string segments = "Segment0_LabelValue:=5\nSegment0_Name:=duct\n";
+  write_bytes("lost.nrrd", nrrd("4 2 2", std::string("\1\1\0\2\1\1\0\0\1\1\0\0\1\1\0\0", 16)).insert(9, segments));
+  const std::string segment = "lost.nrrd: warning: no voxel has the label 5 of the segment 'duct'\n",
+                    lost = "warning: no hexahedron has the label 2, though voxels have it\n";
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd -o out.vtu").err, segment);
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd --coarsen 2 -o out.vtu").err, segment + lost);
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd --largest-part -o out.vtu").err, segment + lost);
+  EXPECT_EQ(hexaplast("mesh voxels lost.nrrd --labels 1 --coarsen 2 -o out.vtu").err, segment);
+}
+
+TEST_F(MeshVoxels, RefusesWhatItCannotDo) {
+  write_bytes("small.nrrd", nrrd("2 2 1", std::string("\1\0\2\1", 4)));
+  write_bytes("empty.nrrd", nrrd("2 2 1", std::string(4, '\0')));
+  write_bytes("small.nhdr", nrrd("2 2 1", "").insert(9, "data file: voxels.vtu\n"));
+  write_bytes("voxels.vtu", std::string("\1\0\2\1", 4));
+  write("good.vtu", "good");
+  const auto refusal = [&](const std::string& arguments) {
+    const Outcome outcome = hexaplast("mesh voxels " + arguments);
+    return std::pair(outcome.code, outcome.err.substr(0, outcome.err.find('\n')));
+  };
+  EXPECT_EQ(refusal("absent.nrrd -o good.vtu"), std::pair(5, std::string("absent.nrrd: error: no such file")));
+  EXPECT_EQ(
+      refusal("good.vtu -o good.vtu"),
+      std::pair(3, std::string("hexaplast: error: good.vtu: a segmentation's name must end in .nrrd, .nhdr, .nii, "
+                               ".nii.gz, .mha or .mhd")));
+  EXPECT_EQ(refusal("empty.nrrd -o good.vtu"),
+            std::pair(3, std::string("empty.nrrd: error: no voxel has a label other than 0")));
+  EXPECT_EQ(refusal("small.nrrd --labels 1,5 -o good.vtu"),
+            std::pair(3, std::string("small.nrrd: error: no voxel has the label 5: must be one of 1, 2")));
+  EXPECT_EQ(refusal("small.nrrd --labels 1,x -o good.vtu").first, 2);
+  EXPECT_EQ(refusal("small.nrrd --coarsen 0 -o good.vtu").first, 2);
+  EXPECT_EQ(refusal("small.nrrd --unit inch -o good.vtu").first, 2);
+  EXPECT_EQ(refusal("small.nrrd -o good.msh"),
+            std::pair(2, std::string("hexaplast: error: --out good.msh: the name must end in .vtu")));
+  EXPECT_EQ(refusal("small.nrrd -o nowhere/good.vtu").first, 5);
+  EXPECT_EQ(refusal("small.nhdr -o voxels.vtu").first, 5);  // the file of its data
+  EXPECT_EQ(support::content(directory_ / "good.vtu"), "good");
+  EXPECT_EQ(support::content(directory_ / "voxels.vtu").size(), 4u);
+  EXPECT_EQ(refusal("small.nhdr -o good.vtu").first, 0);
+}
+
+class HostileVolume : public MeshVoxels {
+ protected:
+  void expect_refused(const std::string& name, const std::string& bytes, const std::string& message) {
+    write_bytes(name, bytes);
+    const std::vector<std::string> words{"mesh", "voxels", directory_ / name, "-o", directory_ / "out.vtu"};
+    support::Cost cost = support::cost_of(words, directory_ / "err");
+    for (int again = 0; again < 3 && cost.seconds >= support::kSlower; ++again)  // a shared machine
+      cost.seconds = std::min(cost.seconds, support::cost_of(words, directory_ / "err").seconds);
+    const std::string shown = support::content(directory_ / "err");
+    EXPECT_EQ(cost.code, 3) << shown.substr(0, 500);
+    EXPECT_NE(shown.find(message), std::string::npos) << shown.substr(0, 500);
+    EXPECT_LT(cost.seconds, support::kSlower) << message;
+    EXPECT_LT(cost.megabytes, 100 + support::kMegabytesMore + 1e-6 * static_cast<double>(bytes.size())) << message;
+    EXPECT_FALSE(std::filesystem::exists(directory_ / "out.vtu"));
+  }
+};
+
+/// `megabytes` of one byte, by zlib.
+std::string packed(std::size_t megabytes, char byte) {
+  const std::string chunk(1 << 20, byte);
+  z_stream stream{};
+  deflateInit(&stream, 9);
+  std::string all(compressBound(megabytes << 20) / 500 + 1000, '\0');
+  stream.next_out = reinterpret_cast<Bytef*>(all.data());
+  stream.avail_out = static_cast<uInt>(all.size());
+  for (std::size_t i = 0; i < megabytes; ++i) {
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(chunk.data()));
+    stream.avail_in = 1 << 20;
+    EXPECT_EQ(deflate(&stream, i + 1 == megabytes ? Z_FINISH : Z_NO_FLUSH), i + 1 == megabytes ? Z_STREAM_END : Z_OK);
+  }
+  all.resize(stream.total_out);
+  deflateEnd(&stream);
+  return all;
+}
+
+TEST_F(HostileVolume, SmallFilesThatClaimToBeLarge) {
+  expect_refused("a.nrrd", nrrd("100000 100000 100000", "abc"), "cannot come from 3 bytes of data");
+  expect_refused("a.nrrd", nrrd("2147483647 2147483647 2147483647", "abc", "gzip"),
+                 "cannot come from 3 bytes of compressed data");
+  expect_refused("a.nrrd", nrrd("1024 1024 256", std::string("\x1f\x8b\x08", 3), "gzip"), "cannot come from");
+  expect_refused("a.nrrd", nrrd("1024 1024 1024", packed(300, 1), "gzip"),
+                 "1024 x 1024 x 1024 voxels: must be at most");
+}
+
+TEST_F(HostileVolume, FewBytesThatStandForMany) {
+  expect_refused("a.nrrd", nrrd("1024 1024 128", packed(128, 0), "gzip"), "no voxel has a label other than 0");
+  expect_refused("a.nrrd", nrrd("1024 1024 16", packed(256, 0), "gzip"), "the data go on after the last voxel");
+  expect_refused("a.nrrd", nrrd("1024 1018 128", packed(64, 0) + packed(63, 0), "gzip"), "the data end after");
+}
+
+TEST_F(HostileVolume, MoreHexahedraThanCanBeMade) {
+  expect_refused("a.nrrd", nrrd("1024 1024 20", packed(20, 1), "gzip"),
+                 "hexahedra or more, must be at most 16777216: coarsen them");
+  expect_refused("a.nrrd", nrrd("1024 1024 256", packed(256, 1), "gzip"),
+                 "hexahedra or more, must be at most 16777216: coarsen them");
+}
+
+TEST_F(HostileVolume, LongHeaders) {
+  std::string keys = "NRRD0004\n";
+  for (int i = 0; i < 100'000; ++i) keys += "Segment" + std::to_string(i) + "_Name:=a\n";
+  expect_refused("a.nrrd", keys, "the header is longer than 1048576 bytes");
+  expect_refused("a.mha", std::string(50'000'000, '='), "the header is longer than 1048576 bytes");
+  expect_refused("a.mha", "", "a.mha:1: the file ends in its header");
+  expect_refused("a.nii.gz", "", "the data end after 0 bytes");
+}
+
+// An image of intensities is no segmentation.
+TEST_F(HostileVolume, ImagesOfIntensities) {
+  std::string values;
+  for (int i = 0; i < 30'000; ++i) values += std::string{static_cast<char>(i % 251), static_cast<char>(i / 251)};
+  expect_refused(
+      "a.nrrd",
+      "NRRD0004\ntype: ushort\nendian: little\ndimension: 3\nspace: LPS\nsizes: 100 100 3\nspace directions: "
+      "(1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n" +
+          values,
+      "more than 255 different labels: is this an image, and not its segmentation?");
+}
+
+// What is written is a mesh of a scene, whose loader takes its hexahedra.
+TEST_F(MeshVoxels, ScenesLoadTheMesh) {
+  draw(".seg.nrrd");
+  ASSERT_EQ(hexaplast("mesh voxels liver.seg.nrrd --coarsen 3 --largest-part -o liver.vtu").code, 0);
+  write("scene.scn",
+        "<Node name='root' dt='0.01'><DefaultAnimationLoop/><RunSettings steps='2'/><Node name='liver'>"
+        "<MeshVTKLoader name='mesh' filename='liver.vtu'/><EulerImplicitSolver/><CGLinearSolver/>"
+        "<HexahedronSetTopologyContainer src='@mesh'/><MechanicalObject template='Vec3d'/><DiagonalMass "
+        "massDensity='1000'/><HexahedronElastoplasticFEMForceField youngModulus='5000' "
+        "poissonRatio='0.4'/></Node></Node>");
+  const Outcome ran = hexaplast("run scene.scn --sofa-compat");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+}
+
+}  // namespace
