@@ -12,11 +12,17 @@
 namespace hexaplast {
 namespace {
 
-const std::map<std::string, VoxelType> kMetaImageTypes{{"met_char", {1, true}},  {"met_uchar", {1, false}},
-                                                       {"met_short", {2, true}}, {"met_ushort", {2, false}},
-                                                       {"met_int", {4, true}},   {"met_uint", {4, false}}};
+const std::map<std::string, VoxelType>& metaimage_types() {
+  static const std::map<std::string, VoxelType> all{{"met_char", {1, true}},  {"met_uchar", {1, false}},
+                                                    {"met_short", {2, true}}, {"met_ushort", {2, false}},
+                                                    {"met_int", {4, true}},   {"met_uint", {4, false}}};
+  return all;
+}
 
-const std::map<std::string, bool> kTruth{{"true", true}, {"false", false}};
+const std::map<std::string, bool>& truth() {
+  static const std::map<std::string, bool> all{{"true", true}, {"false", false}};
+  return all;
+}
 
 const char* const kLast = "ElementDataFile";
 
@@ -34,7 +40,7 @@ class MetaImageFile {
     header_.expect("ElementNumberOfChannels", "1");
     header_.expect("DistanceUnits", "mm");
     const VolumeGeometry geometry = read_geometry();
-    VoxelType type = header_.one_of("ElementType", kMetaImageTypes);
+    VoxelType type = header_.one_of("ElementType", metaimage_types());
     const bool is_big = is_true("BinaryDataByteOrderMSB", is_true("ElementByteOrderMSB", false));
     if (header_.find("ElementByteOrderMSB") && is_big != is_true("ElementByteOrderMSB", false))
       header_.refuse("ElementByteOrderMSB", "must agree with BinaryDataByteOrderMSB");
@@ -99,7 +105,7 @@ class MetaImageFile {
   }
 
   bool is_true(const char* field, bool otherwise) const {
-    return header_.find(field) ? header_.one_of(field, kTruth) : otherwise;
+    return header_.find(field) ? header_.one_of(field, truth()) : otherwise;
   }
 
   static constexpr double kMostErrorOfLength = 1e-4;

@@ -14,24 +14,33 @@
 namespace hexaplast {
 namespace {
 
-const std::map<std::string, VoxelType> kNrrdTypes = [] {
-  std::map<std::string, VoxelType> types;
-  const auto add = [&](const VoxelType& type, std::initializer_list<const char*> names) {
-    for (const char* name : names) types[name] = type;
-  };
-  add({1, true}, {"signed char", "int8", "int8_t"});
-  add({1, false}, {"uchar", "unsigned char", "uint8", "uint8_t"});
-  add({2, true}, {"short", "short int", "signed short", "signed short int", "int16", "int16_t"});
-  add({2, false}, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
-  add({4, true}, {"int", "signed int", "int32", "int32_t"});
-  add({4, false}, {"uint", "unsigned int", "uint32", "uint32_t"});
-  return types;
-}();
+const std::map<std::string, VoxelType>& nrrd_types() {
+  static const auto all = [] {
+    std::map<std::string, VoxelType> types;
+    const auto add = [&](const VoxelType& type, std::initializer_list<const char*> names) {
+      for (const char* name : names) types[name] = type;
+    };
+    add({1, true}, {"signed char", "int8", "int8_t"});
+    add({1, false}, {"uchar", "unsigned char", "uint8", "uint8_t"});
+    add({2, true}, {"short", "short int", "signed short", "signed short int", "int16", "int16_t"});
+    add({2, false}, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
+    add({4, true}, {"int", "signed int", "int32", "int32_t"});
+    add({4, false}, {"uint", "unsigned int", "uint32", "uint32_t"});
+    return types;
+  }();
+  return all;
+}
 
-const std::map<std::string, bool> kIsCompressed{{"raw", false}, {"gzip", true}, {"gz", true}};
+const std::map<std::string, bool>& encodings() {
+  static const std::map<std::string, bool> all{{"raw", false}, {"gzip", true}, {"gz", true}};
+  return all;
+}
 
-const std::map<std::string, double> kMillimetres{{"mm", 1},    {"millimeter", 1}, {"cm", 10},  {"m", 1000},
+const std::map<std::string, double>& millimetres_of_units() {
+  static const std::map<std::string, double> all{{"mm", 1},    {"millimeter", 1}, {"cm", 10},  {"m", 1000},
                                                  {"um", 1e-3}, {"micron", 1e-3},  {"nm", 1e-6}};
+  return all;
+}
 
 /// A space of patients, as the signs by which its coordinates become LPS, or one that names no patient.
 struct NrrdSpace {
@@ -39,21 +48,24 @@ struct NrrdSpace {
   bool is_of_patient = true;
 };
 
-const std::map<std::string, NrrdSpace> kNrrdSpaces{{"left-posterior-superior", {}},
-                                                   {"lps", {}},
-                                                   {"right-anterior-superior", {Vec3(-1, -1, 1)}},
-                                                   {"ras", {Vec3(-1, -1, 1)}},
-                                                   {"left-anterior-superior", {Vec3(1, -1, 1)}},
-                                                   {"las", {Vec3(1, -1, 1)}},
-                                                   {"scanner-xyz", {Vec3::Ones(), false}},
-                                                   {"3d-right-handed", {Vec3::Ones(), false}}};
+const std::map<std::string, NrrdSpace>& nrrd_spaces() {
+  static const std::map<std::string, NrrdSpace> all{{"left-posterior-superior", {}},
+                                                    {"lps", {}},
+                                                    {"right-anterior-superior", {Vec3(-1, -1, 1)}},
+                                                    {"ras", {Vec3(-1, -1, 1)}},
+                                                    {"left-anterior-superior", {Vec3(1, -1, 1)}},
+                                                    {"las", {Vec3(1, -1, 1)}},
+                                                    {"scanner-xyz", {Vec3::Ones(), false}},
+                                                    {"3d-right-handed", {Vec3::Ones(), false}}};
+  return all;
+}
 
 // Fields that do not change what a label is or where it lies.
-const std::vector<std::string> kWithoutEffect{
+constexpr std::string_view kWithoutEffect[] = {
     "content", "number", "sample units", "min",    "max",     "old min",    "oldmin",
     "old max", "oldmax", "thicknesses",  "labels", "centers", "centerings", "measurement frame"};
 
-const std::vector<std::string> kNrrdFields{
+constexpr std::string_view kNrrdFields[] = {
     "type",         "dimension",   "sizes",    "encoding", "endian", "space",     "space dimension", "space directions",
     "space origin", "space units", "spacings", "units",    "kinds",  "data file", "datafile",        "byte skip",
     "byteskip",     "line skip",   "lineskip"};
@@ -68,14 +80,14 @@ class NrrdFile {
     require_one_layer();
     for (const char* skip : {"byte skip", "byteskip", "line skip", "lineskip"}) header_.expect(skip, "0");
 
-    VoxelType type = header_.one_of("type", kNrrdTypes);
+    VoxelType type = header_.one_of("type", nrrd_types());
     if (type.bytes > 1) {
       header_.value("endian");
       static const std::map<std::string, std::endian> kOrders{{"little", std::endian::little},
                                                               {"big", std::endian::big}};
       type.swaps_bytes = header_.one_of("endian", kOrders) != std::endian::native;
     }
-    const bool is_compressed = header_.one_of("encoding", kIsCompressed);
+    const bool is_compressed = header_.one_of("encoding", encodings());
     const NrrdSpace space = read_space();
 
     std::string data;
@@ -120,8 +132,7 @@ class NrrdFile {
     }
     const std::string known = in_small_letters(field);
     header_.add(field, without_blanks(text.substr(colon + 1)), line);
-    if (std::ranges::find(kNrrdFields, known) == kNrrdFields.end() &&
-        std::ranges::find(kWithoutEffect, known) == kWithoutEffect.end())
+    if (std::ranges::count(kNrrdFields, known) == 0 && std::ranges::count(kWithoutEffect, known) == 0)
       header_.refuse(field, "this field is not known, or not read");
   }
 
@@ -142,7 +153,7 @@ class NrrdFile {
   /// Size, axes and origin [mm], in LPS where the file knows a patient.
   NrrdSpace read_space() {
     NrrdSpace space{Vec3::Ones(), false};
-    if (header_.find("space")) space = header_.one_of("space", kNrrdSpaces);
+    if (header_.find("space")) space = header_.one_of("space", nrrd_spaces());
     if (header_.find("space directions")) {
       if (!header_.find("space") && !header_.find("space dimension"))
         header_.refuse("space directions", "'space' must be given too");
@@ -173,8 +184,8 @@ class NrrdFile {
     const std::vector<std::string_view> words = header_.words(field);
     const std::string_view first = words.empty() ? std::string_view() : words.front();
     const bool is_quoted = first.size() > 2 && first.starts_with('"') && first.ends_with('"');
-    const auto found = kMillimetres.find(std::string(is_quoted ? first.substr(1, first.size() - 2) : first));
-    if (words.size() != 3 || words[1] != first || words[2] != first || found == kMillimetres.end())
+    const auto found = millimetres_of_units().find(std::string(is_quoted ? first.substr(1, first.size() - 2) : first));
+    if (words.size() != 3 || words[1] != first || words[2] != first || found == millimetres_of_units().end())
       header_.refuse(field, "must be three times the same of \"mm\", \"cm\", \"m\", \"um\", \"micron\" and \"nm\"");
     return found->second;
   }
