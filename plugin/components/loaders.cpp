@@ -36,13 +36,6 @@ class MeshLoader : public scene::Component {
   }
 
  protected:
-  std::filesystem::path path() {
-    const std::string& name = text("filename");
-    if (name.empty()) reject("filename", "is not given, must name a mesh file");
-    return std::filesystem::path(place().file).parent_path() / name;
-  }
-
- private:
   const ImportedMesh& mesh() {
     if (stage() == Stage::kFailed || is_refused_) throw scene::DependencyFailure();
     if (mesh_) return *mesh_;
@@ -56,6 +49,24 @@ class MeshLoader : public scene::Component {
     return *mesh_;
   }
 
+  /// Whether the file can be read; init tells why not.
+  bool is_readable() {
+    if (text("filename").empty()) return false;
+    try {
+      read_(path());
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+
+  std::filesystem::path path() {
+    const std::string& name = text("filename");
+    if (name.empty()) reject("filename", "is not given, must name a mesh file");
+    return std::filesystem::path(place().file).parent_path() / name;
+  }
+
+ private:
   ImportedMesh loaded() {
     node().files().inputs.add(path());
     ImportedMesh mesh;
@@ -90,17 +101,22 @@ class LabelledMeshLoader : public MeshLoader, public scene::ArraySource {
  public:
   using MeshLoader::MeshLoader;
 
+  void provide(scene::Data& output) final {
+    mesh();  // or refuses
+    MeshLoader::provide(output);
+  }
+
   scene::Data* array(std::string_view name) final {
     const auto known =
         std::ranges::find(arrays_, name, [](const auto& array) { return std::string_view(array->name); });
     if (known != arrays_.end()) return &(*known)->data;
-    if (text("filename").empty()) return nullptr;
     std::optional<scene::Value> found;
     try {
-      found = read_array(name);
-    } catch (const InputError&) {  // of which init tells
+      if (!text("filename").empty()) found = read_array(name);
+    } catch (const InputError&) {  // legacy files of VTK have none
     }
-    if (!found) return nullptr;
+    if (!found && is_readable()) return nullptr;
+    if (!found) found = nothing();
     scene::Data& data = arrays_.emplace_back(std::make_unique<Array>(*this, name, *found))->data;
     data.set(std::move(*found));
     return &data;
@@ -109,6 +125,7 @@ class LabelledMeshLoader : public MeshLoader, public scene::ArraySource {
  protected:
   /// Numbers: real or whole ones. None where the file has no such array.
   virtual std::optional<scene::Value> read_array(std::string_view name) = 0;
+  virtual scene::Value nothing() const = 0;  ///< no such numbers
 
  private:
   struct Array {
@@ -142,6 +159,7 @@ class MeshVTKLoader final : public LabelledMeshLoader {
     for (const int cell : state.hexahedron_cells) values.push_back(found->values[static_cast<std::size_t>(cell)]);
     return values;
   }
+  scene::Value nothing() const override { return std::vector<double>(); }
 };
 
 /// Gives the hexahedra of physical groups.
@@ -156,6 +174,7 @@ class MeshGmshLoader final : public LabelledMeshLoader {
     if (found == groups.end()) return std::nullopt;
     return std::vector<std::int64_t>(found->hexahedra.begin(), found->hexahedra.end());
   }
+  scene::Value nothing() const override { return std::vector<std::int64_t>(); }
 };
 
 }  // namespace

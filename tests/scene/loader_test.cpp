@@ -76,6 +76,21 @@ TEST(MeshLoader, GivesThePhysicalGroupsOfAGmshFile) {
   }
 }
 
+TEST(MeshLoader, TellsOfTheFileAndNotOfTheLabelsThatAreNotThereThen) {
+  const auto errors = [](const std::string& loader) {
+    return errors_of(in_root("", loader + "<RegularGridTopology/><MechanicalObject/><UniformMass totalMass='1'/>"
+                                          "<HexahedronElastoplasticFEMForceField/>"
+                                          "<MaterialRegion indices='@loader.tumour'/>"));
+  };
+  EXPECT_EQ(errors("<MeshGmshLoader name='loader' filename='none.msh'/>"),
+            "test.scn:1: error: MeshGmshLoader.filename: none.msh: no such file");
+  EXPECT_EQ(errors("<MeshGmshLoader name='loader'/>"),
+            "test.scn:1: error: MeshGmshLoader.filename: is not given, must name a mesh file");
+  EXPECT_NE(
+      errors("<MeshVTKLoader name='loader' filename='" + kFolder + "block.vtk'/>").find("has no attribute 'tumour'"),
+      std::string::npos);
+}
+
 // Two hexahedra behind a triangle.
 TEST(MeshLoader, GivesTheCellDataOfHexahedra) {
   const fs::path folder = fs::temp_directory_path() / ("loader_test_" + std::to_string(::getpid()));
