@@ -82,7 +82,8 @@ inline constexpr std::array kExamples = {
     times="0 0.5 2 2.1" forces="0 0.5 0.5 0"/>)xml"},
     Example{"GraspForceField", R"xml(<GraspForceField name="forceps" radius="0.06" graspTime="0.1" releaseTime="1.5"
     keyTimes="0.2 1 1.4" positions="0.05 0.05 0.4  0.05 0.1 0.45  0.08 0.1 0.45" stiffness="500" maxForce="2"/>)xml"},
-    Example{"Probe", R"xml(<Probe name="tip" value="@nodes.position" indices="72-80" component="z" change="true"/>)xml"},
+    Example{"Probe",
+            R"xml(<Probe name="tip" value="@nodes.position" indices="72-80" component="z" change="true"/>)xml"},
     Example{"BoxROI", R"xml(<BoxROI name="shin" box="-0.01 -0.01 -0.01  0.11 0.11 0.06"/>)xml"},
     Example{"MaterialRegion", R"xml(<SphereROI name="tumour" centers="0.05 0.05 0.2" radii="0.06" strict="false"/>
 <MaterialRegion name="hard" hexahedra="@tumour.hexahedraInROI" youngModulus="3e5" yieldStress="2e4"/>)xml"},

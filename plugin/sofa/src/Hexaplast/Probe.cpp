@@ -14,11 +14,11 @@ class Probe final : public sofa::core::objectmodel::BaseObject
 public:
     SOFA_CLASS(Probe, sofa::core::objectmodel::BaseObject);
 
-    Data<sofa::type::vector<SReal>> d_value;  ///< what is recorded
+    Data<sofa::type::vector<SReal>> d_value;          ///< what is recorded
     Data<sofa::type::vector<sofa::Index>> d_indices;  ///< of its entries
-    DataWord d_component;                     ///< of vectors
-    DataWord d_statistic;                     ///< over the entries
-    Data<bool> d_change;                      ///< since the beginning
+    DataWord d_component;                             ///< of vectors
+    DataWord d_statistic;                             ///< over the entries
+    Data<bool> d_change;                              ///< since the beginning
 
 protected:
     Probe()
