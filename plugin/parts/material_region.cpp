@@ -34,8 +34,9 @@ std::vector<int> numbers_of(std::span<const int> nodes, const std::vector<Hexahe
   for (std::size_t e = 0; e < of_body.size(); ++e) {
     Hexahedron corners = of_body[e];
     std::ranges::sort(corners);
-    for (const Wanted& found : std::ranges::equal_range(wanted, corners, {}, &Wanted::corners))
-      numbers[found.place] = static_cast<int>(e);
+    for (auto found = std::ranges::lower_bound(wanted, corners, {}, &Wanted::corners);
+         found != wanted.end() && found->corners == corners; ++found)
+      numbers[found->place] = static_cast<int>(e);
   }
   if (const auto missing = std::ranges::find(numbers, -1); missing != numbers.end()) {
     const auto begin = static_cast<std::size_t>(missing - numbers.begin()) * kNodes;
