@@ -298,7 +298,8 @@ TEST(VolumeFile, CutAnywhereIsRefused) {
   std::vector<std::pair<std::string, std::string>> files{
       {"a.nrrd", small_nrrd("LPS", kSegments)}, {"a.mha", small_metaimage()}, {"a.nii", small_nifti()}};
   for (const auto& [file, place] : kMarked) files.emplace_back(file, whole_file(kVolumes + file));
-  for (const auto& [name, whole] : files)
+  for (const auto& file : files) {
+    const std::string &name = file.first, &whole = file.second;
     for (std::size_t length = 0; length < whole.size(); ++length) {
       SCOPED_TRACE(name + " cut after " + std::to_string(length));
       if (name.ends_with("hdr") || name.ends_with("mhd")) {  // their data are beside them, and whole
@@ -310,6 +311,7 @@ TEST(VolumeFile, CutAnywhereIsRefused) {
         EXPECT_TRUE(refuses<InputError>([&] { parsed(name, whole.substr(0, length)); }, {name + ":"}));
       }
     }
+  }
 }
 
 TEST(VolumeFile, DamagedAnywhereIsRefusedOrLoads) {
