@@ -36,6 +36,7 @@ class HexahedronField : public BodyField {
 
   // The material may change during a run: what flowed stays.
   void refresh() override {
+    plastic_fields_.reset();
     try {
       accepted(*this, [&] { body_->set_options(options(), node().clock().dt); });
     } catch (const InputError& error) {
@@ -45,8 +46,14 @@ class HexahedronField : public BodyField {
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
-  void reset() override { body_->reset(); }
-  void serialize(Archive& archive) override { body_->serialize(archive); }
+  void reset() override {
+    plastic_fields_.reset();
+    body_->reset();
+  }
+  void serialize(Archive& archive) override {
+    plastic_fields_.reset();
+    body_->serialize(archive);
+  }
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
     body_->body().linearize(x);
@@ -66,6 +73,7 @@ class HexahedronField : public BodyField {
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   void end_step(double dt) override {
+    plastic_fields_.reset();
     body_->end_step(state_->positions(), dt);
     announce();
   }
@@ -74,12 +82,18 @@ class HexahedronField : public BodyField {
   const Body* body() const override { return body_ ? &body_->body() : nullptr; }
   const FlowReport* flow_report() const override { return body_ ? &body_->report() : nullptr; }
   void remove_elements(std::span<const int> elements) override {
+    plastic_fields_.reset();
     body_->body().remove(elements);
     announce();
   }
 
  protected:
-  ConstPoints positions() const { return state_->positions(); }
+  /// Of the latest plastic step; what follows the positions in it is not up to date. Made when it is asked for: it
+  /// costs as much as many steps.
+  const ElementFields& plastic_fields() {
+    if (!plastic_fields_) plastic_fields_ = body_->body().fields(state_->positions());
+    return *plastic_fields_;
+  }
 
  private:
   /// Tells the scene which hexahedra have gone since it was told last.
@@ -98,6 +112,7 @@ class HexahedronField : public BodyField {
   scene::Topology* topology_ = nullptr;
   const std::vector<Hexahedron>* hexahedra_ = nullptr;
   std::optional<parts::HexahedralBody> body_;
+  std::optional<ElementFields> plastic_fields_;
   Settings defaults_;
   double rayleigh_stiffness_ = 0;
 };
@@ -114,7 +129,7 @@ class HexahedronElastoplasticFEMForceField final : public HexahedronField {
     } else if (name == "removed") {
       output.set(std::vector<std::int64_t>(body()->removed().begin(), body()->removed().end()));
     } else if (name == "plasticStrain" || name == "presentYieldStress" || name == "volumeRatio") {
-      const ElementFields fields = body()->fields(positions());
+      const ElementFields& fields = plastic_fields();
       output.set(name == "plasticStrain"        ? fields.plastic_strain
                  : name == "presentYieldStress" ? fields.yield_stress
                                                 : fields.volume_ratio);
