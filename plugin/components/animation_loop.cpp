@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "attributes/stock.hpp"
@@ -13,11 +15,20 @@ class DefaultAnimationLoop final : public scene::AnimationLoop {
   DefaultAnimationLoop() : AnimationLoop(attributes::kDefaultAnimationLoop) {}
 
   void bwd_init() override {
-    node().for_each<scene::MechanicalState>([](scene::MechanicalState& state) {
-      if (!state.node().nearest<scene::OdeSolver>())
-        state.reject("nothing moves it: needs an OdeSolver in its node or above");
-    });
     solvers_ = node().all<scene::OdeSolver>();
+    for (scene::MechanicalState* state : scene::independent_states(node())) {
+      if (state->node().nearest<scene::OdeSolver>()) continue;
+      if (solvers_.empty()) state->reject("nothing moves it: needs an OdeSolver in its node or above");
+      state->remark(scene::Severity::kWarning, {}, "nothing moves it: no OdeSolver in its node or above");
+    }
+    for (scene::OdeSolver* solver : solvers_) {
+      const scene::Node* above = solver->node().parent();
+      const scene::OdeSolver* other = above ? above->nearest<scene::OdeSolver>() : nullptr;
+      if (!other) other = solver->node().local<scene::OdeSolver>();
+      if (other != solver)
+        solver->reject(
+            fmt::format("{} '{}' moves everything in its node and below already", other->class_name(), other->name()));
+    }
   }
 
   SolveReport step() override {

@@ -12,11 +12,15 @@
 
 namespace hexaplast::components {
 
-NodeSystem::NodeSystem(scene::Node& node) : node_(node), constraints_(node.all<scene::ProjectiveConstraint>()) {
-  const std::vector<scene::MechanicalState*> independent = scene::independent_states(node);
-  if (independent.size() != 1)
-    throw InputError(fmt::format("{} mechanical states in its node and below, must be one", independent.size()));
-  layers_.push_back({.state = independent[0]});
+NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
+  for (scene::MechanicalState* state : scene::independent_states(node)) {
+    if (state->node().local<scene::MechanicalState>() != state)
+      state->reject("a second state in its node, must be one");
+    layers_.push_back({.state = state, .first_node = num_nodes_});
+    num_nodes_ += state->num_nodes();
+  }
+  num_roots_ = layers_.size();
+  if (num_roots_ == 0) throw InputError("no mechanical state in its node and below, must be at least one");
   add_layers(node);
 
   for (Layer& layer : layers_) {
@@ -25,15 +29,48 @@ NodeSystem::NodeSystem(scene::Node& node) : node_(node), constraints_(node.all<s
     for (scene::ForceField* field : node.all<scene::ForceField>())
       if (scene::acts_on(*field, *layer.state)) layer.force_fields.push_back(field);
   }
-  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+  for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
     PointArray external = PointArray::Zero(layer.state->num_nodes(), 3);
     layer.state->add_external_force(external);
     layer.is_loaded = layer.is_loaded || !layer.masses.empty() || !layer.force_fields.empty() || !external.isZero(0);
     if (layer.is_loaded) layers_[layer.above].is_loaded = true;
   }
-  for (scene::ProjectiveConstraint* constraint : constraints_)
-    if (!scene::acts_on(*constraint, state())) constraint->reject("constrains a state that follows another one");
+  for (scene::ProjectiveConstraint* constraint : node.all<scene::ProjectiveConstraint>()) {
+    const auto constrained =
+        std::ranges::find_if(layers_, [&](const Layer& layer) { return scene::acts_on(*constraint, *layer.state); });
+    if (constrained == layers_.end() || constrained->mapping)
+      constraint->reject("constrains a state that follows another one");
+    constrained->constraints.push_back(constraint);
+  }
+}
+
+void NodeSystem::gather() {
+  x_.resize(num_nodes_, 3);
+  v_.resize(num_nodes_, 3);
+  for (const Layer& root : roots()) {
+    rows_of<Points>(root, x_) = root.state->positions();
+    rows_of<Points>(root, v_) = root.state->velocities();
+  }
+}
+
+void NodeSystem::scatter() const {
+  for (const Layer& root : roots()) {
+    root.state->positions() = rows_of<ConstPoints>(root, x_);
+    root.state->velocities() = rows_of<ConstPoints>(root, v_);
+  }
+}
+
+const PointArray& NodeSystem::positions() {
+  if (num_roots_ == 1) return root(0).state->positions();
+  gather();
+  return x_;
+}
+
+const PointArray& NodeSystem::velocities() {
+  if (num_roots_ == 1) return root(0).state->velocities();
+  gather();
+  return v_;
 }
 
 // Each pass adds the states whose input is there already.
@@ -72,23 +109,19 @@ void NodeSystem::add_load(double time, ConstPoints x, ConstPoints v, Points f) {
 }
 
 void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v, Points f) const {
-  add_force(over, layers_.front(), time, x, v, f);
-  if (layers_.size() == 1) return;
+  for (const Layer& root : roots()) add_force(over, root, time, rows_of(root, x), rows_of(root, v), rows_of(root, f));
 
   // down, and up again: those that follow before those that they follow
-  for (std::size_t i = 1; i < layers_.size(); ++i) {
-    Layer& layer = layers_[i];
+  for (Layer& layer : followers()) {
     if (!layer.is_loaded) continue;
-    const Layer& above = layers_[layer.above];
-    layer.mapping->apply(layer.above == 0 ? x : ConstPoints(above.x), layer.x);
-    layer.mapping->apply(layer.above == 0 ? v : ConstPoints(above.v), layer.v);
+    layer.mapping->apply(part_of(layer.above, x, &Layer::x), layer.x);
+    layer.mapping->apply(part_of(layer.above, v, &Layer::v), layer.v);
     layer.f.setZero();
     add_force(over, layer, time, layer.x, layer.v, layer.f);
   }
-  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+  for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
-    if (!layer.is_loaded) continue;
-    layer.mapping->add_transposed(layer.f, layer.above == 0 ? f : Points(layers_[layer.above].f));
+    if (layer.is_loaded) layer.mapping->add_transposed(layer.f, part_of(layer.above, f, &Layer::f));
   }
 }
 
@@ -132,18 +165,16 @@ void NodeSystem::add_product(Over over, const OperatorFactors& factors, ConstPoi
   const auto takes_part = [&](const Layer& layer) {
     return over == Over::kOthers ? layer.has_others : layer.is_loaded;
   };
-  add_product(over, layers_.front(), factors, dx, df);
-  for (std::size_t i = 1; i < layers_.size(); ++i) {
-    Layer& layer = layers_[i];
+  for (const Layer& root : roots()) add_product(over, root, factors, rows_of(root, dx), rows_of(root, df));
+  for (Layer& layer : followers()) {
     if (!takes_part(layer)) continue;
-    layer.mapping->apply(layer.above == 0 ? dx : ConstPoints(layers_[layer.above].x), layer.x);
+    layer.mapping->apply(part_of(layer.above, dx, &Layer::x), layer.x);
     layer.f.setZero();
     add_product(over, layer, factors, layer.x, layer.f);
   }
-  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+  for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
-    if (!takes_part(layer)) continue;
-    layer.mapping->add_transposed(layer.f, layer.above == 0 ? df : Points(layers_[layer.above].f));
+    if (takes_part(layer)) layer.mapping->add_transposed(layer.f, part_of(layer.above, df, &Layer::f));
   }
 }
 
@@ -157,24 +188,47 @@ void NodeSystem::add_blocks(const Layer& layer, const OperatorFactors& factors, 
 }
 
 void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
-  add_blocks(layers_.front(), factors, A);
-  for (std::size_t i = 1; i < layers_.size(); ++i) {
-    Layer& layer = layers_[i];
+  for (const Layer& root : roots()) {
+    A.set_range(root.first_node, root.state->num_nodes());
+    add_blocks(root, factors, A);
+  }
+  for (Layer& layer : followers()) {
     if (!layer.is_loaded) continue;
     if (layer.blocks.num_nodes() == 0) layer.blocks = BlockMatrix(layer.state->num_nodes());
     layer.blocks.clear();
     add_blocks(layer, factors, layer.blocks);
   }
-  for (std::size_t i = layers_.size() - 1; i > 0; --i) {
+  for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
     if (!layer.is_loaded) continue;
     layer.blocks.drop_unused();
-    layer.mapping->add_transposed_blocks(layer.blocks, layer.above == 0 ? A : layers_[layer.above].blocks);
+    Layer& above = layers_[layer.above];
+    if (!above.mapping) A.set_range(above.first_node, above.state->num_nodes());
+    layer.mapping->add_transposed_blocks(layer.blocks, above.mapping ? above.blocks : A);
   }
+  A.set_whole_range();
 }
 
 bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
-  Layer& layer = layers_.front();
+  if (num_roots_ == 1) {
+    describe(root(0), factors, system);
+  } else {
+    for (Layer& root : roots()) {
+      root.part.clear();
+      root.part.wants_coarse = system.wants_coarse;
+      root.part.diagonal.setZero(root.state->num_nodes(), 3);
+      describe(root, factors, root.part);
+      system.add_part(root.part, root.first_node);
+    }
+  }
+  find_others();
+  others_.factors = factors;
+  if (std::ranges::any_of(roots(), &Layer::has_others)) system.others.emplace_back(&others_);
+  return true;
+}
+
+/// What the kernels know of what acts on an independent state; it keeps what they do not.
+void NodeSystem::describe(Layer& layer, const OperatorFactors& factors, MatrixFreeSystem& system) const {
   layer.other_masses.clear();
   layer.other_fields.clear();
   for (const scene::Mass* mass : layer.masses)
@@ -187,38 +241,64 @@ bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& syst
     else
       layer.other_fields.push_back(field);
   }
-  find_others();
-  others_.factors = factors;
-  if (layer.has_others) system.others.push_back(&others_);
-  return true;
 }
 
-/// After those of the independent state: what the states that follow have, and whose matrix has some.
+/// After those of the independent states: what the states that follow have, and whose matrix has some.
 void NodeSystem::find_others() const {
   for (Layer& layer : layers_) layer.has_others = false;
   for (std::size_t i = layers_.size(); i-- > 0;) {
     Layer& layer = layers_[i];
-    if (i > 0) {
+    if (layer.mapping) {
       layer.other_masses.assign(layer.masses.begin(), layer.masses.end());
       layer.other_fields.clear();
       for (const scene::ForceField* field : layer.force_fields)
         if (field->is_in_matrix()) layer.other_fields.push_back(field);
     }
     layer.has_others = layer.has_others || !layer.other_masses.empty() || !layer.other_fields.empty();
-    if (layer.has_others && i > 0) layers_[layer.above].has_others = true;
+    if (layer.has_others && layer.mapping) layers_[layer.above].has_others = true;
   }
 }
 
+bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
+                         Points product) {
+  bool has_released = false;
+  for (const Layer& root : roots())
+    for (scene::ForceField* field : root.force_fields) {
+      if (!field->is_one_sided()) continue;
+      const auto add = [&](double sign) {
+        difference_.setZero(root.state->num_nodes(), 3);
+        field->add_force(time, rows_of(root, x), rows_of(root, v), difference_);
+        rows_of(root, force) += sign * difference_;
+        field->add_stiffness_product(sign, rows_of(root, v), rows_of(root, product));
+      };
+      add(-1);
+      has_released = field->release(rows_of(root, x_end), rows_of(root, v_end)) || has_released;
+      add(1);
+    }
+  return has_released;
+}
+
 void NodeSystem::project(Points field) const {
-  for (const scene::ProjectiveConstraint* constraint : constraints_) constraint->project(field);
+  for (const Layer& root : roots())
+    for (const scene::ProjectiveConstraint* constraint : root.constraints) constraint->project(rows_of(root, field));
 }
 
 void NodeSystem::pin(BlockMatrix& A) const {
-  for (const scene::ProjectiveConstraint* constraint : constraints_) constraint->pin(A);
+  for (const Layer& root : roots()) {
+    A.set_range(root.first_node, root.state->num_nodes());
+    for (const scene::ProjectiveConstraint* constraint : root.constraints) constraint->pin(A);
+  }
+  A.set_whole_range();
 }
 
-bool NodeSystem::has_mass() const {
-  return std::ranges::any_of(layers_, [](const Layer& layer) { return !layer.masses.empty(); });
+const scene::MechanicalState* NodeSystem::massless() const {
+  std::vector<bool> has_mass(layers_.size());
+  for (std::size_t i = layers_.size(); i-- > 0;) {
+    has_mass[i] = has_mass[i] || !layers_[i].masses.empty();
+    if (layers_[i].mapping && has_mass[i]) has_mass[layers_[i].above] = true;
+    if (!layers_[i].mapping && !has_mass[i]) return layers_[i].state;
+  }
+  return nullptr;
 }
 
 double NodeSystem::kinetic_energy() const {
@@ -260,14 +340,14 @@ double NodeSystem::highest_frequency() const {
 }
 
 void NodeSystem::project_motion(double time) const {
-  for (const scene::ProjectiveConstraint* constraint : constraints_)
-    constraint->project_motion(time, state().positions(), state().velocities());
+  for (const Layer& root : roots())
+    for (const scene::ProjectiveConstraint* constraint : root.constraints)
+      constraint->project_motion(time, root.state->positions(), root.state->velocities());
   follow();
 }
 
 void NodeSystem::follow() const {
-  for (std::size_t i = 1; i < layers_.size(); ++i) {
-    const Layer& layer = layers_[i];
+  for (const Layer& layer : followers()) {
     scene::MechanicalState& above = *layers_[layer.above].state;
     layer.mapping->apply(above.positions(), layer.state->positions());
     layer.mapping->apply(above.velocities(), layer.state->velocities());

@@ -8,41 +8,59 @@
 
 namespace hexaplast::components {
 
-/// The components of a node and below, seen as one mechanical system over the one state that follows no other: sums
-/// over masses and force fields, in the order of the scene. What acts on a state that follows is carried up by its
-/// mapping.
+/// The components of a node and below, seen as one mechanical system over the states that follow no other, one behind
+/// the other in the order of the scene: sums over masses and force fields. What acts on a state that follows is carried
+/// up by its mapping.
 class NodeSystem final : public MechanicalSystem {
  public:
-  /// Throws InputError unless there is exactly one independent state, which all others follow, and all constraints act
-  /// on it.
+  /// Throws InputError unless there is an independent state, all others follow one, and constraints act on independent
+  /// ones.
   explicit NodeSystem(scene::Node& node);
   NodeSystem(const NodeSystem&) = delete;
 
-  int num_nodes() const override { return state().num_nodes(); }
+  int num_nodes() const override { return num_nodes_; }
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
   bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
+  bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
+               Points product) override;
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;
 
-  scene::MechanicalState& state() const { return *layers_.front().state; }
-  bool has_mass() const;
+  /// Of all independent states.
+  const PointArray& positions();   ///< valid until the next call
+  const PointArray& velocities();  ///< likewise
+
+  /// move(x, v) with the positions and velocities of all independent states, which then have what it made of them.
+  template <class Move>
+  auto advance(const Move& move) {
+    if (num_roots_ == 1) return move(root(0).state->positions(), root(0).state->velocities());
+    gather();
+    auto result = move(x_, v_);
+    scatter();
+    return result;
+  }
+
+  /// The first independent state on which no mass acts, nor on those that follow it; null: there is none.
+  const scene::MechanicalState* massless() const;
   double kinetic_energy() const;           ///< [J]
   double elastic_energy() const;           ///< [J] of the bodies
   double recovery_work() const;            ///< [J] of the bodies
   double highest_frequency() const;        ///< [rad/s] about that of the bodies' fastest vibration; 0: nothing vibrates
-  void project_motion(double time) const;  ///< applies prescribed motion to the state, and lets the others follow
-  void follow() const;                     ///< puts the states that follow where the independent one takes them
+  void project_motion(double time) const;  ///< applies prescribed motion to the states, and lets the others follow
+  void follow() const;                     ///< puts the states that follow where the independent ones take them
 
  private:
   /// A state and what acts on it.
   struct Layer {
     scene::MechanicalState* state = nullptr;
-    const scene::Mapping* mapping = nullptr;  // null: the independent state
-    std::size_t above = 0;                    // layer that it follows; lies before this one
+    const scene::Mapping* mapping = nullptr;                     // null: an independent state
+    std::size_t above = 0;                                       // layer that it follows; lies before this one
+    int first_node = 0;                                          // of the system's, for an independent state
+    std::vector<scene::ProjectiveConstraint*> constraints = {};  // of an independent state
     std::vector<scene::Mass*> masses = {};
     std::vector<scene::ForceField*> force_fields = {};
 
@@ -56,6 +74,7 @@ class NodeSystem final : public MechanicalSystem {
     // scratch of the states that follow
     PointArray x = {}, v = {}, f = {};
     BlockMatrix blocks = BlockMatrix();
+    MatrixFreeSystem part = {};  // scratch of one independent state of several
   };
 
   /// What of the scene a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels
@@ -72,18 +91,39 @@ class NodeSystem final : public MechanicalSystem {
     const NodeSystem* system_;
   };
 
+  Layer& root(std::size_t i) const { return layers_[i]; }
+  std::span<Layer> roots() const { return {layers_.data(), num_roots_}; }
+  std::span<Layer> followers() const { return std::span(layers_).subspan(num_roots_); }
+
+  /// The part of a system's field that belongs to a state that another one follows: its own rows, or its scratch.
+  template <class Field>
+  Field part_of(std::size_t layer, Field of_all, PointArray Layer::*scratch) const {
+    if (layer >= num_roots_) return Field(layers_[layer].*scratch);
+    return Field(of_all.middleRows(layers_[layer].first_node, layers_[layer].state->num_nodes()));
+  }
+  template <class Field>
+  Field rows_of(const Layer& root, Field of_all) const {
+    return Field(of_all.middleRows(root.first_node, root.state->num_nodes()));
+  }
+
+  void gather();
+  void scatter() const;
   void add_layers(scene::Node& node);
   void add_force(Over over, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_force(Over over, const Layer& layer, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_product(Over over, const OperatorFactors& factors, ConstPoints dx, Points df) const;
   static void add_product(Over over, const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df);
+  void describe(Layer& root, const OperatorFactors& factors, MatrixFreeSystem& system) const;
   void find_others() const;
   static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
 
   scene::Node& node_;
-  mutable std::vector<Layer> layers_;  // the independent state first; mutable for its scratch
+  mutable std::vector<Layer> layers_;  // the independent states first; mutable for their scratch
+  std::size_t num_roots_ = 0;          // independent states
+  int num_nodes_ = 0;
   mutable Others others_ = Others(*this);
-  std::vector<scene::ProjectiveConstraint*> constraints_;
+  PointArray x_, v_;       // of several independent states
+  PointArray difference_;  // scratch of release
 };
 
 }  // namespace hexaplast::components

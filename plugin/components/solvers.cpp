@@ -73,7 +73,8 @@ class EulerImplicitSolver final : public SystemSolver {
 
   void bwd_init() override {
     SystemSolver::bwd_init();
-    if (!system().has_mass()) throw InputError("no mass in its node or below, must be at least one");
+    if (const scene::MechanicalState* state = system().massless())
+      throw InputError(fmt::format("no mass on {} '{}' of its node and below", state->class_name(), state->name()));
     const EulerSettings settings{.rayleigh_mass = real("rayleighMass"),
                                  .rayleigh_stiffness = real("rayleighStiffness"),
                                  .velocity_damping = real("vdamping"),
@@ -88,19 +89,18 @@ class EulerImplicitSolver final : public SystemSolver {
 
   SolveReport solve(double time, double dt) override {
     update_balance();
-    scene::MechanicalState& state = system().state();
-    const SolveReport report =
-        heeded(euler_->step(system(), linear_solver(), time, dt, state.positions(), state.velocities()));
+    const SolveReport report = heeded(
+        system().advance([&](Points x, Points v) { return euler_->step(system(), linear_solver(), time, dt, x, v); }));
     if (!balance_) {
       system().project_motion(time);
       return report;
     }
     system().follow();
     balance_->add_step(euler_->energy(), inertial_energy(), system().elastic_energy(), system().recovery_work());
-    stepped_to_ = state.positions();
+    stepped_to_ = system().positions();
     system().project_motion(time);
-    balance_->add_motion_of_supports(inertial_energy(),
-                                     state.positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
+    balance_->add_motion_of_supports(
+        inertial_energy(), system().positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
     pending_ = Pending::kFlow;
     return report;
   }
@@ -200,9 +200,10 @@ class StaticSolver final : public SystemSolver {
 
   // What is always in equilibrium has no velocity.
   SolveReport solve(double time, double) override {
-    scene::MechanicalState& state = system().state();
-    state.velocities().setZero();
-    const NewtonReport found = newton_->solve(system(), linear_solver(), time, state.positions());
+    const NewtonReport found = system().advance([&](Points x, Points v) {
+      v.setZero();
+      return newton_->solve(system(), linear_solver(), time, x);
+    });
     system().project_motion(time);
     return heeded({.iterations = found.linear_iterations,
                    .residual = found.iterations == 0 ? 0 : found.residual / found.initial_residual,

@@ -75,7 +75,7 @@ Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Stag
     std::vector<Surface::Face> faces = output::faces_of(embedded);
     auto whole = std::make_shared<Surface>(single(embedded.points), faces);
     embedded_surfaces_.push_back(
-        {Embedding(mesh.positions(), mesh.hexahedra(), embedded.points), std::move(faces), std::move(whole)});
+        {embedded.embedding(mesh), std::move(faces), std::move(whole)});
     current_embedded_surfaces_.push_back(embedded_surfaces_.back().whole);
   }
   if (staging_.cut) {
@@ -100,7 +100,7 @@ void Gallery::follow(std::span<const unsigned char> alive) {
       const CarriedSurface& embedded = embedded_surfaces_[s];
       std::vector<Surface::Face> left;
       for (const Surface::Face& face : embedded.faces)
-        if (is_carried(face, embedded.embedding, alive)) left.push_back(face);
+        if (is_carried(face, staging_.embedded_surfaces[s], embedded.embedding, alive)) left.push_back(face);
       current_embedded_surfaces_[s] = std::make_shared<Surface>(embedded.whole->original(), std::move(left));
     }
     current_alive_.assign(alive.begin(), alive.end());

@@ -14,9 +14,9 @@ std::optional<Quantity> quantity_of(std::string_view word) {
   return found == kQuantities.end() ? std::nullopt : std::optional(found->quantity);
 }
 
-std::vector<double> values_of(Quantity quantity, const Body& body, ConstPoints positions, ConstPoints velocities) {
+std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities) {
   if (quantity == Quantity::kSpeed) return speeds(velocities);
-  ElementFields fields = body.fields(positions);
+  ElementFields fields = bodies.fields(positions);
   switch (quantity) {
     case Quantity::kStress:
       return std::move(fields.stress_norm);

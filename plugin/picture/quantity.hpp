@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hexaplast/body.hpp"
+#include "picture/bodies.hpp"
 
 namespace hexaplast::output {
 
@@ -39,7 +39,7 @@ constexpr const QuantityEntry& entry_of(Quantity quantity) { return kQuantities[
 std::optional<Quantity> quantity_of(std::string_view word);
 
 /// Values of a body's present state, one per hexahedron or per node. A yield stress is infinite where there is none.
-std::vector<double> values_of(Quantity quantity, const Body& body, ConstPoints positions, ConstPoints velocities);
+std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities);
 
 /// A number of three digits with a unit of the SI and the prefix that suits it: "312 mN". 0 has none.
 std::string with_unit(double value, std::string_view unit);

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "record/files.hpp"
 #include "record/recorder.hpp"
@@ -30,50 +32,79 @@ void write_values(WholeFile& out, std::string_view name, const std::vector<doubl
   out.write("],\n");
 }
 
-void write_isolated_shapes(WholeFile& out, const Body& body) {
+void write_isolated_shapes(WholeFile& out, const Bodies& bodies) {
   out.write("  \"isolated_shapes\": [");
-  for (int e = 0; e < body.mesh().num_elements(); ++e) {
-    const ElementPoints shape = body.element_rest_shape(e);
-    out.write(e == 0 ? "\n    [" : ",\n    [");
-    for (int a = 0; a < kCorners; ++a)
-      out.write(fmt::format("{}[{}, {}, {}]", a == 0 ? "" : ", ", exact(shape(a, 0)), exact(shape(a, 1)),
-                            exact(shape(a, 2))));
-    out.write("]");
-  }
+  bool is_first = true;
+  for (const Bodies::Entry& entry : bodies.all())
+    for (int e = 0; e < entry.body->mesh().num_elements(); ++e) {
+      const ElementPoints shape = entry.body->element_rest_shape(e);
+      out.write(std::exchange(is_first, false) ? "\n    [" : ",\n    [");
+      for (int a = 0; a < kCorners; ++a)
+        out.write(fmt::format("{}[{}, {}, {}]", a == 0 ? "" : ", ", exact(shape(a, 0)), exact(shape(a, 1)),
+                              exact(shape(a, 2))));
+      out.write("]");
+    }
   out.write("\n  ],\n");
+}
+
+std::vector<int> removed_of(const Bodies& bodies) {
+  std::vector<int> all;
+  for (const Bodies::Entry& entry : bodies.all())
+    for (const int hexahedron : entry.body->removed()) all.push_back(entry.first_hexahedron + hexahedron);
+  return all;
+}
+
+void write_shares(WholeFile& out, const Bodies& bodies) {
+  std::vector<std::string> shares;
+  for (const Bodies::Entry& entry : bodies.all())
+    shares.push_back(nlohmann::ordered_json{{"name", entry.name},
+                                            {"first_node", entry.first_node},
+                                            {"nodes", entry.body->mesh().num_nodes()},
+                                            {"first_hexahedron", entry.first_hexahedron},
+                                            {"hexahedra", entry.body->mesh().num_elements()}}
+                         .dump());
+  out.write(fmt::format("  \"bodies\": [{}],\n", fmt::join(shares, ", ")));
 }
 
 }  // namespace
 
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body) {
+  if (!body) return state_hash(step, positions, velocities, std::span<const Bodies::Entry>());
+  return state_hash(step, positions, velocities, Bodies(*body).all());
+}
+
+std::string state_hash(long step, ConstPoints positions, ConstPoints velocities,
+                       std::span<const Bodies::Entry> bodies) {
   const std::int64_t steps = step;
   const PointArray x = positions, v = velocities;  // contiguous, whatever the views are
   StateHash hash;
   hash.add(&steps, sizeof steps);
   hash.add(x.data(), sizeof(double) * static_cast<std::size_t>(x.size()));
   hash.add(v.data(), sizeof(double) * static_cast<std::size_t>(v.size()));
-  if (body) body->add_to(hash);
+  for (const Bodies::Entry& entry : bodies) entry.body->add_to(hash);
   return hash.text();
 }
 
 void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
-                 ConstPoints velocities, const Body& body) {
+                 ConstPoints velocities, const Bodies& bodies) {
   WholeFile out(file);
-  write_final(out, step, time, positions, velocities, body);
+  write_final(out, step, time, positions, velocities, bodies);
 }
 
 void write_final(WholeFile& out, long step, double time, ConstPoints positions, ConstPoints velocities,
-                 const Body& body) {
-  const ElementFields fields = body.fields(positions);
+                 const Bodies& bodies, std::string hash) {
+  if (hash.empty()) hash = state_hash(step, positions, velocities, bodies.all());
+  const ElementFields fields = bodies.fields(positions);
   out.write(fmt::format("{{\n  \"time\": {},\n", exact(time)));
   write_points(out, "positions", positions);
   write_points(out, "velocities", velocities);
-  write_points(out, "material_positions", body.plastic_rest_positions());
-  write_isolated_shapes(out, body);
+  write_points(out, "material_positions", bodies.plastic_rest_positions());
+  write_isolated_shapes(out, bodies);
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);
-  out.write(fmt::format("  \"removed\": [{}],\n", fmt::join(body.removed(), ", ")));
-  out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", state_hash(step, positions, velocities, &body)));
+  if (!bodies.is_one()) write_shares(out, bodies);
+  out.write(fmt::format("  \"removed\": [{}],\n", fmt::join(removed_of(bodies), ", ")));
+  out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", hash));
   out.commit();
 }
 

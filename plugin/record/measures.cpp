@@ -2,23 +2,24 @@
 #include "record/measures.hpp"
 
 #include <numbers>
+#include <utility>
 
 namespace hexaplast::output {
 
-Measurement::Measurement(const Body& body) : body_(body), ends_(end_sections(body.mesh())) {}
+Measurement::Measurement(Bodies bodies) : bodies_(std::move(bodies)), ends_(end_sections(bodies_.mesh())) {}
 
 Measures Measurement::measure(ConstPoints positions) const {
   constexpr double kDegrees = 180 / std::numbers::pi;
-  const PointArray& material = body_.plastic_rest_positions();
+  const PointArray& material = bodies_.plastic_rest_positions();
 
   Measures found;
   found.plastic_elongation = elongation(ends_, material);
-  found.plastic_twist_deg = twist(body_.mesh(), ends_, material) * kDegrees;
+  found.plastic_twist_deg = twist(bodies_.mesh(), ends_, material) * kDegrees;
   found.world_elongation = elongation(ends_, positions);
-  found.world_twist_deg = twist(body_.mesh(), ends_, positions) * kDegrees;
-  const double original = body_.initial_volume();
-  found.material_volume_ratio = original > 0 ? body_.volume(material) / original : 0;
-  found.world_volume_ratio = original > 0 ? body_.volume(positions) / original : 0;
+  found.world_twist_deg = twist(bodies_.mesh(), ends_, positions) * kDegrees;
+  const double original = bodies_.initial_volume();
+  found.material_volume_ratio = original > 0 ? bodies_.volume(material) / original : 0;
+  found.world_volume_ratio = original > 0 ? bodies_.volume(positions) / original : 0;
   return found;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/sections.hpp"
+#include "picture/bodies.hpp"
 
 namespace hexaplast::output {
 
@@ -17,16 +17,16 @@ struct Measures {
   double world_volume_ratio = 1;
 };
 
-/// Measures one body again and again. The body must outlive it.
+/// Measures bodies again and again, as if they were one. They must outlive it.
 class Measurement {
  public:
-  explicit Measurement(const Body& body);
+  explicit Measurement(Bodies bodies);
 
   /// positions: num_nodes x 3 [m], the world state; the material mesh is the body's present one.
   Measures measure(ConstPoints positions) const;
 
  private:
-  const Body& body_;
+  Bodies bodies_;
   EndSections ends_;
 };
 

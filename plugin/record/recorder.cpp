@@ -100,39 +100,40 @@ fs::path prepared(fs::path directory, const RunPlan& plan) {
 }  // namespace
 
 struct Recorder::Files {
-  Files(fs::path where, const Body& of, RunPlan run, RendererSource source)
+  Files(fs::path where, Bodies of, RunPlan run, RendererSource source)
       : plan(std::move(run)),
         film(film_of(plan)),
         directory(prepared(std::move(where), plan)),
-        body(of),
+        bodies(std::move(of)),
         renderer(std::move(source)),
-        measurement(body),
+        measurement(bodies),
         history(directory / "history.csv"),
         removed(directory / "removed.csv"),
         meshes(directory / "mesh.pvd"),
-        embedded_surfaces(body.mesh(), plan.staging.embedded_surfaces),
+        embedded_surfaces(bodies.mesh(), plan.staging.embedded_surfaces),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
     history.append(header_of(plan));
-    removed.append("step,time,hexahedron");
+    removed.append(bodies.is_one() ? "step,time,hexahedron" : "step,time,hexahedron,body");
     open_companions();
     open_gallery();
   }
 
-  Files(fs::path where, const Body& of, RunPlan run, Archive& saved, RendererSource source)
+  Files(fs::path where, Bodies of, RunPlan run, Archive& saved, RendererSource source)
       : plan(std::move(run)),
         directory(std::move(where)),
-        body(of),
+        bodies(std::move(of)),
         renderer(std::move(source)),
-        measurement(body),
+        measurement(bodies),
         history(directory / "history.csv", saved),
         removed(directory / "removed.csv", saved),
         meshes(directory / "mesh.pvd"),
-        embedded_surfaces(body.mesh(), plan.staging.embedded_surfaces),
+        embedded_surfaces(bodies.mesh(), plan.staging.embedded_surfaces),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     long step = 0;
     meshes.serialize(saved);
-    saved(step, step_on_disk, num_removed);
+    saved(step, step_on_disk);
+    for (std::size_t& count : num_removed) saved(count);
     const auto is_there = [&](const std::string& vtu) {
       std::error_code error;
       if (fs::is_regular_file(directory / vtu, error)) return true;
@@ -155,7 +156,7 @@ struct Recorder::Files {
   RunPlan plan;
   std::unique_ptr<Film> film;  // null: none wanted; before anything is written, since it may be refused
   fs::path directory;
-  const Body& body;
+  Bodies bodies;
   RendererSource renderer;
   Measurement measurement;
   LineFile history, removed;
@@ -170,12 +171,13 @@ struct Recorder::Files {
   StepRecord latest;
   PointArray latest_positions, latest_velocities;
   BoundaryConditions latest_conditions;
-  long step_on_disk = -1;       // of the latest .vtu
-  std::size_t num_removed = 0;  // hexahedra that removed.csv lists
+  long step_on_disk = -1;  // of the latest .vtu
+  // hexahedra that removed.csv lists, of each body
+  std::vector<std::size_t> num_removed = std::vector<std::size_t>(bodies.all().size());
   bool finished = false;
 
   void open_gallery() {
-    if (plan.num_frames > 0 || film) gallery.emplace(body.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
+    if (plan.num_frames > 0 || film) gallery.emplace(bodies.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
   }
   void open_companions() {
     if (!embedded_surfaces.empty()) surfaces = meshes.with_prefix(directory / "surface.pvd", kMesh, kSurface);
@@ -191,11 +193,12 @@ struct Recorder::Files {
   std::vector<std::string> draw_pictures();
 };
 
-Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, RendererSource renderer)
-    : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), std::move(renderer))) {}
+Recorder::Recorder(fs::path directory, Bodies bodies, RunPlan plan, RendererSource renderer)
+    : files_(std::make_unique<Files>(std::move(directory), std::move(bodies), std::move(plan), std::move(renderer))) {}
 
-Recorder::Recorder(fs::path directory, const Body& body, RunPlan plan, Archive& saved, RendererSource renderer)
-    : files_(std::make_unique<Files>(std::move(directory), body, std::move(plan), saved, std::move(renderer))) {}
+Recorder::Recorder(fs::path directory, Bodies bodies, RunPlan plan, Archive& saved, RendererSource renderer)
+    : files_(std::make_unique<Files>(std::move(directory), std::move(bodies), std::move(plan), saved,
+                                     std::move(renderer))) {}
 
 Recorder::~Recorder() = default;
 
@@ -206,7 +209,8 @@ void Recorder::save(Archive& archive) {
   files.history.save(archive);
   files.removed.save(archive);
   files.meshes.serialize(archive);
-  archive(files.latest.step, files.step_on_disk, files.num_removed);
+  archive(files.latest.step, files.step_on_disk);
+  for (std::size_t& count : files.num_removed) archive(count);
 }
 
 void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
@@ -238,10 +242,14 @@ std::vector<std::string> Recorder::finish() {
 
 // All rows of a step at once: thousands of hexahedra may go together.
 void Recorder::Files::append_removed(const StepRecord& record) {
-  const std::span<const int> all = body.removed();
   std::string rows;
-  for (; num_removed < all.size(); ++num_removed)
-    rows += fmt::format("{}{},{},{}", rows.empty() ? "" : "\n", record.step, record.time, all[num_removed]);
+  for (std::size_t i = 0; i < num_removed.size(); ++i) {
+    const Bodies::Entry& entry = bodies.all()[i];
+    const std::span<const int> all = entry.body->removed();
+    for (; num_removed[i] < all.size(); ++num_removed[i])
+      rows += fmt::format("{}{},{},{}{}", rows.empty() ? "" : "\n", record.step, record.time, all[num_removed[i]],
+                          bodies.is_one() ? "" : "," + entry.name);
+  }
   if (!rows.empty()) removed.append(rows);
 }
 
@@ -249,10 +257,10 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
   const Measures measures = measurement.measure(positions);
   std::string row = fmt::format(
       "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time, record.kinetic_energy,
-      record.energy ? record.energy->elastic : body.energy(positions), body.dissipated_energy(),
+      record.energy ? record.energy->elastic : bodies.energy(positions), bodies.dissipated_energy(),
       measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
-      measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, body.mesh().positions(), positions),
-      record.flow.yielded, record.flow.inverted, body.removed().size(), record.solver_iterations, record.residual,
+      measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions),
+      record.flow.yielded, record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
       record.step_ms, measures.world_elongation, measures.world_twist_deg,
       plan.has_energy_balance ? balance_columns(*record.energy) : "");
   for (const double probe : record.probes) row += fmt::format(",{}", probe);
@@ -262,15 +270,15 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
 
 // The mesh last: whatever mesh.pvd names has its companions.
 void Recorder::Files::write_state() {
-  ElementFields fields = body.fields(latest_positions);
-  const std::span<const unsigned char> alive = body.alive();
+  ElementFields fields = bodies.fields(latest_positions);
+  const std::span<const unsigned char> alive = bodies.alive();
   const auto write = [&](TimeSeries& series, std::string_view prefix, const auto& write_file) {
     const std::string name = vtu_name(prefix, latest.step);
     write_file(directory / name);
     series.add(latest.time, name);
   };
   if (surfaces) {
-    const std::vector<double> strains = nodal_means(body.mesh(), fields.plastic_strain, alive);
+    const std::vector<double> strains = nodal_means(bodies.mesh(), fields.plastic_strain, alive);
     write(*surfaces, kSurface,
           [&](const fs::path& file) { embedded_surfaces.write(file, latest_positions, strains, alive); });
   }
@@ -278,14 +286,14 @@ void Recorder::Files::write_state() {
     write(*instruments, kInstruments,
           [&](const fs::path& file) { write_instruments(file, latest_conditions.instruments, latest_positions); });
   write(meshes, kMesh, [&](const fs::path& file) {
-    write_vtu(file, body, latest_positions, latest_velocities, std::move(fields), latest_conditions);
+    write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions);
   });
   step_on_disk = latest.step;
 }
 
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions,
-               values_of(plan.staging.quantity, body, latest_positions, latest_velocities), body.alive(),
+               values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities), bodies.alive(),
                latest_conditions);
 }
 
@@ -321,11 +329,11 @@ void require_saved_files(const fs::path& directory, Archive& saved) {
   const LineFile history(directory / "history.csv", saved), removed(directory / "removed.csv", saved);
 }
 
-Summary summarise(const Body& body, ConstPoints positions) {
-  const ElementFields fields = body.fields(positions);
-  Summary summary{Measurement(body).measure(positions)};
-  const std::span<const unsigned char> alive = body.alive();
-  summary.num_pieces = connected_parts(body.mesh(), alive).count;
+Summary summarise(const Bodies& bodies, ConstPoints positions) {
+  const ElementFields fields = bodies.fields(positions);
+  Summary summary{Measurement(bodies).measure(positions)};
+  const std::span<const unsigned char> alive = bodies.alive();
+  summary.num_pieces = connected_parts(bodies.mesh(), alive).count;
   for (std::size_t e = 0; e < alive.size(); ++e)
     if (alive[e])
       summary.worst_element_volume_error =
@@ -339,7 +347,7 @@ Summary summarise(const Body& body, ConstPoints positions) {
         found.hexahedron = static_cast<int>(e);
       }
     if (found.hexahedron >= 0)
-      found.place = gather(positions, body.mesh().hexahedra()[found.hexahedron]).colwise().mean().transpose();
+      found.place = gather(positions, bodies.mesh().hexahedra()[found.hexahedron]).colwise().mean().transpose();
     return found;
   };
   summary.strain = largest(fields.strain);

@@ -51,16 +51,17 @@ struct StepRecord {
 /// where the staging has embedded surfaces, surface.pvd with surface_<step>.vtu, and where the plan says that there are
 /// instruments, instruments.pvd with instruments_<step>.vtu, for the same steps. history.csv (docs/output.md; the
 /// columns of the energy balance only where the run has one) grows by a whole row per step, removed.csv by a row
-/// `step,time,hexahedron` per hexahedron that the body has lost in it, in the order of their removal; every other file
+/// `step,time,hexahedron` per hexahedron that a body has lost in it, in the order of their removal (of several bodies
+/// `step,time,hexahedron,body`, with the hexahedron's own number in its body); every other file
 /// appears whole under its final name, and each .pvd file names only complete files. After an OutputError everything
 /// that mesh.pvd names can still be read.
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an
-  /// earlier run and `force` is not set; nothing is touched then. Throws what Gallery throws. The body must outlive the
-  /// recorder.
+  /// earlier run and `force` is not set; nothing is touched then. Throws what Gallery throws. The bodies must outlive
+  /// the recorder.
   Recorder(
-      std::filesystem::path directory, const Body& body, RunPlan plan,
+      std::filesystem::path directory, Bodies bodies, RunPlan plan,
       RendererSource renderer = [] { return load_renderer(); });
 
   /// Goes on with the files of a run where save() left them, whatever was written later: a run that is interrupted and
@@ -68,7 +69,7 @@ class Recorder {
   /// still to come. plan.force does not matter. Throws InputError when the files are not those of the checkpoint,
   /// before anything is changed.
   Recorder(
-      std::filesystem::path directory, const Body& body, RunPlan plan, Archive& saved,
+      std::filesystem::path directory, Bodies bodies, RunPlan plan, Archive& saved,
       RendererSource renderer = [] { return load_renderer(); });
   ~Recorder();
 
@@ -101,18 +102,19 @@ struct Largest {
   Vec3 place = Vec3::Zero();  ///< [m] its world centre
 };
 
-/// What the summary at the end of a run shows, computed from a body and its world state.
+/// What the summary at the end of a run shows, computed from bodies and their world state.
 struct Summary : Measures {
   double worst_element_volume_error = 0;  ///< largest |material volume / original - 1| of a hexahedron that is left
   Largest strain = {};                    ///< [-] largest |D - 1| of a corner
   Largest plastic_strain = {};            ///< [-] mean over the corners of the accumulated plastic strain
   int num_pieces = 0;                     ///< connected parts of what is left
 };
-Summary summarise(const Body& body, ConstPoints positions);
+Summary summarise(const Bodies& bodies, ConstPoints positions);
 
 /// XXH64, as 16 hexadecimal digits, over step count (64 bits), positions, velocities and every History array of the
 /// body; null: there is none.
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body);
+std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, std::span<const Bodies::Entry> bodies);
 
 /// Whether history.csv has a column of that name in every run.
 bool is_history_column(std::string_view name);
@@ -124,10 +126,11 @@ void require_saved_files(const std::filesystem::path& directory, Archive& saved)
 /// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
 /// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and
 /// yield_stress (null where infinite), removed (hexahedra in the order of their removal), state_hash; 17 significant
-/// digits.
+/// digits. Of several bodies all lists hold those of one body behind those of another, `removed` too, and `bodies`
+/// tells which is whose: name, first_node, nodes, first_hexahedron, hexahedra. hash: empty: that of these states alone.
 void write_final(WholeFile& file, long step, double time, ConstPoints positions, ConstPoints velocities,
-                 const Body& body);
+                 const Bodies& bodies, std::string hash = {});
 void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
-                 ConstPoints velocities, const Body& body);
+                 ConstPoints velocities, const Bodies& bodies);
 
 }  // namespace hexaplast::output

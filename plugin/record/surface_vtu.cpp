@@ -11,8 +11,7 @@ namespace hexaplast::output {
 
 CarriedSurfaces::CarriedSurfaces(const HexMesh& mesh, std::vector<EmbeddedSurface> embedded_surfaces)
     : embedded_surfaces_(std::move(embedded_surfaces)) {
-  for (const EmbeddedSurface& embedded : embedded_surfaces_)
-    embeddings_.emplace_back(mesh.positions(), mesh.hexahedra(), embedded.points);
+  for (const EmbeddedSurface& embedded : embedded_surfaces_) embeddings_.push_back(embedded.embedding(mesh));
 }
 
 void CarriedSurfaces::write(const std::filesystem::path& file, ConstPoints positions,
@@ -42,7 +41,7 @@ void CarriedSurfaces::write(const std::filesystem::path& file, ConstPoints posit
   VtuGrid grid{.points = {points.data(), static_cast<std::size_t>(points.size())}, .shown_first = {}};
   const auto add_faces = [&](const auto& faces, std::size_t s, std::uint8_t type) {
     for (const auto& face : faces) {
-      if (!is_carried(face, embeddings_[s], alive)) continue;
+      if (!is_carried(face, embedded_surfaces_[s], embeddings_[s], alive)) continue;
       for (const int point : face) connectivity.push_back(first_points[s] + point);
       grid.add_cells(1, type, static_cast<int>(face.size()));
     }

@@ -7,9 +7,10 @@
 
 namespace hexaplast::output {
 
-void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities,
+void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
                ElementFields fields, const BoundaryConditions& conditions) {
-  const HexMesh& mesh = body.mesh();
+  const HexMesh& mesh = bodies.mesh();
+  const std::span<const unsigned char> alive = bodies.alive();
   const PointArray world = positions;
   const PointArray displacement = positions - mesh.positions();
   const PointArray velocity = velocities;
@@ -21,7 +22,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
   const auto keep_alive = [&](auto& values) {
     std::size_t kept = 0;
     for (std::size_t e = 0; e < values.size(); ++e)
-      if (body.alive()[e]) values[kept++] = values[e];
+      if (alive[e]) values[kept++] = values[e];
     values.resize(kept);
   };
   keep_alive(hexahedra);
@@ -30,7 +31,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
        {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
     keep_alive(*values);
 
-  const ConnectedParts parts = connected_parts(mesh, body.alive());
+  const ConnectedParts parts = connected_parts(mesh, alive);
   std::vector<std::int32_t> part(hexahedra.size());
   for (std::size_t e = 0; e < part.size(); ++e) part[e] = parts.part_of_node[hexahedra[e][0]];
 
@@ -38,8 +39,8 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
                .connectivity = std::as_bytes(std::span(hexahedra)),
                .shown_first = "plastic_strain"};
   grid.add_cells(hexahedra.size(), kVtkHexahedron, kCorners);
-  grid.point_data = {vectors("displacement", displacement), vectors("material_position", body.plastic_rest_positions()),
-                     vectors("velocity", velocity)};
+  grid.point_data = {vectors("displacement", displacement),
+                     vectors("material_position", bodies.plastic_rest_positions()), vectors("velocity", velocity)};
   if (!conditions.fixed.empty()) grid.point_data.push_back(scalars("UInt8", "fixed", conditions.fixed));
   if (conditions.loads.rows() > 0) grid.point_data.push_back(vectors("load", conditions.loads));
   grid.cell_data = {scalars("Int32", "id", ids),
@@ -49,6 +50,14 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
                     scalars("Float64", "yield_stress", fields.yield_stress),
                     scalars("Float64", "volume_ratio", fields.volume_ratio),
                     scalars("Float64", "strain", fields.strain)};
+  std::vector<std::int32_t> body_of;
+  if (!bodies.is_one()) {
+    for (const Bodies::Entry& entry : bodies.all())
+      body_of.insert(body_of.end(), static_cast<std::size_t>(entry.body->mesh().num_elements()),
+                     static_cast<std::int32_t>(&entry - bodies.all().data()));
+    keep_alive(body_of);
+    grid.cell_data.insert(grid.cell_data.begin() + 2, scalars("Int32", "body", body_of));
+  }
   grid.write(file);
 }
 

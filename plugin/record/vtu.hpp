@@ -3,25 +3,25 @@
 
 #include <filesystem>
 
-#include "hexaplast/body.hpp"
+#include "picture/bodies.hpp"
 #include "picture/boundary_conditions.hpp"
 
 namespace hexaplast::output {
 
-/// Writes one state of a body as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the world
+/// Writes one state of bodies as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the world
 /// positions [m].
 ///
 ///   point data: displacement [m], material_position [m], velocity [m/s], and as far as they are given fixed (0 or 1)
 ///               and load [N] (BoundaryConditions)
-///   cell data:  id, part, stress_norm [Pa], plastic_strain [-], yield_stress [Pa], volume_ratio [-], strain [-]
+///   cell data:  id, part, of several bodies also body, stress_norm [Pa], plastic_strain [-], yield_stress [Pa],
+///   volume_ratio [-], strain [-]
 ///               (ElementFields)
 ///
 /// Cells are the hexahedra that are left; points are all nodes, also those that have lost their last hexahedron. `id`
 /// is a cell's number in the mesh that the run began with: it stays the same, whatever has gone. `part` numbers the
-/// connected pieces of this state, in the order of their first nodes. yield_stress is infinite where a hexahedron never
-/// yields. fields: those of the body at the positions.
-/// Throws OutputError.
-void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities,
+/// connected pieces of this state, in the order of their first nodes, and `body` the bodies (Bodies::all). yield_stress
+/// is infinite where a hexahedron never yields. fields: those of the body at the positions. Throws OutputError.
+void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
                ElementFields fields, const BoundaryConditions& conditions = {});
 
 }  // namespace hexaplast::output

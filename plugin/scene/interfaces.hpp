@@ -101,6 +101,11 @@ class ForceField : public Component {
   /// [s] stiffness-proportional damping of this force field in the system matrix alone.
   virtual double rayleigh_stiffness() const { return 0; }
 
+  /// For one-sided forces on an independent state: whether there are any, and letting go of those that would pull at
+  /// the end of a step (MechanicalSystem::release). Returns whether there were any.
+  virtual bool is_one_sided() const { return false; }
+  virtual bool release(ConstPoints /*x_end*/, ConstPoints /*v_end*/) { return false; }
+
   /// Nodes that carry forces prescribed by the scene; empty for the others.
   virtual std::span<const int> loaded_nodes() const { return {}; }
 

@@ -13,9 +13,8 @@ T& only_one(Scene& scene, const std::vector<T*>& all, const char* what) {
   if (all.size() != 1) {
     const std::string place =
         all.empty() ? "" : fmt::format("; the second one is {} '{}'", all[1]->class_name(), all[1]->name());
-    throw SceneError(
-        format_error(all.empty() ? scene.root().place() : all[1]->place(),
-                     fmt::format("{} {} in the scene, a run moves exactly one{}", all.size(), what, place)));
+    throw SceneError(format_error(all.empty() ? scene.root().place() : all[1]->place(),
+                                  fmt::format("{} {} in the scene, must be one{}", all.size(), what, place)));
   }
   return *all[0];
 }
@@ -28,17 +27,37 @@ MechanicalState& only_state(Scene& scene) {
 
 OdeSolver& only_solver(Scene& scene) { return only_one(scene, scene.root().all<OdeSolver>(), "time integrators"); }
 
-ForceField* find_body(Scene& scene) {
-  ForceField* found = nullptr;
+namespace {
+
+/// Whether a name can be that of a column, or stand in one.
+bool is_plain(std::string_view name) {
+  return !name.empty() && std::ranges::all_of(name, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  });
+}
+
+}  // namespace
+
+std::vector<SceneBody> bodies_of(Scene& scene) {
+  std::vector<SceneBody> bodies;
   for (ForceField* field : scene.root().all<ForceField>()) {
     if (!field->body()) continue;
-    if (found) {
-      throw SceneError(format_error(field->place(), fmt::format("{} '{}': a second body; a run has at most one",
-                                                                field->class_name(), field->name())));
-    }
-    found = field;
+    std::string name = field->node().name();
+    if (!is_plain(name) || std::ranges::find(bodies, name, &SceneBody::name) != bodies.end())
+      name = fmt::format("body_{}", bodies.size() + 1);
+    bodies.push_back({std::move(name), field, field->node().nearest<MechanicalState>()});
   }
-  return found;
+  return bodies;
+}
+
+ForceField* find_body(Scene& scene) {
+  const std::vector<SceneBody> bodies = bodies_of(scene);
+  if (bodies.size() > 1)
+    throw SceneError(format_error(bodies[1].field->place(),
+                                  fmt::format("{} '{}': a second body; only `run` and `check` take several",
+                                              bodies[1].field->class_name(), bodies[1].field->name())));
+  return bodies.empty() ? nullptr : bodies[0].field;
 }
 
 std::vector<Probe*> probes_of(Scene& scene) {
@@ -48,11 +67,7 @@ std::vector<Probe*> probes_of(Scene& scene) {
     const auto refuse = [&](const std::string& what) {
       throw SceneError(format_error(probes[p]->place(), fmt::format("Probe '{}': {}", name, what)));
     };
-    const bool is_plain = std::ranges::all_of(name, [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-             c == '.';
-    });
-    if (!is_plain) refuse("names a column of history.csv: the name must be of letters, digits, _, - and .");
+    if (!is_plain(name)) refuse("names a column of history.csv: the name must be of letters, digits, _, - and .");
     for (std::size_t other = 0; other < p; ++other)
       if (probes[other]->name() == name)
         refuse("a second probe of that name; columns of history.csv need names of their own");

@@ -6,11 +6,21 @@
 
 namespace hexaplast::scene {
 
-/// The parts of a scene that a run works on. Throw SceneError unless there is exactly one.
+/// The parts of a scene of one body. Throw SceneError unless there is exactly one.
 MechanicalState& only_state(Scene& scene);
 OdeSolver& only_solver(Scene& scene);
 
-/// The force field that has a body; null: there is none. Throws SceneError where there are two.
+/// A force field that has a body, and the state that it deforms.
+struct SceneBody {
+  std::string name;  ///< that of its node, if that is of letters, digits, _, - and . and no other's; "body_2" else
+  ForceField* field = nullptr;
+  MechanicalState* state = nullptr;
+};
+
+/// In the order of the scene.
+std::vector<SceneBody> bodies_of(Scene& scene);
+
+/// The force field that has the only body; null: there is none. Throws SceneError where there are two.
 ForceField* find_body(Scene& scene);
 
 /// In their order. Throws SceneError where two have the same name, or one has a name that a table cannot have for a

@@ -5,9 +5,21 @@
 
 namespace hexaplast {
 
-BlockMatrix::BlockMatrix(int num_nodes) : rows_(num_nodes) {}
+BlockMatrix::BlockMatrix(int num_nodes) : rows_(num_nodes), num_nodes_(num_nodes) {}
+
+void BlockMatrix::set_range(int first_node, int num_nodes) {
+  first_node_ = first_node;
+  num_nodes_ = num_nodes;
+}
+
+void BlockMatrix::add_rank_one(double factor, ConstPoints u) {
+  RankOne& term = rank_ones_.emplace_back(factor, PointArray::Zero(static_cast<Eigen::Index>(rows_.size()), 3));
+  term.u.middleRows(first_node_, num_nodes_) = u;
+}
 
 void BlockMatrix::add(int row, int column, const Mat3& block) {
+  row += first_node_;
+  column += first_node_;
   auto& [entries, is_used] = rows_[row];
   auto at = std::lower_bound(entries.begin(), entries.end(), column,
                              [](const Entry& entry, int wanted) { return entry.column < wanted; });
@@ -47,15 +59,16 @@ void BlockMatrix::drop_unused() {
 }
 
 void BlockMatrix::pin(int node, int axis) {
+  const int own = first_node_ + node;
   // the pattern is symmetric, so the blocks of the node's column stand in the rows that its own row names
-  for (Entry& entry : rows_[node].entries) {
+  for (Entry& entry : rows_[own].entries) {
     entry.block.row(axis).setZero();
     auto& mirrored = rows_[entry.column].entries;
-    const auto at = std::lower_bound(mirrored.begin(), mirrored.end(), node,
+    const auto at = std::lower_bound(mirrored.begin(), mirrored.end(), own,
                                      [](const Entry& other, int wanted) { return other.column < wanted; });
-    if (at != mirrored.end() && at->column == node) at->block.col(axis).setZero();
+    if (at != mirrored.end() && at->column == own) at->block.col(axis).setZero();
   }
-  for (RankOne& term : rank_ones_) term.u(node, axis) = 0;
+  for (RankOne& term : rank_ones_) term.u(own, axis) = 0;
   Mat3 one = Mat3::Zero();
   one(axis, axis) = 1;
   add(node, node, one);

@@ -245,7 +245,7 @@ void SlotCgSpace<T>::add_others() {
   field_.resize(partition_->num_nodes, 3);
   from_slots(*partition_, 1, p_, field_);
   product_.setZero(partition_->num_nodes, 3);
-  for (const NodalOperator* other : others_) other->add_product(field_, product_);
+  for (const NodalTerm& other : others_) other.add_product(field_, product_);
   parallel_for(partition_->num_nodes, [&](int n) {
     T* to = Ap_.data() + 4 * static_cast<std::size_t>(partition_->slot_of_node[n]);
     for (int i = 0; i < 3; ++i) to[i] += static_cast<T>(product_(n, i));
@@ -268,19 +268,19 @@ double SlotCgSpace<T>::rounding_of_residual() {
 double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
                       PointArray& r) {
   r.setZero(b.rows(), 3);  // the product, first
-  for (const NodalOperator* other : system.others) other->add_product(x, r);
+  for (const NodalTerm& other : system.others) other.add_product(x, r);
   for (const KernelBody& body : system.bodies) {
     const ChunkedProduct<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;
     const Partition& partition = op.partition();
     body.scratch->resize(partition);
     AlignedVector<double>&slots = body.scratch->first, &product = body.scratch->second;
-    to_slots(partition, x, slots);
+    to_slots(partition, x.middleRows(body.first_node, partition.num_nodes), slots);
     std::fill(product.begin(), product.end(), 0.0);
     multiply(op, body.factor, slots, product);
     parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, product.data()); });
     parallel_for(partition.num_nodes, [&](int n) {
       const double* from = product.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
-      for (int i = 0; i < 3; ++i) r(n, i) += from[i];
+      for (int i = 0; i < 3; ++i) r(body.first_node + n, i) += from[i];
     });
   }
   parallel_for(static_cast<int>(b.rows()), [&](int n) {

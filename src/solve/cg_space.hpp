@@ -189,7 +189,7 @@ class SlotCgSpace final : public CgSpace {
   double unscaled(double square) const { return square / scale_ / scale_; }
 
   const ChunkedOperator<T>* op_ = nullptr;
-  std::span<const NodalOperator* const> others_;
+  std::span<const NodalTerm> others_;
   const Partition* partition_ = nullptr;
   T factor_ = 0;
   double scale_ = 1;  // of all vectors, for the present b

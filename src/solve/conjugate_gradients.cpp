@@ -343,7 +343,7 @@ struct PreconditionedConjugateGradients::Spaces {
                          .version = system.diagonal_version};
     const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
-    if (system.bodies.size() != 1 || system.couples_coordinates) {
+    if (!system.has_one_body()) {
       several.setup(A, system, rest, cycles);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
       nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding);
@@ -398,7 +398,7 @@ struct PreconditionedConjugateGradients::Spaces {
           const auto entry =
               static_cast<double>(stiffness[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
           all += entry;
-          if (entry > kBreakEven * diagonal(n, i)) stiff += entry;
+          if (entry > kBreakEven * diagonal(body.first_node + n, i)) stiff += entry;
         }
     };
     for (const KernelBody& body : system.bodies)

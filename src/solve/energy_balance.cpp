@@ -8,6 +8,19 @@ double EnergyBalance::error() const {
          elastic;  // eq. 48
 }
 
+EnergyBalance& EnergyBalance::operator+=(const EnergyBalance& other) {
+  kinetic += other.kinetic;
+  elastic += other.elastic;
+  initial += other.initial;
+  load_work += other.load_work;
+  support_work += other.support_work;
+  damping_loss += other.damping_loss;
+  numerical_loss += other.numerical_loss;
+  recovery_work += other.recovery_work;
+  flow_loss += other.flow_loss;
+  return *this;
+}
+
 void EnergyBalance::begin(double kinetic_now, double elastic_now) {
   *this = {.kinetic = kinetic_now, .elastic = elastic_now, .initial = kinetic_now + elastic_now};
 }

@@ -19,6 +19,12 @@ double stable_phase_per_step(const EulerSettings& settings, double dt) {
   return std::sqrt((4 + 2 * dt * settings.rayleigh_mass * t) / stiffness_share);  //                           eq. 49
 }
 
+namespace {
+
+constexpr int kMostReleases = 2;  // of a step
+
+}  // namespace
+
 SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x,
                                 Points v) {
   require_rows("ImplicitEuler::step", "x", x, system.num_nodes());
@@ -43,8 +49,24 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
   const OperatorFactors factors =
       first_order ? OperatorFactors{.mass = 1, .damping = 0, .stiffness = -ah}
                   : OperatorFactors{.mass = 1 + ah * rM, .damping = -ah, .stiffness = -ah * (ah + rK)};
-  const SolveReport report =
-      solver.solve_next(ConstrainedOperator(system, factors), right_hand_side_, velocity_, memory_);
+  SolveReport report = solver.solve_next(ConstrainedOperator(system, factors), right_hand_side_, velocity_, memory_);
+  for (int k = 0; k < kMostReleases; ++k) {
+    released_.setZero(x.rows(), 3);
+    released_product_.setZero(x.rows(), 3);
+    end_velocity_ = velocity_;
+    if (!first_order) end_velocity_ += v;
+    end_ = x + h * end_velocity_;
+    if (!system.release(time, x, v, end_, end_velocity_, released_, released_product_)) break;
+    if (measures_energy_) force_ += released_;
+    if (!first_order) released_ = h * (released_ + (ah + rK) * released_product_);
+    system.project(released_);
+    right_hand_side_ += released_;
+    const SolveReport again =
+        solver.solve_from_guess(ConstrainedOperator(system, factors), right_hand_side_, velocity_);
+    report.iterations += again.iterations;
+    report.residual = again.residual;
+    report.converged = again.converged;
+  }
 
   if (!first_order) velocity_ += v;  //                                                                        eq. 42
   require_finite(velocity_, "velocity");

@@ -43,13 +43,13 @@ void LumpedTerms::find(const MatrixFreeSystem& system) {
   const Eigen::Index num_nodes = system.diagonal.rows();
   diagonal_ = system.diagonal;
   blocks_.clear();
-  for (const NodalOperator* other : system.others) other->add_diagonal(diagonal_);
+  for (const NodalTerm& other : system.others) other.add_diagonal(diagonal_);
   for (int axis = 0; axis < 3; ++axis) {
     unit_.setZero(num_nodes, 3);
     unit_.col(axis) = system.free.col(axis).cast<double>();
     columns_[axis].setZero(num_nodes, 3);
-    for (const NodalOperator* other : system.others)
-      if (!other->has_diagonal()) other->add_product(unit_, columns_[axis]);
+    for (const NodalTerm& other : system.others)
+      if (!other.op->has_diagonal()) other.add_product(unit_, columns_[axis]);
   }
   for (int n = 0; n < num_nodes; ++n) {
     Mat3 block;

@@ -6,8 +6,8 @@
 namespace hexaplast {
 
 template <class T>
-void SeveralBodies::Cycle<T>::apply(const Partition& partition, const Eigen::VectorXd& weight, const PointArray& from,
-                                    PointArray& to) {
+void SeveralBodies::Cycle<T>::apply(const Partition& partition, const Eigen::VectorXd& weight, ConstPoints from,
+                                    Points to) {
   r.resize(4 * static_cast<std::size_t>(partition.num_slots), T(0));
   z.resize(r.size(), T(0));
   const double scale = scale_to_one(from.cwiseAbs().maxCoeff());  // coarse meshes are in single precision
@@ -33,6 +33,7 @@ void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
       for (int i = 0; i < 3; ++i)
         part.stiffness(n, i) = static_cast<double>(slots[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
   };
+  part.first_node = body.first_node;
   part.is_single = body.single_operator != nullptr;
   if (part.is_single)
     find(*body.single_operator, part.in_single.r);
@@ -49,8 +50,8 @@ void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system,
   sum_.setZero(rest.diagonal.rows());
   for (std::size_t i = 0; i < num_parts_; ++i) {
     find_stiffness(system.bodies[i], parts_[i]);
-    inverse_ += parts_[i].stiffness;
-    sum_ += parts_[i].stiffness.rowwise().sum();
+    parts_[i].rows(inverse_) += parts_[i].stiffness;
+    parts_[i].rows(sum_) += parts_[i].stiffness.rowwise().sum();
   }
   weight_of_rest_.resize(sum_.size());
   for (Eigen::Index n = 0; n < sum_.size(); ++n) weight_of_rest_[n] = sum_[n] > 0 ? 0 : 1;
@@ -59,19 +60,25 @@ void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system,
     Part& part = parts_[i];
     const KernelBody& body = system.bodies[i];
     part.weight = part.stiffness.rowwise().sum();
-    for (Eigen::Index n = 0; n < sum_.size(); ++n) part.weight[n] = sum_[n] > 0 ? part.weight[n] / sum_[n] : 0;
+    const auto num_nodes = static_cast<int>(part.weight.size());
+    for (int n = 0; n < num_nodes; ++n) {
+      const double sum = sum_[part.first_node + n];
+      part.weight[n] = sum > 0 ? part.weight[n] / sum : 0;
+    }
     part.cycles = cycles && !body.coarse.empty();
     if (!part.cycles) {
-      weight_of_rest_ += part.weight;
+      part.rows(weight_of_rest_) += part.weight;
       continue;
     }
-    part.diagonal = part.weight.asDiagonal() * rest.diagonal;
-    part.free = rest.free;
-    for (Eigen::Index n = 0; n < sum_.size(); ++n)
+    part.diagonal = part.weight.asDiagonal() * part.rows(rest.diagonal);
+    part.free = part.rows(rest.free);
+    for (int n = 0; n < num_nodes; ++n)
       if (part.weight[n] == 0) part.free.row(n).setZero();
     part.blocks.clear();
-    for (const auto& [node, block] : rest.blocks)
-      if (part.weight[node] > 0) part.blocks.push_back({node, part.weight[node] * block});
+    for (const auto& [node, block] : rest.blocks) {
+      const int own = node - part.first_node;
+      if (own >= 0 && own < num_nodes && part.weight[own] > 0) part.blocks.push_back({own, part.weight[own] * block});
+    }
     const NodalPart share{.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks};
     if (part.is_single)
       part.in_single.multigrid.setup(body, share);
@@ -97,9 +104,9 @@ void SeveralBodies::apply(const PointArray& r, PointArray& z) {
     Part& part = parts_[i];
     if (!part.cycles) continue;
     if (part.is_single)
-      part.in_single.apply(*part.partition, part.weight, r, z);
+      part.in_single.apply(*part.partition, part.weight, part.rows(r), part.rows(z));
     else
-      part.in_double.apply(*part.partition, part.weight, r, z);
+      part.in_double.apply(*part.partition, part.weight, part.rows(r), part.rows(z));
   }
   if (couples_coordinates_) A_->project(z);
 }

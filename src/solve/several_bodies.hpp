@@ -27,14 +27,17 @@ class SeveralBodies final : public NodalPreconditioner {
   struct Cycle {
     Multigrid<T> multigrid;
     AlignedVector<T> r, z;
-    void apply(const Partition& partition, const Eigen::VectorXd& weight, const PointArray& r, PointArray& z);
+    void apply(const Partition& partition, const Eigen::VectorXd& weight, ConstPoints r, Points z);
   };
 
   struct Part {
     bool cycles = false, is_single = false;
     const Partition* partition = nullptr;
+    int first_node = 0;      // of the body's; what follows is of its nodes
     Eigen::VectorXd weight;  // per node
     PointArray stiffness;    // diagonal of the body's operator
+
+    auto rows(auto& of_all) const { return of_all.middleRows(first_node, stiffness.rows()); }
     PointArray diagonal;
     NodeMask free;
     std::vector<NodeBlock> blocks;

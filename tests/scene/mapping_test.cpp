@@ -206,7 +206,7 @@ TEST(Mapping, RefusesWhatDoesNotFit) {
   EXPECT_EQ(errors_of(skewed("<BarycentricMapping/><FixedProjectiveConstraint/>")),
             "test.scn:1: error: FixedProjectiveConstraint: constrains a state that follows another one");
   EXPECT_EQ(errors_of(skewed("")),
-            "test.scn:1: error: EulerImplicitSolver: 2 mechanical states in its node and below, must be one");
+            "test.scn:1: error: EulerImplicitSolver: no mass on MechanicalObject 'points' of its node and below");
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(SceneReading, AMistakeDoesNotHideTheDanglingLinkBesideIt) {
 
 TEST(SceneReading, AttributesWithAnUnderscoreOrNoInFrontAreSwitchedOff) {
   EXPECT_EQ(errors_of(framed("<MechanicalObject name='x' _position='nonsense' NOvelocity='nonsense'/>")),
-            "test.scn:2: error: EulerImplicitSolver: 2 mechanical states in its node and below, must be one");
+            "test.scn:3: error: MechanicalObject: a second state in its node, must be one");
   EXPECT_EQ(errors_of(framed("<RunSettings _steps='nonsense' NOsteps='nonsense'/>")), "");
 }
 

@@ -219,7 +219,8 @@ TEST(Solvers, DirectAndIterativeAgree) {
 
 TEST(Solvers, OneStateAndAMassAreNeeded) {
   EXPECT_EQ(errors_of(in_root("", "<MechanicalObject position='0 0 0'/>")),
-            "test.scn:1: error: EulerImplicitSolver: no mass in its node or below, must be at least one");
+            "test.scn:1: error: EulerImplicitSolver: no mass on MechanicalObject 'MechanicalObject1' of its node and "
+            "below");
   EXPECT_EQ(
       errors_of("<Node><EulerImplicitSolver/><MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/></Node>"),
       "test.scn:1: error: EulerImplicitSolver: needs a LinearSolver in its node or above");

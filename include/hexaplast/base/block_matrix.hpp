@@ -15,17 +15,24 @@ class BlockMatrix {
  public:
   explicit BlockMatrix(int num_nodes = 0);
 
-  int num_nodes() const { return static_cast<int>(rows_.size()); }
+  /// Of the present range.
+  int num_nodes() const { return num_nodes_; }
+
+  /// From now on nodes are counted from `first_node`, and there are num_nodes of them: for those who know a part of a
+  /// system alone. row, rank_ones and clear are of the whole matrix always.
+  void set_range(int first_node, int num_nodes);
+  void set_whole_range() { set_range(0, static_cast<int>(rows_.size())); }
 
   /// Adds a block at (row, column). Both triangles are stored; the caller adds a symmetric matrix symmetrically.
   void add(int row, int column, const Mat3& block);
 
-  /// A term factor u u^T with u (num_nodes x 3) of many nodes, whose blocks would be dense.
+  /// A term factor u u^T with u (a row per node of the whole matrix) of many nodes, whose blocks would be dense.
   struct RankOne {
     double factor;
     PointArray u;
   };
-  void add_rank_one(double factor, ConstPoints u) { rank_ones_.push_back({factor, u}); }
+  /// u: num_nodes x 3
+  void add_rank_one(double factor, ConstPoints u);
   const std::vector<RankOne>& rank_ones() const { return rank_ones_; }
 
   /// All blocks to zero, and no terms of rank one; the pattern stays.
@@ -53,6 +60,7 @@ class BlockMatrix {
     std::vector<unsigned char> is_used;  // per entry: something was added since clear()
   };
   std::vector<Row> rows_;
+  int first_node_ = 0, num_nodes_ = 0;  // of the range
   std::vector<RankOne> rank_ones_;
   long num_unused_ = 0;  // entries
   long pattern_version_ = 0;

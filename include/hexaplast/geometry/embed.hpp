@@ -32,6 +32,9 @@ class Embedding {
   /// The hexahedron that a point lies in, or the nearest one.
   int hexahedron_of(int point) const { return anchors_[point].hexahedron; }
 
+  /// w_a, by which the eight corners of that hexahedron move it.
+  const std::array<double, kCorners>& weights_of(int point) const { return anchors_[point].weight; }
+
   /// How many points lie outside all hexahedra, and the largest distance [m] of one from them.
   int num_outside() const { return num_outside_; }
   double greatest_distance() const { return greatest_distance_; }

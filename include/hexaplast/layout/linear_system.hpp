@@ -28,6 +28,7 @@ struct KernelBody {
                                                              ///< double_operator it serves multigrid cycles alone
   const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
   double factor = 0;                                         ///< of L
+  int first_node = 0;                                        ///< of the system's: where the body's nodes begin
   SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
   double spectral_radius = 0;      ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
   std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
@@ -56,6 +57,23 @@ class NodalOperator {
   virtual void add_diagonal(Points /*diagonal*/) const {}
 };
 
+/// The same of num_nodes nodes from `first_node` on; num_nodes -1: of all.
+struct NodalTerm {
+  NodalTerm(const NodalOperator* of, int first = 0, int count = -1) : op(of), first_node(first), num_nodes(count) {}
+
+  const NodalOperator* op;
+  int first_node, num_nodes;
+
+  void add_product(ConstPoints p, Points Fp) const { op->add_product(part(p), part(Fp)); }
+  void add_diagonal(Points diagonal) const { op->add_diagonal(part(diagonal)); }
+
+ private:
+  template <class Field>
+  Field part(Field field) const {
+    return Field(field.middleRows(first_node, num_nodes < 0 ? field.rows() : num_nodes));
+  }
+};
+
 /// Numbers in [0.5, 1.5) without any regularity, three per node: whatever acts on nodes leaves a trace of them.
 inline PointArray irregular_numbers(int num_nodes) {
   PointArray numbers(num_nodes, 3);
@@ -68,10 +86,11 @@ inline PointArray irregular_numbers(int num_nodes) {
 /// zeroing the degrees of freedom that are not free.
 struct MatrixFreeSystem {
   std::vector<KernelBody> bodies;
-  std::vector<const NodalOperator*> others;  ///< whose sum is F; empty: nothing else acts
-  PointArray diagonal;                       ///< num_nodes x 3
-  NodeMask free;                             ///< num_nodes x 3: 1 where free, 0 where fixed
-  bool couples_coordinates = false;          ///< P does more than zero entries: LinearSystem::project is to be used
+  std::vector<NodalTerm> others;     ///< whose sum is F; empty: nothing else acts
+  PointArray diagonal;               ///< num_nodes x 3
+  NodeMask free;                     ///< num_nodes x 3: 1 where free, 0 where fixed
+  bool couples_coordinates = false;  ///< P does more than zero entries: LinearSystem::project is to be used
+  bool has_parts = false;            ///< add_part was called: a body has not all of the nodes
 
   long diagonal_version = 0;  ///< not 0: diagonal, free and diag(L) are those of every other system of this version
   bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
@@ -83,8 +102,25 @@ struct MatrixFreeSystem {
     bodies.clear();
     others.clear();
     couples_coordinates = false;
+    has_parts = false;
   }
-  bool is_one_body() const { return bodies.size() == 1 && others.empty() && !couples_coordinates; }
+  /// A body that has all of the nodes, whatever else acts on them.
+  bool has_one_body() const { return bodies.size() == 1 && !has_parts && !couples_coordinates; }
+  bool is_one_body() const { return has_one_body() && others.empty(); }
+
+  /// Takes in bodies, other operators and the diagonal of a system over the nodes from `first_node` on.
+  void add_part(const MatrixFreeSystem& part, int first_node) {
+    const Eigen::Index num_nodes = part.diagonal.rows();
+    has_parts = true;
+    diagonal.middleRows(first_node, num_nodes) += part.diagonal;
+    for (KernelBody body : part.bodies) {
+      body.first_node += first_node;
+      bodies.push_back(body);
+    }
+    for (const NodalTerm& term : part.others)
+      others.emplace_back(term.op, term.first_node + first_node,
+                          term.num_nodes < 0 ? static_cast<int>(num_nodes) : term.num_nodes);
+  }
 
   /// Finds `free` and couples_coordinates: each axis by itself, with a number of its own at every node, so that no
   /// coupling is taken for freedom. project(field) makes P field of a field.

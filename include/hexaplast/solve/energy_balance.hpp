@@ -32,6 +32,9 @@ struct EnergyBalance {
   /// stops at its tolerance.
   double error() const;
 
+  /// With that of another system, at the same moment.
+  EnergyBalance& operator+=(const EnergyBalance& other);
+
   void begin(double kinetic_now, double elastic_now);
 
   /// The next step of the integrator; energies are those that it arrives at. recovery: Body::recovery_work there.

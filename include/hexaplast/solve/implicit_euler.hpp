@@ -38,6 +38,14 @@ class MechanicalSystem {
   virtual void add_load(double /*time*/, ConstPoints /*x*/, ConstPoints /*v*/, Points /*f*/) {}
   virtual void add_load_product(const OperatorFactors& /*factors*/, ConstPoints /*dx*/, Points /*df*/) const {}
 
+  /// Lets go of one-sided forces that would pull at the end of a step that goes from (x, v) to (x_end, v_end), and adds
+  /// what that changes: force += the change of compute_force(time, x, v), product += that of K v. Returns whether there
+  /// were any: the step is then solved again. The default has no such forces.
+  virtual bool release(double /*time*/, ConstPoints /*x*/, ConstPoints /*v*/, ConstPoints /*x_end*/,
+                       ConstPoints /*v_end*/, Points /*force*/, Points /*product*/) {
+    return false;
+  }
+
   /// Zeroes constrained degrees of freedom of a nodal field.
   virtual void project(Points field) const = 0;
 
@@ -65,7 +73,8 @@ double stable_phase_per_step(const EulerSettings& settings, double dt);
 ///
 /// first_order:  (M - a h K) v = f  (both projected),  x += h v
 ///
-/// One linear solve per step, no iteration on the nonlinearity.
+/// One linear solve per step, no iteration on the nonlinearity; up to two more where forces are released
+/// (MechanicalSystem::release).
 class ImplicitEuler {
  public:
   explicit ImplicitEuler(EulerSettings settings) : settings_(settings) {}
@@ -92,6 +101,8 @@ class ImplicitEuler {
   bool measures_energy_ = false;
   StepEnergy energy_;
   PointArray right_hand_side_, velocity_;                   // [kg m/s] or [N], and [m/s]: dv, then the new velocity
+  PointArray released_, released_product_;                  // scratch: changes of force [N] and product
+  PointArray end_, end_velocity_;                           // scratch: where the step may end
   PointArray force_, increment_, middle_, product_, load_;  // scratch of energy_of_step
 };
 

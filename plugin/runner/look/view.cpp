@@ -65,7 +65,7 @@ void print_outcome(Simulation& simulation, const std::string& title) {
   fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
   fmt::print("  dissipated energy   {:.4g} J\n", body.dissipated_energy());
   fmt::print("  state hash          {}\n",
-             output::state_hash(simulation.latest().step, x, simulation.state().velocities(), &body));
+             simulation.state_hash());
 }
 
 }  // namespace

@@ -90,8 +90,7 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   record.ratio_to_dense_peer = bench::time_peer(body, record.iterations) / times.p50;
   record.residual = simulation.latest().residual;
   record.yielded = static_cast<double>(simulation.latest().flow.yielded) / record.size;
-  record.state_hash =
-      output::state_hash(num_steps, simulation.state().positions(), simulation.state().velocities(), &body);
+  record.state_hash = simulation.state_hash();
   return record;
 }
 

@@ -42,33 +42,41 @@ void for_each_load(double time, const scene::Node& root, scene::MechanicalState&
 
 output::BoundaryConditions conditions_of(Simulation& simulation) {
   const scene::Node& root = simulation.scene().root();
-  scene::MechanicalState& state = simulation.state();
   const std::vector all = root.all<scene::Instrument>();
+  const Eigen::Index num_nodes = simulation.bodies()->mesh().num_nodes();
   output::BoundaryConditions conditions;
-  conditions.fixed.assign(static_cast<std::size_t>(state.num_nodes()), 0);
+  conditions.fixed.assign(static_cast<std::size_t>(num_nodes), 0);
   for (const int node : fixed_nodes(simulation)) conditions.fixed[static_cast<std::size_t>(node)] = 1;
 
-  conditions.loads = PointArray::Zero(state.num_nodes(), 3);
-  for_each_load(simulation.load_time(), root, state, [&](const scene::ForceField* field, const PointArray& forces) {
-    conditions.loads += forces;
-    const auto* instrument = dynamic_cast<const scene::Instrument*>(field);
-    const std::optional<Vec3> place = instrument ? instrument->place(simulation.time()) : std::nullopt;
-    if (!place) return;
-    output::Instrument& shown = conditions.instruments.emplace_back();
-    shown.id = static_cast<int>(std::ranges::find(all, instrument) - all.begin());
-    shown.place = *place;
-    for (int node = 0; node < forces.rows(); ++node)
-      if (!forces.row(node).isZero(0)) shown.nodes.push_back(node);
-    shown.forces = forces(shown.nodes, Eigen::all);
-  });
+  conditions.loads = PointArray::Zero(num_nodes, 3);
+  for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i) {
+    const output::Bodies::Entry& body = simulation.bodies()->all()[i];
+    scene::MechanicalState& state = *simulation.scene_bodies()[i].state;
+    for_each_load(simulation.load_time(), root, state, [&](const scene::ForceField* field, const PointArray& forces) {
+      output::Bodies::rows(body, conditions.loads) += forces;
+      const auto* instrument = dynamic_cast<const scene::Instrument*>(field);
+      const std::optional<Vec3> place = instrument ? instrument->place(simulation.time()) : std::nullopt;
+      if (!place) return;
+      output::Instrument& shown = conditions.instruments.emplace_back();
+      shown.id = static_cast<int>(std::ranges::find(all, instrument) - all.begin());
+      shown.place = *place;
+      std::vector<int> nodes;
+      for (int node = 0; node < forces.rows(); ++node)
+        if (!forces.row(node).isZero(0)) nodes.push_back(node);
+      shown.forces = forces(nodes, Eigen::all);
+      for (const int node : nodes) shown.nodes.push_back(body.first_node + node);
+    });
+  }
   return conditions;
 }
 
 std::vector<int> fixed_nodes(Simulation& simulation) {
-  const PointArray is_free = free_directions(simulation.scene(), simulation.state());
   std::vector<int> fixed;
-  for (int node = 0; node < is_free.rows(); ++node)
-    if (is_free.row(node).isZero(0)) fixed.push_back(node);
+  for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i) {
+    const PointArray is_free = free_directions(simulation.scene(), *simulation.scene_bodies()[i].state);
+    for (int node = 0; node < is_free.rows(); ++node)
+      if (is_free.row(node).isZero(0)) fixed.push_back(simulation.bodies()->all()[i].first_node + node);
+  }
   return fixed;
 }
 

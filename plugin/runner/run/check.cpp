@@ -37,7 +37,11 @@ struct Findings {
   double dt = 0;             // [s]
   std::optional<int> steps;  // of the scene's RunSettings
   double memory = 0;         // [byte] most that the process has held
-  std::optional<ModelCheck> body;
+  struct Body {
+    std::string name;
+    ModelCheck model;
+  };
+  std::vector<Body> bodies;
   int num_hexahedra = 0;
   std::vector<RegionFigure> regions;
   std::vector<std::string> warnings;  // but what the body itself has remarked, check_shapes
@@ -45,37 +49,53 @@ struct Findings {
 };
 
 Findings look_at(scene::Scene& scene) {
-  scene::MechanicalState& state = only_state(scene);
-  only_solver(scene);
   Findings found;
-  found.num_nodes = state.num_nodes();
   found.writes = scene.root().files().claimed();
   found.dt = scene.dt();
   if (scene::Component* settings = find_settings(scene); settings && settings->is_given("steps"))
     found.steps = settings->integer("steps");
 
-  const Eigen::ArrayXd directions = free_directions(scene, state).rowwise().sum();
-  found.num_held = (directions == 0).count();
-  found.num_partly_held = found.num_nodes - found.num_held - (directions == 3).count();
-
+  // at the moment at which the loads on some state are largest
+  const std::vector<scene::MechanicalState*> states = scene::independent_states(scene.root());
   const long num_steps = std::max(found.steps.value_or(1), 1);
-  found.loads_time = time_of_greatest_loads(scene, state, num_steps, (num_steps + kMostMoments - 1) / kMostMoments);
-  const PointArray loads = loads_at(found.loads_time, scene, state);
-  found.num_loaded = (loads.rowwise().norm().array() > 0).count();
-  found.load = loads.colwise().sum().transpose();
-  found.load_size = loads.rowwise().norm().sum();
-
-  if (const scene::ForceField* field = find_body(scene)) {
-    std::vector<scene::Mass*> masses = scene.root().all<scene::Mass>();
-    std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, state); });
-    found.body = check_model(*field->body(), scene::total_mass(masses, state), found.dt);
-    found.num_hexahedra = field->body()->mesh().num_elements();
-    found.regions = regions_of(scene);
-    found.warnings = model_warnings(*found.body, Names::kScenes);
+  for (scene::MechanicalState* state : states) {
+    const double time = time_of_greatest_loads(scene, *state, num_steps, (num_steps + kMostMoments - 1) / kMostMoments);
+    const double size = loads_at(time, scene, *state).rowwise().norm().sum();
+    if (size > found.load_size) {
+      found.loads_time = time;
+      found.load_size = size;
+    }
   }
-  const bool is_pushed = found.load.norm() > 1e-9 * found.load_size;  // more than rounding
-  if (is_pushed && found.num_held + found.num_partly_held == 0)
-    found.warnings.push_back("no node is fixed, and the loads do not balance: the body moves away");
+  found.load_size = 0;
+  bool is_pushed = false;
+  for (scene::MechanicalState* state : states) {
+    const Eigen::ArrayXd directions = free_directions(scene, *state).rowwise().sum();
+    const long num_held = (directions == 0).count(), num_free = (directions == 3).count();
+    const PointArray loads = loads_at(found.loads_time, scene, *state);
+    const Vec3 load = loads.colwise().sum().transpose();
+    const double size = loads.rowwise().norm().sum();
+    found.num_nodes += state->num_nodes();
+    found.num_held += num_held;
+    found.num_partly_held += state->num_nodes() - num_held - num_free;
+    found.num_loaded += (loads.rowwise().norm().array() > 0).count();
+    found.load += load;
+    found.load_size += size;
+    const bool is_out_of_balance = load.norm() > 1e-9 * size;  // more than rounding
+    is_pushed = is_pushed || (is_out_of_balance && num_free == state->num_nodes());
+  }
+
+  for (const scene::SceneBody& body : scene::bodies_of(scene)) {
+    std::vector<scene::Mass*> masses = scene.root().all<scene::Mass>();
+    std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, *body.state); });
+    const ModelCheck& model =
+        found.bodies
+            .emplace_back(body.name, check_model(*body.field->body(), scene::total_mass(masses, *body.state), found.dt))
+            .model;
+    found.num_hexahedra += body.field->body()->mesh().num_elements();
+    std::ranges::copy(model_warnings(model, Names::kScenes), std::back_inserter(found.warnings));
+  }
+  found.regions = regions_of(scene);
+  if (is_pushed) found.warnings.push_back("no node is fixed, and the loads do not balance: the body moves away");
 
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -125,7 +145,12 @@ Json json_of(const std::vector<RegionFigure>& regions) {
 
 Json json_of(const Findings& found) {
   std::vector<std::string> warnings = found.warnings;
-  if (found.body) std::ranges::copy(check_shapes(found.body->quality), std::back_inserter(warnings));
+  Json bodies = Json::array();
+  for (const Findings::Body& body : found.bodies) {
+    std::ranges::copy(check_shapes(body.model.quality), std::back_inserter(warnings));
+    bodies.push_back(json_of(body.model));
+    bodies.back()["name"] = body.name;
+  }
   return {{"nodes", found.num_nodes},
           {"hexahedra", found.num_hexahedra},
           {"held_nodes", found.num_held},
@@ -136,7 +161,8 @@ Json json_of(const Findings& found) {
           {"dt", found.dt},
           {"steps", found.steps ? Json(*found.steps) : Json(nullptr)},
           {"memory_bytes", found.memory},
-          {"body", found.body ? json_of(*found.body) : Json(nullptr)},
+          {"body", found.bodies.size() == 1 ? json_of(found.bodies[0].model) : Json(nullptr)},
+          {"bodies", bodies},
           {"regions", json_of(found.regions)},
           {"writes", found.writes},
           {"advice", warnings}};
@@ -169,7 +195,10 @@ void print(const Findings& found, const std::string& title) {
   fmt::print("  nodes               {}, of which {} are fixed and {} partly fixed\n", found.num_nodes, found.num_held,
              found.num_partly_held);
   fmt::print("  hexahedra           {}\n", found.num_hexahedra);
-  if (found.body) print(*found.body);
+  for (const Findings::Body& body : found.bodies) {
+    if (found.bodies.size() > 1) fmt::print("  body                {}\n", printable_line(body.name));
+    print(body.model);
+  }
   for (const RegionFigure& region : found.regions)
     fmt::print("  region              {}: {}\n", printable_line(region.path), describe(region));
   fmt::print("  loads               on {} nodes, together ({:.4g}, {:.4g}, {:.4g}) N at t = {:.4g} s\n",

@@ -16,7 +16,7 @@ constexpr double kLargestUnexplained = 0.2;  // of the energy put in
 constexpr double kLargestGain = 100;         // times the energy put in
 
 void check_inversions(const Simulation& simulation, std::vector<std::string>& doubts) {
-  const int num_hexahedra = simulation.body()->mesh().num_elements();
+  const int num_hexahedra = simulation.bodies()->mesh().num_elements();
   const Totals& totals = simulation.totals();
   const int at_end = simulation.latest().flow.inverted;
   if (at_end > 0) doubts.push_back(fmt::format("{} of {} hexahedra are inverted at the end", at_end, num_hexahedra));
@@ -29,9 +29,11 @@ void check_inversions(const Simulation& simulation, std::vector<std::string>& do
 double energy_put_in(const Simulation& simulation) {
   constexpr double kUnseenStrain = 1e-6;
   double unseen = 0;
-  if (const Body* body = simulation.body())
-    for (int e = 0; e < body->mesh().num_elements(); ++e)
-      unseen += body->material(e).young_modulus * body->initial_volume(e) * kUnseenStrain * kUnseenStrain / 2;
+  if (const output::Bodies* bodies = simulation.bodies())
+    for (const output::Bodies::Entry& entry : bodies->all())
+      for (int e = 0; e < entry.body->mesh().num_elements(); ++e)
+        unseen +=
+            entry.body->material(e).young_modulus * entry.body->initial_volume(e) * kUnseenStrain * kUnseenStrain / 2;
   return std::max(simulation.totals().energy_put_in, unseen);
 }
 
@@ -65,7 +67,7 @@ void require_supplied(const Simulation& simulation) {
 
 std::vector<std::string> check_results(const Simulation& simulation) {
   std::vector<std::string> doubts;
-  if (simulation.body()) check_inversions(simulation, doubts);
+  if (simulation.bodies()) check_inversions(simulation, doubts);
   if (simulation.latest().energy) check_energy(*simulation.latest().energy, energy_put_in(simulation), doubts);
   return doubts;
 }

@@ -83,8 +83,9 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
 
   std::set<int> loaded;
   for (const scene::ForceField* field : simulation.scene().root().all<scene::ForceField>())
-    if (scene::acts_on(*field, simulation.state()))
-      loaded.insert(field->loaded_nodes().begin(), field->loaded_nodes().end());
+    for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i)
+      if (scene::acts_on(*field, *simulation.scene_bodies()[i].state))
+        for (const int node : field->loaded_nodes()) loaded.insert(simulation.bodies()->all()[i].first_node + node);
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
@@ -114,7 +115,7 @@ void write_checkpoint(Simulation& simulation, output::Recorder& recorder, RunRec
 /// The curves over time, then the pictures, which take longest and may fail for want of a renderer.
 void complete(output::Recorder& recorder, Simulation& simulation, const RunOptions& options) {
   output::write_plot(*options.out / "plot.svg", *options.out / "history.csv", options.scene.file.stem().string(),
-                     simulation.body()->mesh().num_elements());
+                     simulation.bodies()->mesh().num_elements());
   for (const std::string& warning : recorder.finish()) spdlog::warn("warning: {}", warning);
 }
 
@@ -123,8 +124,7 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
              RunRecord& kept, bool begins) {
   const auto record = [&] {
     if (recorder)
-      recorder->record(simulation.latest(), simulation.state().positions(), simulation.state().velocities(),
-                       conditions_of(simulation));
+      recorder->record(simulation.latest(), simulation.positions(), simulation.velocities(), conditions_of(simulation));
   };
   std::optional<long> saved;  // step of the newest checkpoint
   if (!begins) saved = simulation.latest().step;
@@ -152,13 +152,16 @@ void advance(Simulation& simulation, long num_steps, output::Recorder* recorder,
   if (recorder && (options.checkpoint_every || is_ended_early) && saved != simulation.latest().step) save();
 }
 
-/// Which hexahedra a body has lost, as far as a line holds them.
-std::string removed_line(std::span<const int> removed, const Totals& totals) {
+/// Which hexahedra bodies have lost, as far as a line holds them.
+std::string removed_line(const output::Bodies& bodies, const Totals& totals) {
   constexpr std::size_t kMostNamed = 8;
-  const std::size_t named = std::min(removed.size(), kMostNamed);
-  return fmt::format("{} in steps {} to {}: {}{}", removed.size(), totals.first_removal, totals.latest_removal,
-                     fmt::join(removed.begin(), removed.begin() + static_cast<std::ptrdiff_t>(named), ", "),
-                     named < removed.size() ? ", ..." : "");
+  std::vector<std::string> named;
+  for (const output::Bodies::Entry& entry : bodies.all())
+    for (const int hexahedron : entry.body->removed())
+      if (named.size() < kMostNamed)
+        named.push_back(fmt::format("{}{}", hexahedron, bodies.is_one() ? "" : " of " + entry.name));
+  return fmt::format("{} in steps {} to {}: {}{}", bodies.num_removed(), totals.first_removal, totals.latest_removal,
+                     fmt::join(named, ", "), named.size() < bodies.num_removed() ? ", ..." : "");
 }
 
 /// Which of a body's hexahedra were inverted.
@@ -193,11 +196,6 @@ void restore(Simulation& simulation, const output::Checkpoint& start) {
   }
 }
 
-std::string hash_of(Simulation& simulation) {
-  return output::state_hash(simulation.latest().step, simulation.state().positions(), simulation.state().velocities(),
-                            simulation.body());
-}
-
 std::vector<output::Figure> summary_of(Simulation& simulation) {
   std::vector<output::Figure> figures;
   const auto add = [&](std::string label, std::string value) {
@@ -210,28 +208,34 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
   const Totals& totals = simulation.totals();
   const long num_steps = simulation.latest().step;
   const double per_step = totals.step_ms / static_cast<double>(std::max(num_steps, 1L));
-  add("nodes", fmt::format("{}", simulation.state().num_nodes()));
-  if (const Body* body = simulation.body()) {
-    const output::Summary summary = output::summarise(*body, simulation.state().positions());
-    add("hexahedra", fmt::format("{}", body->mesh().num_elements()));
+  add("nodes", fmt::format("{}", simulation.num_nodes()));
+  if (const output::Bodies* bodies = simulation.bodies()) {
+    const output::Summary summary = output::summarise(*bodies, simulation.positions());
+    add("hexahedra", fmt::format("{}", bodies->mesh().num_elements()));
+    if (!bodies->is_one())
+      for (const output::Bodies::Entry& entry : bodies->all())
+        add("body " + entry.name,
+            fmt::format("{} hexahedra, {} nodes", entry.body->mesh().num_elements(), entry.body->mesh().num_nodes()));
     for (const RegionFigure& region : regions_of(simulation.scene())) add("region " + region.path, describe(region));
-    if (!body->removed().empty()) {
-      add("removed", removed_line(body->removed(), totals));
+    if (bodies->num_removed() > 0) {
+      add("removed", removed_line(*bodies, totals));
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
     if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
-    add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
-               fmt::format("{:+.3f} %  (world {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
-                           rounded(100 * summary.world_elongation, 1e-3)));
-    add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
-               fmt::format("{:+.3f} deg  (world {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
-                           rounded(summary.world_twist_deg, 1e-3)));
+    if (bodies->is_one())
+      add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
+                 fmt::format("{:+.3f} %  (world {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
+                             rounded(100 * summary.world_elongation, 1e-3)));
+    if (bodies->is_one())
+      add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
+                 fmt::format("{:+.3f} deg  (world {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
+                             rounded(summary.world_twist_deg, 1e-3)));
     add_finite(
         "volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
         fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
                     rounded(100 * (summary.material_volume_ratio - 1), 1e-4), 100 * summary.worst_element_volume_error,
                     rounded(100 * (summary.world_volume_ratio - 1), 1e-4)));
-    const PointArray& x = simulation.state().positions();
+    const PointArray& x = simulation.positions();
     const double size = (x.colwise().maxCoeff() - x.colwise().minCoeff()).matrix().norm();
     const auto add_largest = [&](const char* label, const char* words, const output::Largest& largest) {
       const Vec3 place = largest.place.unaryExpr([&](double number) { return rounded(number, 1e-6 * size); });
@@ -242,7 +246,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     };
     add_largest("largest strain", "in", summary.strain);
     add_largest("plastic strain", "max, in", summary.plastic_strain);
-    if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", body->mesh().num_elements() / per_step));
+    if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", bodies->mesh().num_elements() / per_step));
   }
   for (std::size_t p = 0; p < simulation.probes().size(); ++p) {
     const double reading = simulation.latest().probes[p];
@@ -256,7 +260,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
                             static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
   if (std::string line = preconditioner_line(totals); !line.empty()) add("preconditioner", std::move(line));
   add("instruction set", simd_target());
-  add("state hash", hash_of(simulation));
+  add("state hash", simulation.state_hash());
   return figures;
 }
 
@@ -302,8 +306,8 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
 
   if (files.recorder) complete(*files.recorder, simulation, options);
   if (files.final_state)
-    output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
-                        simulation.state().velocities(), *simulation.body());
+    output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.positions(),
+                        simulation.velocities(), *simulation.bodies(), simulation.state_hash());
   if (files.summary) {
     files.summary->write(summary_json(simulation).dump(1) + "\n");
     files.summary->commit();
@@ -359,8 +363,8 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
 
   const KeptWarnings warnings;
   Simulation simulation(scene_of(options, start != nullptr));
-  const Body* body = simulation.body();
-  if (!body && (options.out || options.final_state || options.summary))
+  const output::Bodies* bodies = simulation.bodies();
+  if (!bodies && (options.out || options.final_state || options.summary))
     throw scene::SceneError(scene::format_error(
         simulation.scene().root().place(), "no body in the scene: --out, --final and --summary have nothing to write"));
   const long num_steps = required_steps(simulation, options.steps);
@@ -389,9 +393,9 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (options.summary) files.summary.emplace(place_of(*options.summary, options, inputs));
   if (options.out && start) {
     Archive saved = start->section("output");
-    files.recorder.emplace(*options.out, *body, std::move(plan), saved);
+    files.recorder.emplace(*options.out, *bodies, std::move(plan), saved);
   } else if (options.out) {
-    files.recorder.emplace(*options.out, *body, std::move(plan));
+    files.recorder.emplace(*options.out, *bodies, std::move(plan));
   }
   if (options.out) {
     for (const std::string& file : files.recorder->lost_states())
@@ -404,7 +408,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
     output::Manifest& result = files.journal->manifest();
     result.steps_done = simulation.latest().step;
     result.warnings = warnings.texts();
-    result.state_hash = hash_of(simulation);
+    result.state_hash = simulation.state_hash();
     result.summary = summary_of(simulation);
   };
   try {

@@ -33,21 +33,129 @@ double reading_of(scene::Probe& probe) {
   }
 }
 
+template <class T>
+std::vector<T> required(std::vector<T> all, scene::Scene& scene, const char* what) {
+  if (all.empty())
+    throw scene::SceneError(
+        scene::format_error(scene.root().place(), fmt::format("no {} in the scene, must be at least one", what)));
+  return all;
+}
+
+std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies) {
+  std::vector<output::Bodies::Entry> entries;
+  for (const scene::SceneBody& body : bodies) entries.push_back({.name = body.name, .body = body.field->body()});
+  return entries;
+}
+
+std::vector<scene::MechanicalState*> states_of(const std::vector<scene::SceneBody>& bodies) {
+  std::vector<scene::MechanicalState*> states;
+  for (const scene::SceneBody& body : bodies) states.push_back(body.state);
+  return states;
+}
+
+/// A nodal field of states, one behind the other.
+template <class FieldOf>
+const PointArray& field_of(const std::vector<scene::MechanicalState*>& states, PointArray& of_all,
+                           const FieldOf& field_of_state) {
+  if (states.size() == 1) return field_of_state(*states.front());
+  Eigen::Index num_nodes = 0;
+  for (scene::MechanicalState* state : states) num_nodes += state->num_nodes();
+  of_all.resize(num_nodes, 3);
+  Eigen::Index first = 0;
+  for (scene::MechanicalState* state : states) {
+    of_all.middleRows(first, state->num_nodes()) = field_of_state(*state);
+    first += state->num_nodes();
+  }
+  return of_all;
+}
+
+/// Of all solvers; none where one keeps no balance.
+std::optional<EnergyBalance> sum_of(const std::vector<scene::OdeSolver*>& solvers) {
+  std::optional<EnergyBalance> sum;
+  for (scene::OdeSolver* solver : solvers) {
+    const EnergyBalance* own = solver->energy_balance();
+    if (!own) return std::nullopt;
+    if (sum)
+      *sum += *own;
+    else
+      sum = *own;
+  }
+  return sum;
+}
+
+/// Of all bodies: counts are sums, and the averaging is the worst of them.
+FlowReport sum_of(const std::vector<scene::SceneBody>& bodies) {
+  FlowReport sum = bodies.empty() ? FlowReport() : *bodies.front().field->flow_report();
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const FlowReport& own = *bodies[i].field->flow_report();
+    sum.yielded += own.yielded;
+    sum.inverted += own.inverted;
+    sum.skipped += own.skipped;
+    sum.repaired += own.repaired;
+    sum.removed += own.removed;
+    sum.worst_volume_error = std::max(sum.worst_volume_error, own.worst_volume_error);
+    sum.averaging.skipped = sum.averaging.skipped && own.averaging.skipped;
+    sum.averaging.fell_back = sum.averaging.fell_back || own.averaging.fell_back;
+    sum.averaging.iterations += own.averaging.iterations;
+    sum.averaging.residual = std::max(sum.averaging.residual, own.averaging.residual);
+    sum.averaging.converged = sum.averaging.converged && own.averaging.converged;
+  }
+  return sum;
+}
+
 }  // namespace
 
 Simulation::Simulation(const SceneOptions& options)
     : scene_(load_scene(options)),
-      state_(&only_state(scene_)),
-      solver_(&only_solver(scene_)),
-      field_(find_body(scene_)),
+      states_(required(scene::independent_states(scene_.root()), scene_, "mechanical state")),
+      solvers_(required(scene_.root().all<scene::OdeSolver>(), scene_, "time integrator")),
+      scene_bodies_(scene::bodies_of(scene_)),
+      shown_states_(scene_bodies_.empty() ? states_ : states_of(scene_bodies_)),
       probes_(accepted_probes(scene_)),
       scene_identity_(identity_of(scene_)) {
   if (scene::Component* settings = find_settings(scene_)) {
     output_every_ = settings->integer("outputEvery");
     if (settings->is_given("steps")) num_steps_ = settings->integer("steps");
   }
+  if (!scene_bodies_.empty()) bodies_.emplace(entries_of(scene_bodies_));
   latest_ = record_of(0, {}, 0);
   load_time_ = scene_.time();
+}
+
+const PointArray& Simulation::positions() {
+  return field_of(
+      shown_states_, positions_, [](scene::MechanicalState & state) -> auto& { return state.positions(); });
+}
+
+const PointArray& Simulation::velocities() {
+  return field_of(
+      shown_states_, velocities_, [](scene::MechanicalState & state) -> auto& { return state.velocities(); });
+}
+
+int Simulation::num_nodes() {
+  int count = 0;
+  for (scene::MechanicalState* state : states_) count += state->num_nodes();
+  return count;
+}
+
+std::string Simulation::state_hash() {
+  PointArray x, v;
+  const PointArray& positions = field_of(
+      states_, x, [](scene::MechanicalState & state) -> auto& { return state.positions(); });
+  const PointArray& velocities = field_of(
+      states_, v, [](scene::MechanicalState & state) -> auto& { return state.velocities(); });
+  return output::state_hash(latest_.step, positions, velocities,
+                            bodies_ ? bodies_->all() : std::span<const output::Bodies::Entry>());
+}
+
+scene::MechanicalState& Simulation::state() {
+  if (shown_states_.size() > 1) scene::only_state(scene_);  // throws
+  return *shown_states_.front();
+}
+
+const Body* Simulation::body() {
+  const scene::ForceField* field = scene::find_body(scene_);
+  return field ? field->body() : nullptr;
 }
 
 const output::StepRecord& Simulation::step() {
@@ -82,7 +190,7 @@ const output::StepRecord& Simulation::step() {
 }
 
 void Simulation::keep_energy_balance() {
-  solver_->keep_energy_balance();
+  for (scene::OdeSolver* solver : solvers_) solver->keep_energy_balance();
   latest_ = record_of(0, {}, 0);
   note_energy();
 }
@@ -123,9 +231,9 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
   output::StepRecord record;
   record.step = step;
   record.time = scene_.time();
-  record.kinetic_energy = solver_->kinetic_energy();
-  if (const EnergyBalance* balance = solver_->energy_balance()) record.energy = *balance;
-  if (field_) record.flow = *field_->flow_report();
+  for (const scene::OdeSolver* solver : solvers_) record.kinetic_energy += solver->kinetic_energy();
+  record.energy = sum_of(solvers_);
+  record.flow = sum_of(scene_bodies_);
   record.solver_iterations = solve.iterations;
   record.residual = solve.residual;
   record.step_ms = step_ms;

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "hexaplast/body.hpp"
 #include "record/recorder.hpp"
 #include "runner/run/scene_file.hpp"
+#include "scene/parts.hpp"
 
 namespace hexaplast::runner {
 
@@ -25,12 +25,11 @@ struct Totals {
   double energy_put_in = 0;   ///< [J] that it began with, and work of loads and supports: the most so far
 };
 
-/// A scene in motion, step by step: what all commands share that run one. The scene moves one mechanical state, by one
-/// solver of motion, with at most one body.
+/// A scene in motion, step by step: what all commands share that run one. Any number of states and bodies.
 class Simulation {
  public:
   /// Reads and initialises the scene, and logs its warnings. Throws what load_scene throws, and SceneError where there
-  /// is not exactly one state and solver, or a second body.
+  /// is no state or no solver of motion.
   explicit Simulation(const SceneOptions& options);
 
   /// One time step. Throws what Scene::step throws, a NumericalError with the step's number. Positions and velocities
@@ -67,18 +66,39 @@ class Simulation {
   /// [s] at which the latest step took its loads, its beginning; before the first step, that of the first.
   double load_time() const { return load_time_; }
   scene::Scene& scene() { return scene_; }
-  scene::MechanicalState& state() { return *state_; }
-  const std::vector<scene::Probe*>& probes() const { return probes_; }    ///< in the order of StepRecord::probes
-  const Body* body() const { return field_ ? field_->body() : nullptr; }  ///< null: only masses
+
+  /// Those of the bodies; null: there are only masses.
+  const output::Bodies* bodies() const { return bodies_ ? &*bodies_ : nullptr; }
+  const std::vector<scene::SceneBody>& scene_bodies() const { return scene_bodies_; }
+
+  /// Of the bodies' nodes (output::Bodies), or, where there is none, of the independent states, one behind the other;
+  /// valid until the next call.
+  const PointArray& positions();   ///< [m]
+  const PointArray& velocities();  ///< [m/s]
+
+  int num_nodes();  ///< of the independent states
+
+  /// Of everything in motion (output::state_hash).
+  std::string state_hash();
+
+  /// The state of the only body, or the only state. Throws SceneError where there are several.
+  scene::MechanicalState& state();
+  const std::vector<scene::Probe*>& probes() const { return probes_; }  ///< in the order of StepRecord::probes
+
+  /// The only one; null: only masses. Throws SceneError where there are several.
+  const Body* body();
 
  private:
   output::StepRecord record_of(long step, const SolveReport& solve, double step_ms);
   void note_energy();
 
   scene::Scene scene_;
-  scene::MechanicalState* state_;
-  scene::OdeSolver* solver_;
-  const scene::ForceField* field_;  // that has the body
+  std::vector<scene::MechanicalState*> states_;  // independent ones
+  std::vector<scene::OdeSolver*> solvers_;
+  std::vector<scene::SceneBody> scene_bodies_;
+  std::vector<scene::MechanicalState*> shown_states_;  // of the bodies, or states_
+  std::optional<output::Bodies> bodies_;
+  PointArray positions_, velocities_;  // of several shown states
   std::vector<scene::Probe*> probes_;
   std::uint64_t scene_identity_;
   std::optional<long> num_steps_;

@@ -29,6 +29,15 @@ bool shows_loads(scene::VisualStyle& style) {
   return is_shown;
 }
 
+/// The body of the nearest node above that has one; null: there is none, or it is the only one.
+const output::Bodies::Entry* carrier_of(const scene::VisualModel& model, Simulation& simulation) {
+  if (!simulation.bodies() || simulation.bodies()->is_one()) return nullptr;
+  for (const scene::Node* node = &model.node(); node; node = node->parent())
+    for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i)
+      if (&simulation.scene_bodies()[i].field->node() == node) return &simulation.bodies()->all()[i];
+  return nullptr;
+}
+
 }  // namespace
 
 output::Staging staging_of(Simulation& simulation) {
@@ -43,8 +52,13 @@ output::Staging staging_of(Simulation& simulation) {
     staging.shows_loads = shows_loads(*styles.front());
   }
   for (const scene::VisualModel* model : root.all<scene::VisualModel>())
-    if (model->is_carried() && model->points().rows() > 0 && shows_embedded_surfaces.value_or(true))
+    if (model->is_carried() && model->points().rows() > 0 && shows_embedded_surfaces.value_or(true)) {
       staging.embedded_surfaces.push_back({model->points(), model->triangles(), model->quads()});
+      if (const output::Bodies::Entry* carrier = carrier_of(*model, simulation)) {
+        staging.embedded_surfaces.back().first_hexahedron = carrier->first_hexahedron;
+        staging.embedded_surfaces.back().num_hexahedra = carrier->body->mesh().num_elements();
+      }
+    }
   staging.shows_hexahedra = shows_hexahedra.value_or(staging.embedded_surfaces.empty());
 
   staging.gravity = root.clock().gravity;

@@ -12,14 +12,14 @@ namespace hexaplast::runner {
 using Json = nlohmann::ordered_json;
 
 Json summary_json(Simulation& simulation) {
-  const Body& body = *simulation.body();
-  const PointArray& x = simulation.state().positions();
+  const output::Bodies& bodies = *simulation.bodies();
+  const PointArray& x = simulation.positions();
   const output::StepRecord& latest = simulation.latest();
   const Totals& totals = simulation.totals();
-  const output::Summary summary = output::summarise(body, x);
+  const output::Summary summary = output::summarise(bodies, x);
   const output::Largest& plastic = summary.plastic_strain;
 
-  return {{"state_hash", output::state_hash(latest.step, x, simulation.state().velocities(), &body)},
+  return {{"state_hash", simulation.state_hash()},
           {"steps", latest.step},
           {"time", simulation.time()},
           {"step_ms", totals.step_ms / static_cast<double>(std::max(latest.step, 1L))},
@@ -27,11 +27,11 @@ Json summary_json(Simulation& simulation) {
           {"preconditioner", preconditioner_line(totals)},
           {"stalled_solves", totals.stalled_solves},
           {"stalled_averaging", totals.stalled_averaging},
-          {"nodes", simulation.state().num_nodes()},
-          {"hexahedra", body.mesh().num_elements()},
-          {"removed", body.removed().size()},
+          {"nodes", simulation.num_nodes()},
+          {"hexahedra", bodies.mesh().num_elements()},
+          {"removed", bodies.num_removed()},
           {"connected_parts", summary.num_pieces},
-          {"least_scaled_jacobian", quality(body.mesh()).min_scaled_jacobian},
+          {"least_scaled_jacobian", quality(bodies.mesh()).min_scaled_jacobian},
           {"inverted", latest.flow.inverted},
           {"most_inverted", totals.most_inverted},
           {"plastic_elongation", summary.plastic_elongation},
@@ -45,8 +45,8 @@ Json summary_json(Simulation& simulation) {
           {"largest_plastic_strain", plastic.value},
           {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
           {"kinetic_energy", latest.kinetic_energy},
-          {"elastic_energy", body.energy(x)},
-          {"dissipated_energy", body.dissipated_energy()},
+          {"elastic_energy", bodies.energy(x)},
+          {"dissipated_energy", bodies.dissipated_energy()},
           {"energy_error", latest.energy ? Json(latest.energy->error()) : Json(nullptr)},
           {"doubts", check_results(simulation)}};
 }

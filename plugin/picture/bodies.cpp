@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "picture/bodies.hpp"
+
+#include <numeric>
+
+namespace hexaplast::output {
+namespace {
+
+HexMesh mesh_of_all(std::span<const Bodies::Entry> entries) {
+  int num_nodes = 0;
+  for (const Bodies::Entry& entry : entries) num_nodes += entry.body->mesh().num_nodes();
+  PointArray positions(num_nodes, 3);
+  std::vector<Hexahedron> hexahedra;
+  for (const Bodies::Entry& entry : entries) {
+    const HexMesh& mesh = entry.body->mesh();
+    Bodies::rows(entry, positions) = mesh.positions();
+    for (Hexahedron hexahedron : mesh.hexahedra()) {
+      for (int& node : hexahedron) node += entry.first_node;
+      hexahedra.push_back(hexahedron);
+    }
+  }
+  return {std::move(positions), std::move(hexahedra)};
+}
+
+}  // namespace
+
+Bodies::Bodies(const Body& only) : entries_{{.name = "body", .body = &only}} {}
+
+Bodies::Bodies(std::vector<Entry> entries) : entries_(std::move(entries)) {
+  int num_nodes = 0, num_hexahedra = 0;
+  for (Entry& entry : entries_) {
+    entry.first_node = num_nodes;
+    entry.first_hexahedron = num_hexahedra;
+    num_nodes += entry.body->mesh().num_nodes();
+    num_hexahedra += entry.body->mesh().num_elements();
+  }
+  if (!is_one()) mesh_ = std::make_shared<const HexMesh>(mesh_of_all(entries_));
+}
+
+std::span<const unsigned char> Bodies::alive() const {
+  if (is_one()) return entries_[0].body->alive();
+  alive_.clear();
+  for (const Entry& entry : entries_) {
+    const std::span<const unsigned char> own = entry.body->alive();
+    alive_.insert(alive_.end(), own.begin(), own.end());
+  }
+  return alive_;
+}
+
+const PointArray& Bodies::plastic_rest_positions() const {
+  if (is_one()) return entries_[0].body->plastic_rest_positions();
+  plastic_rest_positions_.resize(mesh().num_nodes(), 3);
+  for (const Entry& entry : entries_) rows(entry, plastic_rest_positions_) = entry.body->plastic_rest_positions();
+  return plastic_rest_positions_;
+}
+
+ElementFields Bodies::fields(ConstPoints positions) const {
+  if (is_one()) return entries_[0].body->fields(positions);
+  ElementFields all;
+  for (const Entry& entry : entries_) {
+    const ElementFields own = entry.body->fields(rows(entry, positions));
+    for (std::vector<double> ElementFields::*member :
+         {&ElementFields::plastic_strain, &ElementFields::yield_stress, &ElementFields::volume_ratio,
+          &ElementFields::stress_norm, &ElementFields::strain})
+      (all.*member).insert((all.*member).end(), (own.*member).begin(), (own.*member).end());
+  }
+  return all;
+}
+
+namespace {
+
+template <class Value>
+double sum_over(std::span<const Bodies::Entry> entries, const Value& value) {
+  return std::accumulate(entries.begin(), entries.end(), 0.0,
+                         [&](double sum, const Bodies::Entry& entry) { return sum + value(entry); });
+}
+
+}  // namespace
+
+double Bodies::energy(ConstPoints positions) const {
+  return sum_over(entries_, [&](const Entry& entry) { return entry.body->energy(rows(entry, positions)); });
+}
+
+double Bodies::dissipated_energy() const {
+  return sum_over(entries_, [](const Entry& entry) { return entry.body->dissipated_energy(); });
+}
+
+double Bodies::volume(ConstPoints positions) const {
+  return sum_over(entries_, [&](const Entry& entry) { return entry.body->volume(rows(entry, positions)); });
+}
+
+double Bodies::initial_volume() const {
+  return sum_over(entries_, [](const Entry& entry) { return entry.body->initial_volume(); });
+}
+
+std::size_t Bodies::num_removed() const {
+  std::size_t count = 0;
+  for (const Entry& entry : entries_) count += entry.body->removed().size();
+  return count;
+}
+
+}  // namespace hexaplast::output

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What a run of several bodies writes, against runs of each alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "hexaplast/formats/mesh_import.hpp"
+#include "support/command.hpp"
+#include "support/compare.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using Json = nlohmann::json;
+
+constexpr std::string_view kLiver =
+    "<RegularGridTopology n='3 3 4' max='.02 .02 .03'/><MechanicalObject name='nodes'/><UniformMass totalMass='.1'/>"
+    "<FixedProjectiveConstraint indices='0-8'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='3000' "
+    "yieldStress='300' plasticFlowRate='5' fractureStretch='1.4'/><ConstantForceField indices='27-35' "
+    "totalForce='0 0 .5'/>";
+constexpr std::string_view kSac =
+    "<RegularGridTopology n='2 3 2' min='.05 0 0' max='.06 .02 .01'/><MechanicalObject name='nodes'/>"
+    "<UniformMass totalMass='.01'/><FixedProjectiveConstraint indices='0 1'/>"
+    "<HexahedronElastoplasticFEMForceField name='body' youngModulus='1000'/>";
+
+class SeveralBodiesRun : public support::Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    const auto scene = [](const std::string& nodes) {
+      return "<Node gravity='0 -1 0' dt='.01'><DefaultAnimationLoop/><RunSettings steps='60' outputEvery='20'/>"
+             "<EulerImplicitSolver rayleighMass='1'/><SparseLDLSolver/>" +
+             nodes + "</Node>";
+    };
+    const std::string liver = "<Node name='liver'>" + std::string(kLiver) + "</Node>",
+                      sac = "<Node name='sac'>" + std::string(kSac) + "</Node>";
+    write("both.scn", scene(liver + sac));
+    write("liver.scn", scene(liver));
+    write("sac.scn", scene(sac));
+  }
+
+  Json json(const std::string& file) const { return Json::parse(support::content(directory_ / file)); }
+  ImportedState state(const std::string& file) const { return read_vtu_state(directory_ / file); }
+  static std::vector<double> array(const std::vector<ImportedArray>& arrays, const std::string& name) {
+    const auto found = std::ranges::find(arrays, name, &ImportedArray::name);
+    EXPECT_NE(found, arrays.end()) << name;
+    return found == arrays.end() ? std::vector<double>() : found->values;
+  }
+};
+
+TEST_F(SeveralBodiesRun, WritesThemOneBehindTheOther) {
+  for (const std::string name : {"both", "liver", "sac"}) {
+    const support::Outcome ran =
+        hexaplast("run " + name + ".scn --quiet --frames 1 --out " + name + " --final " + name + ".json");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+  }
+  const Json both = json("both/both.json"), liver = json("liver/liver.json"), sac = json("sac/sac.json");
+  EXPECT_EQ(both["bodies"], Json::parse(R"([{"name": "liver", "first_node": 0, "nodes": 36, "first_hexahedron": 0,
+      "hexahedra": 12}, {"name": "sac", "first_node": 36, "nodes": 12, "first_hexahedron": 12, "hexahedra": 2}])"));
+  EXPECT_FALSE(liver.contains("bodies"));
+  for (const char* list : {"positions", "velocities", "material_positions"})
+    for (std::size_t n = 0; n < 48; ++n)
+      for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_NEAR(both[list][n][i].get<double>(), (n < 36 ? liver[list][n][i] : sac[list][n - 36][i]).get<double>(),
+                    1e-12)
+            << list << " " << n;
+  EXPECT_EQ(both["volume_ratio"].size(), 14U);
+  EXPECT_NE(both["state_hash"], liver["state_hash"]);
+
+  // hexahedra that have gone, of the liver alone
+  EXPECT_FALSE(both["removed"].empty());
+  EXPECT_EQ(both["removed"], liver["removed"]);
+  const std::string removed = support::content(directory_ / "both/removed.csv");
+  EXPECT_TRUE(removed.starts_with("step,time,hexahedron,body\n")) << removed;
+  EXPECT_NE(removed.find(",liver\n"), std::string::npos);
+  EXPECT_EQ(removed.find(",sac\n"), std::string::npos);
+
+  const ImportedState first = state("both/mesh_000000.vtu"), last = state("both/mesh_000060.vtu");
+  EXPECT_EQ(first.mesh.positions.rows(), 48);
+  std::vector<double> body(14, 0);
+  body[12] = body[13] = 1;
+  EXPECT_EQ(array(first.cell_data, "body"), body);
+  EXPECT_EQ(array(last.cell_data, "body").size(), 14 - both["removed"].size());
+  EXPECT_EQ(array(last.cell_data, "body").back(), 1);
+  const std::vector<double> fixed = array(first.point_data, "fixed");
+  for (int n = 0; n < 48; ++n) EXPECT_EQ(fixed[n], n < 9 || n == 36 || n == 37) << n;
+  EXPECT_TRUE(std::filesystem::exists(directory_ / "both/frames/frame_000060.png"));
+  const std::string report = support::content(directory_ / "both/report.html");
+  EXPECT_NE(report.find("body liver"), std::string::npos);
+  EXPECT_NE(report.find("body sac"), std::string::npos);
+}
+
+TEST_F(SeveralBodiesRun, IsTheSameWhenItIsInterrupted) {
+  ASSERT_EQ(hexaplast("run both.scn --quiet --frames 0 --out whole").code, 0);
+  ASSERT_EQ(hexaplast("run both.scn --quiet --frames 0 --out parts --steps 30 --checkpoint-every 30").code, 0);
+  const support::Outcome resumed = hexaplast("resume parts --quiet --steps 60");
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(json("parts/manifest.json")["state_hash"], json("whole/manifest.json")["state_hash"]);
+  EXPECT_EQ(support::content(directory_ / "parts/removed.csv"), support::content(directory_ / "whole/removed.csv"));
+}
+
+TEST_F(SeveralBodiesRun, ChecksEach) {
+  const support::Outcome checked = hexaplast("check both.scn --json");
+  ASSERT_EQ(checked.code, 0) << checked.err;
+  const Json found = Json::parse(checked.out);
+  EXPECT_EQ(found["nodes"], 48);
+  EXPECT_EQ(found["hexahedra"], 14);
+  EXPECT_EQ(found["held_nodes"], 11);
+  EXPECT_TRUE(found["body"].is_null());
+  ASSERT_EQ(found["bodies"].size(), 2U);
+  EXPECT_EQ(found["bodies"][0]["name"], "liver");
+  EXPECT_NEAR(found["bodies"][0]["mass"].get<double>(), 0.1, 1e-15);
+  EXPECT_EQ(found["bodies"][1]["name"], "sac");
+  EXPECT_NEAR(found["bodies"][1]["volume"].get<double>(), 0.01 * 0.02 * 0.01, 1e-15);
+  EXPECT_NEAR(found["load"][1].get<double>(), -0.11, 1e-12);
+  EXPECT_NE(hexaplast("check both.scn").out.find("body                sac"), std::string::npos);
+}
+
+// Verbs for one body say so.
+TEST_F(SeveralBodiesRun, OtherCommandsRefuseThem) {
+  for (const std::string verb : {"mesh export both.scn --out x.vtu", "bench both.scn"}) {
+    const support::Outcome refused = hexaplast(verb);
+    EXPECT_NE(refused.code, 0) << verb;
+    EXPECT_NE(refused.err.find("both.scn:1: error: "), std::string::npos) << verb << refused.err;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include "hexaplast/base/parallel.hpp"
+#include "scene/parts.hpp"
+#include "support/compare.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::read_and_init;
+
+// Two bars of other sizes and other matter, each held at one end and pulled; one flows, the other carries points.
+constexpr std::string_view kSoft =
+    "<RegularGridTopology n='3 3 7' min='0 0 0' max='.1 .1 .3'/><MechanicalObject name='nodes'/>"
+    "<UniformMass totalMass='2'/><BoxROI name='end' box='-1 -1 -.01 1 1 .01'/>"
+    "<FixedProjectiveConstraint indices='@end.indices'/>"
+    "<HexahedronElastoplasticFEMForceField youngModulus='5000' poissonRatio='.4' yieldStress='100' "
+    "plasticFlowRate='4'/><ConstantForceField indices='54-62' forces='.1 0 .3'/>";
+constexpr std::string_view kStiff =
+    "<RegularGridTopology n='4 3 3' min='1 0 0' max='1.3 .1 .1'/><MechanicalObject name='nodes'/>"
+    "<UniformMass totalMass='1'/><FixedProjectiveConstraint indices='0 4 8 12 16 20 24 28 32'/>"
+    "<HexahedronElastoplasticFEMForceField youngModulus='50000' poissonRatio='.3'/>"
+    "<Node name='skin'><MechanicalObject name='points' position='1.2 .05 .05  1.25 .02 .07'/>"
+    "<BarycentricMapping/><ConstantForceField forces='0 2 0'/></Node>";
+
+std::string node(const std::string& name, std::string_view content) {
+  return "<Node name='" + name + "'>" + std::string(content) + "</Node>";
+}
+std::string scene_of(const std::string& content) {
+  return "<Node dt='.02' gravity='0 -9.81 0'><DefaultAnimationLoop/>" + content + "</Node>";
+}
+
+PointArray end_of(const std::string& text, const std::string& state, int steps = 30) {
+  scene::Scene scene = read_and_init(text);
+  support::run(scene, steps);
+  return at<scene::MechanicalState>(scene, state).positions();
+}
+
+// One system over two states that nothing couples is two systems.
+TEST(SeveralBodies, UnderOneSolverMoveAsTheyDoAlone) {
+  struct Case {
+    std::string solver;
+    double tolerance;
+  };
+  for (const Case& c : {Case{"<SparseLDLSolver/>", 1e-12},
+                        Case{"<CGLinearSolver iterations='400' tolerance='1e-13' threshold='1e-30'/>", 1e-9},
+                        Case{"<MultigridCGLinearSolver tolerance='1e-12' preconditioner='multigrid'/>", 1e-9},
+                        Case{"<MultigridCGLinearSolver tolerance='1e-12' preconditioner='diagonal'/>", 1e-9}}) {
+    const std::string solvers = "<EulerImplicitSolver rayleighMass='.1'/>" + c.solver;
+    const std::string both = scene_of(solvers + node("soft", kSoft) + node("stiff", kStiff));
+    for (const auto& [name, content] : {std::pair{"soft", kSoft}, std::pair{"stiff", kStiff}})
+      for (const std::string state : {"/nodes", "/skin/points"}) {
+        if (state == "/skin/points" && content == kSoft) continue;
+        const PointArray alone = end_of(scene_of(solvers + node(name, content)), name + state);
+        EXPECT_TRUE(support::agrees(end_of(both, name + state), alone, c.tolerance)) << c.solver << name << state;
+      }
+  }
+}
+
+// In mixed precision too, where a body's products are rounded.
+TEST(SeveralBodies, MixedPrecision) {
+  std::string soft(kSoft);
+  soft.insert(soft.find("yieldStress"), "precision='mixed' ");
+  const std::string solvers = "<EulerImplicitSolver/><MultigridCGLinearSolver tolerance='1e-9'/>";
+  const std::string both = scene_of(solvers + node("soft", soft) + node("stiff", kStiff));
+  for (const auto& [name, content] : {std::pair{"soft", std::string_view(soft)}, std::pair{"stiff", kStiff}})
+    EXPECT_TRUE(support::agrees(end_of(both, std::string(name) + "/nodes"),
+                                end_of(scene_of(solvers + node(name, content)), std::string(name) + "/nodes"), 1e-7))
+        << name;
+}
+
+TEST(SeveralBodies, WithSolversOfTheirOwnHaveTheBitsThatTheyHaveAlone) {
+  const std::string solvers = "<EulerImplicitSolver/><CGLinearSolver/>";
+  const std::string soft = solvers + std::string(kSoft), stiff = solvers + std::string(kStiff);
+  const std::string both = scene_of(node("soft", soft) + node("stiff", stiff));
+  EXPECT_EQ(end_of(both, "soft/nodes"), end_of(scene_of(node("soft", soft)), "soft/nodes"));
+  EXPECT_EQ(end_of(both, "stiff/nodes"), end_of(scene_of(node("stiff", stiff)), "stiff/nodes"));
+}
+
+TEST(SeveralBodies, HaveTheSameBitsForAnyNumberOfThreads) {
+  const std::string text =
+      scene_of("<EulerImplicitSolver/><MultigridCGLinearSolver/>" + node("soft", kSoft) + node("stiff", kStiff));
+  set_num_threads(1);
+  const PointArray one = end_of(text, "soft/nodes");
+  set_num_threads(3);
+  EXPECT_EQ(end_of(text, "soft/nodes"), one);
+  set_num_threads(1);
+}
+
+// In equilibrium, by one Newton method for both.
+TEST(SeveralBodies, InStaticEquilibrium) {
+  const std::string solvers =
+      "<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='30' relativeInitialStoppingThreshold='1e-12'/>"
+      "<SparseLDLSolver/>";
+  const std::string both = scene_of(solvers + node("soft", kSoft) + node("stiff", kStiff));
+  for (const auto& [name, content] : {std::pair{"soft", kSoft}, std::pair{"stiff", kStiff}})
+    EXPECT_TRUE(support::agrees(end_of(both, std::string(name) + "/nodes", 3),
+                                end_of(scene_of(solvers + node(name, content)), std::string(name) + "/nodes", 3), 1e-8))
+        << name;
+}
+
+// The work of all loads goes somewhere in both of them.
+TEST(SeveralBodies, HaveOneBalanceOfEnergy) {
+  scene::Scene scene = read_and_init(
+      scene_of("<EulerImplicitSolver name='euler'/><SparseLDLSolver/>" + node("soft", kSoft) + node("stiff", kStiff)));
+  auto& solver = at<scene::OdeSolver>(scene, "euler");
+  solver.keep_energy_balance();
+  support::run(scene, 30);
+  const EnergyBalance& both = *solver.energy_balance();
+
+  EnergyBalance sum;
+  for (const auto& [name, content] : {std::pair{"soft", kSoft}, std::pair{"stiff", kStiff}}) {
+    scene::Scene alone =
+        read_and_init(scene_of("<EulerImplicitSolver name='euler'/><SparseLDLSolver/>" + node(name, content)));
+    auto& euler = at<scene::OdeSolver>(alone, "euler");
+    euler.keep_energy_balance();
+    support::run(alone, 30);
+    sum += *euler.energy_balance();
+  }
+  for (double EnergyBalance::*term : {&EnergyBalance::kinetic, &EnergyBalance::elastic, &EnergyBalance::load_work,
+                                      &EnergyBalance::numerical_loss, &EnergyBalance::flow_loss})
+    EXPECT_NEAR(both.*term, sum.*term, 1e-9 * sum.load_work);
+}
+
+TEST(SeveralBodies, ContinueFromASavedState) {
+  const std::string text = scene_of("<EulerImplicitSolver/><CGLinearSolver warmStart='true'/>" + node("soft", kSoft) +
+                                    node("stiff", kStiff));
+  scene::Scene straight = read_and_init(text), second = read_and_init(text);
+  support::run(straight, 10);
+  std::vector<std::byte> bytes;
+  Archive out([&](const void* data, std::size_t size) {
+    const auto* from = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), from, from + size);
+  });
+  straight.serialize(out);
+  Archive in{std::span<const std::byte>(bytes)};
+  second.serialize(in);
+  support::run(straight, 10);
+  support::run(second, 10);
+  for (const std::string state : {"soft/nodes", "stiff/nodes"})
+    EXPECT_EQ(at<scene::MechanicalState>(straight, state).positions(),
+              at<scene::MechanicalState>(second, state).positions());
+}
+
+TEST(SeveralBodies, AStateThatNothingMovesStaysAndSaysSo) {
+  const std::string moved = node("soft", "<EulerImplicitSolver/><SparseLDLSolver/>" + std::string(kSoft));
+  const std::string still =
+      "<Node name='still'><MechanicalObject name='nodes' position='0 1 0'/><UniformMass totalMass='1'/></Node>";
+  scene::Scene scene = read_and_init(scene_of(moved + still));
+  const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_EQ(scene::format(warnings.back()),
+            "test.scn:1: warning: MechanicalObject: nothing moves it: no OdeSolver in its node or above");
+  support::run(scene, 3);
+  EXPECT_EQ(at<scene::MechanicalState>(scene, "still/nodes").positions()(0, 1), 1);
+  EXPECT_EQ(errors_of(scene_of(still)),
+            "test.scn:1: error: MechanicalObject: nothing moves it: needs an OdeSolver in its node or above");
+}
+
+TEST(SeveralBodies, OneSolverMovesEach) {
+  const std::string solver = "<EulerImplicitSolver name='outer'/><SparseLDLSolver/>";
+  EXPECT_EQ(
+      errors_of(scene_of(solver + node("soft", "<EulerImplicitSolver/>" + std::string(kSoft)))),
+      "test.scn:1: error: EulerImplicitSolver: EulerImplicitSolver 'outer' moves everything in its node and below "
+      "already");
+  EXPECT_EQ(
+      errors_of(scene_of(solver + "<EulerImplicitSolver/>" + node("soft", kSoft))),
+      "test.scn:1: error: EulerImplicitSolver: EulerImplicitSolver 'outer' moves everything in its node and below "
+      "already");
+  EXPECT_EQ(errors_of(scene_of(solver + node("soft", kSoft) +
+                               "<Node><MechanicalObject name='free' position='0 0 0'/></Node>")),
+            "test.scn:1: error: EulerImplicitSolver: no mass on MechanicalObject 'free' of its node and below");
+  EXPECT_EQ(errors_of(scene_of(solver)),
+            "test.scn:1: error: EulerImplicitSolver: no mechanical state in its node and "
+            "below, must be at least one");
+}
+
+// Names of bodies are different from each other, and can stand in a table.
+TEST(SeveralBodies, HaveNames) {
+  scene::Scene scene = read_and_init(scene_of("<EulerImplicitSolver/><SparseLDLSolver/>" + node("soft", kSoft) +
+                                              node("left, stiff", kStiff) + node("soft", kStiff)));
+  std::string names;
+  for (const scene::SceneBody& body : scene::bodies_of(scene)) names += body.name + " ";
+  EXPECT_EQ(names, "soft body_2 body_3 ");
+}
+
+}  // namespace
