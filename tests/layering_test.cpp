@@ -32,6 +32,7 @@ const std::map<std::string, int> kHeight{
     {"solve", 6},
     {"plastic", 6},
     {"body", 7},
+    {"contact", 7},
     {"inspect", 8},
     {"model_check", 8},
     {"moving_body", 8},

@@ -82,6 +82,9 @@ inline constexpr std::array kExamples = {
     times="0 0.5 2 2.1" forces="0 0.5 0.5 0"/>)xml"},
     Example{"GraspForceField", R"xml(<GraspForceField name="forceps" radius="0.06" graspTime="0.1" releaseTime="1.5"
     keyTimes="0.2 1 1.4" positions="0.05 0.05 0.4  0.05 0.1 0.45  0.08 0.1 0.45" stiffness="500" maxForce="2"/>)xml"},
+    Example{"InstrumentContactForceField",
+            R"xml(<InstrumentContactForceField name="probe" shape="capsule" radius="0.02" length="0.1" friction="0.2"
+    keyTimes="0 1" positions="0.05 0.05 0.5  0.05 0.05 0.46"/>)xml"},
     Example{"Probe",
             R"xml(<Probe name="tip" value="@nodes.position" indices="72-80" component="z" change="true"/>)xml"},
     Example{"BoxROI", R"xml(<BoxROI name="shin" box="-0.01 -0.01 -0.01  0.11 0.11 0.06"/>)xml"},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "attributes/contact.hpp"
 #include "attributes/parts.hpp"
 #include "attributes/rows.hpp"
 

@@ -20,6 +20,7 @@ void add_extrusion(scene::Factory& factory);       // ExtrudeQuadsAndGenerateHex
 void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles, drag
 void add_instruments(scene::Factory& factory);     // GraspForceField
+void add_contact(scene::Factory& factory);         // InstrumentContactForceField
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
 void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
 void add_probes(scene::Factory& factory);          // Probe

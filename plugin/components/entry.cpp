@@ -17,6 +17,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_constraints(factory);
   add_loads(factory);
   add_instruments(factory);
+  add_contact(factory);
   add_bodies(factory);
   add_regions(factory);
   add_mappings(factory);

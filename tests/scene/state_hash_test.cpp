@@ -46,6 +46,7 @@ constexpr PinnedScene kScenes[] = {
     {"liver_cage", 30},
     {"liver_tumour", 40},
     {"peritoneum_tear", 32},
+    {"probe_liver", 50},
     {"vessel_mobilise", 80, Comes::kToTear},
 };
 

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "hexaplast/base/archive.hpp"
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/types.hpp"
+#include "hexaplast/contact/solid.hpp"
+#include "hexaplast/contact/surface_samples.hpp"
+
+namespace hexaplast {
+
+/// Where a rigid solid is, and how it is turned.
+struct Pose {
+  Vec3 position = Vec3::Zero();  ///< [m] of the origin of its frame
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+
+  Vec3 to_world(const Vec3& own) const { return position + orientation * own; }
+  Vec3 to_own(const Vec3& world) const { return orientation.conjugate() * (world - position); }
+
+  /// At a share of the way from a to b.
+  static Pose between(const Pose& a, const Pose& b, double share) {
+    return {(1 - share) * a.position + share * b.position, a.orientation.slerp(share, b.orientation)};
+  }
+};
+
+struct ContactSettings {
+  double stiffness = 0;             ///< k [Pa/m] pressure per depth
+  double tangential_stiffness = 0;  ///< k_t [Pa/m] shear stress per displacement while it sticks
+  double friction = 0;              ///< mu
+  double distance = 0;              ///< d [m] the skin of the instrument: contact begins there
+  double damping = 0;               ///< c [Pa s/m] pressure per speed of approach
+};
+
+/// Contact of the surface of a body with a rigid instrument that moves.                    theory.md eq. C1-C5
+///
+/// A sample p with the area A touches in a step if its distance from the instrument is below d at the beginning, or that
+/// of the place that it is expected at, x_n + h v_n, at the end; q is the nearest place of the instrument, n the direction to p. In
+/// the step
+///
+///   g = n.(p - q) - d,            f_n = -A (k g + c dg/dt) n                      normal
+///   u = (I - n n^T)(p - anchor),  f_t = -k_t A u               k_t A |u| <= mu N     sticks
+///                                     = -mu N u / |u_p|        beyond                slips; u_p: expected u
+///
+/// with places of the instrument at the end of the step. n, q, u_p and N are those of the beginning of the step, so
+/// that forces are linear in x and the step of an implicit integrator ends with them. Contacts that would pull at the
+/// end of a step are released, and the step is solved again. When a step is accepted, the anchors of samples that slip
+/// follow them until k_t A |u| = mu N.
+///
+/// A sample that passes the instrument within a step is found by poses in between.
+///
+/// State: per sample its anchor, in the frame of the instrument, and N.
+class InstrumentContact {
+ public:
+  /// Throws InputError for settings that are negative or not finite, or a stiffness that is 0.
+  InstrumentContact(Solid solid, ContactSettings settings, SurfaceSamples samples);
+
+  const Solid& solid() const { return solid_; }
+  const SurfaceSamples& samples() const { return samples_; }
+  void set_settings(ContactSettings settings);
+
+  /// Other samples of the same body, as after hexahedra have gone. Samples that were there before keep their state.
+  void set_samples(SurfaceSamples samples);
+
+  /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning.
+  void begin_step(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end);
+
+  /// f += forces [N] of the contacts of the present step. K = df/dx, B = df/dv are constant within a step.
+  void add_force(ConstPoints x, ConstPoints v, Points f) const;
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const;
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const;
+  void add_damping_product(double factor, ConstPoints dx, Points df) const;
+  void add_damping_blocks(double factor, BlockMatrix& A) const;
+
+  /// Releases the contacts that would pull at x and v. Returns whether there were any.
+  bool release(ConstPoints x, ConstPoints v);
+
+  /// The step has ended at x and v: anchors follow, and forces on the instrument are those at its end.
+  void end_step(ConstPoints x, ConstPoints v);
+
+  /// As it was made: nothing has touched yet.
+  void reset();
+
+  /// Throws InputError for the state of other samples.
+  void serialize(Archive& archive);
+
+  int num_touching() const { return static_cast<int>(contacts_.size()); }
+  int num_slipping() const;
+
+  /// On the instrument, at the end of the latest step.
+  const Vec3& force() const { return force_; }    ///< [N]
+  const Vec3& torque() const { return torque_; }  ///< [N m] about the origin of its frame
+
+  /// [m] The deepest place of a sample, and [J] in the springs, at the end of the latest step.
+  double depth() const { return depth_; }
+  double energy() const { return energy_; }
+
+ private:
+  struct SampleState {
+    Vec3 anchor = Vec3::Zero();  // [m] in the frame of the instrument
+    double normal_force = 0;     // N [N] at the end of the latest step; 0: does not touch, and has no anchor
+  };
+
+  struct Contact {
+    int sample = 0;
+    Vec3 place = Vec3::Zero();     // q [m]
+    Vec3 velocity = Vec3::Zero();  // of q [m/s]
+    Vec3 normal = Vec3::UnitZ();
+    Vec3 anchor = Vec3::Zero();  // [m] in the world, at the end of the step
+    double stiffness = 0;        // k A [N/m]
+    double damping = 0;          // c A [N s/m]
+    double tangential = 0;       // [N/m] k_t A, or mu N / |u_p|
+    bool slips = false;
+  };
+
+  double gap(const Contact& contact, const Vec3& p) const {
+    return contact.normal.dot(p - contact.place) - settings_.distance;
+  }
+  Vec3 displacement(const Contact& contact, const Vec3& p) const {
+    const Vec3 u = p - contact.anchor;
+    return u - contact.normal.dot(u) * contact.normal;
+  }
+  double normal_force(const Contact& contact, const Vec3& p, const Vec3& velocity) const;
+  Mat3 stiffness_of(const Contact& contact) const;
+
+  Solid solid_;
+  ContactSettings settings_;
+  SurfaceSamples samples_;
+  std::vector<SampleState> states_;  // per sample
+  Pose pose_;                        // at the end of the present step
+
+  struct Found {
+    bool touches = false;
+    Vec3 place, normal;  // in the frame of the instrument
+    Vec3 first;          // where the sample was, in that frame, when it came to touch
+  };
+  std::vector<Found> found_;  // scratch, per sample
+  std::vector<Contact> contacts_;
+  Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
+  double depth_ = 0, energy_ = 0;
+};
+
+}  // namespace hexaplast

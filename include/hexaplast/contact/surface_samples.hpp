@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+namespace hexaplast {
+
+/// Points on the surface of a body, at which contact is looked for: its nodes, and as many between them on every face
+/// as bring neighbours near enough to each other. A point that several faces have is there once.
+///
+///   p = sum_a w_a x_a, sum_a w_a = 1                                     sum of all areas = area of the surface
+struct SurfaceSamples {
+  struct Sample {
+    std::array<int, kCorners> nodes = {};
+    std::array<double, kCorners> weights = {};
+    int num_nodes = 0;  ///< that move it
+    double area = 0;    ///< [m^2] in the initial shape
+
+    Vec3 at(ConstPoints x) const {
+      Vec3 p = Vec3::Zero();
+      for (int a = 0; a < num_nodes; ++a) p += weights[a] * x.row(nodes[a]).transpose();
+      return p;
+    }
+    void add(const Vec3& vector, Points f) const {
+      for (int a = 0; a < num_nodes; ++a) f.row(nodes[a]) += weights[a] * vector.transpose();
+    }
+  };
+
+  std::vector<Sample> samples;
+  double spacing = 0;  ///< [m] the largest distance between neighbours
+
+  /// On the faces of the mesh. Parts of an edge of a face: as many as make neighbours no farther apart than `wanted`
+  /// [m], but not more than `most`. alive: empty, or one per hexahedron. Throws InputError for a `wanted` or `most`
+  /// that is not positive.
+  static SurfaceSamples on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int most);
+
+  /// The same on triangles that are embedded in the hexahedra (Embedding) and have the positions `skin` [m] in the
+  /// initial shape. Triangles of which a point lies in a hexahedron that is gone are left out. Throws what Embedding
+  /// throws, and InputError for a node that is not there.
+  static SurfaceSamples on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
+                                const std::vector<Triangle>& triangles, double wanted, int most);
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "attributes/attribute.hpp"
+
+/// Contact, the same in every host.
+namespace hexaplast::attributes {
+
+inline constexpr Attribute kInstrumentContactAttributes[] = {
+    {.name = "shape",
+     .type = Type::kWord,
+     .initial = "sphere",
+     .words = "sphere capsule cylinder box surface",
+     .help =
+         "Shape of the instrument, around the origin of its frame. Capsules and cylinders lie along z. surface: the "
+         "inside of the closed surface of surfacePositions and surfaceTriangles."},
+    {.name = "radius", .type = Type::kReal, .unit = "m", .range = kPositive, .help = "Of sphere, capsule, cylinder."},
+    {.name = "length",
+     .type = Type::kReal,
+     .unit = "m",
+     .range = kPositive,
+     .help = "Of cylinder and capsule; of a capsule without its two caps."},
+    {.name = "size", .type = Type::kVector3, .unit = "m", .range = kPositive, .help = "Edges of the box."},
+    {.name = "surfacePositions",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .help = "Nodes of the surface in the frame of the instrument, for example @loader.position."},
+    {.name = "surfaceTriangles",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Groups of three nodes, counter-clockwise seen from outside, for example @loader.triangles. The surface "
+             "must be closed."},
+    {.name = "skinPositions",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .help = "Nodes of a surface that is embedded in the body, in the initial shape, for example @visual.position."},
+    {.name = "skinTriangles",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Groups of three of these nodes. If given, this surface is touched in place of the faces of the "
+             "hexahedra."},
+    {.name = "keyTimes", .type = Type::kReals, .unit = "s", .help = "Key times of the path, ascending."},
+    {.name = "positions",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .help = "Position of the instrument at each key time, linear in between; it stays at the first position before "
+             "the first time and at the last one after the last."},
+    {.name = "orientations",
+     .type = Type::kReals,
+     .help = "Orientation at each key time: quaternions x y z w. In between it turns steadily. Default: not turned."},
+    {.name = "contactStiffness",
+     .type = Type::kReal,
+     .unit = "Pa/m",
+     .range = kPositive,
+     .help = "Pressure per depth of penetration. Default: 30 E / edge length of the body's hexahedra (the greatest "
+             "Young's modulus, the mean edge): a pressure of .3 E is held at a hundredth of an edge."},
+    {.name = "tangentialStiffness",
+     .type = Type::kReal,
+     .unit = "Pa/m",
+     .range = kNotNegative,
+     .help = "Shear stress per displacement of tissue that sticks. Default: contactStiffness."},
+    {.name = "friction",
+     .type = Type::kReal,
+     .initial = "0",
+     .range = kNotNegative,
+     .help = "Coefficient of friction: tissue slips where the tangential force exceeds this times the normal force."},
+    {.name = "contactDistance",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "m",
+     .range = kNotNegative,
+     .help = "Contact begins at this distance from the shape."},
+    {.name = "damping",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "Pa s/m",
+     .range = kNotNegative,
+     .help = "Pressure per speed of approach."},
+    {.name = "maxSubdivision",
+     .type = Type::kInteger,
+     .initial = "8",
+     .range = {.min = 1, .max = 64},
+     .help = "Contact is found at points of the surface: at its nodes, and between them at distances of half the "
+             "instrument's smallest radius, but at not more than this number of parts of an edge. A warning appears if "
+             "they do not suffice."},
+    {.name = "force",
+     .type = Type::kVector3,
+     .unit = "N",
+     .access = Access::kOutput,
+     .help = "Force of the body on the instrument at the end of the last step."},
+    {.name = "torque",
+     .type = Type::kVector3,
+     .unit = "N m",
+     .access = Access::kOutput,
+     .help = "Torque of the body on the instrument about the origin of its frame."},
+    {.name = "depth",
+     .type = Type::kReals,
+     .unit = "m",
+     .access = Access::kOutput,
+     .help = "How deep the surface is inside the instrument, at most."},
+    {.name = "touching", .type = Type::kReals, .access = Access::kOutput, .help = "Number of points that touch."},
+    {.name = "slipping", .type = Type::kReals, .access = Access::kOutput, .help = "How many of these slip."},
+};
+inline constexpr Description kInstrumentContactForceField{
+    .class_name = "InstrumentContactForceField",
+    .category = "ForceField",
+    .help =
+        "A rigid instrument that moves along a path and touches the body of the nearest state: it presses, strokes, "
+        "drags by friction, and never pulls. Needs an EulerImplicitSolver.",
+    .templates = kVec3Templates,
+    .attributes = kInstrumentContactAttributes};
+
+}  // namespace hexaplast::attributes

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "attributes/contact.hpp"
+
+#include <fmt/format.h>
+
+#include "components/cells.hpp"
+#include "components/components.hpp"
+#include "components/part.hpp"
+#include "parts/instrument.hpp"
+#include "scene/interfaces.hpp"
+#include "scene/load.hpp"
+#include "scene/visuals.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+class InstrumentContactForceField final : public scene::ForceField, public scene::Load, public scene::Instrument {
+ public:
+  InstrumentContactForceField() : ForceField(attributes::kInstrumentContactForceField) {}
+
+  void init() override { state_ = &needed_ready<scene::MechanicalState>(); }
+
+  // Bodies and integrators may stand behind it.
+  void bwd_init() override {
+    body_field_ = nullptr;
+    for (scene::ForceField* field : node().root().all<scene::ForceField>())
+      if (field->body() && scene::acts_on(*field, *state_)) body_field_ = field;
+    if (!body_field_) reject("no body on its state: contact is that of a body's surface");
+    for (const scene::Mapping* mapping : node().root().all<scene::Mapping>())
+      if (mapping->output() == state_) reject("its state follows another one: must be one that an integrator moves");
+    integrator_ = node().nearest<scene::OdeSolver>();
+    if (!integrator_ || integrator_->class_name() != "EulerImplicitSolver")
+      reject("needs an EulerImplicitSolver in its node or above");
+    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
+      if (integrator_->boolean(scheme))
+        reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
+    instrument_.emplace(accepted(*this, [&] { return parts::Instrument(options(), *body_field_->body()); }));
+    pass_on(*this, instrument_->take_warnings());
+  }
+
+  void refresh() override {
+    accepted(*this, [&] { instrument_->set_options(options()); });
+    pass_on(*this, instrument_->take_warnings());
+  }
+
+  void begin_step() override {
+    const scene::Clock& clock = node().clock();
+    instrument_->begin_step(clock.time, clock.dt, integrator_->real("rayleighStiffness"), state_->positions(),
+                            state_->velocities());
+  }
+  void end_step(double) override { instrument_->end_step(state_->positions(), state_->velocities()); }
+  void reset() override { instrument_->reset(); }
+  void serialize(Archive& archive) override {
+    if (archive.reads()) instrument_->surface_changed();
+    instrument_->serialize(archive);
+  }
+  void hexahedra_removed(const scene::ForceField& field, std::span<const int>) override {
+    if (&field == body_field_) instrument_->surface_changed();
+  }
+
+  void add_force(double, ConstPoints x, ConstPoints v, Points f) override { instrument_->add_force(x, v, f); }
+  void add_load(double, ConstPoints x, ConstPoints v, Points f) const override {
+    instrument_->contact().add_force(x, v, f);
+  }
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
+    instrument_->contact().add_stiffness_product(factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
+    instrument_->contact().add_stiffness_blocks(factor, A);
+  }
+  void add_damping_product(double factor, ConstPoints dx, Points df) const override {
+    instrument_->contact().add_damping_product(factor, dx, df);
+  }
+  void add_damping_blocks(double factor, BlockMatrix& A) const override {
+    instrument_->contact().add_damping_blocks(factor, A);
+  }
+  bool is_in_matrix() const override { return instrument_->contact().num_touching() > 0; }
+  double rayleigh_stiffness() const override { return instrument_->rayleigh_stiffness(); }
+  bool is_one_sided() const override { return true; }
+  bool release(ConstPoints x_end, ConstPoints v_end) override { return instrument_->contact().release(x_end, v_end); }
+
+  std::optional<Vec3> place(double time) const override { return instrument_->pose_at(time).position; }
+
+  void provide(scene::Data& output) override {
+    if (!instrument_) return;
+    const InstrumentContact& contact = instrument_->contact();
+    const std::string_view name = output.attribute().name;
+    const auto set_vector = [&](const Vec3& vector) { output.set(std::vector<double>(vector.begin(), vector.end())); };
+    if (name == "force") set_vector(contact.force());
+    if (name == "torque") set_vector(contact.torque());
+    if (name == "depth") output.set(std::vector<double>{contact.depth()});
+    if (name == "touching") output.set(std::vector<double>{1.0 * contact.num_touching()});
+    if (name == "slipping") output.set(std::vector<double>{1.0 * contact.num_slipping()});
+  }
+
+ private:
+  parts::InstrumentOptions options() {
+    parts::InstrumentOptions options{.shape = text("shape"),
+                                     .radius = real_if_given("radius"),
+                                     .length = real_if_given("length"),
+                                     .surface_positions = vectors3("surfacePositions"),
+                                     .skin_positions = vectors3("skinPositions"),
+                                     .key_times = reals("keyTimes"),
+                                     .positions = vectors3("positions"),
+                                     .orientations = reals("orientations"),
+                                     .contact_stiffness = real_if_given("contactStiffness"),
+                                     .tangential_stiffness = real_if_given("tangentialStiffness"),
+                                     .friction = real("friction"),
+                                     .contact_distance = real("contactDistance"),
+                                     .damping = real("damping"),
+                                     .max_subdivision = integer("maxSubdivision")};
+    if (is_given("size")) options.size = vector3("size");
+    options.surface_triangles =
+        cells_of<3>(*this, "surfaceTriangles", static_cast<int>(options.surface_positions.rows()));
+    options.skin_triangles = cells_of<3>(*this, "skinTriangles", static_cast<int>(options.skin_positions.rows()));
+    return options;
+  }
+
+  scene::MechanicalState* state_ = nullptr;
+  scene::ForceField* body_field_ = nullptr;  // that has the body
+  scene::OdeSolver* integrator_ = nullptr;
+  std::optional<parts::Instrument> instrument_;
+};
+
+}  // namespace
+
+void add_contact(scene::Factory& factory) {
+  factory.add<InstrumentContactForceField>(attributes::kInstrumentContactForceField);
+}
+
+}  // namespace hexaplast::components

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/instrument.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "attributes/contact.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/solve/loads.hpp"
+#include "parts/key_times.hpp"
+
+namespace hexaplast::parts {
+namespace {
+
+constexpr double kStiffness = 30;   // contact stiffness by default, in E / edge length: .3 E at a hundredth of an edge
+constexpr double kPerRadius = 0.5;  // distance of samples, in smallest radii of the instrument
+
+double edge_length(const Body& body) { return std::cbrt(body.initial_volume() / body.mesh().num_elements()); }
+
+double greatest_young_modulus(const Body& body) {
+  return std::ranges::max(body.materials(), {}, &Material::young_modulus).young_modulus;
+}
+
+/// The number of keys that a path has, one of which is there always.
+void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
+  ranges.collect([&] {
+    check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
+  });
+  if (options.orientations.empty()) return;
+  if (options.orientations.size() != 4 * options.key_times.size()) {
+    ranges.add({"orientations", fmt::format("{} numbers given, must be a quaternion (4) for each of {} key times",
+                                            options.orientations.size(), options.key_times.size())});
+    return;
+  }
+  for (std::size_t k = 0; k < options.key_times.size(); ++k)
+    if (!(Eigen::Vector4d::Map(&options.orientations[4 * k]).norm() > 0))
+      ranges.add({"orientations", fmt::format("quaternion {} is 0 0 0 0, must have a length", k)});
+}
+
+double given(const std::optional<double>& size, std::string_view option, std::string_view shape) {
+  if (!size) throw OptionError(option, fmt::format("is not given: a {} has one", shape));
+  return *size;
+}
+
+Solid solid_of(const InstrumentOptions& options) {
+  const auto radius = [&] { return given(options.radius, "radius", options.shape); };
+  const auto length = [&] { return given(options.length, "length", options.shape); };
+  if (options.shape == "capsule") return Solid::capsule(radius(), length());
+  if (options.shape == "cylinder") return Solid::cylinder(radius(), length());
+  if (options.shape == "box") {
+    if (!options.size) throw OptionError("size", "is not given: a box has one");
+    return Solid::box(*options.size);
+  }
+  if (options.shape == "surface") {
+    try {
+      return Solid::closed_surface(options.surface_positions, options.surface_triangles);
+    } catch (const InputError& error) {
+      throw OptionError("surface_triangles", error.what());
+    }
+  }
+  return Solid::sphere(radius());
+}
+
+void check(const InstrumentOptions& options) {
+  OptionRanges ranges(attributes::kInstrumentContactForceField);
+  ranges.collect([&] { check_word("shape", kInstrumentShapes, options.shape); });
+  if (options.radius) ranges.check("radius", *options.radius);
+  if (options.length) ranges.check("length", *options.length);
+  if (options.size) ranges.check("size", *options.size);
+  ranges.check("key_times", options.key_times);
+  ranges.check("positions", options.positions);
+  ranges.check("orientations", options.orientations);
+  if (options.contact_stiffness) ranges.check("contact_stiffness", *options.contact_stiffness);
+  if (options.tangential_stiffness) ranges.check("tangential_stiffness", *options.tangential_stiffness);
+  ranges.check("friction", options.friction);
+  ranges.check("contact_distance", options.contact_distance);
+  ranges.check("damping", options.damping);
+  ranges.check("max_subdivision", std::span(&options.max_subdivision, 1));
+  check_path(ranges, options);
+  ranges.throw_all();
+}
+
+}  // namespace
+
+Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body) { set_options(std::move(options)); }
+
+void Instrument::set_options(InstrumentOptions options) {
+  check(options);
+  const Solid solid = solid_of(options);
+  const bool has_same_shape =
+      contact_ && options.shape == options_.shape && options.radius == options_.radius &&
+      options.length == options_.length && options.size == options_.size &&
+      options.max_subdivision == options_.max_subdivision && options.surface_triangles == options_.surface_triangles &&
+      options.skin_triangles == options_.skin_triangles && options.skin_positions == options_.skin_positions &&
+      options.surface_positions == options_.surface_positions;
+  options_ = std::move(options);
+  const double stiffness =
+      options_.contact_stiffness.value_or(kStiffness * greatest_young_modulus(body_) / edge_length(body_));
+  const ContactSettings settings{.stiffness = stiffness,
+                                 .tangential_stiffness = options_.tangential_stiffness.value_or(stiffness),
+                                 .friction = options_.friction,
+                                 .distance = options_.contact_distance,
+                                 .damping = options_.damping};
+  if (has_same_shape)
+    contact_->set_settings(settings);
+  else
+    contact_.emplace(solid, settings, samples_of(solid));
+}
+
+SurfaceSamples Instrument::samples_of(const Solid& solid) {
+  const double wanted = kPerRadius * solid.smallest_radius();
+  const SurfaceSamples samples =
+      options_.skin_triangles.empty()
+          ? SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.max_subdivision)
+          : SurfaceSamples::on_skin(body_.mesh(), body_.alive(), options_.skin_positions, options_.skin_triangles,
+                                    wanted, options_.max_subdivision);
+  if (samples.spacing > wanted)
+    warnings_.push_back(
+        {"maxSubdivision",
+         fmt::format("samples of the surface are up to {:.3g} m apart; {:.3g} m, half of the instrument's smallest "
+                     "radius, would be needed so that nothing of it slips between them",
+                     samples.spacing, wanted)});
+  return samples;
+}
+
+Pose Instrument::pose_at(double time) const {
+  const std::vector<double>& times = options_.key_times;
+  const KeyPhase phase = phase_at(times, std::max(time, times.front()));
+  Pose pose{.position = interpolate(phase, options_.positions).transpose()};
+  if (options_.orientations.empty()) return pose;
+  const auto orientation_of = [&](int key) {
+    return Eigen::Quaterniond(Eigen::Vector4d::Map(&options_.orientations[4 * static_cast<std::size_t>(key)])
+                                  .normalized());  // x y z w, as SOFA writes them
+  };
+  const int next = std::min(phase.key + 1, static_cast<int>(times.size()) - 1);
+  pose.orientation = orientation_of(phase.key).slerp(phase.fraction, orientation_of(next));
+  return pose;
+}
+
+void Instrument::begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v) {
+  rayleigh_stiffness_ = rayleigh_stiffness;
+  contact_->begin_step(x, v, dt, pose_at(time), pose_at(time + dt));
+}
+
+void Instrument::surface_changed() { contact_->set_samples(samples_of(contact_->solid())); }
+
+void Instrument::reset() {
+  contact_->reset();
+  surface_changed();
+}
+
+void Instrument::add_force(ConstPoints x, ConstPoints v, Points f) const {
+  contact_->add_force(x, v, f);
+  if (rayleigh_stiffness_ != 0) contact_->add_stiffness_product(-rayleigh_stiffness_, v, f);
+}
+
+}  // namespace hexaplast::parts

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/contact/instrument_contact.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+
+/// In scenes: InstrumentContactForceField.
+struct InstrumentOptions {
+  std::string_view shape = "sphere";                ///< one of kInstrumentShapes
+  std::optional<double> radius = std::nullopt;      ///< [m] of sphere, capsule, cylinder
+  std::optional<double> length = std::nullopt;      ///< [m] of capsule, cylinder
+  std::optional<Vec3> size = std::nullopt;          ///< [m] of box
+  PointArray surface_positions = PointArray(0, 3);  ///< [m] of surface
+  std::vector<Triangle> surface_triangles = {};
+  PointArray skin_positions = PointArray(0, 3);  ///< [m] of a surface that is embedded in the body and touched in place
+                                                 ///< of its faces
+  std::vector<Triangle> skin_triangles = {};     ///< empty: the body's own faces are touched
+  std::vector<double> key_times = {};            ///< [s] of its path, ascending
+  PointArray positions = PointArray(0, 3);       ///< [m] one row per key time
+  std::vector<double> orientations = {};         ///< quaternions x y z w, one per key time, or none
+  std::optional<double> contact_stiffness = std::nullopt;     ///< [Pa/m] otherwise 30 E / edge length
+  std::optional<double> tangential_stiffness = std::nullopt;  ///< [Pa/m] otherwise contact_stiffness
+  double friction = 0;
+  double contact_distance = 0;  ///< [m]
+  double damping = 0;           ///< [Pa s/m]
+  int max_subdivision = 8;      ///< parts of the edge of a face, at most
+};
+inline constexpr std::array<std::string_view, 5> kInstrumentShapes = {"sphere", "capsule", "cylinder", "box",
+                                                                      "surface"};
+
+/// A rigid instrument that moves along a path and touches a body. Fields are num_nodes x 3.
+class Instrument {
+ public:
+  /// Throws OptionError. The body must outlive the instrument.
+  Instrument(InstrumentOptions options, const Body& body);
+
+  /// Other options for the same body. What sticks goes on sticking, unless the shape is another one. Throws
+  /// OptionError.
+  void set_options(InstrumentOptions options);
+
+  /// What it remarked on the way here.
+  std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
+
+  /// Finds the contacts of a step from `time` that lasts dt [s]. rayleigh_stiffness [s]: that of the time integrator,
+  /// which does not act on contact.
+  void begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
+  void end_step(ConstPoints x, ConstPoints v) { contact_->end_step(x, v); }
+
+  /// After hexahedra of the body have gone.
+  void surface_changed();
+
+  void reset();
+  void serialize(Archive& archive) { contact_->serialize(archive); }
+
+  /// f += forces [N] of the present step, without what the integrator adds by its Rayleigh stiffness.
+  void add_force(ConstPoints x, ConstPoints v, Points f) const;
+
+  const InstrumentContact& contact() const { return *contact_; }
+  InstrumentContact& contact() { return *contact_; }
+
+  /// To be given for this force field to the system matrix: it takes back what the integrator adds.
+  double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
+
+  Pose pose_at(double time) const;
+
+ private:
+  SurfaceSamples samples_of(const Solid& solid);
+
+  const Body& body_;
+  InstrumentOptions options_;
+  std::optional<InstrumentContact> contact_;
+  double rayleigh_stiffness_ = 0;
+  std::vector<Remark> warnings_;
+};
+
+}  // namespace hexaplast::parts

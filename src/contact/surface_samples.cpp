@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/contact/surface_samples.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/require.hpp"
+#include "hexaplast/geometry/embed.hpp"
+
+namespace hexaplast {
+namespace {
+
+/// A face between its corners, (u, v) in [0, 1]^2, corner 0 at (0, 0) and corner 2 at (1, 1).
+struct Patch {
+  std::array<Vec3, 4> corners;
+
+  /// [m^2] of the part [u, u + du] x [v, v + dv], by its middle.
+  double area(double u, double v, double du, double dv) const {
+    const double mid_u = u + du / 2, mid_v = v + dv / 2;
+    const Vec3 along_u = (1 - mid_v) * (corners[1] - corners[0]) + mid_v * (corners[2] - corners[3]),
+               along_v = (1 - mid_u) * (corners[3] - corners[0]) + mid_u * (corners[2] - corners[1]);
+    return along_u.cross(along_v).norm() * du * dv;
+  }
+  double longest_edge() const {
+    double longest = 0;
+    for (int a = 0; a < 4; ++a) longest = std::max(longest, (corners[(a + 1) % 4] - corners[a]).norm());
+    return longest;
+  }
+};
+
+void check(double wanted, int most) {
+  if (!(wanted > 0)) throw InputError(fmt::format("SurfaceSamples: spacing {} must be positive", wanted));
+  if (most < 1) throw InputError(fmt::format("SurfaceSamples: {} parts of an edge must be at least 1", most));
+}
+
+int parts_of(double longest_edge, double wanted, int most) {
+  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted), 1e9)), 1, most);
+}
+
+/// A point of a face by its nodes and the shares that it has of them, in parts of the edges, ascending: the same
+/// whichever of the faces names it. Shares of 0 do not count.
+template <std::size_t N>
+using Shares = std::array<std::pair<int, int>, N>;
+
+template <std::size_t N>
+Shares<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>& shares) {
+  Shares<N> key;
+  for (std::size_t a = 0; a < N; ++a) key[a] = shares[a] > 0 ? std::pair(nodes[a], shares[a]) : std::pair(-1, 0);
+  std::ranges::sort(key);
+  return key;
+}
+
+}  // namespace
+
+SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int most) {
+  check(wanted, most);
+  const std::vector<Quad> faces = mesh.boundary_faces(alive);
+  std::vector<Patch> patches;
+  double longest = 0;
+  for (const Quad& face : faces) {
+    Patch& patch = patches.emplace_back();
+    for (int a = 0; a < 4; ++a) patch.corners[a] = mesh.positions().row(face[a]).transpose();
+    longest = std::max(longest, patch.longest_edge());
+  }
+  // the same on every face, so that neighbours have their points in common
+  const int parts = parts_of(longest, wanted, most);
+
+  SurfaceSamples found;
+  found.spacing = longest / parts;
+  std::map<Shares<4>, std::size_t> known;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (int j = 0; j <= parts; ++j)
+      for (int i = 0; i <= parts; ++i) {
+        const double step = 1.0 / parts;
+        double area = 0;  // a quarter of each of the parts around the point
+        for (int dj = -1; dj <= 0; ++dj)
+          for (int di = -1; di <= 0; ++di)
+            if (i + di >= 0 && i + di < parts && j + dj >= 0 && j + dj < parts)
+              area += patches[f].area((i + di) * step, (j + dj) * step, step, step) / 4;
+
+        const std::array<int, 4> shares = {(parts - i) * (parts - j), i * (parts - j), i * j, (parts - i) * j};
+        const auto [at, is_new] = known.emplace(key_of(faces[f], shares), found.samples.size());
+        if (is_new) {
+          SurfaceSamples::Sample& sample = found.samples.emplace_back();
+          for (int a = 0; a < 4; ++a) {
+            if (shares[a] == 0) continue;
+            sample.nodes[sample.num_nodes] = faces[f][a];
+            sample.weights[sample.num_nodes++] = shares[a] / (1.0 * parts * parts);
+          }
+        }
+        found.samples[at->second].area += area;
+      }
+  }
+  return found;
+}
+
+SurfaceSamples SurfaceSamples::on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
+                                       const std::vector<Triangle>& triangles, double wanted, int most) {
+  check(wanted, most);
+  double longest = 0;
+  for (const Triangle& triangle : triangles) {
+    require_nodes("SurfaceSamples", triangle, skin.rows());
+    for (int a = 0; a < 3; ++a)
+      longest = std::max(longest, (skin.row(triangle[a]) - skin.row(triangle[(a + 1) % 3])).norm());
+  }
+  const int parts = parts_of(longest, wanted, most);
+
+  SurfaceSamples found;
+  found.spacing = longest / parts;
+  std::map<Shares<3>, std::size_t> known;
+  std::vector<Vec3> points;
+  std::vector<double> areas;
+  std::vector<std::size_t> of_triangle;  // its points, triangle by triangle
+  for (const Triangle& triangle : triangles) {
+    const auto corner = [&](int a) { return Vec3(skin.row(triangle[a]).transpose()); };
+    const double area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
+    for (int j = 0; j <= parts; ++j)
+      for (int i = 0; i + j <= parts; ++i) {
+        const std::array<int, 3> shares = {parts - i - j, i, j};
+        const auto [at, is_new] = known.emplace(key_of(triangle, shares), points.size());
+        if (is_new) {
+          points.push_back((shares[0] * corner(0) + shares[1] * corner(1) + shares[2] * corner(2)) / parts);
+          areas.push_back(0);
+        }
+        // thirds of the small triangles around it: one at a corner, three on an edge, six inside
+        const auto num_corners = std::ranges::count(shares, 0);
+        const int around = num_corners == 2 ? 1 : num_corners == 1 ? 3 : 6;
+        areas[at->second] += area * around / (3.0 * parts * parts);
+        of_triangle.push_back(at->second);
+      }
+  }
+
+  PointArray places(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t k = 0; k < points.size(); ++k) places.row(static_cast<Eigen::Index>(k)) = points[k].transpose();
+  const Embedding embedding(mesh.positions(), mesh.hexahedra(), places);
+  // as long as one of its triangles is there
+  std::vector<unsigned char> is_left(points.size(), alive.empty());
+  const std::size_t per_triangle = triangles.empty() ? 1 : of_triangle.size() / triangles.size();
+  for (std::size_t first = 0; !alive.empty() && first < of_triangle.size(); first += per_triangle) {
+    const std::span<const std::size_t> own(of_triangle.data() + first, per_triangle);
+    const bool is_there = std::ranges::all_of(
+        own, [&](std::size_t k) { return alive[embedding.hexahedron_of(static_cast<int>(k))] != 0; });
+    if (is_there)
+      for (const std::size_t k : own) is_left[k] = 1;
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (!is_left[k]) continue;
+    const int point = static_cast<int>(k);
+    found.samples.push_back({.nodes = mesh.hexahedra()[embedding.hexahedron_of(point)],
+                             .weights = embedding.weights_of(point),
+                             .num_nodes = kCorners,
+                             .area = areas[k]});
+  }
+  return found;
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/contact/instrument_contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using namespace hexaplast;
+
+// Two by two by one cubes of .1 m.
+HexMesh block() { return regular_grid({2, 2, 1}, Vec3::Zero(), {0.2, 0.2, 0.1}); }
+
+PointArray random_field(const HexMesh& mesh, unsigned seed, double size) {
+  support::Random random(seed);
+  PointArray field(mesh.num_nodes(), 3);
+  for (Eigen::Index n = 0; n < field.rows(); ++n) field.row(n) = random.vector(size).transpose();
+  return field;
+}
+
+TEST(SurfaceSamples, ShareTheSurfaceAmongThem) {
+  const HexMesh mesh = block();
+  for (const int parts : {1, 2, 3, 7}) {
+    const SurfaceSamples found = SurfaceSamples::on(mesh, {}, 0.1 / parts, 64);
+    EXPECT_NEAR(found.spacing, 0.1 / parts, 1e-15);
+    // a grid of 2 parts x 2 parts x parts points, without those inside
+    const int n = 2 * parts;
+    EXPECT_EQ(found.samples.size(),
+              static_cast<std::size_t>((n + 1) * (n + 1) * (parts + 1) - (n - 1) * (n - 1) * (parts - 1)));
+    double area = 0;
+    for (const SurfaceSamples::Sample& sample : found.samples) {
+      area += sample.area;
+      EXPECT_NEAR(std::accumulate(sample.weights.begin(), sample.weights.begin() + sample.num_nodes, 0.0), 1, 1e-14);
+    }
+    EXPECT_NEAR(area, 2 * (0.2 * 0.2 + 2 * 0.2 * 0.1), 1e-14);
+  }
+  EXPECT_EQ(SurfaceSamples::on(mesh, {}, 1e-9, 4).spacing, 0.025);
+  EXPECT_THROW(SurfaceSamples::on(mesh, {}, 0, 4), InputError);
+  EXPECT_THROW(SurfaceSamples::on(mesh, {}, 0.1, 0), InputError);
+}
+
+// A triangulated sheet within hexahedra has its own area, and its points lie where they did.
+TEST(SurfaceSamples, OfAnEmbeddedSkin) {
+  const HexMesh mesh = block();
+  PointArray skin(4, 3);
+  skin << 0.03, 0.02, 0.08, 0.17, 0.02, 0.08, 0.17, 0.16, 0.06, 0.03, 0.16, 0.06;
+  const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 3}};
+  const double area = 0.14 * std::hypot(0.14, 0.02);
+  for (const int parts : {1, 3, 8}) {
+    const SurfaceSamples found = SurfaceSamples::on_skin(mesh, {}, skin, triangles, 1e-9, parts);
+    EXPECT_EQ(found.samples.size(), static_cast<std::size_t>((parts + 1) * (parts + 1)));
+    double sum = 0;
+    for (const SurfaceSamples::Sample& sample : found.samples) {
+      sum += sample.area;
+      const Vec3 p = sample.at(mesh.positions());
+      EXPECT_NEAR(p.z(), 0.08 - 0.02 * (p.y() - 0.02) / 0.14, 1e-13);
+    }
+    EXPECT_NEAR(sum, area, 1e-13);
+  }
+  std::vector<unsigned char> alive(4, 1);
+  alive[0] = 0;  // [0, .1] x [0, .1], in which both triangles begin
+  EXPECT_TRUE(SurfaceSamples::on_skin(mesh, alive, skin, triangles, 1, 1).samples.empty());
+  EXPECT_THROW(SurfaceSamples::on_skin(mesh, {}, skin, {{0, 1, 4}}, 1, 1), InputError);
+}
+
+// An even pressure on samples of flat faces is a quarter of each face's on its nodes, however many samples there are.
+TEST(SurfaceSamples, CarryPressureAsFacesDo) {
+  const HexMesh mesh = block();
+  const auto share = [](double at) { return at < 1e-9 || at > 0.2 - 1e-9 ? 0.5 : 1.0; };
+  const auto is_on_top = [](const Vec3& p) { return p.z() > 0.0999; };
+  PointArray expected = PointArray::Zero(mesh.num_nodes(), 3), by_samples = expected;
+  for (int n = 0; n < mesh.num_nodes(); ++n) {
+    const Vec3 p = mesh.positions().row(n).transpose();
+    if (is_on_top(p)) expected(n, 2) = 7 * 0.01 * share(p.x()) * share(p.y());
+  }
+  for (const SurfaceSamples::Sample& sample : SurfaceSamples::on(mesh, {}, 0.025, 64).samples) {
+    const Vec3 p = sample.at(mesh.positions());
+    // those on the rim have area of the sides too
+    if (is_on_top(p)) sample.add({0, 0, 7 * 0.025 * 0.025 * share(p.x()) * share(p.y())}, by_samples);
+  }
+  EXPECT_TRUE(support::agrees(by_samples, expected, 1e-12));
+}
+
+struct Pressed {
+  HexMesh mesh = block();
+  PointArray x = mesh.positions(), v = PointArray::Zero(mesh.num_nodes(), 3);
+  InstrumentContact contact{Solid::sphere(0.05),
+                            {.stiffness = 1e5, .tangential_stiffness = 5e4, .friction = 0.3, .damping = 100},
+                            SurfaceSamples::on(mesh, {}, 0.02, 64)};
+  Pose before{.position = {0.1, 0.1, 0.16}}, after{.position = {0.11, 0.1, 0.13}};
+
+  Pressed() { contact.begin_step(x, v, 0.01, before, after); }
+};
+
+TEST(InstrumentContact, TouchesWhatIsWithinIt) {
+  Pressed pressed;
+  int expected = 0;
+  for (const SurfaceSamples::Sample& sample : pressed.contact.samples().samples)
+    expected += (sample.at(pressed.x) - pressed.after.position).norm() < 0.05;
+  EXPECT_EQ(pressed.contact.num_touching(), expected);
+  EXPECT_GT(expected, 1);
+  pressed.contact.begin_step(pressed.x, pressed.v, 0.01, {.position = {0.1, 0.1, 0.9}}, {.position = {0.1, 0.1, 0.8}});
+  EXPECT_EQ(pressed.contact.num_touching(), 0);
+}
+
+// Within a step forces are linear: K and B are their derivatives, by products and by blocks.
+TEST(InstrumentContact, StiffnessAndDampingAreDerivatives) {
+  const Pressed pressed;
+  const PointArray dx = random_field(pressed.mesh, 1, 1e-3);
+  const auto force = [&](const PointArray& x, const PointArray& v) {
+    PointArray f = PointArray::Zero(x.rows(), 3);
+    pressed.contact.add_force(x, v, f);
+    return f;
+  };
+  PointArray by_stiffness = PointArray::Zero(dx.rows(), 3), by_damping = by_stiffness;
+  pressed.contact.add_stiffness_product(1, dx, by_stiffness);
+  const PointArray dv = 1e4 * dx;
+  pressed.contact.add_damping_product(1, dv, by_damping);
+  EXPECT_TRUE(support::agrees(by_stiffness, force(pressed.x + dx, pressed.v) - force(pressed.x, pressed.v), 1e-12));
+  EXPECT_TRUE(support::agrees(by_damping, force(pressed.x, pressed.v + dv) - force(pressed.x, pressed.v), 1e-12));
+
+  BlockMatrix K(pressed.mesh.num_nodes()), B(pressed.mesh.num_nodes());
+  pressed.contact.add_stiffness_blocks(1, K);
+  pressed.contact.add_damping_blocks(1, B);
+  for (const auto& [blocks, product] : {std::pair(&K, &by_stiffness), std::pair(&B, &by_damping)}) {
+    PointArray by_blocks = PointArray::Zero(dx.rows(), 3);
+    for (int n = 0; n < dx.rows(); ++n)
+      for (const BlockMatrix::Entry& entry : blocks->row(n))
+        by_blocks.row(n) += (entry.block * (blocks == &K ? dx : dv).row(entry.column).transpose()).transpose();
+    EXPECT_TRUE(support::agrees(by_blocks, *product, 1e-12));
+  }
+}
+
+// What acts on the instrument is the opposite of what acts on the body: force and moment.
+TEST(InstrumentContact, ActsOnBothAlike) {
+  Pressed pressed;
+  const PointArray x = pressed.x + random_field(pressed.mesh, 2, 1e-3), v = pressed.v;
+  PointArray f = PointArray::Zero(x.rows(), 3);
+  while (pressed.contact.release(x, v)) {
+  }
+  pressed.contact.add_force(x, v, f);
+  pressed.contact.end_step(x, v);
+  Vec3 force = pressed.contact.force(), moment = pressed.contact.torque();
+  double size = 0;
+  for (Eigen::Index n = 0; n < x.rows(); ++n) {
+    const Vec3 on_node = f.row(n).transpose(), arm = x.row(n).transpose() - pressed.after.position;
+    force += on_node;
+    moment += arm.cross(on_node);
+    size += on_node.norm();
+  }
+  EXPECT_GT(size, 0.1);
+  EXPECT_LT(force.norm(), 1e-13 * size);
+  EXPECT_LT(moment.norm(), 1e-13 * size);
+}
+
+TEST(InstrumentContact, NothingPulls) {
+  Pressed pressed;
+  PointArray x = pressed.x;
+  x.col(2).array() -= 0.015;  // some of the touching points leave
+  const int before = pressed.contact.num_touching();
+  EXPECT_TRUE(pressed.contact.release(x, pressed.v));
+  EXPECT_LT(pressed.contact.num_touching(), before);
+  EXPECT_GT(pressed.contact.num_touching(), 0);
+  EXPECT_FALSE(pressed.contact.release(x, pressed.v));
+  x.col(2).array() -= 1;
+  EXPECT_TRUE(pressed.contact.release(x, pressed.v));
+  EXPECT_EQ(pressed.contact.num_touching(), 0);
+}
+
+// A needle that goes through the body within a step is held up where it comes from.
+TEST(InstrumentContact, NothingIsMissedInAStep) {
+  const HexMesh mesh = block();
+  const PointArray x = mesh.positions(), v = PointArray::Zero(mesh.num_nodes(), 3);
+  const double r = 0.01;
+  InstrumentContact contact(Solid::sphere(r), {.stiffness = 1e5}, SurfaceSamples::on(mesh, {}, r / 2, 64));
+  support::Random random(3);
+  for (int k = 0; k < 200; ++k) {
+    const double px = random.uniform(0.02, 0.18), py = random.uniform(0.02, 0.18);
+    // down by five radii, from just above the surface
+    contact.begin_step(x, v, 0.01, {.position = {px, py, 0.1 + 1.01 * r}}, {.position = {px, py, 0.1 - 3.99 * r}});
+    ASSERT_GT(contact.num_touching(), 0) << px << " " << py;
+    PointArray f = PointArray::Zero(x.rows(), 3);
+    contact.add_force(x, v, f);
+    EXPECT_LT(f.col(2).sum(), 0) << "downwards";
+  }
+}
+
+// A point that sticks is pulled back to where it came to stick; one that slips, by mu N.
+TEST(InstrumentContact, SticksAndSlips) {
+  const HexMesh mesh = block();
+  PointArray x = mesh.positions(), v = PointArray::Zero(mesh.num_nodes(), 3);
+  const double area = 0.2 * 0.2, k = 1e4, mu = 0.5;
+  // a plate over the whole top, .001 m deep
+  const auto plate_at = [](double shift) { return Pose{.position = {0.1 + shift, 0.1, 0.149}}; };
+  InstrumentContact contact(Solid::box({1, 1, 0.1}), {.stiffness = k, .tangential_stiffness = k, .friction = mu},
+                            SurfaceSamples::on(mesh, {}, 0.1, 1));
+  const auto force = [&](double from, double to) {
+    contact.begin_step(x, v, 0.01, plate_at(from), plate_at(to));
+    contact.end_step(x, v);
+    return contact.force();
+  };
+  // nodes of the rim carry the area of the sides' upper halves too
+  const double N = k * 0.001 * (area + 4 * 0.2 * 0.1 / 2);
+  EXPECT_NEAR(force(0, 0).z(), N, 1e-12);
+  EXPECT_NEAR(force(0, 0).x(), 0, 1e-12);
+  EXPECT_NEAR(force(0, 0.0002).x(), -N * 0.2, 1e-12) << "k_t A u = N u / .001";
+  EXPECT_EQ(contact.num_slipping(), 0);
+  EXPECT_NEAR(force(0.0002, 0.002).x(), -mu * N, 1e-12);
+  EXPECT_GT(contact.num_slipping(), 0);
+  // back by less than twice what it holds: it sticks, from where it slipped to
+  EXPECT_NEAR(force(0.002, 0.0018).x(), -(mu - 0.2) * N, 1e-12);
+  EXPECT_NEAR(force(0.0018, 0).x(), mu * N, 1e-12);
+  contact.reset();
+  EXPECT_NEAR(force(0, 0).x(), 0, 1e-12);
+}
+
+TEST(InstrumentContact, RefusesWhatCannotBe) {
+  const SurfaceSamples samples = SurfaceSamples::on(block(), {}, 0.1, 1);
+  const Solid ball = Solid::sphere(1);
+  EXPECT_THROW(InstrumentContact(ball, {.stiffness = 0}, samples), InputError);
+  EXPECT_THROW(InstrumentContact(ball, {.stiffness = 1, .tangential_stiffness = -1}, samples), InputError);
+  EXPECT_THROW(InstrumentContact(ball, {.stiffness = 1, .friction = -0.1}, samples), InputError);
+  EXPECT_THROW(InstrumentContact(ball, {.stiffness = 1, .distance = -1}, samples), InputError);
+  EXPECT_THROW(InstrumentContact(ball, {.stiffness = 1, .damping = std::nan("")}, samples), InputError);
+}
+
+}  // namespace

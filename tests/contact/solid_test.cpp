@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/contact/solid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hexaplast/base/error.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using namespace hexaplast;
+
+struct Surface {
+  PointArray positions;
+  std::vector<Triangle> triangles;
+};
+
+// A box around the origin, seen from outside counter-clockwise.
+Surface box_surface(const Vec3& size) {
+  Surface box{PointArray(8, 3),
+              {{0, 2, 1},
+               {0, 3, 2},
+               {4, 5, 6},
+               {4, 6, 7},
+               {0, 1, 5},
+               {0, 5, 4},
+               {1, 2, 6},
+               {1, 6, 5},
+               {2, 3, 7},
+               {2, 7, 6},
+               {3, 0, 4},
+               {3, 4, 7}}};
+  box.positions << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1;
+  box.positions = (box.positions.array() - 0.5).matrix() * size.asDiagonal();
+  return box;
+}
+
+// The way back along the normal ends on the surface, and no shorter way does: the distance does not change by more than
+// one walks, and along the normal by just that.
+void expect_distance(const Solid& solid, double size, unsigned seed) {
+  support::Random random(seed);
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 p = random.vector(size);
+    const SignedDistance at = solid.distance(p);
+    ASSERT_NEAR(at.normal.norm(), 1, 1e-12);
+    EXPECT_NEAR(solid.distance(p - at.value * at.normal).value, 0, 1e-12 * size);
+    const Vec3 other = random.vector(size);
+    EXPECT_LE(std::abs(solid.distance(other).value - at.value), (1 + 1e-12) * (other - p).norm());
+    if (at.value > 0) {
+      EXPECT_NEAR(solid.distance(p + 0.1 * size * at.normal).value, at.value + 0.1 * size, 1e-12 * size);
+    }
+  }
+}
+
+TEST(Solid, DistancesAreDistances) {
+  expect_distance(Solid::sphere(0.3), 1, 1);
+  expect_distance(Solid::capsule(0.2, 0.8), 1, 2);
+  expect_distance(Solid::cylinder(0.3, 0.7), 1, 3);
+  expect_distance(Solid::box({0.5, 0.9, 0.2}), 1, 4);
+  const Surface box = box_surface({0.5, 0.9, 0.2});
+  expect_distance(Solid::closed_surface(box.positions, box.triangles), 1, 5);
+}
+
+TEST(Solid, HandValues) {
+  EXPECT_NEAR(Solid::sphere(0.3).distance({0, 0, 1}).value, 0.7, 1e-15);
+  EXPECT_NEAR(Solid::sphere(0.3).distance({0, 0, 0}).value, -0.3, 1e-15);
+  EXPECT_NEAR(Solid::capsule(0.2, 1).distance({0.5, 0, 0.3}).value, 0.3, 1e-15);
+  EXPECT_NEAR(Solid::capsule(0.2, 1).distance({0, 0, 1}).value, 0.3, 1e-15);
+  EXPECT_NEAR(Solid::cylinder(0.2, 1).distance({0.5, 0, 0.9}).value, 0.5, 1e-15);
+  EXPECT_NEAR(Solid::cylinder(0.2, 1).distance({0.15, 0, 0.1}).value, -0.05, 1e-15);
+  EXPECT_NEAR(Solid::box({2, 4, 6}).distance({0.9, 0, 0}).value, -0.1, 1e-15);
+  EXPECT_NEAR(Solid::box({2, 4, 6}).distance({4, 6, 3}).value, 5, 1e-15);
+  EXPECT_EQ(Solid::box({2, 4, 6}).smallest_radius(), 1);
+  EXPECT_NEAR(Solid::box({2, 4, 6}).reach(), std::sqrt(14), 1e-15);
+}
+
+TEST(Solid, ASurfaceOfABoxIsTheBox) {
+  const Vec3 size(0.5, 0.9, 0.2);
+  const Surface surface = box_surface(size);
+  const Solid box = Solid::box(size), solid = Solid::closed_surface(surface.positions, surface.triangles);
+  support::Random random(7);
+  for (int k = 0; k < 5000; ++k) {
+    const Vec3 p = random.vector(k % 2 ? 0.3 : 1);
+    EXPECT_NEAR(solid.distance(p).value, box.distance(p).value, 1e-14);
+  }
+  EXPECT_EQ(solid.smallest_radius(), box.smallest_radius());
+  EXPECT_NEAR(solid.reach(), box.reach(), 1e-15);
+}
+
+// A star with deep notches: whether a point is inside is asked by counting the triangles above it.
+TEST(Solid, KnowsTheInsideOfSurfacesThatAreNotConvex) {
+  constexpr int kPoints = 10;
+  Surface star{PointArray(2 * kPoints + 2, 3), {}};
+  for (int k = 0; k < kPoints; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kPoints, r = k % 2 ? 0.25 : 1;
+    star.positions.row(k) << r * std::cos(angle), r * std::sin(angle), -0.2;
+    star.positions.row(kPoints + k) << r * std::cos(angle), r * std::sin(angle), 0.2;
+  }
+  star.positions.row(2 * kPoints) << 0, 0, -0.2;
+  star.positions.row(2 * kPoints + 1) << 0, 0, 0.2;
+  for (int k = 0; k < kPoints; ++k) {
+    const int next = (k + 1) % kPoints;
+    star.triangles.push_back({2 * kPoints, next, k});
+    star.triangles.push_back({2 * kPoints + 1, kPoints + k, kPoints + next});
+    star.triangles.push_back({k, next, kPoints + next});
+    star.triangles.push_back({k, kPoints + next, kPoints + k});
+  }
+  const Solid solid = Solid::closed_surface(star.positions, star.triangles);
+  const auto is_inside = [&](const Vec3& p) {
+    if (std::abs(p.z()) >= 0.2) return false;
+    int crossings = 0;  // of a ray along x, in the plane
+    for (int k = 0; k < kPoints; ++k) {
+      const Vec3 a = star.positions.row(k).transpose(), b = star.positions.row((k + 1) % kPoints).transpose();
+      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+      crossings += a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) > p.x();
+    }
+    return crossings % 2 == 1;
+  };
+  support::Random random(11);
+  int num_inside = 0;
+  for (int k = 0; k < 20000; ++k) {
+    Vec3 p = random.vector(1.1);
+    p.z() *= 0.3;
+    num_inside += is_inside(p);
+    EXPECT_EQ(solid.distance(p).value < 0, is_inside(p)) << p.transpose();
+  }
+  EXPECT_GT(num_inside, 1000);
+}
+
+std::string refusal_of(const Surface& surface) {
+  try {
+    Solid::closed_surface(surface.positions, surface.triangles);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(Solid, RefusesWhatIsNoSolid) {
+  EXPECT_THROW(Solid::sphere(0), InputError);
+  EXPECT_THROW(Solid::sphere(-1), InputError);
+  EXPECT_THROW(Solid::capsule(1, 0), InputError);
+  EXPECT_THROW(Solid::cylinder(std::nan(""), 1), InputError);
+  EXPECT_THROW(Solid::box({1, 0, 1}), InputError);
+
+  const Surface box = box_surface({1, 1, 1});
+  Surface other = box;
+  other.triangles.pop_back();
+  EXPECT_EQ(refusal_of(other), "closed surface: is open at edge 3 7 of triangle 8");
+  other = box;
+  std::swap(other.triangles[3][0], other.triangles[3][1]);
+  EXPECT_EQ(
+      refusal_of(other),
+      "closed surface: triangles 2 and 3 run along edge 6 4 in the same direction: they do not agree which side is "
+      "outside, or more than two meet there");
+  other = box;
+  for (Triangle& triangle : other.triangles) std::swap(triangle[0], triangle[1]);
+  EXPECT_EQ(refusal_of(other), "closed surface: is inside out (its volume is -1 m^3)");
+  other = box;
+  other.triangles[5][2] = 8;
+  EXPECT_EQ(refusal_of(other), "closed surface: triangle 5 has node 8, must lie in [0, 8)");
+  other = box;
+  other.positions.row(1) = other.positions.row(0);
+  EXPECT_EQ(refusal_of(other), "closed surface: triangle 0 has no area");
+  other.triangles.clear();
+  EXPECT_EQ(refusal_of(other), "closed surface: has no triangle");
+}
+
+}  // namespace

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hexaplast/base/parallel.hpp"
+#include "support/compare.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::nodes;
+using support::read_and_init;
+
+// A block of 6 x 6 x 3 cells of 1 cm, held at its bottom.
+std::string block(const std::string& instruments, const std::string& solver = "<SparseLDLSolver/>",
+                  const std::string& integrator = "<EulerImplicitSolver name='euler'/>") {
+  return "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/>" + integrator + solver +
+         "<RegularGridTopology n='7 7 4' max='.06 .06 .03'/><MechanicalObject name='nodes'/>"
+         "<UniformMass totalMass='.1'/><FixedProjectiveConstraint indices='0-48'/>"
+         "<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' poissonRatio='.3'/>" +
+         instruments + "</Node>";
+}
+
+Vec3 vector_of(scene::Scene& scene, const std::string& path, const std::string& output) {
+  const std::vector<double>& numbers = at<scene::Component>(scene, path).reals(output);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+Vec3 force_on(scene::Scene& scene, const std::string& instrument) { return vector_of(scene, instrument, "force"); }
+
+// A ball that goes 5 mm deep and out again.
+constexpr std::string_view kPoke =
+    "<InstrumentContactForceField name='probe' radius='.008' keyTimes='0 .3 .5 .8' "
+    "positions='.031 .029 .04  .031 .029 .033  .031 .029 .033  .031 .029 .05'/>";
+
+TEST(InstrumentContactForceField, PressesAndNeverPulls) {
+  for (const std::string integrator :
+       {"<EulerImplicitSolver/>", "<EulerImplicitSolver rayleighStiffness='.1' rayleighMass='.5'/>"}) {
+    scene::Scene scene = read_and_init(block(std::string(kPoke), "<SparseLDLSolver/>", integrator));
+    double greatest = 0, deepest = 0;
+    for (int k = 0; k < 100; ++k) {
+      scene.step();
+      const double force = force_on(scene, "probe").z();
+      EXPECT_GE(force, 0) << integrator << " step " << k;
+      greatest = std::max(greatest, force);
+      deepest = std::max(deepest, at<scene::Component>(scene, "probe").reals("depth")[0]);
+    }
+    EXPECT_GT(greatest, 0.05) << integrator;
+    EXPECT_LT(deepest, 1.5e-3) << "a seventh of a cell, under a ball smaller than it";
+    EXPECT_EQ(force_on(scene, "probe"), Vec3(0, 0, 0));
+    EXPECT_EQ(at<scene::Component>(scene, "probe").reals("touching")[0], 0);
+  }
+}
+
+// Rayleigh damping of the integrator does not act on contact: what rests on an instrument sinks no deeper with it.
+TEST(InstrumentContactForceField, RayleighDampingLeavesItAlone) {
+  // m v' = h (m g - K h v') from rest, whatever the damping is
+  const auto gap_after = [](const std::string& integrator) {
+    scene::Scene scene = read_and_init("<Node dt='.01' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + integrator +
+                                       "<SparseLDLSolver/><RegularGridTopology n='2 2 2' max='.02 .02 .02'/>"
+                                       "<MechanicalObject name='nodes'/><UniformMass totalMass='.01'/>"
+                                       "<HexahedronElastoplasticFEMForceField youngModulus='1e7'/>"
+                                       "<InstrumentContactForceField name='plate' shape='box' size='1 1 .1' "
+                                       "contactStiffness='1e4' keyTimes='0' positions='0 0 -.049999999'/></Node>");
+    scene.step();
+    return -nodes(scene)(0, 2);
+  };
+  // nodes at the bottom: area .02^2 and the halves of the four sides
+  const double h = 0.01, m = 0.01, K = 1e4 * (0.02 * 0.02 + 4 * 0.02 * 0.01),
+               expected = h * h * m * 9.81 / (m + h * h * K);
+  EXPECT_NEAR(gap_after("<EulerImplicitSolver/>"), expected, 3e-5 * expected);
+  EXPECT_NEAR(gap_after("<EulerImplicitSolver rayleighStiffness='.3'/>"), expected, 3e-5 * expected);
+}
+
+// The same whichever way the system is solved, and for any number of threads the same bits.
+TEST(InstrumentContactForceField, DoesNotDependOnTheSolver) {
+  const std::string stroke =
+      "<InstrumentContactForceField shape='capsule' radius='.006' length='.03' friction='.4' keyTimes='0 .2 .6' "
+      "positions='.02 .03 .037  .02 .03 .034  .04 .03 .034' orientations='.7071 0 0 .7071  .7071 0 0 .7071  .65 .2 .1 "
+      ".7'/>";
+  const auto end_with = [&](const std::string& solver) {
+    scene::Scene scene = read_and_init(block(stroke, solver));
+    support::run(scene, 60);
+    return nodes(scene);
+  };
+  const PointArray direct = end_with("<SparseLDLSolver/>");
+  EXPECT_TRUE(support::agrees(end_with("<CGLinearSolver iterations='2000' tolerance='1e-14' threshold='1e-40'/>"),
+                              direct, 1e-7));
+  for (const std::string preconditioner : {"multigrid", "diagonal"})
+    EXPECT_TRUE(support::agrees(
+        end_with("<MultigridCGLinearSolver tolerance='1e-12' preconditioner='" + preconditioner + "'/>"), direct, 1e-7))
+        << preconditioner;
+  set_num_threads(3);
+  const PointArray three = end_with("<MultigridCGLinearSolver/>");
+  set_num_threads(1);
+  EXPECT_EQ(end_with("<MultigridCGLinearSolver/>"), three);
+}
+
+// A block on a slope: below the angle of friction it stays, above it slides as a rigid one does.
+std::string slope(double degrees, double friction) {
+  const double a = degrees * std::numbers::pi / 180, c = std::cos(a), s = std::sin(a);
+  const auto text = [](double number) { return std::to_string(number); };
+  // gravity turns, the plate lies
+  return "<Node dt='.005' gravity='" + text(9.81 * s) + " 0 " + text(-9.81 * c) +
+         "'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+         "<RegularGridTopology n='5 5 3' min='0 0 0' max='.04 .04 .02'/><MechanicalObject name='nodes'/>"
+         "<UniformMass totalMass='.032'/><HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.3'/>"
+         "<InstrumentContactForceField name='plate' shape='box' size='100 100 1' friction='" +
+         text(friction) + "' keyTimes='0' positions='0 0 -.5'/></Node>";
+}
+
+TEST(InstrumentContactForceField, ABlockOnASlopeSticksOrSlides) {
+  const auto centre = [](scene::Scene& scene) { return nodes(scene).col(0).mean(); };
+  {
+    scene::Scene scene = read_and_init(slope(20, 0.4));  // tan 20 deg = .364
+    support::run(scene, 400);                            // it comes to rest
+    const double rest = centre(scene);
+    support::run(scene, 2000);
+    EXPECT_LT(std::abs(centre(scene) - rest), 1e-6 * 0.04) << "in 10 s";
+  }
+  for (const double friction : {0.0, 0.1, 0.3}) {
+    scene::Scene scene = read_and_init(slope(20, friction));
+    support::run(scene, 200);
+    const auto& state = at<scene::MechanicalState>(scene, "nodes");
+    const auto speed = [&] { return const_cast<scene::MechanicalState&>(state).velocities().col(0).mean(); };
+    const double before = speed();
+    support::run(scene, 100);
+    const double angle = 20 * std::numbers::pi / 180,
+                 expected = 9.81 * (std::sin(angle) - friction * std::cos(angle)) * 0.5;
+    EXPECT_NEAR(speed() - before, expected, 0.02 * expected) << friction;
+  }
+}
+
+// Two jaws close on a block, and pull: friction holds it, or it slips at 2 mu N.
+TEST(InstrumentContactForceField, JawsHoldByFriction) {
+  const auto pull = [](double friction) {
+    const std::string jaw = "<InstrumentContactForceField shape='box' size='.02 .02 .01' friction='" +
+                            std::to_string(friction) + "' keyTimes='0 .2 1.2' name='";
+    scene::Scene scene = read_and_init(
+        "<Node dt='.005' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver "
+        "rayleighMass='5'/><SparseLDLSolver/>"
+        "<RegularGridTopology n='9 3 3' min='0 -.01 -.01' max='.08 .01 .01'/><MechanicalObject name='nodes'/>"
+        "<UniformMass totalMass='.03'/><FixedProjectiveConstraint indices='0 9 18 27 36 45 54 63 72'/>"
+        "<HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.3'/>" +
+        jaw + "upper' positions='.07 0 .0155  .07 0 .0148  .078 0 .0148'/>" + jaw +
+        "lower' positions='.07 0 -.0155  .07 0 -.0148  .078 0 -.0148'/></Node>");
+    support::run(scene, 240);
+    return std::pair(force_on(scene, "upper"), force_on(scene, "lower"));
+  };
+  const auto [upper, lower] = pull(0.3);
+  EXPECT_GT(upper.z(), 0.05);
+  EXPECT_NEAR(upper.z(), -lower.z(), 1e-6);
+  EXPECT_NEAR(-(upper.x() + lower.x()), 2 * 0.3 * upper.z(), 0.03 * 2 * 0.3 * upper.z()) << "it slips";
+  const auto [held, other] = pull(20);
+  EXPECT_LT(-(held.x() + other.x()), 2 * 20 * held.z()) << "it holds";
+  EXPECT_GT(-(held.x() + other.x()), 0.5);
+}
+
+// Pressing without friction on a block that leans does not push it aside.
+TEST(InstrumentContactForceField, WithoutFrictionForcesAreNormal) {
+  scene::Scene scene =
+      read_and_init(block("<InstrumentContactForceField name='plate' shape='box' size='.1 .1 .02' keyTimes='0 .5' "
+                          "positions='.03 .03 .041  .05 .03 .037'/>"));
+  support::run(scene, 60);
+  const Vec3 force = force_on(scene, "plate");
+  EXPECT_GT(force.z(), 1);
+  EXPECT_LT(force.head<2>().norm(), 0.01 * force.z());
+}
+
+TEST(InstrumentContactForceField, AScenesTurnTurnsIt) {
+  // a quarter turn about y: z becomes x, x becomes -z
+  const std::string plain =
+      "<RegularGridTopology n='5 5 5' min='0 0 0' max='.04 .04 .04'/>"
+      "<MechanicalObject name='nodes'/><InstrumentContactForceField name='probe' shape='cylinder' radius='.006' "
+      "length='.02' friction='.5' keyTimes='0 .3' positions='.021 .019 .052  .025 .019 .047' "
+      "orientations='0 0 0 1  0 .1 0 .995'/>";
+  const std::string turned =
+      "<RegularGridTopology n='5 5 5' min='0 0 -.04' max='.04 .04 0'/>"
+      "<MechanicalObject name='nodes'/><InstrumentContactForceField name='probe' shape='cylinder' radius='.006' "
+      "length='.02' friction='.5' keyTimes='0 .3' positions='.052 .019 -.021  .047 .019 -.025' "
+      "orientations='0 .70710678118654752 0 .70710678118654752  0 .7742722470566705 0 .6328526585531692'/>";
+  const auto force_of = [](const std::string& what, const std::string& fixed) {
+    scene::Scene scene =
+        read_and_init("<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>" +
+                      what + "<UniformMass totalMass='.05'/><BoxROI name='end' box='" + fixed +
+                      "'/><FixedProjectiveConstraint indices='@end.indices'/>"
+                      "<HexahedronElastoplasticFEMForceField youngModulus='5000'/></Node>");
+    support::run(scene, 40);
+    return force_on(scene, "probe");
+  };
+  const Vec3 first = force_of(plain, "-1 -1 -.001  1 1 .001"), second = force_of(turned, "-.001 -1 -1  .001 1 1");
+  EXPECT_GT(first.norm(), 0.05);
+  EXPECT_NEAR(second.x(), first.z(), 1e-6 * first.norm());
+  EXPECT_NEAR(second.z(), -first.x(), 1e-6 * first.norm());
+  EXPECT_NEAR(second.y(), first.y(), 1e-6 * first.norm());
+}
+
+TEST(InstrumentContactForceField, ContinuesWhereItSticks) {
+  const std::string text = block(
+      "<InstrumentContactForceField name='probe' radius='.01' friction='.8' keyTimes='0 .1 .4' "
+      "positions='.03 .03 .042  .03 .03 .038  .036 .03 .038'/>");
+  scene::Scene straight = read_and_init(text), second = read_and_init(text);
+  support::run(straight, 20);
+  std::vector<std::byte> bytes;
+  Archive out([&](const void* data, std::size_t size) {
+    const auto* from = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), from, from + size);
+  });
+  straight.serialize(out);
+  Archive in{std::span<const std::byte>(bytes)};
+  second.serialize(in);
+  EXPECT_EQ(force_on(second, "probe"), force_on(straight, "probe"));
+  support::run(straight, 15);
+  support::run(second, 15);
+  EXPECT_EQ(nodes(straight), nodes(second));
+  EXPECT_GT(std::abs(force_on(second, "probe").x()), 1e-3);
+
+  second.reset();
+  support::run(second, 35);
+  EXPECT_EQ(nodes(straight), nodes(second));
+}
+
+// Hexahedra that tear away leave a surface that is touched as well.
+TEST(InstrumentContactForceField, FollowsTheSurfaceOfWhatIsLeft) {
+  std::string text = block(
+      "<InstrumentContactForceField name='probe' radius='.006' keyTimes='0 1' positions='.03 .03 .037  .03 .03 "
+      ".017'/>");
+  text.insert(text.find("poissonRatio"), "yieldStress='200' plasticFlowRate='20' fractureStretch='1.1' ");
+  scene::Scene scene = read_and_init(text);
+  support::run(scene, 100);
+  EXPECT_FALSE(at<scene::ForceField>(scene, "body").body()->removed().empty());
+  EXPECT_GE(force_on(scene, "probe").z(), 0);
+}
+
+TEST(InstrumentContactForceField, TakesASurface) {
+  const auto force_of = [](const std::string& shape) {
+    scene::Scene scene = read_and_init(block("<InstrumentContactForceField name='tool' " + shape +
+                                             " keyTimes='0 .3' positions='.0312 .0288 .042  .0312 .0288 .036'/>"));
+    support::run(scene, 40);
+    return force_on(scene, "tool");
+  };
+  const Vec3
+      box = force_of("shape='box' size='.02 .02 .02'"),
+      surface = force_of(
+          "shape='surface' surfacePositions='-.01 -.01 -.01  .01 -.01 -.01  .01 .01 -.01  -.01 .01 -.01  -.01 "
+          "-.01 .01  .01 -.01 .01  .01 .01 .01  -.01 .01 .01' surfaceTriangles='0 2 1  0 3 2  4 5 6  4 6 7  0 1 5 "
+          " 0 5 4  1 2 6  1 6 5  2 3 7  2 7 6  3 0 4  3 4 7'");
+  EXPECT_GT(box.z(), 0.1);
+  EXPECT_TRUE(support::agrees(surface, box, 1e-9));
+}
+
+TEST(InstrumentContactForceField, SaysWhatIsWrong) {
+  const auto errors = [](const std::string& attributes) {
+    return errors_of(block("<InstrumentContactForceField keyTimes='0' positions='0 0 1' " + attributes + "/>"));
+  };
+  const std::string prefix = "test.scn:1: error: InstrumentContactForceField";
+  EXPECT_EQ(errors(""), prefix + ".radius: is not given: a sphere has one");
+  EXPECT_EQ(errors("radius='0'"), prefix + ".radius: 0 must be > 0");
+  EXPECT_EQ(errors("radius='1' friction='-.1'"), prefix + ".friction: -0.1 must be >= 0");
+  EXPECT_EQ(errors("shape='box'"), prefix + ".size: is not given: a box has one");
+  EXPECT_EQ(errors("shape='capsule' radius='1'"), prefix + ".length: is not given: a capsule has one");
+  EXPECT_EQ(errors("radius='1' orientations='0 0 0'"),
+            prefix + ".orientations: 3 numbers given, must be a quaternion (4) for each of 1 key times");
+  EXPECT_EQ(errors("radius='1' orientations='0 0 0 0'"),
+            prefix + ".orientations: quaternion 0 is 0 0 0 0, must have a length");
+  EXPECT_EQ(errors("shape='surface' surfacePositions='0 0 0  1 0 0  0 1 0' surfaceTriangles='0 1 2'"),
+            prefix + ".surfaceTriangles: closed surface: is open at edge 0 1 of triangle 0");
+  EXPECT_EQ(errors_of(block("<InstrumentContactForceField radius='1' keyTimes='0' positions='0 0 1'/>",
+                            "<SparseLDLSolver/>", "<EulerImplicitSolver trapezoidalScheme='true'/>")),
+            prefix + ": its EulerImplicitSolver has trapezoidalScheme: contact needs implicit Euler");
+  EXPECT_NE(errors("shape='ball' radius='1'").find("'ball'"), std::string::npos);
+  EXPECT_EQ(errors_of("<Node><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
+                      "position='0 0 0'/><UniformMass totalMass='1'/><InstrumentContactForceField radius='1' "
+                      "keyTimes='0' positions='0 0 0'/></Node>"),
+            prefix + ": no body on its state: contact is that of a body's surface");
+
+  scene::Scene thin = read_and_init(
+      block("<InstrumentContactForceField radius='1e-4' keyTimes='0' positions='0 0 1' maxSubdivision='4'/>"));
+  const std::vector<scene::Message> warnings = thin.diagnostics().take_warnings();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].text.find("slips between them"), std::string::npos);
+}
+
+}  // namespace
