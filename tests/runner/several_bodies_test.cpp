@@ -55,7 +55,7 @@ TEST_F(SeveralBodiesRun, WritesThemOneBehindTheOther) {
         hexaplast("run " + name + ".scn --quiet --frames 1 --out " + name + " --final " + name + ".json");
     ASSERT_EQ(ran.code, 0) << ran.err;
   }
-  const Json both = json("both/both.json"), liver = json("liver/liver.json"), sac = json("sac/sac.json");
+  const Json both = json("both.json"), liver = json("liver.json"), sac = json("sac.json");
   EXPECT_EQ(both["bodies"], Json::parse(R"([{"name": "liver", "first_node": 0, "nodes": 36, "first_hexahedron": 0,
       "hexahedra": 12}, {"name": "sac", "first_node": 36, "nodes": 12, "first_hexahedron": 12, "hexahedra": 2}])"));
   EXPECT_FALSE(liver.contains("bodies"));
@@ -93,7 +93,7 @@ TEST_F(SeveralBodiesRun, WritesThemOneBehindTheOther) {
 
 TEST_F(SeveralBodiesRun, IsTheSameWhenItIsInterrupted) {
   ASSERT_EQ(hexaplast("run both.scn --quiet --frames 0 --out whole").code, 0);
-  ASSERT_EQ(hexaplast("run both.scn --quiet --frames 0 --out parts --steps 30 --checkpoint-every 30").code, 0);
+  ASSERT_EQ(hexaplast("run both.scn --quiet --frames 0 --out parts --steps 30 --checkpoint every=30").code, 0);
   const support::Outcome resumed = hexaplast("resume parts --quiet --steps 60");
   ASSERT_EQ(resumed.code, 0) << resumed.err;
   EXPECT_EQ(json("parts/manifest.json")["state_hash"], json("whole/manifest.json")["state_hash"]);
@@ -119,7 +119,7 @@ TEST_F(SeveralBodiesRun, ChecksEach) {
 
 // Verbs for one body say so.
 TEST_F(SeveralBodiesRun, OtherCommandsRefuseThem) {
-  for (const std::string verb : {"mesh export both.scn --out x.vtu", "bench both.scn"}) {
+  for (const std::string verb : {"mesh export both.scn --format vtu --out x.vtu", "bench --scene both.scn"}) {
     const support::Outcome refused = hexaplast(verb);
     EXPECT_NE(refused.code, 0) << verb;
     EXPECT_NE(refused.err.find("both.scn:1: error: "), std::string::npos) << verb << refused.err;

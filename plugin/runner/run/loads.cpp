@@ -31,7 +31,7 @@ double time_of_greatest_loads(scene::Scene& scene, scene::MechanicalState& state
 PointArray free_directions(scene::Scene& scene, scene::MechanicalState& state) {
   PointArray is_free = PointArray::Ones(state.num_nodes(), 3);
   for (const scene::ProjectiveConstraint* constraint : scene.root().all<scene::ProjectiveConstraint>())
-    constraint->project(is_free);
+    if (scene::acts_on(*constraint, state)) constraint->project(is_free);
   return is_free;
 }
 
