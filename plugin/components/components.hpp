@@ -24,7 +24,8 @@ void add_mappings(scene::Factory& factory);        // BarycentricMapping, Identi
 void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
 void add_probes(scene::Factory& factory);          // Probe
 void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
-void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
+void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField
+void add_dense_hexahedra(scene::Factory& factory);  // HexahedronFEMForceField and its like
 void add_regions(scene::Factory& factory);         // MaterialRegion
 
 }  // namespace hexaplast::components

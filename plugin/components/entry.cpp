@@ -18,6 +18,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_loads(factory);
   add_instruments(factory);
   add_bodies(factory);
+  add_dense_hexahedra(factory);
   add_regions(factory);
   add_mappings(factory);
   add_visuals(factory);

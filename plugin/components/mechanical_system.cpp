@@ -9,6 +9,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/model_check.hpp"
 #include "scene/parts.hpp"
+#include "scene/potential.hpp"
 
 namespace hexaplast::components {
 
@@ -228,11 +229,20 @@ double NodeSystem::kinetic_energy() const {
   return energy;
 }
 
+bool NodeSystem::has_elastic_energy() const {
+  return std::ranges::all_of(layers_, [](const Layer& layer) {
+    return std::ranges::all_of(layer.force_fields, [](const scene::ForceField* field) {
+      return !field->body() || dynamic_cast<const scene::Potential*>(field);
+    });
+  });
+}
+
 double NodeSystem::elastic_energy() const {
   double energy = 0;
   for (const Layer& layer : layers_)
     for (const scene::ForceField* field : layer.force_fields)
-      if (const Body* body = field->body()) energy += body->energy(layer.state->positions());
+      if (const auto* potential = dynamic_cast<const scene::Potential*>(field); potential && field->body())
+        energy += potential->potential_energy(node_.clock().time, layer.state->positions());
   return energy;
 }
 

@@ -31,7 +31,8 @@ class NodeSystem final : public MechanicalSystem {
   scene::MechanicalState& state() const { return *layers_.front().state; }
   bool has_mass() const;
   double kinetic_energy() const;           ///< [J]
-  double elastic_energy() const;           ///< [J] of the bodies
+  bool has_elastic_energy() const;         ///< whether the forces of all bodies have a potential
+  double elastic_energy() const;           ///< [J] of the bodies that have one
   double recovery_work() const;            ///< [J] of the bodies
   double highest_frequency() const;        ///< [rad/s] about that of the bodies' fastest vibration; 0: nothing vibrates
   void project_motion(double time) const;  ///< applies prescribed motion to the state, and lets the others follow

@@ -111,6 +111,7 @@ class EulerImplicitSolver final : public SystemSolver {
   }
 
   void keep_energy_balance() override {
+    if (!system().has_elastic_energy()) return;
     euler_->measure_energy();
     balance_.emplace();
     pending_ = Pending::kBeginning;
