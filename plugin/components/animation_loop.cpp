@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <algorithm>
+#include <memory>
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
@@ -10,7 +11,7 @@ namespace {
 
 class DefaultAnimationLoop final : public scene::AnimationLoop {
  public:
-  DefaultAnimationLoop() : AnimationLoop(attributes::kDefaultAnimationLoop) {}
+  using AnimationLoop::AnimationLoop;
 
   void bwd_init() override {
     node().for_each<scene::MechanicalState>([](scene::MechanicalState& state) {
@@ -45,7 +46,9 @@ class DefaultAnimationLoop final : public scene::AnimationLoop {
 }  // namespace
 
 void add_animation_loop(scene::Factory& factory) {
-  factory.add<DefaultAnimationLoop>(attributes::kDefaultAnimationLoop);
+  for (const attributes::Description* description :
+       {&attributes::kDefaultAnimationLoop, &attributes::kFreeMotionAnimationLoop})
+    factory.add(*description, [description] { return std::make_unique<DefaultAnimationLoop>(*description); });
 }
 
 }  // namespace hexaplast::components

@@ -8,8 +8,10 @@
 namespace hexaplast::components {
 
 void add_settings(scene::Factory& factory);        // RunSettings, and what is ignored
-void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop
-void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver and theirs
+void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop, FreeMotionAnimationLoop
+void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver
+void add_integrators(scene::Factory& factory);     // EulerExplicitSolver and its like, NewmarkImplicitSolver
+void add_linear_solvers(scene::Factory& factory);  // CGLinearSolver, direct solvers, preconditioners
 void add_loaders(scene::Factory& factory);         // MeshGmshLoader, MeshVTKLoader, MeshOBJLoader
 void add_topologies(scene::Factory& factory);      // RegularGridTopology, MeshTopology and its like
 void add_shapes(scene::Factory& factory);          // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology

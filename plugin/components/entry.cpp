@@ -7,6 +7,8 @@ HEXAPLAST_PLUGIN(factory) {
   add_settings(factory);
   add_animation_loop(factory);
   add_solvers(factory);
+  add_integrators(factory);
+  add_linear_solvers(factory);
   add_loaders(factory);
   add_topologies(factory);
   add_shapes(factory);

@@ -210,6 +210,17 @@ void NodeSystem::find_others() const {
   }
 }
 
+bool NodeSystem::add_mass_diagonal(Points diagonal) const {
+  for (std::size_t i = 0; i < layers_.size(); ++i)
+    for (const scene::Mass* mass : layers_[i].masses)
+      if (i > 0 || !mass->add_diagonal(1, diagonal)) return false;
+  return true;
+}
+
+void NodeSystem::prescribe(double time, Points x, Points v) const {
+  for (const scene::ProjectiveConstraint* constraint : constraints_) constraint->project_motion(time, x, v);
+}
+
 void NodeSystem::project(Points field) const {
   for (const scene::ProjectiveConstraint* constraint : constraints_) constraint->project(field);
 }

@@ -25,10 +25,19 @@ class NodeSystem final : public MechanicalSystem {
   bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
+  bool add_mass_diagonal(Points diagonal) const override;
+  void prescribe(double time, Points x, Points v) const override;
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;
 
   scene::MechanicalState& state() const { return *layers_.front().state; }
+
+  /// move(x, v) with the positions and velocities of the independent state.
+  template <class Move>
+  auto advance(const Move& move) {
+    return move(state().positions(), state().velocities());
+  }
+
   bool has_mass() const;
   double kinetic_energy() const;           ///< [J]
   bool has_elastic_energy() const;         ///< whether the forces of all bodies have a potential

@@ -12,22 +12,33 @@
 namespace hexaplast {
 
 SolveReport MinimumResiduals::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  SolverMemory none;
+  return solve_next(A, b, x, none);
+}
+
+SolveReport MinimumResiduals::solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) {
   require_sizes(A, b, x);
   constexpr double kRounding = std::numeric_limits<double>::epsilon();
   SolveReport report;
-  x.setZero();
-  const double norm_b = std::sqrt(hexaplast::dot(b, b));
-  if (!std::isfinite(norm_b))
-    throw NumericalError("minimum residuals: the right-hand side or its square is not finite");
-  if (norm_b == 0) return report;
-
+  product_.resize(b.rows(), 3);
   now_ = b;
+  if (memory.start.rows() == b.rows()) {
+    x = memory.start;
+    A.apply(x, product_);
+    now_ -= product_;
+  } else {
+    x.setZero();
+  }
+  const double norm_b = std::sqrt(hexaplast::dot(b, b)), norm_r = std::sqrt(hexaplast::dot(now_, now_));
+  if (!std::isfinite(norm_b) || !std::isfinite(norm_r))
+    throw NumericalError("minimum residuals: the right-hand side or its square is not finite");
+  if (norm_r == 0) return report;
+
   before_.setZero(b.rows(), 3);
   w_.setZero(b.rows(), 3);
   w_before_.setZero(b.rows(), 3);
-  product_.resize(b.rows(), 3);
   // the QR decomposition of Lanczos' tridiagonal matrix: one Givens rotation (c, s) per iteration
-  double beta = norm_b, beta_before = 0, c = -1, s = 0, diagonal_left = 0, far = 0, residual = norm_b, squares = 0;
+  double beta = norm_r, beta_before = 0, c = -1, s = 0, diagonal_left = 0, far = 0, residual = norm_r, squares = 0;
   double greatest = 0, least = std::numeric_limits<double>::max();
   report.converged = false;
   while (report.iterations < iterations_) {
@@ -62,7 +73,7 @@ SolveReport MinimumResiduals::solve(const LinearSystem& A, ConstPoints b, Points
     w_ = (v_ - far_before * w_ - upper * w_before_) / pivot;
     x += along * w_;
 
-    if (is_first && beta < 10 * kRounding * norm_b) {
+    if (is_first && beta < 10 * kRounding * norm_r) {
       report.converged = true;
       break;
     }
@@ -71,10 +82,11 @@ SolveReport MinimumResiduals::solve(const LinearSystem& A, ConstPoints b, Points
     least = std::min(least, pivot);
     const double of_A = of_residual / norm_A;
     report.converged = residual <= tolerance_ * norm_A * norm_x || of_A <= tolerance_;
-    if (report.converged || greatest / least >= 0.1 / kRounding || norm_A * kRounding * norm_x >= norm_b) break;
+    if (report.converged || greatest / least >= 0.1 / kRounding || norm_A * kRounding * norm_x >= norm_r) break;
   }
   require_finite(x, "solution");
-  report.residual = residual / norm_b;
+  memory.start = x;
+  report.residual = norm_b > 0 ? residual / norm_b : 0;
   return report;
 }
 

@@ -58,8 +58,7 @@ void MatrixPartSolver::sweep(ConstPoints b, Points x) const {
     for (int i = 2; i >= 0; --i)
       x(n, i) = (b(n, i) - sum(n, i, [](int k, int of) { return k > of; })) * omega_ * inverse_[n](i, i);
   for (int n = 0; n < num_nodes; ++n)
-    for (int i = 0; i < 3; ++i)
-      x(n, i) -= sum(n, i, [](int k, int of) { return k < of; }) * omega_ * inverse_[n](i, i);
+    for (int i = 0; i < 3; ++i) x(n, i) -= sum(n, i, [](int k, int of) { return k < of; }) * omega_ * inverse_[n](i, i);
   x *= 2 - omega_;
 }
 

@@ -46,6 +46,20 @@ const std::vector<Variant> kVariants = {
     {.name = "dynamic_polar",
      .field = field("HexahedralFEMForceField", "method='polar'"),
      .linear_solver = kConjugateGradients},
+    {.name = "explicit", .integrator = "<EulerExplicitSolver/>", .time_step = "dt='0.002'"},
+    {.name = "explicit_not_symplectic",
+     .integrator = "<EulerExplicitSolver symplectic='false'/>",
+     .time_step = "dt='0.002'"},
+    {.name = "midpoint", .integrator = "<RungeKutta2Solver/>", .time_step = "dt='0.002'"},
+    {.name = "runge_kutta", .integrator = "<RungeKutta4Solver/>", .time_step = "dt='0.004'"},
+    {.name = "central_difference",
+     .integrator = "<CentralDifferenceSolver rayleighMass='0.7'/>",
+     .time_step = "dt='0.002'"},
+    {.name = "newmark", .integrator = "<NewmarkImplicitSolver/>"},
+    {.name = "newmark_damped",
+     .field = field("HexahedronFEMForceField", "rayleighStiffness='0.01'"),
+     .integrator = "<NewmarkImplicitSolver rayleighMass='0.3' rayleighStiffness='0.02' vdamping='0.4' gamma='0.6' "
+                   "beta='0.3'/>"},
 };
 
 std::string replaced(std::string scene, std::string_view part, const std::string& by) {

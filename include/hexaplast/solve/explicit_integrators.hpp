@@ -8,11 +8,11 @@ namespace hexaplast {
 /// Schemes that find the acceleration a(t, x, v) = M^-1 f(t, x, v) and never ask for the stiffness: SOFA's, in its
 /// order of evaluation. h is the time step.
 enum class ExplicitScheme {
-  kEuler,            ///< x += h v,  v += h a
-  kSymplecticEuler,  ///< v += h a,  x += h v
-  kMidpoint,         ///< a' at t + h/2, x + h/2 v, v + h/2 a:  x += h (v + h/2 a),  v += h a'
-  kRungeKutta4,      ///< the classical one of four evaluations
-  kCentralDifference ///< v = ((1/h - r/2) v + a) / (1/h + r/2),  x += h v;  r: damping by the mass
+  kEuler,             ///< x += h v,  v += h a
+  kSymplecticEuler,   ///< v += h a,  x += h v
+  kMidpoint,          ///< a' at t + h/2, x + h/2 v, v + h/2 a:  x += h (v + h/2 a),  v += h a'
+  kRungeKutta4,       ///< the classical one of four evaluations
+  kCentralDifference  ///< v = ((1/h - r/2) v + a) / (1/h + r/2),  x += h v;  r: damping by the mass
 };
 
 /// One step of an explicit scheme. It is stable below a time step that the fastest vibration sets, and nothing is

@@ -38,6 +38,12 @@ class MechanicalSystem {
   virtual void add_load(double /*time*/, ConstPoints /*x*/, ConstPoints /*v*/, Points /*f*/) {}
   virtual void add_load_product(const OperatorFactors& /*factors*/, ConstPoints /*dx*/, Points /*df*/) const {}
 
+  /// diagonal += M, num_nodes x 3, where it couples nothing; false where it does, and `diagonal` is void then.
+  virtual bool add_mass_diagonal(Points /*diagonal*/) const { return false; }
+
+  /// Puts x and v where constraints prescribe them at that time, within a step; the default prescribes nothing.
+  virtual void prescribe(double /*time*/, Points /*x*/, Points /*v*/) const {}
+
   /// Zeroes constrained degrees of freedom of a nodal field.
   virtual void project(Points field) const = 0;
 

@@ -7,11 +7,12 @@ namespace hexaplast {
 
 /// Minimum residuals (Paige and Saunders 1975) with the stopping rules of SOFA's MinResLinearSolver: ends where the
 /// estimate of |r| / (|A| |x|), or of |A r| / (|A| |r|), is at most the tolerance, |A| being that of Lanczos' matrix.
-/// A need not be definite.
+/// A need not be definite. As in SOFA, each solve of a SolverMemory begins at the solution before.
 class MinimumResiduals final : public LinearSolver {
  public:
   MinimumResiduals(double tolerance, int iterations) : tolerance_(tolerance), iterations_(iterations) {}
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
+  SolveReport solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) override;
 
  private:
   double tolerance_;
