@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <memory>
 #include <optional>
 #include <utility>
@@ -28,6 +30,7 @@ class ExplicitSolver final : public SystemSolver {
                            : "masses couple nodes: needs masses with lumping");
     SolverMemory kept = integrator_ ? std::move(integrator_->memory()) : SolverMemory();
     integrator_.emplace(made());
+    warn_of_growing_vibrations();
     integrator_->memory() = std::move(kept);
   }
 
@@ -47,10 +50,19 @@ class ExplicitSolver final : public SystemSolver {
 
  private:
   ExplicitIntegrator made() {
-    if (scheme_ == ExplicitScheme::kCentralDifference) return ExplicitIntegrator(scheme_, real("rayleighMass"));
-    if (scheme_ == ExplicitScheme::kSymplecticEuler && !boolean("symplectic"))
-      return ExplicitIntegrator(ExplicitScheme::kEuler);
-    return ExplicitIntegrator(scheme_);
+    if (find_data("symplectic"))
+      scheme_ = boolean("symplectic") ? ExplicitScheme::kSymplecticEuler : ExplicitScheme::kEuler;
+    return ExplicitIntegrator(scheme_, find_data("rayleighMass") ? real("rayleighMass") : 0);
+  }
+
+  void warn_of_growing_vibrations() {
+    const double dt = node().clock().dt, stable = stable_phase_per_step(scheme_);
+    const double frequency = stable > 0 ? system().highest_frequency() : 0;
+    if (dt * frequency > stable)
+      remark(scene::Severity::kWarning, {},
+             fmt::format("vibrations of up to {:.3g} rad/s times dt = {} s is {:.3g}: above {:.3g} they grow from step "
+                         "to step; take dt below {:.2g} s",
+                         frequency, dt, dt * frequency, stable, stable / frequency));
   }
 
   ExplicitScheme scheme_;

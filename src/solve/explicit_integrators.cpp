@@ -2,12 +2,27 @@
 #include "hexaplast/solve/explicit_integrators.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/finite.hpp"
 #include "hexaplast/base/require.hpp"
 #include "solve/acceleration.hpp"
 
 namespace hexaplast {
+
+double stable_phase_per_step(ExplicitScheme scheme) {
+  switch (scheme) {
+    case ExplicitScheme::kSymplecticEuler:
+    case ExplicitScheme::kCentralDifference:
+      return 2;
+    case ExplicitScheme::kRungeKutta4:
+      return std::sqrt(8.0);
+    case ExplicitScheme::kEuler:
+    case ExplicitScheme::kMidpoint:
+      return 0;
+  }
+  return 0;
+}
 
 void ExplicitIntegrator::find_acceleration(MechanicalSystem& system, LinearSolver* solver, double time, ConstPoints x,
                                            ConstPoints v, PointArray& a) {
@@ -65,7 +80,7 @@ void ExplicitIntegrator::step_by_midpoint(MechanicalSystem& system, LinearSolver
   find_prescribed_acceleration(system, solver, time, x, v, a_[0]);
   x_ = x + h / 2 * v;
   v_[0] = v + h / 2 * a_[0];
-  find_prescribed_acceleration(system, solver, time + h / 2, x_, v_[0], a_[1]);
+  find_prescribed_acceleration(system, solver, time, x_, v_[0], a_[1]);
   x += h * v_[0];
   v += h * a_[1];
 }
@@ -78,7 +93,7 @@ void ExplicitIntegrator::step_by_runge_kutta(MechanicalSystem& system, LinearSol
   for (int stage = 0; stage < 3; ++stage) {
     x_ = x + until[stage] * v_[stage];
     v_[stage + 1] = v + until[stage] * a_[stage];
-    find_prescribed_acceleration(system, solver, time + until[stage], x_, v_[stage + 1], a_[stage + 1]);
+    find_prescribed_acceleration(system, solver, time, x_, v_[stage + 1], a_[stage + 1]);
   }
   x += h / 6 * v_[0] + h / 3 * v_[1] + h / 3 * v_[2] + h / 6 * v_[3];
   v += h / 6 * a_[0] + h / 3 * a_[1] + h / 3 * a_[2] + h / 6 * a_[3];

@@ -17,12 +17,13 @@ const std::string kData = HEXAPLAST_TEST_DATA "/sofa/";
 constexpr std::string_view kField = "<HexahedronFEMForceField youngModulus=\"5000\" poissonRatio=\"0.3\"/>",
                            kIntegrator = "<EulerImplicitSolver/>",
                            kLinearSolver = "<SparseLDLSolver template=\"CompressedRowSparseMatrixMat3x3d\"/>",
-                           kTimeStep = "dt=\"0.01\"";
+                           kTimeStep = "dt=\"0.01\"",
+                           kConstraint = "<FixedProjectiveConstraint indices=\"0 1 2 3 4 5\"/>";
 
 /// A variant of bar.scn: what takes the place of its parts; empty: they stay.
 struct Variant {
   std::string name;
-  std::string field = {}, integrator = {}, linear_solver = {}, time_step = {};
+  std::string field = {}, integrator = {}, linear_solver = {}, time_step = {}, constraint = {};
 };
 
 std::string field(const std::string& class_name, const std::string& attributes) {
@@ -52,6 +53,11 @@ const std::vector<Variant> kVariants = {
      .time_step = "dt='0.002'"},
     {.name = "midpoint", .integrator = "<RungeKutta2Solver/>", .time_step = "dt='0.002'"},
     {.name = "runge_kutta", .integrator = "<RungeKutta4Solver/>", .time_step = "dt='0.004'"},
+    {.name = "runge_kutta_led",
+     .integrator = "<RungeKutta4Solver/>",
+     .time_step = "dt='0.002'",
+     .constraint = "<FixedProjectiveConstraint indices='0 1 2 3 4 5'/><LinearMovementProjectiveConstraint "
+                   "indices='18 19 20' keyTimes='0 0.02 1' movements='0 0 0  0.01 0.02 0  0.01 0.02 0'/>"},
     {.name = "central_difference",
      .integrator = "<CentralDifferenceSolver rayleighMass='0.7'/>",
      .time_step = "dt='0.002'"},
@@ -74,6 +80,7 @@ std::string scene_of(const Variant& variant) {
   scene = replaced(scene, kField, variant.field);
   scene = replaced(scene, kIntegrator, variant.integrator);
   scene = replaced(scene, kLinearSolver, variant.linear_solver);
+  scene = replaced(scene, kConstraint, variant.constraint);
   return replaced(scene, kTimeStep, variant.time_step);
 }
 

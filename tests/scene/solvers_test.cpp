@@ -162,6 +162,24 @@ TEST(ExplicitSolvers, MovePlasticBodies) {
     EXPECT_LT(support::max_abs(end(integrator) - reference), 2e-4) << integrator;
 }
 
+TEST(ExplicitSolvers, WarnWhereVibrationsGrow) {
+  const auto warnings = [](const std::string& integrator, const std::string& dt) {
+    std::string text = pulled_bar(integrator, "");
+    text.replace(text.find("dt='0.02'"), 9, "dt='" + dt + "'");
+    scene::Scene scene = read_and_init(text);
+    int count = 0;
+    for (const scene::Message& message : scene.diagnostics().take_warnings())
+      count += scene::format(message).find("they grow from step to step") != std::string::npos;
+    return count;
+  };
+  for (const std::string integrator :
+       {"<EulerExplicitSolver/>", "<CentralDifferenceSolver/>", "<RungeKutta4Solver/>"}) {
+    EXPECT_EQ(warnings(integrator, "0.05"), 1) << integrator;
+    EXPECT_EQ(warnings(integrator, "0.0005"), 0) << integrator;
+  }
+  EXPECT_EQ(warnings("<RungeKutta2Solver/>", "0.05"), 0);
+}
+
 TEST(ExplicitSolvers, NeedMassesThatDoNotCoupleNodes) {
   const auto errors = [](const std::string& integrator, const std::string& mass) {
     return errors_of("<Node><DefaultAnimationLoop/>" + integrator +

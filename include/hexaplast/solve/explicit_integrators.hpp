@@ -5,15 +5,20 @@
 
 namespace hexaplast {
 
-/// Schemes that find the acceleration a(t, x, v) = M^-1 f(t, x, v) and never ask for the stiffness: SOFA's, in its
-/// order of evaluation. h is the time step.
+/// Schemes that find the acceleration a(x, v) = M^-1 f(t, x, v) and never ask for the stiffness: SOFA's, in its order
+/// of evaluation. h is the time step. As in SOFA, loads and constraints are those of the step's beginning t in all
+/// evaluations: what depends on time is of first order.
 enum class ExplicitScheme {
   kEuler,             ///< x += h v,  v += h a
   kSymplecticEuler,   ///< v += h a,  x += h v
-  kMidpoint,          ///< a' at t + h/2, x + h/2 v, v + h/2 a:  x += h (v + h/2 a),  v += h a'
+  kMidpoint,          ///< a' at x + h/2 v, v + h/2 a:  x += h (v + h/2 a),  v += h a'
   kRungeKutta4,       ///< the classical one of four evaluations
   kCentralDifference  ///< v = ((1/h - r/2) v + a) / (1/h + r/2),  x += h v;  r: damping by the mass
 };
+
+/// The product of dt [s] and the angular frequency of an undamped vibration below which steps do not make it grow; 0:
+/// they always do, if only slowly.
+double stable_phase_per_step(ExplicitScheme scheme);
 
 /// One step of an explicit scheme. It is stable below a time step that the fastest vibration sets, and nothing is
 /// solved for where masses do not couple nodes.
