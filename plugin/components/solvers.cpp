@@ -8,6 +8,7 @@
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "components/system_solver.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 
@@ -76,6 +77,7 @@ class EulerImplicitSolver final : public SystemSolver {
     archive(is_kept);
     if (!is_kept) return;
     if (!balance_) keep_energy_balance();
+    if (!balance_) throw InputError("an energy balance is saved of forces that have a potential");
     pending_ = Pending::kNothing;
     archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
             balance_->damping_loss, balance_->numerical_loss, balance_->recovery_work, balance_->flow_loss);

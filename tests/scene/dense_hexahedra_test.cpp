@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
@@ -127,6 +128,23 @@ TEST(HexahedronFEM, GoesOnFromACheckpoint) {
   support::run(first, 3);
   support::run(second, 3);
   EXPECT_EQ(support::nodes(first), support::nodes(second));
+}
+
+// A balance that was kept for forces with a potential is not theirs.
+TEST(HexahedronFEM, RefusesTheEnergyBalanceOfOtherForces) {
+  scene::Scene ours = read_and_init(sheared(elastic("", "HexahedronElastoplasticFEMForceField"))),
+               theirs = read_and_init(sheared(elastic()));
+  auto& solver = at<scene::OdeSolver>(ours, "euler");
+  solver.keep_energy_balance();
+  support::run(ours, 1);
+  std::vector<std::byte> bytes;
+  Archive out([&](const void* data, std::size_t size) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), begin, begin + size);
+  });
+  solver.serialize(out);
+  Archive in{std::span<const std::byte>(bytes)};
+  EXPECT_THROW(at<scene::OdeSolver>(theirs, "euler").serialize(in), InputError);
 }
 
 TEST(HexahedronFEM, RefusesOtherMethods) {

@@ -150,8 +150,8 @@ TEST(ExplicitIntegrator, IsStableUpToItsLimit) {
     TwoSprings system;
     system.k = system.m[0] = system.m[1] = 1;
     const double limit = stable_phase_per_step(scheme);
-    EXPECT_LT(run(scheme, system, 0.99 * limit, 1000).x.norm(), 100) << static_cast<int>(scheme);
-    EXPECT_GT(run(scheme, system, 1.01 * limit, 1000).x.norm(), 1e6) << static_cast<int>(scheme);
+    EXPECT_LT(run(scheme, system, 0.99 * limit, 400).x.norm(), 100) << static_cast<int>(scheme);
+    EXPECT_GT(run(scheme, system, 1.01 * limit, 400).x.norm(), 1e6) << static_cast<int>(scheme);
   }
 }
 
