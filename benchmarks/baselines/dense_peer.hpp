@@ -4,19 +4,16 @@
 #include <functional>
 #include <vector>
 
+#include "hexaplast/elastic/dense_hexahedra.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/material/material.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast::baselines {
 
-/// A baseline for comparison, written for it and not part of the library: corotational hexahedra in the layout of
-/// SOFA's HexahedronFEMForceField, with which the figures of `hexaplast bench` are compared in the same process.
-///
-///   K_e   dense 24x24 in double precision per element, computed once in the rest shape (2x2x2 Gauss points)
-///   R_e   one rotation per element: polar decomposition of the deformation gradient at the centre
-///   f_a   -= R_e sum_b K_ab (R_e^T x_b - X_b)                                           elastic force
-///   df_a  -= R_e sum_b K_ab R_e^T dx_b                                                  eight rotations in, eight out
+/// A baseline for comparison: the hexahedra of SOFA's HexahedronFEMForceField (elastic/dense_hexahedra.hpp), with which
+/// the figures of `hexaplast bench` are compared in the same process. Their rotations are those of the deformation
+/// gradient at the centre, as in the published element.
 ///
 /// Elements are walked one after the other and add to their nodes; implicit Euler without damping, plain conjugate
 /// gradients with one pass over memory per vector operation. One thread, the compiler's base instruction set.
@@ -26,10 +23,12 @@ class DensePeer {
   DensePeer(const HexMesh& mesh, const std::vector<Lame>& lame, Eigen::VectorXd masses, std::vector<int> fixed);
 
   /// Finds the rotations at x; f += elastic forces [N].
-  void add_force(ConstPoints x, Points f);
+  void add_force(ConstPoints x, Points f) { hexahedra_.add_force(x, f); }
 
   /// df -= factor K dx with those rotations.
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const;
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+    hexahedra_.add_stiffness_product(factor, dx, df);
+  }
 
   /// When the conjugate gradients end: after `iterations`, or when the relative residual or `is_enough` says so.
   struct Stop {
@@ -42,18 +41,12 @@ class DensePeer {
   SolveReport step(const Vec3& gravity, double dt, const Stop& stop, Points x, Points v, Points dv);
 
   /// The stiffness matrices alone, per element.
-  static constexpr std::size_t kBytesPerElement = 24 * 24 * sizeof(double);
+  static constexpr std::size_t kBytesPerElement = DenseHexahedra::kBytesPerElement;
 
  private:
-  using Matrix24 = std::array<double, 24 * 24>;
-
   void project(PointArray& field) const;
 
-  std::vector<Hexahedron> hexahedra_;
-  std::vector<Matrix24> stiffness_;             // row-major, corner by corner
-  std::vector<ElementPoints> rest_;             // [m]
-  std::vector<ElementPoints> centre_gradient_;  // [1/m] gradients of the shape functions at the centre
-  std::vector<Mat3> rotation_;
+  DenseHexahedra hexahedra_;
   Eigen::VectorXd masses_;
   std::vector<int> fixed_;
   PointArray residual_, direction_, product_;

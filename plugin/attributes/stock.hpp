@@ -8,6 +8,7 @@
 #include "attributes/stock/extrusion.hpp"
 #include "attributes/stock/geometry.hpp"
 #include "attributes/stock/ignored.hpp"
+#include "attributes/stock/integrators.hpp"
 #include "attributes/stock/loads.hpp"
 #include "attributes/stock/mappings.hpp"
 #include "attributes/stock/masses.hpp"
@@ -71,5 +72,21 @@ inline constexpr Description kDefaultAnimationLoop{
     .category = "AnimationLoop",
     .help = "The order of events of a time step. A root without animation loop gets this one.",
     .attributes = kDefaultAnimationLoopAttributes};
+
+inline constexpr Attribute kFreeMotionAnimationLoopAttributes[] = {
+    ignored_attribute("solveVelocityConstraintFirst", "Ignored here: there are no Lagrangian constraints."),
+    ignored_attribute("threadSafeVisitor", "Ignored here."),
+    ignored_attribute("parallelCollisionDetectionAndFreeMotion", "Ignored here: there is no contact."),
+    ignored_attribute("parallelODESolving", "Ignored here: solvers run one after another."),
+    ignored_attribute("constraintSolver", "Ignored here: there are no Lagrangian constraints."),
+    ignored_attribute("computeBoundingBox", "Visual: ignored here."),
+};
+inline constexpr Description kFreeMotionAnimationLoop{
+    .class_name = "FreeMotionAnimationLoop",
+    .category = "AnimationLoop",
+    .help =
+        "The same as DefaultAnimationLoop here: its free motion is the motion, as nothing touches and there are no "
+        "Lagrangian constraints.",
+    .attributes = kFreeMotionAnimationLoopAttributes};
 
 }  // namespace hexaplast::attributes

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 class DefaultAnimationLoop final : public scene::AnimationLoop {
  public:
-  DefaultAnimationLoop() : AnimationLoop(attributes::kDefaultAnimationLoop) {}
+  using AnimationLoop::AnimationLoop;
 
   void bwd_init() override {
     solvers_ = node().all<scene::OdeSolver>();
@@ -56,7 +57,9 @@ class DefaultAnimationLoop final : public scene::AnimationLoop {
 }  // namespace
 
 void add_animation_loop(scene::Factory& factory) {
-  factory.add<DefaultAnimationLoop>(attributes::kDefaultAnimationLoop);
+  for (const attributes::Description* description :
+       {&attributes::kDefaultAnimationLoop, &attributes::kFreeMotionAnimationLoop})
+    factory.add(*description, [description] { return std::make_unique<DefaultAnimationLoop>(*description); });
 }
 
 }  // namespace hexaplast::components

@@ -2,7 +2,6 @@
 #include <optional>
 
 #include "attributes/hexaplast.hpp"
-#include "attributes/stock.hpp"
 #include "components/body_field.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
@@ -11,17 +10,16 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "parts/hexahedral_body.hpp"
+#include "scene/potential.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-/// A body as a force field. What it does not say otherwise is elastic.
-class HexahedronField : public BodyField {
+/// A body as a force field.
+class HexahedronElastoplasticFEMForceField final : public BodyField, public scene::Potential {
  public:
-  /// defaults: what attributes do not say.
-  explicit HexahedronField(const attributes::Description& description, const Settings& defaults = {})
-      : BodyField(description), defaults_(defaults) {}
+  HexahedronElastoplasticFEMForceField() : BodyField(attributes::kHexahedronElastoplasticFEMForceField) {}
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
@@ -72,6 +70,21 @@ class HexahedronField : public BodyField {
   double potential_energy(double, ConstPoints x) const override { return body_->body().energy(x); }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
+  void provide(scene::Data& output) override {
+    if (!body()) return;
+    const std::string_view name = output.attribute().name;
+    if (name == "plasticRestPositions") {
+      output.set(flattened(body()->plastic_rest_positions()));
+    } else if (name == "removed") {
+      output.set(std::vector<std::int64_t>(body()->removed().begin(), body()->removed().end()));
+    } else if (name == "plasticStrain" || name == "presentYieldStress" || name == "volumeRatio") {
+      const ElementFields& fields = plastic_fields();
+      output.set(name == "plasticStrain"        ? fields.plastic_strain
+                 : name == "presentYieldStress" ? fields.yield_stress
+                                                : fields.volume_ratio);
+    }
+  }
+
   void end_step(double dt) override {
     plastic_fields_.reset();
     body_->end_step(state_->positions(), dt);
@@ -87,7 +100,7 @@ class HexahedronField : public BodyField {
     announce();
   }
 
- protected:
+ private:
   /// Of the latest plastic step; what follows the positions in it is not up to date. Made when it is asked for: it
   /// costs as much as many steps.
   const ElementFields& plastic_fields() {
@@ -95,7 +108,6 @@ class HexahedronField : public BodyField {
     return *plastic_fields_;
   }
 
- private:
   /// Tells the scene which hexahedra have gone since it was told last.
   void announce() {
     if (const std::span<const int> gone = body_->take_removed(); !gone.empty()) scene::announce_removed(*this, gone);
@@ -105,7 +117,7 @@ class HexahedronField : public BodyField {
     std::vector<parts::MaterialRegion> regions;
     for (MaterialRegion* region : MaterialRegion::all_of(*this)) regions.push_back(region->values(*hexahedra_));
     return parts::body_options([this](const auto& row) { return values_of(*this, row); }, hexahedra_->size(),
-                               topology_->fill(), regions, defaults_);
+                               topology_->fill(), regions);
   }
 
   scene::MechanicalState* state_ = nullptr;
@@ -113,46 +125,13 @@ class HexahedronField : public BodyField {
   const std::vector<Hexahedron>* hexahedra_ = nullptr;
   std::optional<parts::HexahedralBody> body_;
   std::optional<ElementFields> plastic_fields_;
-  Settings defaults_;
   double rayleigh_stiffness_ = 0;
-};
-
-class HexahedronElastoplasticFEMForceField final : public HexahedronField {
- public:
-  HexahedronElastoplasticFEMForceField() : HexahedronField(attributes::kHexahedronElastoplasticFEMForceField) {}
-
-  void provide(scene::Data& output) override {
-    if (!body()) return;
-    const std::string_view name = output.attribute().name;
-    if (name == "plasticRestPositions") {
-      output.set(flattened(body()->plastic_rest_positions()));
-    } else if (name == "removed") {
-      output.set(std::vector<std::int64_t>(body()->removed().begin(), body()->removed().end()));
-    } else if (name == "plasticStrain" || name == "presentYieldStress" || name == "volumeRatio") {
-      const ElementFields& fields = plastic_fields();
-      output.set(name == "plasticStrain"        ? fields.plastic_strain
-                 : name == "presentYieldStress" ? fields.yield_stress
-                                                : fields.volume_ratio);
-    }
-  }
-};
-
-class HexahedronFEMForceField final : public HexahedronField {
- public:
-  HexahedronFEMForceField() : HexahedronField(attributes::kHexahedronFEMForceField, published_element()) {}
-
-  void init() override {
-    HexahedronField::init();
-    if (text("method") == "small")
-      remark(scene::Severity::kWarning, "method", "is small: rotations are removed nevertheless");
-  }
 };
 
 }  // namespace
 
 void add_bodies(scene::Factory& factory) {
   factory.add<HexahedronElastoplasticFEMForceField>(attributes::kHexahedronElastoplasticFEMForceField);
-  factory.add<HexahedronFEMForceField>(attributes::kHexahedronFEMForceField);
 }
 
 }  // namespace hexaplast::components

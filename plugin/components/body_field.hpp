@@ -6,7 +6,6 @@
 
 #include "hexaplast/base/rows.hpp"
 #include "scene/interfaces.hpp"
-#include "scene/potential.hpp"
 
 namespace hexaplast::components {
 
@@ -28,7 +27,7 @@ std::optional<std::vector<double>> values_of(scene::Object& owner, const Row<Opt
 }
 
 /// A body as a force field, for the regions that it has.
-class BodyField : public scene::ForceField, public scene::Potential {
+class BodyField : public scene::ForceField {
  public:
   using ForceField::ForceField;
 

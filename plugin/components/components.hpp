@@ -8,8 +8,10 @@
 namespace hexaplast::components {
 
 void add_settings(scene::Factory& factory);        // RunSettings, and what is ignored
-void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop
-void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver and theirs
+void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop, FreeMotionAnimationLoop
+void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver
+void add_integrators(scene::Factory& factory);     // EulerExplicitSolver and its like, NewmarkImplicitSolver
+void add_linear_solvers(scene::Factory& factory);  // CGLinearSolver, direct solvers, preconditioners
 void add_loaders(scene::Factory& factory);         // MeshGmshLoader, MeshVTKLoader, MeshOBJLoader
 void add_topologies(scene::Factory& factory);      // RegularGridTopology, MeshTopology and its like
 void add_shapes(scene::Factory& factory);          // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology
@@ -25,7 +27,8 @@ void add_mappings(scene::Factory& factory);        // BarycentricMapping, Identi
 void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
 void add_probes(scene::Factory& factory);          // Probe
 void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
-void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField, HexahedronFEMForceField
+void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField
+void add_dense_hexahedra(scene::Factory& factory);  // HexahedronFEMForceField and its like
 void add_regions(scene::Factory& factory);         // MaterialRegion
 
 }  // namespace hexaplast::components

@@ -7,6 +7,8 @@ HEXAPLAST_PLUGIN(factory) {
   add_settings(factory);
   add_animation_loop(factory);
   add_solvers(factory);
+  add_integrators(factory);
+  add_linear_solvers(factory);
   add_loaders(factory);
   add_topologies(factory);
   add_shapes(factory);
@@ -19,6 +21,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_instruments(factory);
   add_contact(factory);
   add_bodies(factory);
+  add_dense_hexahedra(factory);
   add_regions(factory);
   add_mappings(factory);
   add_visuals(factory);

@@ -89,8 +89,10 @@ class DiagonalMass final : public LumpedMass {
       return real("massDensity") * rest_volumes(num_nodes);
     }
     const std::vector<double>& masses = reals("vertexMass");
+    if (masses.size() == 1) return Eigen::VectorXd::Constant(num_nodes, masses[0]);
     if (static_cast<Eigen::Index>(masses.size()) != num_nodes)
-      reject("vertexMass", fmt::format("{} values given for {} nodes", masses.size(), num_nodes));
+      reject("vertexMass",
+             fmt::format("{} values given for {} nodes, must be one or one per node", masses.size(), num_nodes));
     return Eigen::Map<const Eigen::VectorXd>(masses.data(), num_nodes);
   }
 

@@ -9,6 +9,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/model_check.hpp"
 #include "scene/parts.hpp"
+#include "scene/potential.hpp"
 
 namespace hexaplast::components {
 
@@ -278,6 +279,19 @@ bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints 
   return has_released;
 }
 
+bool NodeSystem::add_mass_diagonal(Points diagonal) const {
+  for (const Layer& layer : layers_)
+    for (const scene::Mass* mass : layer.masses)
+      if (layer.mapping || !mass->add_diagonal(1, rows_of(layer, diagonal))) return false;
+  return true;
+}
+
+void NodeSystem::prescribe(double time, Points x, Points v) const {
+  for (const Layer& root : roots())
+    for (const scene::ProjectiveConstraint* constraint : root.constraints)
+      constraint->project_motion(time, rows_of(root, x), rows_of(root, v));
+}
+
 void NodeSystem::project(Points field) const {
   for (const Layer& root : roots())
     for (const scene::ProjectiveConstraint* constraint : root.constraints) constraint->project(rows_of(root, field));
@@ -291,14 +305,15 @@ void NodeSystem::pin(BlockMatrix& A) const {
   A.set_whole_range();
 }
 
-const scene::MechanicalState* NodeSystem::massless() const {
+void NodeSystem::require_mass() const {
   std::vector<bool> has_mass(layers_.size());
   for (std::size_t i = layers_.size(); i-- > 0;) {
     has_mass[i] = has_mass[i] || !layers_[i].masses.empty();
     if (layers_[i].mapping && has_mass[i]) has_mass[layers_[i].above] = true;
-    if (!layers_[i].mapping && !has_mass[i]) return layers_[i].state;
+    if (!layers_[i].mapping && !has_mass[i])
+      throw InputError(fmt::format("no mass on {} '{}' of its node and below", layers_[i].state->class_name(),
+                                   layers_[i].state->name()));
   }
-  return nullptr;
 }
 
 double NodeSystem::kinetic_energy() const {
@@ -308,11 +323,20 @@ double NodeSystem::kinetic_energy() const {
   return energy;
 }
 
+bool NodeSystem::has_elastic_energy() const {
+  return std::ranges::all_of(layers_, [](const Layer& layer) {
+    return std::ranges::all_of(layer.force_fields, [](const scene::ForceField* field) {
+      return !field->body() || dynamic_cast<const scene::Potential*>(field);
+    });
+  });
+}
+
 double NodeSystem::elastic_energy() const {
   double energy = 0;
   for (const Layer& layer : layers_)
     for (const scene::ForceField* field : layer.force_fields)
-      if (const Body* body = field->body()) energy += body->energy(layer.state->positions());
+      if (const auto* potential = dynamic_cast<const scene::Potential*>(field); potential && field->body())
+        energy += potential->potential_energy(node_.clock().time, layer.state->positions());
   return energy;
 }
 

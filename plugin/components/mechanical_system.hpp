@@ -27,6 +27,8 @@ class NodeSystem final : public MechanicalSystem {
   void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
                Points product) override;
+  bool add_mass_diagonal(Points diagonal) const override;
+  void prescribe(double time, Points x, Points v) const override;
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;
 
@@ -44,10 +46,11 @@ class NodeSystem final : public MechanicalSystem {
     return result;
   }
 
-  /// The first independent state on which no mass acts, nor on those that follow it; null: there is none.
-  const scene::MechanicalState* massless() const;
+  /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it.
+  void require_mass() const;
   double kinetic_energy() const;           ///< [J]
-  double elastic_energy() const;           ///< [J] of the bodies
+  bool has_elastic_energy() const;         ///< whether the forces of all bodies have a potential
+  double elastic_energy() const;           ///< [J] of the bodies that have one
   double recovery_work() const;            ///< [J] of the bodies
   double highest_frequency() const;        ///< [rad/s] about that of the bodies' fastest vibration; 0: nothing vibrates
   void project_motion(double time) const;  ///< applies prescribed motion to the states, and lets the others follow

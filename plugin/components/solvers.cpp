@@ -5,67 +5,15 @@
 #include <optional>
 #include <utility>
 
-#include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
-#include "components/mechanical_system.hpp"
-#include "components/part.hpp"
+#include "components/system_solver.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
-#include "parts/multigrid_cg.hpp"
 
 namespace hexaplast::components {
 namespace {
-
-/// Moves everything of its node and below, by linear systems of a LinearSolver.
-class SystemSolver : public scene::OdeSolver {
- public:
-  using OdeSolver::OdeSolver;
-
-  // The linear solver and what there is to move may stand anywhere in the node: they are complete when init is done.
-  void bwd_init() override {
-    linear_solver_ = &linked<scene::LinearSolver>("linearSolver");
-    linear_solver_->method();  // complains here, where something is wrong with it
-    for (scene::Component* component : node().all<scene::Component>())
-      if (component->stage() == Stage::kFailed) throw scene::DependencyFailure();
-    system_.emplace(node());
-    system_->project_motion(0);
-  }
-
-  void reset() override {
-    memory().reset();
-    system_->project_motion(0);
-  }
-
-  void serialize(Archive& archive) override {
-    SolverMemory saved = memory();
-    saved.serialize(archive);
-    const bool is_ours = saved.start.rows() == 0 || saved.start.rows() == system_->num_nodes();
-    if (!is_ours || !saved.start.allFinite()) throw InputError("the start of a solve is saved of other nodes");
-    memory() = std::move(saved);
-  }
-
-  double kinetic_energy() const override { return system_->kinetic_energy(); }
-
- protected:
-  virtual SolverMemory& memory() = 0;  ///< of its integrator
-
-  hexaplast::LinearSolver& linear_solver() { return linear_solver_->method(); }
-
-  /// What the linear solver did, to be passed on.
-  const SolveReport& heeded(const SolveReport& report) {
-    linear_solver_->heed(report);
-    return report;
-  }
-  NodeSystem& system() { return *system_; }
-
- private:
-  scene::LinearSolver* linear_solver_ = nullptr;
-  std::optional<NodeSystem> system_;
-};
 
 class EulerImplicitSolver final : public SystemSolver {
  public:
@@ -73,8 +21,7 @@ class EulerImplicitSolver final : public SystemSolver {
 
   void bwd_init() override {
     SystemSolver::bwd_init();
-    if (const scene::MechanicalState* state = system().massless())
-      throw InputError(fmt::format("no mass on {} '{}' of its node and below", state->class_name(), state->name()));
+    system().require_mass();
     const EulerSettings settings{.rayleigh_mass = real("rayleighMass"),
                                  .rayleigh_stiffness = real("rayleighStiffness"),
                                  .velocity_damping = real("vdamping"),
@@ -111,6 +58,7 @@ class EulerImplicitSolver final : public SystemSolver {
   }
 
   void keep_energy_balance() override {
+    if (!system().has_elastic_energy()) return;
     euler_->measure_energy();
     balance_.emplace();
     pending_ = Pending::kBeginning;
@@ -128,6 +76,7 @@ class EulerImplicitSolver final : public SystemSolver {
     archive(is_kept);
     if (!is_kept) return;
     if (!balance_) keep_energy_balance();
+    if (!balance_) throw InputError("an energy balance is saved of forces that have a potential");
     pending_ = Pending::kNothing;
     archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
             balance_->damping_loss, balance_->numerical_loss, balance_->recovery_work, balance_->flow_loss);
@@ -249,83 +198,12 @@ class StaticSolver final : public SystemSolver {
   std::optional<NewtonRaphson> newton_;
 };
 
-class DirectSolver final : public scene::LinearSolver {
- public:
-  using LinearSolver::LinearSolver;
-  hexaplast::LinearSolver& method() override { return solver_; }
-
- private:
-  CholeskySolver solver_;
-};
-
-class CGLinearSolver final : public scene::LinearSolver {
- public:
-  CGLinearSolver() : LinearSolver(attributes::kCGLinearSolver) {}
-
-  void init() override {
-    solver_.emplace(ConjugateGradientSettings{.iterations = integer("iterations"),
-                                              .tolerance = real("tolerance"),
-                                              .threshold = real("threshold"),
-                                              .warm_start = boolean("warmStart")});
-  }
-  hexaplast::LinearSolver& method() override { return *solver_; }
-
- private:
-  std::optional<ConjugateGradients> solver_;
-};
-
-class PCGLinearSolver final : public scene::LinearSolver {
- public:
-  PCGLinearSolver() : LinearSolver(attributes::kPCGLinearSolver) {}
-
-  // Made when it is first asked for, so that the components of a node may stand in any order.
-  hexaplast::LinearSolver& method() override {
-    if (solver_) return *solver_;
-    hexaplast::LinearSolver* preconditioner = nullptr;
-    if (is_given("preconditioner") && boolean("use_precond")) {
-      scene::LinearSolver& linked_solver = linked<scene::LinearSolver>("preconditioner");
-      if (!dynamic_cast<DirectSolver*>(&linked_solver))
-        reject("preconditioner", fmt::format("the link leads to {} '{}', must lead to a direct solver",
-                                             linked_solver.class_name(), linked_solver.name()));
-      preconditioner = &linked_solver.method();
-    }
-    return solver_.emplace(real("tolerance"), integer("iterations"), preconditioner);
-  }
-
- private:
-  std::optional<SolverPreconditionedConjugateGradients> solver_;
-};
-
-/// Ours: ends when the answer is as good as asked for.
-class MultigridCGLinearSolver final : public scene::LinearSolver {
- public:
-  MultigridCGLinearSolver() : LinearSolver(attributes::kMultigridCGLinearSolver) {}
-
-  void init() override {
-    solver_.emplace(accepted(*this, [&] {
-      return parts::MultigridCG({.preconditioner = parts::preconditioner_of(text("preconditioner")),
-                                 .tolerance = real("tolerance"),
-                                 .iterations = integer("iterations")});
-    }));
-  }
-  hexaplast::LinearSolver& method() override { return solver_->solver(); }
-  void heed(const SolveReport& report) override { pass_on(*this, solver_->heed(report)); }
-
- private:
-  std::optional<parts::MultigridCG> solver_;
-};
-
 }  // namespace
 
 void add_solvers(scene::Factory& factory) {
   factory.add<EulerImplicitSolver>(attributes::kEulerImplicitSolver);
   factory.add<StaticSolver>(attributes::kStaticSolver);
   factory.add<NewtonRaphsonSolver>(attributes::kNewtonRaphsonSolver);
-  factory.add<CGLinearSolver>(attributes::kCGLinearSolver);
-  factory.add<PCGLinearSolver>(attributes::kPCGLinearSolver);
-  factory.add<MultigridCGLinearSolver>(attributes::kMultigridCGLinearSolver);
-  for (const attributes::Description& description : attributes::kDirectSolvers)
-    factory.add(description, [&description] { return std::make_unique<DirectSolver>(description); });
 }
 
 }  // namespace hexaplast::components

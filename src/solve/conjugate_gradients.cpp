@@ -247,26 +247,37 @@ struct SolverPreconditionedConjugateGradients::Spaces {
   NodalCgSpace space;
 };
 SolverPreconditionedConjugateGradients::SolverPreconditionedConjugateGradients(double tolerance, int iterations,
-                                                                               LinearSolver* preconditioner)
+                                                                               LinearSolver* preconditioner,
+                                                                               PreconditionedBy kind)
     : tolerance_(tolerance),
       iterations_(iterations),
       preconditioner_(preconditioner),
+      kind_(kind),
       spaces_(std::make_unique<Spaces>()) {}
 SolverPreconditionedConjugateGradients::~SolverPreconditionedConjugateGradients() = default;
 
 SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  SolverMemory none;
+  return solve_next(A, b, x, none);
+}
+
+SolveReport SolverPreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
+                                                               SolverMemory& memory) {
   require_sizes(A, b, x);
   SolveReport report;
   const double b_squared = finite_square(b);
   if (b_squared == 0) {
     x.setZero();
+    memory.start.resize(0, 3);
     return report;
   }
+  const ConstPoints previous(memory.start);
+  const ConstPoints* start = previous.rows() == b.rows() ? &previous : nullptr;
 
   std::optional<SolverAsPreconditioner> preconditioner;
   if (preconditioner_) {
     preconditioner.emplace(*preconditioner_).setup(A);
-    report.preconditioner = PreconditionedBy::kFactorisation;
+    report.preconditioner = kind_;
   }
   NodalCgSpace& space = spaces_->space;
   space.setup(A, preconditioner.has_value(), preconditioner ? &*preconditioner : nullptr);
@@ -274,10 +285,11 @@ SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A,
     report.converged = std::abs(r_z) <= tolerance_ * b_squared;
     return report.converged;
   };
-  const double r_r = iterate_within_range(space, b, nullptr, space.begin(b, nullptr), iterations_, report.iterations,
-                                          kNoRule, is_small);
+  const double r_r =
+      iterate_within_range(space, b, start, space.begin(b, start), iterations_, report.iterations, kNoRule, is_small);
   if (report.iterations == iterations_) is_small(space.precondition());  // of what the last of them left
   space.end(x);
+  if (x.allFinite()) memory.start = x;
   report.residual = std::sqrt(r_r / b_squared);
   return report;
 }

@@ -221,6 +221,35 @@ INSTANTIATE_TEST_SUITE_P(
                                "<HexahedronElastoplasticFEMForceField youngModulus='1e4' poissonRatio='0.3'/>"}),
     [](const auto& test) { return std::string(test.param.name); });
 
+class AllocationsBy : public testing::TestWithParam<const char*> {};
+
+// SOFA's elements, integrators and solvers.
+TEST_P(AllocationsBy, SofasComponentsAStepHasNone) {
+  for (const char* method : {"large", "polar"}) {
+    scene::Scene scene = support::read_and_init(
+        std::string("<Node dt='0.001' gravity='0 0 -9.81'><DefaultAnimationLoop/>") + GetParam() +
+        "<RegularGridTopology n='7 5 4' min='0 0 0' max='0.1 0.1 0.03'/><MechanicalObject name='nodes'/>"
+        "<DiagonalMass massDensity='1000'/><FixedProjectiveConstraint indices='0-8'/><HexahedronFEMForceField "
+        "youngModulus='1e4' poissonRatio='0.3' method='" +
+        method + "'/></Node>");
+    support::run(scene, 5);
+    for (int step = 0; step < 3; ++step) {
+      const long before = num_allocations;
+      scene.step();
+      EXPECT_EQ(num_allocations - before, 0) << method;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    By, AllocationsBy,
+    testing::Values("<EulerImplicitSolver/><CGLinearSolver/>",
+                    "<EulerImplicitSolver/><MinResLinearSolver tolerance='1e-9' iterations='100'/>",
+                    "<EulerImplicitSolver/><PCGLinearSolver iterations='100' preconditioner='@p'/>"
+                    "<SSORPreconditioner name='p'/>",
+                    "<NewmarkImplicitSolver/><CGLinearSolver/>", "<EulerExplicitSolver/>", "<RungeKutta2Solver/>",
+                    "<RungeKutta4Solver/>", "<CentralDifferenceSolver/>"));
+
 TEST(Allocations, AreCounted) {
   const long before = num_allocations;
   PointArray field = PointArray::Zero(100, 3);

@@ -237,24 +237,5 @@ TEST(SparseGrid, SaysWhatIsWrong) {
 }
 
 // The elastic case of our own field, with the same bits.
-TEST(HexahedronFEM, IsTheElasticCase) {
-  const auto end = [](const std::string& field) {
-    scene::Scene scene = read_and_init(
-        in_root("",
-                "<RegularGridTopology n='3 3 5' max='2 2 8'/><MechanicalObject name='nodes'/><UniformMass "
-                "totalMass='9'/><FixedProjectiveConstraint indices='0-8'/>" +
-                    field));
-    for (int k = 0; k < 10; ++k) scene.step();
-    return PointArray(at<scene::MechanicalState>(scene, "nodes").positions());
-  };
-  const PointArray ours =
-      end("<HexahedronElastoplasticFEMForceField youngModulus='300' poissonRatio='0.3' rayleighStiffness='0.1' "
-          "bending='blended' volumetric='sample' recovery='none'/>");
-  EXPECT_EQ(end("<HexahedronFEMForceField youngModulus='300' poissonRatio='0.3' rayleighStiffness='0.1' "
-                "method='polar' updateStiffnessMatrix='false' drawing='1'/>"),
-            ours);
-  EXPECT_NE(errors_of(in_root("", "<HexahedronFEMForceField method='qr'/>")), "");
-  EXPECT_NE(errors_of(in_root("", "<HexahedronFEMForceField updateStiffnessMatrix='true'/>")), "");
-}
 
 }  // namespace

@@ -207,7 +207,19 @@ TEST(SceneReading, ContactIsAnErrorAndAsSofaReadsOneWarning) {
                            "CubeCollisionModel",
                            "RayCollisionModel",
                            "TetrahedronCollisionModel",
-                           "ContactListener"}) {
+                           "ContactListener",
+                           "ParallelBruteForceBroadPhase",
+                           "ParallelBVHNarrowPhase",
+                           "LCPConstraintSolver",
+                           "GenericConstraintSolver",
+                           "BlockGaussSeidelConstraintSolver",
+                           "UnbuiltGaussSeidelConstraintSolver",
+                           "NNCGConstraintSolver",
+                           "ImprovedJacobiConstraintSolver",
+                           "UncoupledConstraintCorrection",
+                           "LinearSolverConstraintCorrection",
+                           "GenericConstraintCorrection",
+                           "PrecomputedConstraintCorrection"}) {
     const std::string component = std::string("<") + name + " contactStiffness='3'/>\n";
     EXPECT_NE(errors_of(framed(component)).find("there is no contact"), std::string::npos) << name;
     all += component;
@@ -220,6 +232,29 @@ TEST(SceneReading, ContactIsAnErrorAndAsSofaReadsOneWarning) {
   EXPECT_EQ(scene::format(said[0]),
             "test.scn:3: warning: CollisionPipeline: there is no contact: bodies pass through each other, whatever "
             "collision components the scene has");
+}
+
+// Passed over, they would leave another motion behind.
+TEST(SceneReading, PhysicsThatIsNotThereIsNeverPassedOver) {
+  const std::string lines =
+      "<BilateralLagrangianConstraint/>\n<TriangularBendingSprings/>\n<HexahedronFEMForceFieldAndMass/>\n"
+      "<TetrahedronFEMForceField/>\n<NullMappingOfNothing/>";
+  try {
+    scene::read_scene_text(framed(lines), "test.scn", support::factory(), support::plugins(),
+                           scene::Grammar::kSofaCompatible)
+        .init();
+    FAIL() << "accepted";
+  } catch (const scene::SceneError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "test.scn:3: error: BilateralLagrangianConstraint: unknown component, and Lagrangian constraints are "
+              "never passed over: bodies would move otherwise\n"
+              "test.scn:4: error: TriangularBendingSprings: unknown component, and springs are never passed over: "
+              "bodies would move otherwise\n"
+              "test.scn:5: error: HexahedronFEMForceFieldAndMass: unknown component, and force fields with a mass are "
+              "never passed over: bodies would move otherwise\n"
+              "test.scn:6: error: TetrahedronFEMForceField: unknown component, and force fields are never passed over: "
+              "bodies would move otherwise");
+  }
 }
 
 TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {

@@ -29,6 +29,22 @@ constexpr Description bookkeeping_component(std::string_view class_name) {
   return ignored_component(class_name, "Bookkeeping", "bookkeeping of SOFA: not needed here");
 }
 
+/// What makes bodies move, by the end of a class's name: where the class is unknown, a scene without it would be
+/// another one, however it is read.
+struct Physics {
+  std::string_view ending = {};
+  std::string_view what = {};  ///< in the plural
+};
+inline constexpr Physics kPhysics[] = {
+    {"LagrangianConstraint", "Lagrangian constraints"},
+    {"InteractionConstraint", "Lagrangian constraints"},
+    {"ProjectiveConstraint", "constraints"},
+    {"ForceFieldAndMass", "force fields with a mass"},
+    {"ForceField", "force fields"},
+    {"Springs", "springs"},
+    {"Mass", "masses"},
+};
+
 /// Drawing and the user interface: a note. Collision: an error unless the scene is read as SOFA does, for it means
 /// something that will not happen. Bookkeeping: nothing is lost, nothing is said.
 inline constexpr Description kIgnoredComponents[] = {
@@ -82,6 +98,18 @@ inline constexpr Description kIgnoredComponents[] = {
     collision_component("RayCollisionModel"),
     collision_component("TetrahedronCollisionModel"),
     collision_component("ContactListener"),
+    collision_component("ParallelBruteForceBroadPhase"),
+    collision_component("ParallelBVHNarrowPhase"),
+    collision_component("LCPConstraintSolver"),
+    collision_component("GenericConstraintSolver"),
+    collision_component("BlockGaussSeidelConstraintSolver"),
+    collision_component("UnbuiltGaussSeidelConstraintSolver"),
+    collision_component("NNCGConstraintSolver"),
+    collision_component("ImprovedJacobiConstraintSolver"),
+    collision_component("UncoupledConstraintCorrection"),
+    collision_component("LinearSolverConstraintCorrection"),
+    collision_component("GenericConstraintCorrection"),
+    collision_component("PrecomputedConstraintCorrection"),
 
     bookkeeping_component("HexahedronSetTopologyModifier"),
     bookkeeping_component("HexahedronSetGeometryAlgorithms"),
@@ -90,6 +118,14 @@ inline constexpr Description kIgnoredComponents[] = {
     bookkeeping_component("AMDOrderingMethod"),
     bookkeeping_component("COLAMDOrderingMethod"),
     bookkeeping_component("NaturalOrderingMethod"),
+    bookkeeping_component("PreconditionedMatrixFreeSystem"),
+    bookkeeping_component("MatrixFreeSystem"),
+    bookkeeping_component("RotationMatrixSystem"),
+    bookkeeping_component("PrecomputedMatrixSystem"),
+    bookkeeping_component("CompositeLinearSystem"),
+    bookkeeping_component("MatrixProjectionMethod"),
+    bookkeeping_component("ConstantSparsityProjectionMethod"),
+    bookkeeping_component("TaskSchedulerSettings"),
 };
 
 }  // namespace hexaplast::attributes

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "components/mechanical_system.hpp"
+#include "hexaplast/base/error.hpp"
+
+namespace hexaplast::components {
+
+/// Moves everything of its node and below, by linear systems of a LinearSolver.
+class SystemSolver : public scene::OdeSolver {
+ public:
+  using OdeSolver::OdeSolver;
+
+  // The linear solver and what there is to move may stand anywhere in the node: they are complete when init is done.
+  void bwd_init() override {
+    if (needs_linear_solver()) linear_solver_ = &linked<scene::LinearSolver>("linearSolver");
+    if (linear_solver_) linear_solver_->method();  // complains here, where something is wrong with it
+    for (scene::Component* component : node().all<scene::Component>())
+      if (component->stage() == Stage::kFailed) throw scene::DependencyFailure();
+    system_.emplace(node());
+    system_->project_motion(0);
+  }
+
+  void reset() override {
+    memory().reset();
+    system_->project_motion(0);
+  }
+
+  void serialize(Archive& archive) override {
+    SolverMemory saved = memory();
+    saved.serialize(archive);
+    const bool is_ours = saved.start.rows() == 0 || saved.start.rows() == system_->num_nodes();
+    if (!is_ours || !saved.start.allFinite()) throw InputError("the start of a solve is saved of other nodes");
+    memory() = std::move(saved);
+  }
+
+  double kinetic_energy() const override { return system_->kinetic_energy(); }
+
+ protected:
+  virtual SolverMemory& memory() = 0;  ///< of its integrator
+
+  /// Explicit integrators do without, where masses do not couple nodes.
+  virtual bool needs_linear_solver() { return true; }
+
+  bool has_linear_solver() const { return linear_solver_; }
+  hexaplast::LinearSolver& linear_solver() { return linear_solver_->method(); }
+
+  /// What the linear solver did, to be passed on.
+  const SolveReport& heeded(const SolveReport& report) {
+    if (linear_solver_) linear_solver_->heed(report);
+    return report;
+  }
+  NodeSystem& system() { return *system_; }
+
+ private:
+  scene::LinearSolver* linear_solver_ = nullptr;
+  std::optional<NodeSystem> system_;
+};
+
+}  // namespace hexaplast::components
