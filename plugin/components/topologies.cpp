@@ -123,12 +123,12 @@ class SparseGridTopology final : public GridTopology {
   ImportedMesh loaded() {
     const std::string& name = text("fileTopology");
     if (name.empty()) reject("fileTopology", "is not given, must name a mesh file");
-    const std::filesystem::path file = std::filesystem::path(place().file).parent_path() / name;
-    node().files().inputs.add(file);
+    const std::filesystem::path file = node().files().input(name, place());
     try {
       return read_mesh(file);
     } catch (const InputError& error) {
-      reject("fileTopology", error.what());
+      const bool is_missing = !std::filesystem::exists(file);
+      reject("fileTopology", error.what(), is_missing ? node().files().search.places_of(name) : "");
     }
   }
 

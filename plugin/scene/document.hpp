@@ -11,6 +11,7 @@
 #include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/formats/xml.hpp"
 #include "scene/diagnostics.hpp"
+#include "scene/search_path.hpp"
 
 namespace hexaplast::scene {
 
@@ -46,7 +47,7 @@ std::string read_scene_file(const std::filesystem::path& file);
 /// document type, no entities but XML's five; numbers of elements, attributes and levels as above.
 ///
 /// `<include href="FILE" name="N" attribute="V" X__attribute="V"/>` stands for the root element of FILE, a path
-/// relative to the including file. `name` renames that root; the other attributes replace those of the same name that
+/// relative to the including file, or in a directory of `search`. `name` renames that root; the other attributes replace those of the same name that
 /// are given in FILE, in every element or in those named X. A root named Group or _Group_ is replaced by its children.
 /// A root named _Merge_ is merged into the including element: what has the class and name of something that stands
 /// before it there lends it its attributes and children, the rest is added.
@@ -54,6 +55,6 @@ std::string read_scene_file(const std::filesystem::path& file);
 /// Includes that cannot be carried out are left out and added to `diagnostics`; a file that is not well-formed is a
 /// SceneError. The files that are included are added to `inputs`.
 Element read_document(std::string_view text, const std::filesystem::path& file, Diagnostics& diagnostics,
-                      InputFiles* inputs = nullptr);
+                      InputFiles* inputs = nullptr, const SearchPath& search = {});
 
 }  // namespace hexaplast::scene

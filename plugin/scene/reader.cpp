@@ -302,11 +302,12 @@ class Reader {
 }  // namespace
 
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
-                      Grammar grammar) {
+                      Grammar grammar, const SearchPath& search) {
   Scene scene;
   OutputFiles& files = scene.root().files();
   files.inputs.add(name);
-  const Element root = read_document(text, name, scene.diagnostics(), &files.inputs);
+  files.search = search;
+  const Element root = read_document(text, name, scene.diagnostics(), &files.inputs, search);
   Reader(scene, factory, plugins, grammar).read(root);
   return scene;
 }
@@ -316,14 +317,17 @@ void require_readable(const std::filesystem::path& file) {
     throw FileError(format_error({file.string(), 0}, reason));
 }
 
-Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins, Grammar grammar) {
+Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins, Grammar grammar,
+                 const SearchPath& search) {
   std::string text;
   try {
     text = read_scene_file(file);
   } catch (const InputError& error) {
     throw FileError(format_error({file.string(), 0}, error.what()));
   }
-  return read_scene_text(text, file.string(), factory, plugins, grammar);
+  SearchPath whole = search;
+  whole.add_sofa_tree(file);
+  return read_scene_text(text, file.string(), factory, plugins, grammar, whole);
 }
 
 Data& named_attribute(Scene& scene, std::string_view name, std::string_view words) {

@@ -29,12 +29,15 @@ enum class Grammar {
 /// begins with `_` or `NO` are switched off; nodes with activated="false" are left out. Mistakes are collected in the
 /// scene's diagnostics: call init() to have them thrown together. Throws FileError, PluginError, and SceneError for a
 /// file that is not well-formed.
+///
+/// Files that it names and that do not lie beside it are looked for in the directories of `search`, and in the SOFA
+/// tree that it lies in (SearchPath).
 Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins,
-                 Grammar grammar = Grammar::kStrict);
+                 Grammar grammar = Grammar::kStrict, const SearchPath& search = {});
 
 /// The same from text; `name` stands for the file in messages, and for the place from which includes are looked for.
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
-                      Grammar grammar = Grammar::kStrict);
+                      Grammar grammar = Grammar::kStrict, const SearchPath& search = {});
 
 /// The command line's `--set PATH.attribute=VALUE` means nothing in the scene: its path, attribute or link leads
 /// nowhere, or its value is none of the attribute's. What the scene as a whole refuses is a SceneError of init.
