@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 /// Parses files and carries out their includes.
 class Importer {
  public:
-  Importer(Diagnostics& diagnostics, InputFiles* inputs, const SearchPath& search)
-      : diagnostics_(diagnostics), inputs_(inputs), search_(search) {}
+  Importer(Diagnostics& diagnostics, InputFiles* inputs, const SearchPath& search, Severity idle_replacement)
+      : diagnostics_(diagnostics), inputs_(inputs), search_(search), idle_replacement_(idle_replacement) {}
 
   /// `origin`: the file as messages name it, and where it is included.
   Element import(std::string_view text, const fs::path& file, const Place& origin) {
@@ -140,8 +140,8 @@ class Importer {
       const std::string owner = is_for_one ? given.name.substr(0, separator) : "";
       const std::string attribute = is_for_one ? given.name.substr(separator + 2) : given.name;
       if (replace(root, owner, attribute, given) > 0) continue;
-      diagnostics_.error(
-          given.place,
+      diagnostics_.add(
+          idle_replacement_, given.place,
           fmt::format("include.{}: replaces nothing: '{}' is given in no {} of '{}'", given.name, attribute,
                       is_for_one ? fmt::format("element named '{}'", owner) : "element", root.place.file));
     }
@@ -211,8 +211,9 @@ class Importer {
   }
 
   Diagnostics& diagnostics_;
-  InputFiles* inputs_;                // null: nobody asks
+  InputFiles* inputs_;  // null: nobody asks
   const SearchPath& search_;
+  Severity idle_replacement_;
   std::vector<OpenFile> open_files_;  // from the scene to the file being read
   int num_includes_ = 0;
   int num_elements_ = 0;
@@ -243,8 +244,8 @@ std::string read_scene_file(const fs::path& file) {
 }
 
 Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics, InputFiles* inputs,
-                      const SearchPath& search) {
-  return Importer(diagnostics, inputs, search).import(text, file, {file.string(), 0, nullptr});
+                      const SearchPath& search, Severity idle_replacement) {
+  return Importer(diagnostics, inputs, search, idle_replacement).import(text, file, {file.string(), 0, nullptr});
 }
 
 }  // namespace hexaplast::scene

@@ -44,7 +44,8 @@ std::uint64_t hash_scene_files(const SceneOptions& options) {
   scene::SearchPath search = search_path_of(options);
   search.add_sofa_tree(options.file);
   scene::Element root =
-      scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr, search);
+      scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr, search,
+                           options.sofa_compat ? scene::Severity::kWarning : scene::Severity::kError);
   diagnostics.throw_errors();
   StateHash hash;
   Archive archive([&](const void* data, std::size_t size) { hash.add(data, size); });
