@@ -54,7 +54,8 @@ class SpringForceField final : public SpringField {
       if (is_given(name) && &linked<scene::MechanicalState>(name) != &state)
         reject(name, fmt::format("leads to '{}', must lead to '{}': there are no springs between two mechanical states",
                                  linked<scene::MechanicalState>(name).name(), state.name()));
-    std::vector<Spring> springs = is_given("spring") ? whole() : from_lists(state.num_nodes());
+    std::vector<Spring> springs = from_lists(state.num_nodes());
+    if (is_given("spring")) springs = whole();
     for (Spring& spring : springs) spring.only_pulls = boolean("elongationOnly");
     return springs;
   }

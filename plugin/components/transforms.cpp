@@ -24,13 +24,17 @@ Mat3 rotation_by(const Vec3& degrees) {
   return axes.transpose();
 }
 
-PointArray moved(const Affine& transform, const PointArray& points) {
-  return (points * transform.linear().transpose()).rowwise() + transform.translation().transpose();
+PointArray moved(scene::Component& by, const Affine& transform, const PointArray& points) {
+  PointArray result = (points * transform.linear().transpose()).rowwise() + transform.translation().transpose();
+  if (!result.allFinite()) by.reject("input_position", "leads to points that are not finite");
+  return result;
 }
 
 class TransformEngine final : public scene::Engine {
  public:
   TransformEngine() : Engine(attributes::kTransformEngine) {}
+
+  void bwd_init() override { reals("output_position"); }  // mistakes are found, whoever uses the output
 
  private:
   void compute(std::string_view) override {
@@ -42,7 +46,7 @@ class TransformEngine final : public scene::Engine {
       if ((scale.array() == 0).any()) reject("scale", "has a 0, which has no inverse");
       transform = transform.inverse();
     }
-    found("output_position", flattened(moved(transform, vectors3("input_position"))));
+    found("output_position", flattened(moved(*this, transform, vectors3("input_position"))));
   }
 
   Mat3 turn() {
@@ -79,10 +83,12 @@ class TransformPosition final : public scene::Engine {
  public:
   TransformPosition() : Engine(attributes::kTransformPosition) {}
 
+  void bwd_init() override { reals("output_position"); }  // mistakes are found, whoever uses the output
+
  private:
   void compute(std::string_view) override {
     const PointArray points = vectors3("input_position");
-    PointArray result = moved(transform(), points);
+    PointArray result = moved(*this, transform(), points);
     for (const int index : indices("fixedIndices", static_cast<int>(points.rows())))
       result.row(index) = points.row(index);
     found("output_position", flattened(result));
@@ -159,6 +165,7 @@ class SphereLoader final : public scene::Component {
       reject("filename", error.what(), node().files().search.places_of(name));
     }
     hexaplast::place(centres_, vector3("scale"), vector3("rotation"), vector3("translation"));
+    if (!centres_.allFinite()) reject("scale", "leads to points that are not finite");
     is_loaded_ = true;
   }
 
