@@ -146,7 +146,7 @@ class SparseGridTopology final : public GridTopology {
     const ImportedMesh surface = loaded();
     const CageGrid grid = given_grid(surface.positions);
     const int levels = integer("nbVirtualFinerLevels");
-    cage_ = levels > 0 ? coarsened(surface, grid, levels) : cage_on(surface, grid);
+    cage_ = levels > 0 || looks_at_crossings() ? coarsened(surface, grid, levels) : cage_on(surface, grid);
     is_refused_ = false;
     return *cage_;
   }
@@ -161,11 +161,16 @@ class SparseGridTopology final : public GridTopology {
     return cage;
   }
 
+  bool looks_at_crossings() { return separate_ == SeparateParts::kOwnHexahedra && boolean("finestConnectivity"); }
+
   Cage coarsened(const ImportedMesh& surface, const CageGrid& grid, int levels) {
-    if (boolean("onlyInsideCells")) reject("onlyInsideCells", "is not possible with nbVirtualFinerLevels");
-    if (real("cellWidth") > 0) reject("cellWidth", "is not possible with nbVirtualFinerLevels: n is needed");
+    if (boolean("onlyInsideCells"))
+      reject("onlyInsideCells", "is not possible with nbVirtualFinerLevels or finestConnectivity");
+    if (real("cellWidth") > 0 && levels > 0)
+      reject("cellWidth", "is not possible with nbVirtualFinerLevels: n is needed");
     CoarsenedCage cage = coarsened_cage(surface.positions, surface.triangles, surface.quads, grid, levels, separate_,
-                                        boolean("fillWeighted") ? kTouchedFill : 1);
+                                        boolean("fillWeighted") ? kTouchedFill : 1,
+                                        looks_at_crossings() ? CellsMeet::kWhereCrossed : CellsMeet::kAtFaces);
     fill_ = std::move(cage.fill);
     num_doubled_ = cage.num_doubled;
     return {.mesh = std::move(cage.mesh), .num_parts = 1};

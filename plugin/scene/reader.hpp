@@ -20,7 +20,8 @@ void require_readable(const std::filesystem::path& file);
 enum class Grammar {
   kStrict,         ///< what is not understood is an error
   kSofaCompatible  ///< unknown components, attributes, templates and plugins are passed over with a warning, as SOFA
-                   ///< does; components of collision too, though SOFA does not: one warning for all
+                   ///< does, but for those that would change the motion; components of collision too, though SOFA does
+                   ///< not: one warning for all
 };
 
 /// Reads a scene file in SOFA's XML grammar (document.hpp). Plugins that it requires are loaded at once.

@@ -30,8 +30,38 @@ void add_once(std::vector<int>& parts, int part) {
   if (std::ranges::find(parts, part) == parts.end()) parts.push_back(part);
 }
 
-/// The kept cells of the finest grid, every two neighbours connected.
-std::vector<Part> parts_of(const Cage& cage, const CageGrid& grid, double touched_fill) {
+/// Where the edges of a surface pass through faces of a grid.
+class Crossings {
+ public:
+  Crossings(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads) {
+    for (const Triangle& face : triangles) add<3>(x, face);
+    for (const Quad& face : quads) add<4>(x, face);
+  }
+
+  /// Whether one passes through the rectangle from `corner` with the given size, which is 0 along `d` alone.
+  bool pass(const Vec3& corner, const Vec3& size, int d) const {
+    return std::ranges::any_of(edges_, [&](const auto& edge) {
+      const auto& [from, to] = edge;
+      if ((from[d] - corner[d]) * (to[d] - corner[d]) > 0 || from[d] == to[d]) return false;
+      const Vec3 point = from + (corner[d] - from[d]) / (to[d] - from[d]) * (to - from);
+      for (const int other : {(d + 1) % 3, (d + 2) % 3})
+        if (point[other] < corner[other] || point[other] > corner[other] + size[other]) return false;
+      return true;
+    });
+  }
+
+ private:
+  template <std::size_t N>
+  void add(ConstPoints x, const std::array<int, N>& face) {
+    for (std::size_t i = 0; i < N; ++i)
+      edges_.push_back({x.row(face[i]).transpose(), x.row(face[(i + 1) % N]).transpose()});
+  }
+
+  std::vector<std::pair<Vec3, Vec3>> edges_;
+};
+
+/// The kept cells of the finest grid. crossings: where touched cells meet; null: at all their faces.
+std::vector<Part> parts_of(const Cage& cage, const CageGrid& grid, double touched_fill, const Crossings* crossings) {
   const Vec3 spacing = (grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
   std::vector<Part> parts(cage.mesh.hexahedra().size());
   std::map<Cell, int> part_at;
@@ -48,6 +78,10 @@ std::vector<Part> parts_of(const Cage& cage, const CageGrid& grid, double touche
       --neighbour[d];
       const auto found = part_at.find(neighbour);
       if (found == part_at.end()) continue;
+      if (crossings && std::max(part, found->second) < cage.num_touched) {
+        const Vec3 corner = cage.mesh.positions().row(cage.mesh.hexahedra()[part][0]).transpose();
+        if (!crossings->pass(corner, spacing, d)) continue;
+      }
       parts[part].below[d].push_back(found->second);
       parts[found->second].above[d].push_back(part);
     }
@@ -180,9 +214,10 @@ HexMesh mesh_of(const std::vector<Part>& parts, const Vec3& min, const Vec3& spa
 }  // namespace
 
 CoarsenedCage coarsened_cage(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
-                             const CageGrid& grid, int levels, SeparateParts separate, double touched_fill) {
-  if (levels < 1 || levels > kMostLevels)
-    throw InputError(fmt::format("{} levels, must lie in [1, {}]", levels, kMostLevels));
+                             const CageGrid& grid, int levels, SeparateParts separate, double touched_fill,
+                             CellsMeet meet) {
+  if (levels < 0 || levels > kMostLevels)
+    throw InputError(fmt::format("{} levels, must lie in [0, {}]", levels, kMostLevels));
   CageGrid fine = grid;
   double count = 1;
   for (int& cells : fine.cells) count *= std::ldexp(cells, levels);
@@ -190,7 +225,9 @@ CoarsenedCage coarsened_cage(ConstPoints x, std::span<const Triangle> triangles,
     throw InputError(fmt::format("{:g} cells of the finest grid, must be at most {:g}", count, kMostCageCells));
   for (int& cells : fine.cells) cells <<= levels;
 
-  std::vector<Part> parts = parts_of(cage_around(x, triangles, quads, fine), fine, touched_fill);
+  const Cage cage = cage_around(x, triangles, quads, fine);
+  const Crossings crossings(x, triangles, quads);
+  std::vector<Part> parts = parts_of(cage, fine, touched_fill, meet == CellsMeet::kWhereCrossed ? &crossings : nullptr);
   for (int level = 0; level < levels; ++level) parts = coarsened(parts, separate);
   std::vector<double> fill;
   int num_doubled = 0;

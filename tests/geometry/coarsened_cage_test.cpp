@@ -85,9 +85,27 @@ TEST(CoarsenedCage, FillIsTheMeanOfTheFineCells) {
   }
 }
 
+// Two boxes in two neighbouring cells, of which nothing reaches the common face, and one that does.
+TEST(CoarsenedCage, CellsMeetWhereTheSurfaceCrossesTheirFace) {
+  const CageGrid two{.cells = {1, 2, 1}, .min = {0, 0, 0}, .max = {1, 2, 1}};
+  Boxes apart;
+  apart.add({.1, .1, .1}, {.9, .9, .9});
+  apart.add({.1, 1.1, .1}, {.9, 1.9, .9});
+  Boxes joined;
+  joined.add({.1, .1, .1}, {.9, 1.9, .9});
+  const auto num_nodes = [&](const Boxes& surface, CellsMeet meet) {
+    return coarsened_cage(surface.points, {}, surface.quads, two, 0, SeparateParts::kOwnHexahedra, .5, meet)
+        .mesh.positions()
+        .rows();
+  };
+  EXPECT_EQ(num_nodes(apart, CellsMeet::kWhereCrossed), 16);
+  EXPECT_EQ(num_nodes(apart, CellsMeet::kAtFaces), 12);
+  EXPECT_EQ(num_nodes(joined, CellsMeet::kWhereCrossed), 12);
+}
+
 TEST(CoarsenedCage, LevelsAreLimited) {
   const Boxes surface = fork();
-  for (const int levels : {0, -1, 11})
+  for (const int levels : {-1, 11})
     EXPECT_THROW(coarsened_cage(surface.points, {}, surface.quads, kCoarse, levels, SeparateParts::kOwnHexahedra, .5),
                  InputError);
   CageGrid large = kCoarse;

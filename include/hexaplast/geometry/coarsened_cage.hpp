@@ -14,6 +14,12 @@ enum class SeparateParts {
   kOwnHexahedra      ///< each has a hexahedron of its own in the same place: branches that lie close stay apart
 };
 
+/// Which neighbouring cells of the finest grid are connected.
+enum class CellsMeet {
+  kAtFaces,      ///< all that share a face
+  kWhereCrossed  ///< of those that the surface touches only the ones whose common face an edge of the surface crosses
+};
+
 /// Hexahedra of a coarse grid around a surface that was found on a finer one.
 struct CoarsenedCage {
   HexMesh mesh;
@@ -23,9 +29,10 @@ struct CoarsenedCage {
 
 /// cage_around on a grid with 2^levels times the cells of `grid` in each direction, made coarse again: a cell of `grid`
 /// becomes a hexahedron if one of its fine cells was kept. A fine cell that the surface touches counts `touched_fill`,
-/// an enclosed one 1, others 0. Fine cells are connected by faces. Nodes and hexahedra have the order of SOFA's sparse
-/// grids with virtual finer levels. Throws InputError as cage_around does, and where levels < 1.
+/// an enclosed one 1, others 0. Nodes and hexahedra have the order of SOFA's sparse grids with virtual finer levels.
+/// Throws InputError as cage_around does, and where levels < 0.
 CoarsenedCage coarsened_cage(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
-                             const CageGrid& grid, int levels, SeparateParts parts, double touched_fill);
+                             const CageGrid& grid, int levels, SeparateParts parts, double touched_fill,
+                             CellsMeet meet = CellsMeet::kAtFaces);
 
 }  // namespace hexaplast

@@ -229,10 +229,10 @@ inline constexpr Description kSparseGridTopology{
 
 inline constexpr Attribute kConnectivityAttribute[] = {
     {.name = "finestConnectivity",
-     .type = Type::kWord,
-     .initial = "false",
-     .words = "false 0",
-     .help = "Only false here: fine cells are connected by their faces, whether or not the surface crosses them."},
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Whether two fine cells that the surface touches are connected only where one of its edges crosses their "
+             "common face; otherwise wherever they share one."},
 };
 inline constexpr auto kSparseGridRamificationTopologyAttributes =
     joined(kSparseGridTopologyAttributes, kConnectivityAttribute);
