@@ -275,6 +275,9 @@ class GivenTopology final : public scene::Topology {
   void take(MappedCells cells) {
     is_mapped_ = true;
     if (positions_.rows() == 0) positions_ = std::move(cells.positions);
+    // what the scene gives besides was read without knowing the nodes
+    cells_of<8>(*this, "hexahedra", static_cast<int>(positions_.rows()));
+    cells_of<2>(*this, "edges", static_cast<int>(positions_.rows()));
     tetrahedra_ = std::move(cells.tetrahedra);
     quads_ = std::move(cells.quads);
     triangles_ = std::move(cells.triangles);

@@ -60,6 +60,20 @@ TEST(TransformPosition, HasAMethodForEachKind) {
   expect_points(position("method='scale' scale='2 1 1' fixedIndices='1'"), {2, 2, 3, 4, 5, 6});
 }
 
+TEST(TransformEngine, PointsThatLeadToNoNumbersAreRefused) {
+  const auto errors = [](const std::string& scale) {
+    return errors_of(support::in_root(
+        "",
+        "<RegularGridTopology n='2 2 2'/><MechanicalObject/><UniformMass totalMass='1'/><Node><TransformEngine "
+        "name='t' "
+        "input_position='2 2 2  0 0 0' scale='" +
+            scale + "'/><MechanicalObject position='@t.output_position'/><BarycentricMapping/></Node>"));
+  };
+  EXPECT_NE(errors("1e308 1 1").find("TransformEngine.input_position: leads to points that are not finite"),
+            std::string::npos);
+  EXPECT_NE(errors("1e300 1 1").find("embedded point 0 lies too far from the hexahedra"), std::string::npos);
+}
+
 class FilesOfPoints : public testing::Test {
  protected:
   void SetUp() override {
