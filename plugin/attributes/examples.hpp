@@ -68,6 +68,76 @@ inline constexpr std::array kExamples = {
   <MechanicalObject position="@loader.position"/>
   <BarycentricMapping/>
 </Node>)xml"},
+    Example{"SparseGridRamificationTopology",
+            R"xml(<SparseGridRamificationTopology name="cage" fileTopology="organ.obj" n="3 3 7"
+    nbVirtualFinerLevels="2" finestConnectivity="false"/>)xml"},
+    Example{"QuadSetTopologyContainer", R"xml(<Node name="skin">
+  <QuadSetTopologyContainer name="quads"/>
+  <Hexa2QuadTopologicalMapping input="@../grid" output="@quads"/>
+</Node>)xml"},
+    Example{"TriangleSetTopologyContainer", R"xml(<Node name="skin">
+  <TriangleSetTopologyContainer name="triangles" position="0 0 0  0.1 0 0  0 0.1 0" triangles="0 1 2"/>
+</Node>)xml"},
+    Example{"TetrahedronSetTopologyContainer", R"xml(<Node name="inner">
+  <TetrahedronSetTopologyContainer name="tetrahedra"/>
+  <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra"/>
+</Node>)xml"},
+    Example{"EdgeSetTopologyContainer", R"xml(<Node name="wire">
+  <EdgeSetTopologyContainer position="0 0 0  0.1 0 0" edges="0 1"/>
+</Node>)xml"},
+    Example{"PointSetTopologyContainer", R"xml(<Node name="points">
+  <PointSetTopologyContainer position="0 0 0  0.1 0 0"/>
+</Node>)xml"},
+    Example{"Hexa2QuadTopologicalMapping", R"xml(<Node name="skin">
+  <QuadSetTopologyContainer name="quads"/>
+  <Hexa2QuadTopologicalMapping input="@../grid" output="@quads"/>
+  <OglModel position="@quads.position" quads="@quads.quads"/>
+</Node>)xml"},
+    Example{"Quad2TriangleTopologicalMapping", R"xml(<Node name="skin">
+  <TriangleSetTopologyContainer name="triangles"/>
+  <Quad2TriangleTopologicalMapping input="@../grid" output="@triangles"/>
+</Node>)xml"},
+    Example{"Hexa2TetraTopologicalMapping", R"xml(<Node name="inner">
+  <TetrahedronSetTopologyContainer name="tetrahedra"/>
+  <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra"/>
+</Node>)xml"},
+    Example{"Tetra2TriangleTopologicalMapping", R"xml(<Node name="inner">
+  <TetrahedronSetTopologyContainer name="tetrahedra"/>
+  <Hexa2TetraTopologicalMapping input="@../grid" output="@tetrahedra"/>
+  <Node name="skin">
+    <TriangleSetTopologyContainer name="triangles"/>
+    <Tetra2TriangleTopologicalMapping input="@../tetrahedra" output="@triangles" flipNormals="true"/>
+  </Node>
+</Node>)xml"},
+    Example{"TransformEngine", R"xml(<Node name="markers">
+  <TransformEngine name="moved" input_position="0 0 0  0.1 0 0" scale="0.5 0.5 0.5" rotation="0 0 90"
+      translation="0.05 0.05 0.2"/>
+  <MechanicalObject position="@moved.output_position"/>
+  <BarycentricMapping/>
+</Node>)xml"},
+    Example{"TransformPosition", R"xml(<Node name="markers">
+  <TransformPosition name="moved" method="scaleTranslation" input_position="0 0 0  0.1 0 0" scale="0.5 1 1"
+      translation="0 0 0.2"/>
+  <MechanicalObject position="@moved.output_position"/>
+  <BarycentricMapping/>
+</Node>)xml"},
+    Example{"SphereLoader", R"xml(<Node name="markers">
+  <SphereLoader name="spheres" filename="balls.sph" translation="0.05 0.05 0.2"/>
+  <MechanicalObject position="@spheres.position"/>
+  <BarycentricMapping/>
+</Node>)xml"},
+    Example{"SpringForceField", R"xml(<SpringForceField spring="72 80 20 0.1 0.1  74 78 20 0.1 0.1"/>)xml"},
+    Example{"MeshSpringForceField", R"xml(<MeshSpringForceField linesStiffness="2" linesDamping="0.01"/>)xml"},
+    Example{"RegularGridSpringForceField", R"xml(<RegularGridSpringForceField stiffness="2"/>)xml"},
+    Example{"QuadularBendingSprings", R"xml(<QuadularBendingSprings stiffness="10" damping="0.1"/>)xml"},
+    Example{"TriangularBendingSprings", R"xml(<Node name="skin">
+  <TriangleSetTopologyContainer name="triangles"/>
+  <Quad2TriangleTopologicalMapping input="@../grid" output="@triangles"/>
+  <MechanicalObject/>
+  <IdentityMapping/>
+  <TriangularBendingSprings stiffness="10" damping="0.1"/>
+</Node>)xml"},
+    Example{"RestShapeSpringsForceField", R"xml(<RestShapeSpringsForceField points="72-80" stiffness="20"/>)xml"},
     Example{"MechanicalObject", R"xml(<MechanicalObject name="nodes" template="Vec3d" scale3d="1 1 0.5"/>)xml"},
     Example{"UniformMass", R"xml(<UniformMass totalMass="4"/>)xml"},
     Example{"DiagonalMass", R"xml(<DiagonalMass massDensity="1050"/>)xml"},

@@ -13,7 +13,11 @@
 #include "attributes/stock/mappings.hpp"
 #include "attributes/stock/masses.hpp"
 #include "attributes/stock/regions.hpp"
+#include "attributes/stock/sofa_names.hpp"
 #include "attributes/stock/solvers.hpp"
+#include "attributes/stock/springs.hpp"
+#include "attributes/stock/topological_mappings.hpp"
+#include "attributes/stock/transforms.hpp"
 #include "attributes/stock/values.hpp"
 #include "attributes/stock/visuals.hpp"
 
@@ -43,6 +47,21 @@ inline constexpr Attribute kNodeAttributes[] = {
      .initial = "true",
      .help = "false leaves the node out, with everything in it."},
     {.name = "animate", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
+    ignored_attribute("sleeping", "Ignored here: every node takes part in every step."),
+    ignored_attribute("canChangeSleepingState", "Ignored here: every node takes part in every step."),
+    ignored_attribute("depend", "Ignored here: nodes are in the order of the scene."),
+    visual_attribute("showBoundingTree"),
+    visual_attribute("showBoundingCollisionModels"),
+    visual_attribute("showBehaviorModels"),
+    visual_attribute("showCollisionModels"),
+    visual_attribute("showMappings"),
+    visual_attribute("showMechanicalMappings"),
+    visual_attribute("showForceFields"),
+    visual_attribute("showInteractionForceFields"),
+    visual_attribute("showVisualModels"),
+    visual_attribute("showWireFrame"),
+    visual_attribute("showWireframe"),
+    visual_attribute("showNormals"),
 };
 inline constexpr Description kNode{.class_name = "Node",
                                    .category = "Node",
@@ -57,11 +76,13 @@ inline constexpr Attribute kRequiredPluginAttributes[] = {
     ignored_attribute("requireOne", "Ignored here: all names are required."),
     ignored_attribute("requireAll", "Ignored here: all names are required."),
 };
-inline constexpr Description kRequiredPlugin{
-    .class_name = "RequiredPlugin",
-    .category = "Settings",
-    .help = "Loads plugins by name. Names that begin with Sofa. are SOFA's own modules and need no loading here.",
-    .attributes = kRequiredPluginAttributes};
+inline constexpr Description kRequiredPlugin{.class_name = "RequiredPlugin",
+                                             .category = "Settings",
+                                             .help =
+                                                 "Loads plugins by name. Names that begin with Sofa. are SOFA's own "
+                                                 "modules, and need no loading here; nor do the "
+                                                 "plugins of SOFA's source tree, SofaCUDA for example.",
+                                             .attributes = kRequiredPluginAttributes};
 
 inline constexpr Attribute kDefaultAnimationLoopAttributes[] = {
     ignored_attribute("parallelODESolving", "Ignored here: solvers run one after another."),

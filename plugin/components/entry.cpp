@@ -11,13 +11,16 @@ HEXAPLAST_PLUGIN(factory) {
   add_linear_solvers(factory);
   add_loaders(factory);
   add_topologies(factory);
+  add_topological_mappings(factory);
   add_shapes(factory);
   add_states(factory);
   add_masses(factory);
   add_engines(factory);
+  add_transforms(factory);
   add_extrusion(factory);
   add_constraints(factory);
   add_loads(factory);
+  add_springs(factory);
   add_instruments(factory);
   add_contact(factory);
   add_bodies(factory);

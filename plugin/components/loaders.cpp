@@ -63,17 +63,18 @@ class MeshLoader : public scene::Component {
   std::filesystem::path path() {
     const std::string& name = text("filename");
     if (name.empty()) reject("filename", "is not given, must name a mesh file");
-    return std::filesystem::path(place().file).parent_path() / name;
+    return node().files().input(name, place());
   }
 
  private:
   ImportedMesh loaded() {
-    node().files().inputs.add(path());
+    const std::filesystem::path file = path();
     ImportedMesh mesh;
     try {
-      mesh = read_(path());
+      mesh = read_(file);
     } catch (const InputError& error) {
-      reject("filename", error.what());
+      const bool is_missing = !std::filesystem::exists(file);
+      reject("filename", error.what(), is_missing ? node().files().search.places_of(text("filename")) : "");
     }
     transform(mesh.positions);
     if (boolean("triangulate")) triangulate(mesh);

@@ -18,6 +18,11 @@ class MadeTopology : public scene::Topology {
   const std::vector<Quad>& quads() final;
   const std::vector<Edge>& edges() final;
 
+ protected:
+  /// Every quad as two triangles, for an output of that name: drawing asks for them, and pressures must not, as they
+  /// act on the quads already.
+  std::vector<Triangle> halves_of_quads();
+
  private:
   // those of the hexahedra, in their order, where a topology has no order of its own
   virtual std::vector<Quad> make_quads();

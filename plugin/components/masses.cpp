@@ -89,10 +89,13 @@ class DiagonalMass final : public LumpedMass {
       return real("massDensity") * rest_volumes(num_nodes);
     }
     const std::vector<double>& masses = reals("vertexMass");
-    if (masses.size() == 1) return Eigen::VectorXd::Constant(num_nodes, masses[0]);
-    if (static_cast<Eigen::Index>(masses.size()) != num_nodes)
-      reject("vertexMass",
-             fmt::format("{} values given for {} nodes, must be one or one per node", masses.size(), num_nodes));
+    if (static_cast<Eigen::Index>(masses.size()) != num_nodes) {
+      const std::string problem = fmt::format("{} values given for {} nodes", masses.size(), num_nodes);
+      if (!node().is_read_as_sofa()) reject("vertexMass", problem);
+      remark(scene::Severity::kWarning, "vertexMass", problem + ": ignored as in SOFA, the whole body has 1 kg");
+      const Eigen::VectorXd volumes = rest_volumes(num_nodes);
+      return volumes / volumes.sum();
+    }
     return Eigen::Map<const Eigen::VectorXd>(masses.data(), num_nodes);
   }
 

@@ -5,15 +5,18 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/made_topology.hpp"
 #include "components/part.hpp"
+#include "components/topological_mapping.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/cage.hpp"
+#include "hexaplast/geometry/coarsened_cage.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "parts/grids.hpp"
@@ -41,26 +44,47 @@ class RegularGridTopology final : public GridTopology {
  public:
   RegularGridTopology() : GridTopology(attributes::kRegularGridTopology) {}
 
-  void init() override { grid(); }
+  void init() override { make(); }
 
-  const PointArray& positions() override { return grid().positions(); }
-  const std::vector<Hexahedron>& hexahedra() override { return grid().hexahedra(); }
+  const PointArray& positions() override {
+    make();
+    return grid_ ? grid_->positions() : flat_positions_;
+  }
+  const std::vector<Hexahedron>& hexahedra() override {
+    static const std::vector<Hexahedron> none;
+    make();
+    return grid_ ? grid_->hexahedra() : none;
+  }
 
  private:
-  std::vector<Quad> make_quads() override { return grid_quads((grid(), cells_)); }
-  std::vector<Edge> make_edges() override { return grid_edges((grid(), cells_)); }
+  std::vector<Quad> make_quads() override { return grid_quads((make(), cells_)); }
+  std::vector<Edge> make_edges() override { return grid_edges((make(), cells_)); }
 
-  const HexMesh& grid() {
-    if (!grid_) {
-      const auto [least, most] = corners();
-      if (!(least.array() < most.array()).all()) reject("max", "must be greater than min in every direction");
-
-      const Vec3 count = real("cellWidth") > 0 ? num_cells(most - least) : one_by_one(num_cells(most - least));
-      accepted(*this, [&] { parts::check_num_hexahedra("n", count.prod()); });
-      for (int d = 0; d < 3; ++d) cells_[d] = static_cast<int>(count[d]);
-      grid_ = regular_grid(cells_, least, most);
+  void make() {
+    if (is_made_) return;
+    auto [least, most] = corners();
+    const Vec3 count = real("cellWidth") > 0 ? num_cells(most - least) : one_by_one(num_cells(most - least));
+    for (int d = 0; d < 3; ++d)
+      if (count[d] != 0 && !(least[d] < most[d])) reject("max", "must be greater than min in every direction");
+    const bool is_flat = (count.array() == 0).any();
+    if (is_given("p0")) {
+      most += vector3("p0") - least;
+      least = vector3("p0");
+    } else {
+      // as SOFA does, and not for z
+      for (int d = 0; d < 2; ++d)
+        if (count[d] == 0) least[d] = (least[d] + most[d]) / 2;
     }
-    return *grid_;
+    if (is_flat)
+      accepted(*this, [&] { parts::check_num_cells("n", (count.array() + 1).prod()); });
+    else
+      accepted(*this, [&] { parts::check_num_hexahedra("n", count.prod()); });
+    for (int d = 0; d < 3; ++d) cells_[d] = static_cast<int>(count[d]);
+    if (is_flat)
+      flat_positions_ = grid_points(cells_, least, (most - least).cwiseQuotient(count.cwiseMax(1)));
+    else
+      grid_ = regular_grid(cells_, least, most);
+    is_made_ = true;
   }
 
   std::pair<Vec3, Vec3> corners() {
@@ -81,14 +105,24 @@ class RegularGridTopology final : public GridTopology {
   }
 
   std::array<int, 3> cells_{};
-  std::optional<HexMesh> grid_;
+  bool is_made_ = false;
+  std::optional<HexMesh> grid_;  // none: the grid is flat
+  PointArray flat_positions_;
 };
 
+/// SparseGridTopology and SparseGridRamificationTopology, which keeps branches apart.
 class SparseGridTopology final : public GridTopology {
  public:
-  SparseGridTopology() : GridTopology(attributes::kSparseGridTopology) {}
+  SparseGridTopology(const attributes::Description& description, SeparateParts separate)
+      : GridTopology(description), separate_(separate) {}
 
   void init() override {
+    cage();
+    if (num_doubled_ > 0)
+      remark(scene::Severity::kNote, {},
+             fmt::format("{} hexahedra lie in one place with others, as they belong to separate branches: points that "
+                         "are embedded there follow the first of them",
+                         num_doubled_));
     if (cage().num_parts > 1)
       remark(scene::Severity::kWarning, {}, fmt::format("has {} parts that share no face", cage().num_parts));
     if (cage().num_hinges > 0)
@@ -110,25 +144,47 @@ class SparseGridTopology final : public GridTopology {
     if (cage_) return *cage_;
     is_refused_ = true;  // until it is there: whoever asks again has no more to say
     const ImportedMesh surface = loaded();
-    cage_ = cage_around(surface.positions, surface.triangles, surface.quads, given_grid(surface.positions),
-                        boolean("onlyInsideCells") ? CageCells::kEnclosed : CageCells::kTouchedOrEnclosed);
-    if (boolean("fillWeighted")) {
-      fill_.assign(cage_->mesh.hexahedra().size(), 1);
-      std::fill_n(fill_.begin(), cage_->num_touched, kTouchedFill);
-    }
+    const CageGrid grid = given_grid(surface.positions);
+    const int levels = integer("nbVirtualFinerLevels");
+    cage_ = levels > 0 || looks_at_crossings() ? coarsened(surface, grid, levels) : cage_on(surface, grid);
     is_refused_ = false;
     return *cage_;
+  }
+
+  Cage cage_on(const ImportedMesh& surface, const CageGrid& grid) {
+    Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, grid,
+                            boolean("onlyInsideCells") ? CageCells::kEnclosed : CageCells::kTouchedOrEnclosed);
+    if (boolean("fillWeighted")) {
+      fill_.assign(cage.mesh.hexahedra().size(), 1);
+      std::fill_n(fill_.begin(), cage.num_touched, kTouchedFill);
+    }
+    return cage;
+  }
+
+  bool looks_at_crossings() { return separate_ == SeparateParts::kOwnHexahedra && boolean("finestConnectivity"); }
+
+  Cage coarsened(const ImportedMesh& surface, const CageGrid& grid, int levels) {
+    if (boolean("onlyInsideCells"))
+      reject("onlyInsideCells", "is not possible with nbVirtualFinerLevels or finestConnectivity");
+    if (real("cellWidth") > 0 && levels > 0)
+      reject("cellWidth", "is not possible with nbVirtualFinerLevels: n is needed");
+    CoarsenedCage cage = coarsened_cage(surface.positions, surface.triangles, surface.quads, grid, levels, separate_,
+                                        boolean("fillWeighted") ? kTouchedFill : 1,
+                                        looks_at_crossings() ? CellsMeet::kWhereCrossed : CellsMeet::kAtFaces);
+    fill_ = std::move(cage.fill);
+    num_doubled_ = cage.num_doubled;
+    return {.mesh = std::move(cage.mesh), .num_parts = 1};
   }
 
   ImportedMesh loaded() {
     const std::string& name = text("fileTopology");
     if (name.empty()) reject("fileTopology", "is not given, must name a mesh file");
-    const std::filesystem::path file = std::filesystem::path(place().file).parent_path() / name;
-    node().files().inputs.add(file);
+    const std::filesystem::path file = node().files().input(name, place());
     try {
       return read_mesh(file);
     } catch (const InputError& error) {
-      reject("fileTopology", error.what());
+      const bool is_missing = !std::filesystem::exists(file);
+      reject("fileTopology", error.what(), is_missing ? node().files().search.places_of(name) : "");
     }
   }
 
@@ -147,17 +203,30 @@ class SparseGridTopology final : public GridTopology {
 
   static constexpr double kTouchedFill = 0.5;  // what SOFA takes for every cell that the surface passes through
 
+  SeparateParts separate_;
   std::optional<Cage> cage_;
   std::vector<double> fill_;
+  int num_doubled_ = 0;
   bool is_refused_ = false;
 };
 
-/// MeshTopology and HexahedronSetTopologyContainer.
+/// MeshTopology and the containers. What the scene gives, or a topological mapping makes.
 class GivenTopology final : public scene::Topology {
  public:
   using Topology::Topology;
 
   void init() override { take_cells(); }
+
+  void provide(scene::Data& output) override {
+    if (output.is_given() || is_taking_ || stage() == Stage::kFailed) return;
+    take_cells();
+    if (!is_mapped_) return;
+    const std::string_view name = output.attribute().name;
+    if (name == "position") output.set_once([this] { return flattened(positions_); });
+    if (name == "quads") output.set_once([this] { return flattened<4>(quads_); });
+    if (name == "triangles") output.set_once([this] { return flattened<3>(triangles_); });
+    if (name == "tetrahedra") output.set_once([this] { return flattened<4>(tetrahedra_); });
+  }
 
   const PointArray& positions() override {
     take_cells();
@@ -181,11 +250,40 @@ class GivenTopology final : public scene::Topology {
     if (edges_.empty()) edges_ = edges_of(hexahedra_);
     return edges_;
   }
+  const std::vector<scene::Tetrahedron>& tetrahedra() override {
+    take_cells();
+    return tetrahedra_;
+  }
 
  private:
   // When first asked for: a topology may stand behind the components that use it.
   void take_cells() {
     if (is_taken_) return;
+    if (std::exchange(is_taking_, true)) reject("is made of itself by topological mappings");
+    try {
+      take_given();
+      for (TopologicalMapping* mapping : node().root().all<TopologicalMapping>())
+        if (mapping->output() == this) take(mapping->make());
+    } catch (...) {
+      is_taking_ = false;
+      throw;
+    }
+    is_taking_ = false;
+    is_taken_ = true;
+  }
+
+  void take(MappedCells cells) {
+    is_mapped_ = true;
+    if (positions_.rows() == 0) positions_ = std::move(cells.positions);
+    // what the scene gives besides was read without knowing the nodes
+    cells_of<8>(*this, "hexahedra", static_cast<int>(positions_.rows()));
+    cells_of<2>(*this, "edges", static_cast<int>(positions_.rows()));
+    tetrahedra_ = std::move(cells.tetrahedra);
+    quads_ = std::move(cells.quads);
+    triangles_ = std::move(cells.triangles);
+  }
+
+  void take_given() {
     positions_ = vectors3("position");
     const int num_nodes =
         positions_.rows() == 0 ? std::numeric_limits<int>::max() : static_cast<int>(positions_.rows());
@@ -193,24 +291,33 @@ class GivenTopology final : public scene::Topology {
     quads_ = cells_of<4>(*this, "quads", num_nodes);
     triangles_ = cells_of<3>(*this, "triangles", num_nodes);
     edges_ = cells_of<2>(*this, "edges", num_nodes);
-    is_taken_ = true;
+    tetrahedra_ = cells_of<4>(*this, "tetrahedra", num_nodes);
   }
 
-  bool is_taken_ = false;
+  bool is_taken_ = false, is_taking_ = false, is_mapped_ = false;
   PointArray positions_;
   std::vector<Hexahedron> hexahedra_;
   std::vector<Quad> quads_;
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;
+  std::vector<scene::Tetrahedron> tetrahedra_;
 };
 
 }  // namespace
 
 void add_topologies(scene::Factory& factory) {
   factory.add<RegularGridTopology>(attributes::kRegularGridTopology);
-  factory.add<SparseGridTopology>(attributes::kSparseGridTopology);
+  for (const auto& [description, separate] :
+       {std::pair(&attributes::kSparseGridTopology, SeparateParts::kShareHexahedron),
+        std::pair(&attributes::kSparseGridRamificationTopology, SeparateParts::kOwnHexahedra)})
+    factory.add(*description, [description = description, separate = separate] {
+      return std::make_unique<SparseGridTopology>(*description, separate);
+    });
   for (const attributes::Description* description :
-       {&attributes::kMeshTopology, &attributes::kHexahedronSetTopologyContainer})
+       {&attributes::kMeshTopology, &attributes::kHexahedronSetTopologyContainer,
+        &attributes::kTetrahedronSetTopologyContainer, &attributes::kQuadSetTopologyContainer,
+        &attributes::kTriangleSetTopologyContainer, &attributes::kEdgeSetTopologyContainer,
+        &attributes::kPointSetTopologyContainer})
     factory.add(*description, [description] { return std::make_unique<GivenTopology>(*description); });
 }
 

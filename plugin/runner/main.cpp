@@ -61,6 +61,14 @@ void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
       ->allow_extra_args(false);
 }
 
+void add_mesh_path(CLI::App& command, SceneOptions& options) {
+  command
+      .add_option("--mesh-path", options.mesh_path,
+                  "Directory to look for the scene's meshes and includes in; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+}
+
 /// What the subcommands of `mesh` take.
 struct MeshOptions {
   MeshExportOptions scene_export;
@@ -83,7 +91,9 @@ void add_scene(CLI::App& command, SceneOptions& options) {
       ->type_name("PATH.attribute=VALUE")
       ->allow_extra_args(false);
   command.add_flag("--sofa-compat", options.sofa_compat,
-                   "Pass over unknown components, attributes, templates and plugins with a warning, as SOFA does");
+                   "Pass over unknown components, attributes, templates and plugins with a warning, as SOFA does, but for "
+                   "those that would change the motion");
+  add_mesh_path(command, options);
   add_plugin_options(command, options.plugins, options.plugin_path);
 }
 
@@ -394,6 +404,7 @@ void add_bench(CLI::App& app, BenchOptions& options) {
       ->type_name("SCENE")
       ->excludes(sizes)
       ->excludes(quick);
+  add_mesh_path(*bench, options.scene);
   add_plugin_options(*bench, options.scene.plugins, options.scene.plugin_path);
 }
 

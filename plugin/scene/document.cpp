@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 /// Parses files and carries out their includes.
 class Importer {
  public:
-  Importer(Diagnostics& diagnostics, InputFiles* inputs) : diagnostics_(diagnostics), inputs_(inputs) {}
+  Importer(Diagnostics& diagnostics, InputFiles* inputs, const SearchPath& search, Severity idle_replacement)
+      : diagnostics_(diagnostics), inputs_(inputs), search_(search), idle_replacement_(idle_replacement) {}
 
   /// `origin`: the file as messages name it, and where it is included.
   Element import(std::string_view text, const fs::path& file, const Place& origin) {
@@ -92,7 +93,8 @@ class Importer {
     if (!directive.children.empty() || directive.text)
       diagnostics_.error(directive.place, "include: holds elements or text, must be empty");
 
-    const fs::path file = (open_files_.back().canonical.parent_path() / href->value).lexically_normal();
+    const fs::path folder = open_files_.back().canonical.parent_path();
+    const fs::path file = search_.find(href->value, folder).lexically_normal();
     const fs::path canonical = fs::weakly_canonical(file);
     const auto is_same = [&](const OpenFile& open) { return open.canonical == canonical; };
     if (std::ranges::any_of(open_files_, is_same))
@@ -108,7 +110,9 @@ class Importer {
     try {
       text = read_scene_file(file);
     } catch (const InputError& error) {
-      return refuse(href->place, fmt::format("'{}': {}", href->value, error.what()));
+      diagnostics_.error(href->place, fmt::format("include.href: '{}': {}", href->value, error.what()),
+                         search_.places_of(href->value));
+      return;
     }
     if (inputs_) inputs_->add(file);
     num_bytes_ += text.size();
@@ -116,7 +120,8 @@ class Importer {
       refuse_file(href->place, href->place.line,
                   fmt::format("include.href: more than {} bytes are included", kLargestSceneFile));
 
-    const fs::path shown = fs::path(open_files_.back().origin.file).parent_path() / href->value;
+    const bool is_beside = file == (folder / href->value).lexically_normal();
+    const fs::path shown = is_beside ? fs::path(open_files_.back().origin.file).parent_path() / href->value : file;
     Element root = import(text, file, {shown.string(), 0, std::make_shared<const Place>(href->place)});
     replace_attributes(directive, root);
     splice(std::move(root), into);
@@ -135,8 +140,8 @@ class Importer {
       const std::string owner = is_for_one ? given.name.substr(0, separator) : "";
       const std::string attribute = is_for_one ? given.name.substr(separator + 2) : given.name;
       if (replace(root, owner, attribute, given) > 0) continue;
-      diagnostics_.error(
-          given.place,
+      diagnostics_.add(
+          idle_replacement_, given.place,
           fmt::format("include.{}: replaces nothing: '{}' is given in no {} of '{}'", given.name, attribute,
                       is_for_one ? fmt::format("element named '{}'", owner) : "element", root.place.file));
     }
@@ -206,7 +211,9 @@ class Importer {
   }
 
   Diagnostics& diagnostics_;
-  InputFiles* inputs_;                // null: nobody asks
+  InputFiles* inputs_;  // null: nobody asks
+  const SearchPath& search_;
+  Severity idle_replacement_;
   std::vector<OpenFile> open_files_;  // from the scene to the file being read
   int num_includes_ = 0;
   int num_elements_ = 0;
@@ -236,8 +243,9 @@ std::string read_scene_file(const fs::path& file) {
   return text;
 }
 
-Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics, InputFiles* inputs) {
-  return Importer(diagnostics, inputs).import(text, file, {file.string(), 0, nullptr});
+Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics, InputFiles* inputs,
+                      const SearchPath& search, Severity idle_replacement) {
+  return Importer(diagnostics, inputs, search, idle_replacement).import(text, file, {file.string(), 0, nullptr});
 }
 
 }  // namespace hexaplast::scene

@@ -11,6 +11,7 @@
 #include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/formats/xml.hpp"
 #include "scene/diagnostics.hpp"
+#include "scene/search_path.hpp"
 
 namespace hexaplast::scene {
 
@@ -46,14 +47,16 @@ std::string read_scene_file(const std::filesystem::path& file);
 /// document type, no entities but XML's five; numbers of elements, attributes and levels as above.
 ///
 /// `<include href="FILE" name="N" attribute="V" X__attribute="V"/>` stands for the root element of FILE, a path
-/// relative to the including file. `name` renames that root; the other attributes replace those of the same name that
-/// are given in FILE, in every element or in those named X. A root named Group or _Group_ is replaced by its children.
-/// A root named _Merge_ is merged into the including element: what has the class and name of something that stands
-/// before it there lends it its attributes and children, the rest is added.
+/// relative to the including file, or in a directory of `search`. `name` renames that root; the other attributes
+/// replace those of the same name that are given in FILE, in every element or in those named X. A root named Group or
+/// _Group_ is replaced by its children. A root named _Merge_ is merged into the including element: what has the class
+/// and name of something that stands before it there lends it its attributes and children, the rest is added.
 ///
 /// Includes that cannot be carried out are left out and added to `diagnostics`; a file that is not well-formed is a
-/// SceneError. The files that are included are added to `inputs`.
+/// SceneError. The files that are included are added to `inputs`. `idle_replacement`: what an attribute of an include
+/// is that replaces nothing.
 Element read_document(std::string_view text, const std::filesystem::path& file, Diagnostics& diagnostics,
-                      InputFiles* inputs = nullptr);
+                      InputFiles* inputs = nullptr, const SearchPath& search = {},
+                      Severity idle_replacement = Severity::kError);
 
 }  // namespace hexaplast::scene

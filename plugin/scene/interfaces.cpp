@@ -31,6 +31,11 @@ const std::vector<Edge>& Topology::edges() {
   return none;
 }
 
+const std::vector<Tetrahedron>& Topology::tetrahedra() {
+  static const std::vector<Tetrahedron> none;
+  return none;
+}
+
 SurvivingCells::SurvivingCells(MechanicalState& state) {
   Node& root = state.node().root();
   for (const ForceField* field : root.all<ForceField>())

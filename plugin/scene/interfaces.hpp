@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <memory>
 #include <set>
 #include <span>
@@ -21,6 +22,8 @@ struct FlowReport;
 /// The categories of components: what each promises to the others. Nodal fields are num_nodes x 3.
 namespace hexaplast::scene {
 
+using Tetrahedron = std::array<int, 4>;
+
 class Topology : public Component {
  public:
   static constexpr std::string_view kCategory = "Topology";
@@ -34,6 +37,9 @@ class Topology : public Component {
   virtual const std::vector<Quad>& quads();
   virtual const std::vector<Triangle>& triangles();
   virtual const std::vector<Edge>& edges();
+
+  /// Which nothing deforms by: for what is made of them.
+  virtual const std::vector<Tetrahedron>& tetrahedra();
 
   /// Share of matter in each hexahedron (0, 1]; empty: all are full.
   virtual std::span<const double> fill() { return {}; }

@@ -128,6 +128,7 @@ class Resolver {
     if (Data* source = arrays ? arrays->array(name) : nullptr) return connect(data, *source, data.link());
     std::vector<std::string_view> names;
     for (const auto& other : found.target->all_data()) names.push_back(other->attribute().name);
+    if (leads_to_skipped(data, *found.target)) return;
     refuse(data, fmt::format("stops at {}, which has no attribute '{}'", describe(*found.target), name),
            did_you_mean(name, names));
   }
@@ -138,6 +139,17 @@ class Resolver {
         data.place(),
         fmt::format("{}.{}: link '{}' {}", data.owner().class_name(), data.attribute().name, data.link(), problem),
         std::move(hint));
+  }
+
+  bool leads_to_skipped(Data& data, const Object& target) {
+    const std::string_view category = target.description().category;
+    const bool is_drawing = data.owner().description().category == "Visual";
+    if (category != kUnknownToSofa && !(category == kSkipped && is_drawing)) return false;
+    diagnostics_.add(Severity::kWarning, data.place(),
+                     fmt::format("{}.{}: link '{}' leads to {}, which is ignored: so is the link",
+                                 data.owner().class_name(), data.attribute().name, data.link(), describe(target)));
+    data.unset();
+    return true;
   }
 
   void connect(Data& data, Data& source, const std::string& link) {
@@ -163,7 +175,10 @@ class Resolver {
     for (const auto& source : loader.all_data()) {
       const attributes::Attribute& offered = source->attribute();
       const bool is_common = std::ranges::count(attributes::kCommon, offered.name, &attributes::Attribute::name) > 0;
-      if (is_common || offered.access == attributes::Access::kIgnored ||
+      // what grids have of them are the halves of their quads, on which a pressure would act twice
+      const bool is_second_half = offered.name == "triangles" && offered.access == attributes::Access::kOutput &&
+                                  loader.description().category == "Topology";
+      if (is_common || is_second_half || offered.access == attributes::Access::kIgnored ||
           std::ranges::count(kOwnOfLoaders, offered.name) > 0)
         continue;
       Data* data = namesake(src.owner(), offered);
@@ -171,7 +186,7 @@ class Resolver {
       has_common = true;
       if (!data->is_given()) connect(*data, *source, fmt::format("{}.{}", src.link(), offered.name));
     }
-    if (!has_common)
+    if (!has_common && !leads_to_skipped(src, loader))
       refuse(src, fmt::format("leads to {}, which has no attribute that belongs here", describe(loader)));
   }
 

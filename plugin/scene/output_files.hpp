@@ -10,6 +10,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/whole_file.hpp"
 #include "scene/diagnostics.hpp"
+#include "scene/search_path.hpp"
 
 namespace hexaplast::scene {
 
@@ -42,6 +43,14 @@ class OutputFiles {
  public:
   OutputRules rules;
   InputFiles inputs;  ///< the scene, its includes, and the meshes that it names
+  SearchPath search;  ///< of these meshes
+
+  /// The file that a component names, found and added to `inputs`. `by`: where the component stands.
+  std::filesystem::path input(const std::filesystem::path& name, const Place& by) {
+    const std::filesystem::path file = search.find(name, std::filesystem::path(by.file).parent_path());
+    inputs.add(file);
+    return file;
+  }
 
   /// The place of a file of that name, which belongs to the claimant from now on; of a series that of its files
   /// without number and ending (place0.vtu, place1.vtu, ...). Throws OutputRefusal.

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <optional>
 
+#include "attributes/stock/sofa_names.hpp"
+
 namespace hexaplast::scene {
 namespace {
 
@@ -142,7 +144,7 @@ PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> 
 }
 
 void PluginLoader::load(const std::string& name) {
-  if (name.starts_with("Sofa.") || std::ranges::count(loaded_, name) > 0) return;
+  if (attributes::is_plugin_of_sofa(name) || std::ranges::count(loaded_, name) > 0) return;
   const auto refusal = [&](const std::string& reason) {
     std::string message = fmt::format("plugin '{}': {}; search path: ", name, reason);
     for (const std::filesystem::path& directory : directories_)

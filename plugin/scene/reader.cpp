@@ -13,6 +13,7 @@
 
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
+#include "attributes/stock/sofa_names.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/readable_file.hpp"
 #include "scene/document.hpp"
@@ -44,9 +45,10 @@ struct ForeignClass {
 };
 class Placeholder final : private ForeignClass, public Component {
  public:
-  explicit Placeholder(std::string_view name)
+  Placeholder(std::string_view name, std::string_view category)
       : ForeignClass{std::string(name), {}}, Component(ForeignClass::description) {
     ForeignClass::description.class_name = ForeignClass::class_name;
+    ForeignClass::description.category = category;
     ForeignClass::description.takes_anything = true;
   }
 };
@@ -138,8 +140,7 @@ class Reader {
                                           ? std::make_unique<RequiredPlugin>()
                                           : factory_.make(class_name);
     if (!made) {
-      refuse_class(element.place, class_name);
-      made = std::make_unique<Placeholder>(class_name);
+      made = std::make_unique<Placeholder>(class_name, refuse_class(element.place, class_name, node));
     }
 
     Component& component = node.add(std::move(made));
@@ -165,23 +166,29 @@ class Reader {
     }
   }
 
-  void refuse_class(const Place& place, std::string_view class_name) {
+  // Gives the category of what stands for the component.
+  std::string_view refuse_class(const Place& place, std::string_view class_name, const Node& node) {
+    const bool is_lenient = grammar_ == Grammar::kSofaCompatible;
     const std::string_view now = present_name(attributes::kRetiredClasses, class_name);
     if (!now.empty()) {
       complain(place, fmt::format("{}: unknown component", class_name), fmt::format("SOFA calls it '{}' now", now));
-      return;
+      return is_lenient ? kUnknownToSofa : kUnknown;
     }
-    const auto physics = std::ranges::find_if(
-        attributes::kPhysics, [&](const attributes::Physics& kind) { return class_name.ends_with(kind.ending); });
-    if (grammar_ == Grammar::kSofaCompatible && physics != std::end(attributes::kPhysics)) {
-      diagnostics_.error(place, fmt::format("{}: unknown component, and {} are never passed over: bodies would move "
-                                            "otherwise",
-                                            class_name, physics->what));
-      return;
+    const std::string_view instead = present_name(attributes::kGoneClasses, class_name);
+    if (!instead.empty()) {
+      complain(place, fmt::format("{}: unknown component, of SOFA v26.06 too", class_name),
+               fmt::format("in its place: {}", instead));
+      return is_lenient ? kUnknownToSofa : kUnknown;
+    }
+    const bool maps_motion = class_name.ends_with("Mapping") && node.local<MechanicalState>();
+    if (is_lenient && (attributes::is_physics_of_sofa(class_name) || maps_motion)) {
+      diagnostics_.error(place, fmt::format("{}: changes the motion, and is not there in Hexaplast", class_name));
+      return kUnknown;
     }
     std::vector<std::string_view> known = {"Node", attributes::kRequiredPlugin.class_name};
     for (const Description* description : factory_.descriptions()) known.push_back(description->class_name);
     complain(place, fmt::format("{}: unknown component", class_name), did_you_mean(class_name, known));
+    return is_lenient ? kSkipped : kUnknown;
   }
 
   // SOFA would keep bodies apart, here they pass through each other: said once where SOFA's reading is asked for.
@@ -298,6 +305,7 @@ class Reader {
     std::unordered_map<std::string, int> counter;  // per class, of default names
   };
 
+  static constexpr std::string_view kUnknown = {};
   static constexpr std::string_view kOtherKinds[] = {"Rigid", "Vec1", "Vec2", "Vec6"};
   Scene& scene_;
   Diagnostics& diagnostics_;
@@ -311,11 +319,14 @@ class Reader {
 }  // namespace
 
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
-                      Grammar grammar) {
+                      Grammar grammar, const SearchPath& search) {
   Scene scene;
   OutputFiles& files = scene.root().files();
   files.inputs.add(name);
-  const Element root = read_document(text, name, scene.diagnostics(), &files.inputs);
+  files.search = search;
+  if (grammar == Grammar::kSofaCompatible) scene.root().read_as_sofa();
+  const Element root = read_document(text, name, scene.diagnostics(), &files.inputs, search,
+                                     grammar == Grammar::kStrict ? Severity::kError : Severity::kWarning);
   Reader(scene, factory, plugins, grammar).read(root);
   return scene;
 }
@@ -325,14 +336,17 @@ void require_readable(const std::filesystem::path& file) {
     throw FileError(format_error({file.string(), 0}, reason));
 }
 
-Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins, Grammar grammar) {
+Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins, Grammar grammar,
+                 const SearchPath& search) {
   std::string text;
   try {
     text = read_scene_file(file);
   } catch (const InputError& error) {
     throw FileError(format_error({file.string(), 0}, error.what()));
   }
-  return read_scene_text(text, file.string(), factory, plugins, grammar);
+  SearchPath whole = search;
+  whole.add_sofa_tree(file);
+  return read_scene_text(text, file.string(), factory, plugins, grammar, whole);
 }
 
 Data& named_attribute(Scene& scene, std::string_view name, std::string_view words) {

@@ -20,7 +20,8 @@ void require_readable(const std::filesystem::path& file);
 enum class Grammar {
   kStrict,         ///< what is not understood is an error
   kSofaCompatible  ///< unknown components, attributes, templates and plugins are passed over with a warning, as SOFA
-                   ///< does; components of collision too, though SOFA does not: one warning for all
+                   ///< does, but for those that would change the motion; components of collision too, though SOFA does
+                   ///< not: one warning for all
 };
 
 /// Reads a scene file in SOFA's XML grammar (document.hpp). Plugins that it requires are loaded at once.
@@ -29,12 +30,15 @@ enum class Grammar {
 /// begins with `_` or `NO` are switched off; nodes with activated="false" are left out. Mistakes are collected in the
 /// scene's diagnostics: call init() to have them thrown together. Throws FileError, PluginError, and SceneError for a
 /// file that is not well-formed.
+///
+/// Files that it names and that do not lie beside it are looked for in the directories of `search`, and in the SOFA
+/// tree that it lies in (SearchPath).
 Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins,
-                 Grammar grammar = Grammar::kStrict);
+                 Grammar grammar = Grammar::kStrict, const SearchPath& search = {});
 
 /// The same from text; `name` stands for the file in messages, and for the place from which includes are looked for.
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
-                      Grammar grammar = Grammar::kStrict);
+                      Grammar grammar = Grammar::kStrict, const SearchPath& search = {});
 
 /// The command line's `--set PATH.attribute=VALUE` means nothing in the scene: its path, attribute or link leads
 /// nowhere, or its value is none of the attribute's. What the scene as a whole refuses is a SceneError of init.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/embed.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -112,6 +114,7 @@ Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, Const
       return is_inside ? 0 : place.distance;
     });
     if (!is_inside) distance[n] = place.distance;
+    if (element < 0) return;  // so far away that distances are no numbers
 
     // the weights of the nearest place, continued to the point itself
     const ElementPoints corners = gather(x, hexahedra[element]);
@@ -122,6 +125,9 @@ Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, Const
     anchors_[n] = {.hexahedron = element, .corners = hexahedra[element], .weight = {}};
     std::copy(w.begin(), w.end(), anchors_[n].weight.begin());
   });
+  const auto lost = std::ranges::find(distance, std::numeric_limits<double>::infinity());
+  if (lost != distance.end())
+    throw InputError(fmt::format("embedded point {} lies too far from the hexahedra", lost - distance.begin()));
   num_outside_ = static_cast<int>(std::ranges::count_if(distance, [](double d) { return d > 0; }));
   if (num_outside_ > 0) greatest_distance_ = std::ranges::max(distance);
 }

@@ -16,12 +16,17 @@ HexMesh regular_grid(std::array<int, 3> cells, const Vec3& min, const Vec3& max)
       throw InputError(fmt::format("a grid from {} to {} in direction {}: the box is empty", min[d], max[d], d));
 
   const Vec3 spacing = (max - min).cwiseQuotient(Vec3(cells[0], cells[1], cells[2]));
+  return HexMesh(grid_points(cells, min, spacing), lattice.hexahedra());
+}
+
+PointArray grid_points(std::array<int, 3> cells, const Vec3& min, const Vec3& spacing) {
+  const NodeLattice lattice{cells};
   PointArray positions(lattice.num_nodes(), 3);
   for (int k = 0; k <= cells[2]; ++k)
     for (int j = 0; j <= cells[1]; ++j)
       for (int i = 0; i <= cells[0]; ++i)
         positions.row(lattice.node(i, j, k)) = (min + Vec3(i, j, k).cwiseProduct(spacing)).transpose();
-  return HexMesh(std::move(positions), lattice.hexahedra());
+  return positions;
 }
 
 namespace {

@@ -233,7 +233,7 @@ TEST(SparseGrid, SaysWhatIsWrong) {
             "test.scn:1: error: SparseGridTopology.n: 4.245e+24 cells, must be at most 16777216");
   EXPECT_NE(errors_of("<Node>" + kOrgan + "max='1 1 0.2'/></Node>").find("lies outside the box from (0, 0, 0)"),
             std::string::npos);
-  EXPECT_NE(errors_of("<Node>" + kOrgan + "nbVirtualFinerLevels='1'/></Node>"), "");
+  EXPECT_NE(errors_of("<Node>" + kOrgan + "nbVirtualFinerLevels='11'/></Node>"), "");
 }
 
 // The elastic case of our own field, with the same bits.

@@ -40,7 +40,6 @@ TEST(Mass, DiagonalMassGivesEachNodeItsEighths) {
       read_and_init(two_cells("<DiagonalMass name='density' massDensity='10'/>"
                               "<DiagonalMass name='total' totalMass='4' massDensity='10'/>"
                               "<DiagonalMass name='none'/>"
-                              "<DiagonalMass name='one' vertexMass='0.3'/>"
                               "<DiagonalMass name='nodal' vertexMass='1 2 3 4 5 6 7 8 9 10 11 12'/>"));
   const Eigen::VectorXd density = masses_of(scene, "density");
   ASSERT_EQ(density.size(), 12);
@@ -48,9 +47,8 @@ TEST(Mass, DiagonalMassGivesEachNodeItsEighths) {
   EXPECT_TRUE(masses_of(scene, "total").isApprox(density * 0.2, 1e-15));
   EXPECT_TRUE(masses_of(scene, "none").isApprox(density * 0.05, 1e-15));
   EXPECT_EQ(masses_of(scene, "nodal")[4], 5);
-  EXPECT_EQ(masses_of(scene, "one"), Eigen::VectorXd::Constant(12, 0.3));
   EXPECT_EQ(errors_of(two_cells("<DiagonalMass vertexMass='1 2'/>")),
-            "test.scn:1: error: DiagonalMass.vertexMass: 2 values given for 12 nodes, must be one or one per node");
+            "test.scn:1: error: DiagonalMass.vertexMass: 2 values given for 12 nodes");
 }
 
 TEST(Mass, MovesWithItsEnergy) {

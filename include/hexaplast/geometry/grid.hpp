@@ -12,6 +12,10 @@ namespace hexaplast {
 /// RegularGridTopology. Throws InputError for a cell count < 1, an empty box, or more nodes than an int can count.
 HexMesh regular_grid(std::array<int, 3> cells, const Vec3& min, const Vec3& max);
 
+/// The nodes of such a grid from `min` on, in the same order; directions without cells (cells[d] = 0) have one node.
+/// The faces and edges below are then those that are left of it: of a flat grid its cells, of a line its pieces.
+PointArray grid_points(std::array<int, 3> cells, const Vec3& min, const Vec3& spacing);
+
 /// The faces of all cells of such a grid, each once, in the order of SOFA's grids: those normal to z, then y, then x,
 /// each from its lower corner, with normals along +z, -y and +x.
 std::vector<Quad> grid_quads(std::array<int, 3> cells);

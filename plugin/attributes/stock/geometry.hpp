@@ -75,23 +75,30 @@ inline constexpr Attribute kTopologyQuads{.name = "quads",
                                           .access = Access::kOutput,
                                           .help = "Faces of the cells, each once: groups of four nodes."};
 
+inline constexpr Attribute kTopologyTriangles{.name = "triangles",
+                                              .type = Type::kIntegers,
+                                              .access = Access::kOutput,
+                                              .help = "Every quad as two triangles: groups of three nodes."};
+
 inline constexpr Attribute kRegularGridTopologyAttributes[] = {
     {.name = "n",
      .type = Type::kIntegers,
      .initial = "2 2 2",
-     .range = {.min = 2, .max = 2147483646},
-     .help = "Nodes (not cells) along x, y, z."},
+     .range = {.min = 1, .max = 2147483646},
+     .help = "Nodes (not cells) along x, y, z. 1 makes the grid flat, without hexahedra: cells are then its quads, or "
+             "edges "
+             "where two are 1. It lies in the middle between min and max, along z at min."},
     {.name = "nx",
      .type = Type::kInteger,
-     .range = {.min = 2, .max = 2147483646},
+     .range = {.min = 1, .max = 2147483646},
      .help = "Nodes along x, instead of n."},
     {.name = "ny",
      .type = Type::kInteger,
-     .range = {.min = 2, .max = 2147483646},
+     .range = {.min = 1, .max = 2147483646},
      .help = "Nodes along y, instead of n."},
     {.name = "nz",
      .type = Type::kInteger,
-     .range = {.min = 2, .max = 2147483646},
+     .range = {.min = 1, .max = 2147483646},
      .help = "Nodes along z, instead of n."},
     {.name = "min", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Lowest corner."},
     {.name = "max", .type = Type::kVector3, .initial = "1 1 1", .unit = "m", .help = "Highest corner."},
@@ -107,6 +114,10 @@ inline constexpr Attribute kRegularGridTopologyAttributes[] = {
      .unit = "m",
      .range = kNotNegative,
      .help = "If not 0, the number of cells is such that none is wider than this, and n is ignored."},
+    {.name = "p0",
+     .type = Type::kVector3,
+     .unit = "m",
+     .help = "The first node, if it is not to lie at min; the size of the grid stays."},
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
@@ -119,10 +130,12 @@ inline constexpr Attribute kRegularGridTopologyAttributes[] = {
      .access = Access::kOutput,
      .help = "Cells, x fastest."},
     kTopologyQuads,
+    kTopologyTriangles,
     kTopologyEdges,
     ignored_attribute("computeHexaList", "Ignored here: what is asked for is computed."),
     ignored_attribute("computeQuadList", "Ignored here: what is asked for is computed."),
-    ignored_attribute("computeTriangleList", "Ignored here: a grid has no triangles."),
+    ignored_attribute("computeTriangleList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("createTexCoords", "Visual: ignored here."),
     ignored_attribute("computeEdgeList", "Ignored here: what is asked for is computed."),
     ignored_attribute("computePointList", "Ignored here: what is asked for is computed."),
     visual_attribute("drawEdges"),
@@ -131,13 +144,13 @@ inline constexpr Attribute kRegularGridTopologyAttributes[] = {
     visual_attribute("drawTetrahedra"),
     visual_attribute("drawHexahedra"),
 };
-inline constexpr Description kRegularGridTopology{
-    .class_name = "RegularGridTopology",
-    .category = "Topology",
-    .help =
-        "A box cut into equal cells. Unlike SOFA's it has no triangles besides its quads, so that a pressure acts "
-        "once on each face.",
-    .attributes = kRegularGridTopologyAttributes};
+inline constexpr Description kRegularGridTopology{.class_name = "RegularGridTopology",
+                                                  .category = "Topology",
+                                                  .help =
+                                                      "A box cut into equal cells. Triangles are for links alone: "
+                                                      "unlike in SOFA, pressures act on its quads only, once "
+                                                      "on each face.",
+                                                  .attributes = kRegularGridTopologyAttributes};
 
 inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
@@ -189,8 +202,10 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "nbVirtualFinerLevels",
      .type = Type::kInteger,
      .initial = "0",
-     .range = {.min = 0, .max = 0},
-     .help = "Only 0 here."},
+     .range = {.min = 0, .max = 10},
+     .help =
+         "The surface is found on a grid with 2 times the cells in each direction, or 4, 8, ... times. A cell of the "
+         "coarse grid becomes a hexahedron if one of its fine cells does, and counts as full as they are on average."},
     ignored_attribute("facets", "Ignored here: the surface comes from the file."),
     ignored_attribute("dataResolution", "Ignored here: no voxel files are read."),
     ignored_attribute("voxelSize", "Ignored here: no voxel files are read."),
@@ -212,11 +227,31 @@ inline constexpr Description kSparseGridTopology{
         "hexahedra fold.",
     .attributes = kSparseGridTopologyAttributes};
 
+inline constexpr Attribute kConnectivityAttribute[] = {
+    {.name = "finestConnectivity",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Whether two fine cells that the surface touches are connected only where one of its edges crosses their "
+             "common face; otherwise wherever they share one."},
+};
+inline constexpr auto kSparseGridRamificationTopologyAttributes =
+    joined(kSparseGridTopologyAttributes, kConnectivityAttribute);
+inline constexpr Description kSparseGridRamificationTopology{
+    .class_name = "SparseGridRamificationTopology",
+    .category = "Topology",
+    .help =
+        "A SparseGridTopology that keeps branches apart which lie in one coarse cell: with nbVirtualFinerLevels, fine "
+        "cells of a coarse cell that are not connected within it have a hexahedron each, in the same place. In SOFA "
+        "one "
+        "fine cell decides how full such a hexahedron is, here all of them do.",
+    .attributes = kSparseGridRamificationTopologyAttributes};
+
 inline constexpr Attribute kMeshTopologyAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
      .aliases = "points",
+     .access = Access::kState,
      .help = "Nodes. Default: those of the mechanical state."},
     {.name = "hexahedra",
      .type = Type::kHexahedra,
@@ -226,15 +261,24 @@ inline constexpr Attribute kMeshTopologyAttributes[] = {
     {.name = "quads",
      .type = Type::kIntegers,
      .range = kIndex,
+     .access = Access::kState,
      .help = "Groups of four nodes; default: all faces of the hexahedra, each once."},
-    {.name = "triangles", .type = Type::kIntegers, .range = kIndex, .help = "Groups of three nodes."},
+    {.name = "triangles",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .access = Access::kState,
+     .help = "Groups of three nodes."},
+    {.name = "tetrahedra",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .aliases = "tetras",
+     .access = Access::kState,
+     .help = "Groups of four nodes, for what is made of them: only hexahedra deform."},
     {.name = "edges",
      .type = Type::kIntegers,
      .range = kIndex,
      .aliases = "lines",
      .help = "Pairs of nodes; default: all edges of the hexahedra, each once."},
-    ignored_attribute("tetrahedra", "Ignored here: only hexahedra deform."),
-    ignored_attribute("tetras", "Ignored here: only hexahedra deform."),
     ignored_attribute("prisms", "Ignored here: only hexahedra deform."),
     ignored_attribute("pyramids", "Ignored here: only hexahedra deform."),
     ignored_attribute("nbPoints", "Ignored here: there are as many nodes as positions."),
@@ -259,6 +303,20 @@ inline constexpr Description kHexahedronSetTopologyContainer{
     .category = "Topology",
     .help = "Nodes and cells as they are given, from a mesh loader or in the scene: the same as MeshTopology.",
     .attributes = kMeshTopologyAttributes};
+
+constexpr Description container(std::string_view class_name) {
+  return {.class_name = class_name,
+          .category = "Topology",
+          .help =
+              "Nodes and cells as they are given, or as a topological mapping of the node makes them: the same as "
+              "MeshTopology.",
+          .attributes = kMeshTopologyAttributes};
+}
+inline constexpr Description kTetrahedronSetTopologyContainer = container("TetrahedronSetTopologyContainer");
+inline constexpr Description kQuadSetTopologyContainer = container("QuadSetTopologyContainer");
+inline constexpr Description kTriangleSetTopologyContainer = container("TriangleSetTopologyContainer");
+inline constexpr Description kEdgeSetTopologyContainer = container("EdgeSetTopologyContainer");
+inline constexpr Description kPointSetTopologyContainer = container("PointSetTopologyContainer");
 
 /// What every mesh loader takes; they differ in `createSubelements` alone.
 constexpr std::array<Attribute, 19> loader_attributes(std::string_view creates_subelements) {
@@ -315,7 +373,8 @@ inline constexpr Description kMeshGmshLoader{
     .class_name = "MeshGmshLoader",
     .category = "MeshLoader",
     .help =
-        "Reads .msh files of Gmsh: versions 2 and 4.1, text or binary. Cells that are neither edges, triangles, quads "
+        "Reads .msh files of Gmsh: versions 1 (text), 2 and 4.1 (text or binary). Cells that are neither edges, "
+        "triangles, quads "
         "nor hexahedra of first order are skipped, with a warning. Links reach physical groups of volumes by their "
         "names, or by their numbers if they have none, `@loader.tumour`: the numbers of their hexahedra.",
     .attributes = kGmshLoaderAttributes};

@@ -25,25 +25,17 @@ constexpr Description collision_component(std::string_view class_name) {
       class_name, kCollision,
       "contact: there is none here; an error, or with --sofa-compat one warning that bodies pass through each other");
 }
+constexpr Description constraint_component(std::string_view class_name) {
+  return ignored_component(class_name, kCollision,
+                           "serves constraints by Lagrange multipliers, of contact above all: there are none here; an "
+                           "error, or with --sofa-compat without effect");
+}
+constexpr Description device_component(std::string_view class_name) {
+  return ignored_component(class_name, "Interaction", "mouse, devices and their forces: not used here");
+}
 constexpr Description bookkeeping_component(std::string_view class_name) {
   return ignored_component(class_name, "Bookkeeping", "bookkeeping of SOFA: not needed here");
 }
-
-/// What makes bodies move, by the end of a class's name: where the class is unknown, a scene without it would be
-/// another one, however it is read.
-struct Physics {
-  std::string_view ending = {};
-  std::string_view what = {};  ///< in the plural
-};
-inline constexpr Physics kPhysics[] = {
-    {"LagrangianConstraint", "Lagrangian constraints"},
-    {"InteractionConstraint", "Lagrangian constraints"},
-    {"ProjectiveConstraint", "constraints"},
-    {"ForceFieldAndMass", "force fields with a mass"},
-    {"ForceField", "force fields"},
-    {"Springs", "springs"},
-    {"Mass", "masses"},
-};
 
 /// Drawing and the user interface: a note. Collision: an error unless the scene is read as SOFA does, for it means
 /// something that will not happen. Bookkeeping: nothing is lost, nothing is said.
@@ -76,6 +68,24 @@ inline constexpr Description kIgnoredComponents[] = {
     visual_component("OglSceneFrame"),
     visual_component("OglViewport"),
     visual_component("DataDisplay"),
+    visual_component("ColorMap"),
+    visual_component("OglVolumetricModel"),
+    visual_component("OglShader"),
+    visual_component("OglFloatVariable"),
+    visual_component("OglFloat4Attribute"),
+    visual_component("OglShadowShader"),
+    visual_component("OglTexture"),
+    visual_component("OglTexture2D"),
+    visual_component("OglOITShader"),
+    visual_component("OrderIndependentTransparencyManager"),
+    visual_component("PostProcessManager"),
+    visual_component("ClipPlane"),
+    visual_component("CylinderVisualModel"),
+    visual_component("PointSplatModel"),
+    visual_component("SlicedVolumetricModel"),
+    visual_component("VisualManagerPass"),
+    visual_component("CompositingVisualLoop"),
+    visual_component("ImageViewer"),
     visual_component("MergeVisualModels"),
 
     collision_component("CollisionPipeline"),
@@ -100,21 +110,57 @@ inline constexpr Description kIgnoredComponents[] = {
     collision_component("ContactListener"),
     collision_component("ParallelBruteForceBroadPhase"),
     collision_component("ParallelBVHNarrowPhase"),
-    collision_component("LCPConstraintSolver"),
-    collision_component("GenericConstraintSolver"),
-    collision_component("BlockGaussSeidelConstraintSolver"),
-    collision_component("UnbuiltGaussSeidelConstraintSolver"),
-    collision_component("NNCGConstraintSolver"),
-    collision_component("ImprovedJacobiConstraintSolver"),
-    collision_component("UncoupledConstraintCorrection"),
-    collision_component("LinearSolverConstraintCorrection"),
-    collision_component("GenericConstraintCorrection"),
-    collision_component("PrecomputedConstraintCorrection"),
+    collision_component("FFDDistanceGridCollisionModel"),
+    collision_component("RigidDistanceGridCollisionModel"),
+    collision_component("CCDTightInclusionIntersection"),
+    collision_component("TriangleOctreeCollisionModel"),
+
+    constraint_component("LCPConstraintSolver"),
+    constraint_component("BlockGaussSeidelConstraintSolver"),
+    constraint_component("UnbuiltGaussSeidelConstraintSolver"),
+    constraint_component("NNCGConstraintSolver"),
+    constraint_component("ImprovedJacobiConstraintSolver"),
+    constraint_component("GenericConstraintSolver"),
+    constraint_component("LinearSolverConstraintCorrection"),
+    constraint_component("UncoupledConstraintCorrection"),
+    constraint_component("GenericConstraintCorrection"),
+    constraint_component("PrecomputedConstraintCorrection"),
+
+    device_component("AddFrameButton"),
+    device_component("AddRecordedCameraButton"),
+    device_component("AttachBodyButton"),
+    device_component("ConstraintAttachButtonSetting"),
+    device_component("FixPickedParticleButton"),
+    device_component("StartNavigationButton"),
+    device_component("HaptionDriver"),
+    device_component("OmniDriver"),
+    device_component("GeomagicDriver"),
+    device_component("NewOmniDriver"),
+    device_component("LCPForceFeedback"),
+    device_component("MechanicalStateForceFeedback"),
+    device_component("NullForceFeedback"),
+    device_component("MechanicalStateController"),
 
     bookkeeping_component("HexahedronSetTopologyModifier"),
     bookkeeping_component("HexahedronSetGeometryAlgorithms"),
     bookkeeping_component("QuadSetTopologyModifier"),
     bookkeeping_component("QuadSetGeometryAlgorithms"),
+    bookkeeping_component("TetrahedronSetTopologyModifier"),
+    bookkeeping_component("TetrahedronSetGeometryAlgorithms"),
+    bookkeeping_component("TriangleSetTopologyModifier"),
+    bookkeeping_component("TriangleSetGeometryAlgorithms"),
+    bookkeeping_component("EdgeSetTopologyModifier"),
+    bookkeeping_component("EdgeSetGeometryAlgorithms"),
+    bookkeeping_component("PointSetTopologyModifier"),
+    bookkeeping_component("PointSetGeometryAlgorithms"),
+    bookkeeping_component("TaskSchedulerSettings"),
+    bookkeeping_component("MatrixLinearSystem"),
+    bookkeeping_component("ConstantSparsityPatternSystem"),
+    bookkeeping_component("CompositeLinearSystem"),
+    bookkeeping_component("MatrixProjectionMethod"),
+    bookkeeping_component("ConstantSparsityProjectionMethod"),
+    bookkeeping_component("GlobalSystemMatrixExporter"),
+    bookkeeping_component("GlobalSystemMatrixImage"),
     bookkeeping_component("AMDOrderingMethod"),
     bookkeeping_component("COLAMDOrderingMethod"),
     bookkeeping_component("NaturalOrderingMethod"),

@@ -49,11 +49,17 @@ including file.
 only in elements named X. A root named `Group` is replaced by its members; one named `_Merge_` is merged into the
 including node, class by class and name by name. At most 16 levels.
 
+**Files.** The name of a mesh or of an included file counts from the file that names it. If nothing is there, it is looked
+for in the directories of `--mesh-path`, then in those of the variable `SOFA_DATA_PATH` (not in Python; separated by colons),
+then, for a scene that lies in a source tree or an installation of SOFA, in its folders `share` and `examples`. Names with
+`..` and absolute names are not searched for.
+
 **Strictness.** Unknown components and attributes, values out of range and links without a target are errors, with file,
 line and the name that was probably meant. `--sofa-compat` skips unknown components, attributes, templates and plugins with
-a warning, as SOFA does, but not force fields, springs, masses and constraints: without them bodies would move otherwise.
-There is no contact between bodies: SOFA's collision components are errors too, and with `--sofa-compat` they give one
-warning that bodies pass through each other.
+a warning, as SOFA does. It does not skip components of SOFA that would change the motion and do not exist here (force
+fields, masses, constraints, solvers, mappings of mechanical states): they are errors. There is no contact between bodies:
+SOFA's collision components are errors too, and with `--sofa-compat` they give one warning that bodies pass through each
+other.
 
 **Attributes of every component.**
 
@@ -172,7 +178,7 @@ std::vector<ComponentGroup> grouped(const std::vector<const Description*>& compo
   std::vector<ComponentGroup> groups;
   for (const std::string_view category :
        {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "Loader", "Topology",
-        "MechanicalState", "Mass", "ForceField", "MaterialRegion", "ProjectiveConstraint", "Engine", "Mapping", "Probe",
+        "TopologicalMapping", "MechanicalState", "Mass", "ForceField", "MaterialRegion", "ProjectiveConstraint", "Engine", "Mapping", "Probe",
         "Exporter"})
     groups.push_back({category, {}});
   for (const Description* component : components) {

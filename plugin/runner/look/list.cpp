@@ -60,9 +60,18 @@ Json json_of(const Attribute& attribute) {
   return json;
 }
 
+/// What a component does for a scene.
+std::string_view role_of(const Description& component) {
+  if (!component.takes_anything) return "ours";
+  if (component.category == attributes::kCollision) return "contact";
+  if (component.category == "Interaction") return "devices";
+  return component.category == "Visual" ? "seen" : "organises";
+}
+
 Json json_of(const Description& component) {
   Json json = {{"name", component.class_name}, {"category", component.category}, {"help", component.help}};
   json["has_effect"] = !component.takes_anything;
+  json["role"] = role_of(component);
   json["templates"] = words(component.templates);
   json["attributes"] = Json::array();
   for (const Attribute& attribute : component.attributes) json["attributes"].push_back(json_of(attribute));

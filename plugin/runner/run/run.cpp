@@ -100,6 +100,10 @@ RunRecord record_of(const RunOptions& options, long num_steps) {
   RunRecord record{options, simd_target(), hash_scene_files(options.scene)};
   record.options.steps = num_steps;
   record.options.scene.file = std::filesystem::absolute(options.scene.file).lexically_normal();
+  record.options.scene.mesh_path.clear();
+  const scene::SearchPath search = search_path_of(options.scene);
+  for (const std::filesystem::path& directory : search.directories())
+    record.options.scene.mesh_path.push_back(std::filesystem::absolute(directory).lexically_normal());
   return record;
 }
 
@@ -350,6 +354,10 @@ void serialize(Archive& archive, RunRecord& record) {
   std::string scene = options.scene.file.string();
   archive(scene);
   options.scene.file = scene;
+  std::vector<std::string> mesh_path;
+  for (const std::filesystem::path& directory : options.scene.mesh_path) mesh_path.push_back(directory.string());
+  archive(mesh_path);
+  options.scene.mesh_path.assign(mesh_path.begin(), mesh_path.end());
   archive(options.scene.overrides, options.scene.plugins, options.scene.sofa_compat, options.field);
   pass(options.steps);
   pass(options.frames);

@@ -155,6 +155,7 @@ std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTa
   for (const std::string& assignment : table.assignments(run)) add("--set", assignment);
   for (const std::string& plugin : options.scene.plugins) add("--plugin", plugin);
   for (const fs::path& directory : options.scene.plugin_path) add("--plugin-path", directory.string());
+  for (const fs::path& directory : options.scene.mesh_path) add("--mesh-path", directory.string());
   if (options.strict) words.emplace_back("--strict");
   if (options.scene.sofa_compat) words.emplace_back("--sofa-compat");
   add("--", options.scene.file.string());

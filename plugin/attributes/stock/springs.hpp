@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+
+#include "attributes/attribute.hpp"
+#include "attributes/stock/ignored.hpp"
+
+/// Springs between nodes of one mechanical state. See stock.hpp.
+namespace hexaplast::attributes {
+
+inline constexpr Attribute kSpringRayleigh{.name = "rayleighStiffness",
+                                           .type = Type::kReal,
+                                           .initial = "0",
+                                           .unit = "s",
+                                           .range = kNotNegative,
+                                           .help = "Damping by their stiffness, in the system matrix alone."};
+inline constexpr Attribute kSpringTopology{
+    .name = "topology", .type = Type::kLink, .help = "Default: that of the node, or of the nearest one above."};
+
+constexpr Attribute spring_stiffness(std::string_view name, std::string_view initial, std::string_view help) {
+  return {.name = name, .type = Type::kReal, .initial = initial, .unit = "N", .range = kNotNegative, .help = help};
+}
+constexpr Attribute spring_damping(std::string_view name, std::string_view initial, std::string_view help) {
+  return {.name = name, .type = Type::kReal, .initial = initial, .unit = "N s", .range = kNotNegative, .help = help};
+}
+
+inline constexpr Attribute kSpringForceFieldAttributes[] = {
+    {.name = "object1", .type = Type::kLink, .help = "The mechanical state; default: that of the node."},
+    {.name = "object2", .type = Type::kLink, .help = "The same one: springs between two states are not there."},
+    {.name = "spring",
+     .type = Type::kReals,
+     .help =
+         "Five numbers for each: its two nodes, stiffness [N/m], damping [N s/m] and rest length [m]. Instead of the "
+         "lists below."},
+    {.name = "indices1", .type = Type::kIntegers, .range = kIndex, .help = "First nodes."},
+    {.name = "indices2", .type = Type::kIntegers, .range = kIndex, .help = "Second nodes, as many."},
+    {.name = "stiffness",
+     .type = Type::kReals,
+     .initial = "100",
+     .unit = "N/m",
+     .range = kNotNegative,
+     .help = "One value, or one per spring."},
+    {.name = "damping",
+     .type = Type::kReals,
+     .initial = "5",
+     .unit = "N s/m",
+     .range = kNotNegative,
+     .help = "One value, or one per spring."},
+    {.name = "lengths",
+     .type = Type::kReals,
+     .initial = "0",
+     .unit = "m",
+     .range = kNotNegative,
+     .aliases = "length",
+     .help = "At rest: one value, or one per spring."},
+    {.name = "elongationOnly",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "No force of springs that are shorter than at rest."},
+    kSpringRayleigh,
+    visual_attribute("showArrowSize"),
+    visual_attribute("drawMode"),
+};
+inline constexpr Description kSpringForceField{
+    .class_name = "SpringForceField",
+    .category = "ForceField",
+    .help = "Springs between nodes. Damping acts along a spring and has no part in the matrix, as in SOFA.",
+    .templates = kVec3Templates,
+    .attributes = kSpringForceFieldAttributes};
+
+inline constexpr Attribute kMeshSpringAttributes[] = {
+    spring_stiffness("stiffness", "0",
+                     "Of all springs, times their length at rest: a spring of twice the length is half as stiff."),
+    spring_damping("damping", "0", "Of all springs, times their length at rest."),
+    spring_stiffness("linesStiffness", "", "Of those along edges; default: stiffness."),
+    spring_damping("linesDamping", "", "Of those along edges; default: damping."),
+    spring_stiffness("quadsStiffness", "", "Of those along the diagonals of quads; default: stiffness."),
+    spring_damping("quadsDamping", "", "Of those along the diagonals of quads; default: damping."),
+    spring_stiffness("cubesStiffness", "", "Of those along the diagonals of hexahedra; default: stiffness."),
+    spring_damping("cubesDamping", "", "Of those along the diagonals of hexahedra; default: damping."),
+    {.name = "noCompression",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "No force of springs that are shorter than at rest."},
+    kSpringTopology,
+    kSpringRayleigh,
+    visual_attribute("showArrowSize"),
+    visual_attribute("drawMode"),
+    visual_attribute("drawMinElongationRange"),
+    visual_attribute("drawMaxElongationRange"),
+    visual_attribute("drawSpringSize"),
+};
+inline constexpr Description kMeshSpringForceField{
+    .class_name = "MeshSpringForceField",
+    .category = "ForceField",
+    .help =
+        "Springs along the edges of a topology and the diagonals of its quads and hexahedra, at rest in the rest "
+        "positions. Two nodes have one spring: an edge before a diagonal.",
+    .templates = kVec3Templates,
+    .attributes = kMeshSpringAttributes};
+inline constexpr Description kRegularGridSpringForceField{
+    .class_name = "RegularGridSpringForceField",
+    .category = "ForceField",
+    .help =
+        "The same as MeshSpringForceField, on a grid. The lengths at rest are those of the rest positions (in SOFA, of "
+        "the grid's cells).",
+    .templates = kVec3Templates,
+    .attributes = kMeshSpringAttributes};
+
+inline constexpr Attribute kBendingSpringsAttributes[] = {
+    {.name = "stiffness",
+     .type = Type::kReal,
+     .initial = "100000",
+     .unit = "N/m",
+     .range = kNotNegative,
+     .help = "Of each spring."},
+    {.name = "damping",
+     .type = Type::kReal,
+     .initial = "1",
+     .unit = "N s/m",
+     .range = kNotNegative,
+     .help = "Of each spring."},
+    kSpringTopology,
+    kSpringRayleigh,
+    visual_attribute("showSprings"),
+};
+inline constexpr Description kTriangularBendingSprings{
+    .class_name = "TriangularBendingSprings",
+    .category = "ForceField",
+    .help =
+        "For each two triangles with a common edge a spring between the corners away from it, at rest in the rest "
+        "positions: it resists bending about the edge.",
+    .templates = kVec3Templates,
+    .attributes = kBendingSpringsAttributes};
+inline constexpr Description kQuadularBendingSprings{
+    .class_name = "QuadularBendingSprings",
+    .category = "ForceField",
+    .help =
+        "For each two quads with a common edge two springs across it, between the corners beside its ends, at rest in "
+        "the rest positions: they resist bending about the edge.",
+    .templates = kVec3Templates,
+    .attributes = kBendingSpringsAttributes};
+
+inline constexpr Attribute kRestShapeSpringsAttributes[] = {
+    {.name = "points", .type = Type::kIntegers, .range = kIndex, .aliases = "indices", .help = "Nodes; default: all."},
+    {.name = "stiffness",
+     .type = Type::kReals,
+     .initial = "100",
+     .unit = "N/m",
+     .range = kNotNegative,
+     .help = "One value, or one per node."},
+    {.name = "rayleighStiffness",
+     .type = Type::kReal,
+     .initial = "0",
+     .unit = "s",
+     .range = kNotNegative,
+     .help = "Damping by their stiffness, in the system matrix alone."},
+    ignored_attribute("angularStiffness", "Ignored here: nodes do not turn."),
+    ignored_attribute("recompute_indices", "Ignored here."),
+    visual_attribute("drawSpring"),
+    visual_attribute("springColor"),
+};
+inline constexpr Description kRestShapeSpringsForceField{
+    .class_name = "RestShapeSpringsForceField",
+    .category = "ForceField",
+    .help = "Springs that pull nodes back to their rest positions.",
+    .templates = kVec3Templates,
+    .attributes = kRestShapeSpringsAttributes};
+
+}  // namespace hexaplast::attributes

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/springs.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "attributes/stock.hpp"
+#include "components/cells.hpp"
+#include "components/components.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+/// Springs between nodes of its mechanical state.
+class SpringField : public scene::ForceField {
+ public:
+  using ForceField::ForceField;
+
+  void init() override {
+    scene::MechanicalState& state = needed_ready<scene::MechanicalState>();
+    springs_ = Springs(make(state), state.num_nodes());
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+  void refresh() override { init(); }
+
+  void add_force(double, ConstPoints x, ConstPoints v, Points f) override { springs_.add_force(x, v, f); }
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
+    springs_.add_stiffness_product(factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override { springs_.add_stiffness_blocks(factor, A); }
+  bool is_in_matrix() const override { return !springs_.springs().empty(); }
+  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+
+ protected:
+  virtual std::vector<Spring> make(scene::MechanicalState& state) = 0;
+
+  static double distance(const PointArray& points, int a, int b) { return (points.row(b) - points.row(a)).norm(); }
+
+ private:
+  Springs springs_;
+  double rayleigh_stiffness_ = 0;
+};
+
+class SpringForceField final : public SpringField {
+ public:
+  SpringForceField() : SpringField(attributes::kSpringForceField) {}
+
+ private:
+  std::vector<Spring> make(scene::MechanicalState& state) override {
+    for (const char* name : {"object1", "object2"})
+      if (is_given(name) && &linked<scene::MechanicalState>(name) != &state)
+        reject(name, fmt::format("leads to '{}', must lead to '{}': there are no springs between two mechanical states",
+                                 linked<scene::MechanicalState>(name).name(), state.name()));
+    std::vector<Spring> springs = from_lists(state.num_nodes());
+    if (is_given("spring")) springs = whole();
+    for (Spring& spring : springs) spring.only_pulls = boolean("elongationOnly");
+    return springs;
+  }
+
+  std::vector<Spring> whole() {
+    const std::vector<double>& numbers = reals("spring");
+    if (numbers.size() % 5 != 0) reject("spring", fmt::format("{} numbers given, must be groups of 5", numbers.size()));
+    std::vector<Spring> springs;
+    for (auto n = numbers.begin(); n != numbers.end(); n += 5) {
+      for (int end = 0; end < 2; ++end)
+        if (n[end] != std::floor(n[end]) || n[end] < 0 || n[end] > attributes::kIndex.max)
+          reject("spring", fmt::format("{} is not a node", n[end]));
+      for (int i = 2; i < 5; ++i)
+        if (n[i] < 0) reject("spring", fmt::format("{} must be at least 0", n[i]));
+      springs.push_back({static_cast<int>(n[0]), static_cast<int>(n[1]), n[2], n[3], n[4]});
+    }
+    return springs;
+  }
+
+  std::vector<Spring> from_lists(int num_nodes) {
+    const std::vector<int> first = indices("indices1", num_nodes), second = indices("indices2", num_nodes);
+    if (first.size() != second.size())
+      reject("indices2",
+             fmt::format("{} nodes given for {} of indices1, must be as many", second.size(), first.size()));
+    std::vector<Spring> springs(first.size());
+    const auto stiffness = values("stiffness", first.size()), damping = values("damping", first.size()),
+               lengths = values("lengths", first.size());
+    for (std::size_t i = 0; i < first.size(); ++i)
+      springs[i] = {first[i], second[i], stiffness[i], damping[i], lengths[i]};
+    return springs;
+  }
+
+  std::vector<double> values(const char* name, std::size_t count) {
+    std::vector<double> given = reals(name);
+    if (given.size() == 1) given.resize(count, given[0]);
+    if (given.size() != count)
+      reject(name, fmt::format("{} values given for {} springs, must be one or as many", given.size(), count));
+    return given;
+  }
+};
+
+class MeshSprings final : public SpringField {
+ public:
+  using SpringField::SpringField;
+
+ private:
+  std::vector<Spring> make(scene::MechanicalState& state) override {
+    auto& topology = linked<scene::Topology>("topology");
+    require_same_nodes(*this, topology, state.num_nodes());
+    springs_.clear();
+    known_.clear();
+    for (const Edge& edge : topology.edges()) add(state, "lines", edge[0], edge[1]);
+    for (const Quad& quad : topology.quads()) add_all(state, "quads", quad);
+    for (const Hexahedron& hexahedron : topology.hexahedra()) add_all(state, "cubes", hexahedron);
+    return std::move(springs_);
+  }
+
+  template <std::size_t N>
+  void add_all(scene::MechanicalState& state, const char* kind, const std::array<int, N>& nodes) {
+    for (std::size_t i = 0; i < N; ++i)
+      for (std::size_t j = i + 1; j < N; ++j) add(state, kind, nodes[i], nodes[j]);
+  }
+
+  void add(scene::MechanicalState& state, const std::string& kind, int a, int b) {
+    const double stiffness = real_if_given(kind + "Stiffness").value_or(real("stiffness")),
+                 damping = real_if_given(kind + "Damping").value_or(real("damping"));
+    if ((stiffness == 0 && damping == 0) || !known_.insert(sorted(Edge{a, b})).second) return;
+    const int num_nodes = state.num_nodes();
+    if (std::max(a, b) >= num_nodes)
+      reject(fmt::format("its topology has node {}, the mechanical state has {} nodes", std::max(a, b), num_nodes));
+    const double length = distance(state.rest_positions(), a, b), per_length = length > 0 ? length : 1;
+    springs_.push_back({a, b, stiffness / per_length, damping / per_length, length, boolean("noCompression")});
+  }
+
+  std::vector<Spring> springs_;
+  std::set<Edge> known_;
+};
+
+class BendingSprings final : public SpringField {
+ public:
+  using Pairs = std::vector<Edge> (*)(scene::Topology&);
+
+  BendingSprings(const attributes::Description& description, Pairs pairs) : SpringField(description), pairs_(pairs) {}
+
+ private:
+  std::vector<Spring> make(scene::MechanicalState& state) override {
+    auto& topology = linked<scene::Topology>("topology");
+    require_same_nodes(*this, topology, state.num_nodes());
+    std::vector<Spring> springs;
+    for (const auto& [a, b] : pairs_(topology)) {
+      if (std::max(a, b) >= state.num_nodes())
+        reject(fmt::format("its topology has node {}, the mechanical state has {} nodes", std::max(a, b),
+                           state.num_nodes()));
+      springs.push_back({a, b, real("stiffness"), real("damping"), distance(state.rest_positions(), a, b)});
+    }
+    if (springs.empty())
+      remark(scene::Severity::kWarning, {}, "has no springs: no two faces of its topology share an edge");
+    return springs;
+  }
+
+  Pairs pairs_;
+};
+
+class RestShapeSpringsForceField final : public scene::ForceField {
+ public:
+  RestShapeSpringsForceField() : ForceField(attributes::kRestShapeSpringsForceField) {}
+
+  void init() override {
+    state_ = &needed_ready<scene::MechanicalState>();
+    nodes_ = indices("points", state_->num_nodes());
+    if (nodes_.empty()) {
+      nodes_.resize(static_cast<std::size_t>(state_->num_nodes()));
+      std::iota(nodes_.begin(), nodes_.end(), 0);
+    }
+    stiffness_ = reals("stiffness");
+    if (stiffness_.size() == 1) stiffness_.resize(nodes_.size(), stiffness_[0]);
+    if (stiffness_.size() != nodes_.size())
+      reject("stiffness",
+             fmt::format("{} values given for {} nodes, must be one or as many", stiffness_.size(), nodes_.size()));
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+  void refresh() override { init(); }
+
+  void add_force(double, ConstPoints x, ConstPoints, Points f) override {
+    add_anchor_forces(nodes_, stiffness_, state_->rest_positions(), x, f);
+  }
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) df.row(nodes_[i]) -= factor * stiffness_[i] * dx.row(nodes_[i]);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      A.add(nodes_[i], nodes_[i], -factor * stiffness_[i] * Mat3::Identity());
+  }
+  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+
+ private:
+  scene::MechanicalState* state_ = nullptr;
+  std::vector<int> nodes_;
+  std::vector<double> stiffness_;  // [N/m] of each
+  double rayleigh_stiffness_ = 0;
+};
+
+}  // namespace
+
+void add_springs(scene::Factory& factory) {
+  using namespace attributes;
+  factory.add<SpringForceField>(kSpringForceField);
+  for (const Description* description : {&kMeshSpringForceField, &kRegularGridSpringForceField})
+    factory.add(*description, [description] { return std::make_unique<MeshSprings>(*description); });
+  factory.add(kTriangularBendingSprings, [] {
+    return std::make_unique<BendingSprings>(
+        kTriangularBendingSprings,
+        +[](scene::Topology& topology) { return pairs_across_edges(std::span<const Triangle>(topology.triangles())); });
+  });
+  factory.add(kQuadularBendingSprings, [] {
+    return std::make_unique<BendingSprings>(
+        kQuadularBendingSprings,
+        +[](scene::Topology& topology) { return pairs_across_edges(std::span<const Quad>(topology.quads())); });
+  });
+  factory.add<RestShapeSpringsForceField>(kRestShapeSpringsForceField);
+}
+
+}  // namespace hexaplast::components

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/springs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "hexaplast/base/require.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kShortest = 1e-9;  // [m] below it a spring has no direction; SOFA's limit
+
+bool pulls_or_pushes(const Spring& spring, double length) {
+  return length > kShortest && (!spring.only_pulls || length > spring.rest_length);
+}
+
+/// Both faces that have an edge, with the corners beside its ends.
+struct SharedEdge {
+  int num_faces = 0;
+  std::array<Edge, 2> beside{};  // corner of each face beside the lesser end of the edge, and beside the greater one
+};
+
+/// Visits edges in the order in which they are met.
+template <std::size_t N>
+std::vector<SharedEdge> edges_of_faces(std::span<const std::array<int, N>> faces) {
+  std::map<Edge, std::size_t> place;
+  std::vector<SharedEdge> edges;
+  for (const std::array<int, N>& face : faces)
+    for (std::size_t i = 0; i < N; ++i) {
+      const int p = face[i], q = face[(i + 1) % N];
+      const int beside_p = face[(i + N - 1) % N], beside_q = face[(i + 2) % N];
+      const auto [entry, is_new] = place.try_emplace(sorted(Edge{p, q}), edges.size());
+      if (is_new) edges.emplace_back();
+      SharedEdge& edge = edges[entry->second];
+      if (edge.num_faces < 2) edge.beside[edge.num_faces] = p < q ? Edge{beside_p, beside_q} : Edge{beside_q, beside_p};
+      ++edge.num_faces;
+    }
+  return edges;
+}
+
+}  // namespace
+
+Springs::Springs(std::vector<Spring> springs, int num_nodes) : springs_(std::move(springs)) {
+  for (const Spring& spring : springs_) require_nodes("Springs", std::array{spring.a, spring.b}, num_nodes);
+  stiffness_.assign(springs_.size(), Mat3::Zero());
+}
+
+double Springs::energy(ConstPoints x) const {
+  double sum = 0;
+  for (const Spring& spring : springs_) {
+    const double length = (x.row(spring.b) - x.row(spring.a)).norm(), stretch = length - spring.rest_length;
+    if (pulls_or_pushes(spring, length)) sum += spring.stiffness * stretch * stretch / 2;
+  }
+  return sum;
+}
+
+void Springs::add_force(ConstPoints x, ConstPoints v, Points f) {
+  require_rows("Springs::add_force", "v", v, x.rows());
+  require_rows("Springs::add_force", "f", f, x.rows());
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const Spring& spring = springs_[i];
+    stiffness_[i].setZero();
+    Vec3 u = (x.row(spring.b) - x.row(spring.a)).transpose();
+    const double length = u.norm();
+    if (!pulls_or_pushes(spring, length)) continue;
+    u /= length;
+    const Vec3 relative = (v.row(spring.b) - v.row(spring.a)).transpose();
+    const double tension = spring.stiffness * (length - spring.rest_length) + spring.damping * u.dot(relative);
+    f.row(spring.a) += tension * u.transpose();
+    f.row(spring.b) -= tension * u.transpose();
+    const double across = tension / length;
+    stiffness_[i] = (spring.stiffness - across) * u * u.transpose() + across * Mat3::Identity();
+  }
+}
+
+void Springs::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+  require_rows("Springs::add_stiffness_product", "df", df, dx.rows());
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const auto [a, b] = std::pair(springs_[i].a, springs_[i].b);
+    const Eigen::RowVector3d force = factor * (dx.row(b) - dx.row(a)) * stiffness_[i];
+    df.row(a) += force;
+    df.row(b) -= force;
+  }
+}
+
+void Springs::add_stiffness_blocks(double factor, BlockMatrix& A) const {
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const auto [a, b] = std::pair(springs_[i].a, springs_[i].b);
+    const Mat3 block = factor * stiffness_[i];
+    A.add(a, a, -block);
+    A.add(b, b, -block);
+    A.add(a, b, block);
+    A.add(b, a, block);
+  }
+}
+
+std::vector<Edge> pairs_across_edges(std::span<const Triangle> triangles) {
+  std::vector<Edge> pairs;
+  for (const SharedEdge& edge : edges_of_faces<3>(triangles))
+    if (edge.num_faces == 2) pairs.push_back({edge.beside[0][0], edge.beside[1][0]});
+  return pairs;
+}
+
+std::vector<Edge> pairs_across_edges(std::span<const Quad> quads) {
+  std::vector<Edge> pairs;
+  for (const SharedEdge& edge : edges_of_faces<4>(quads))
+    if (edge.num_faces == 2)
+      for (int end = 0; end < 2; ++end) pairs.push_back({edge.beside[0][end], edge.beside[1][end]});
+  return pairs;
+}
+
+void add_anchor_forces(std::span<const int> nodes, std::span<const double> stiffness, ConstPoints rest, ConstPoints x,
+                       Points f) {
+  require_nodes("add_anchor_forces", nodes, x.rows());
+  require_rows("add_anchor_forces", "rest", rest, x.rows());
+  require_rows("add_anchor_forces", "f", f, x.rows());
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    f.row(nodes[i]) -= stiffness[i] * (x.row(nodes[i]) - rest.row(nodes[i]));
+}
+
+}  // namespace hexaplast

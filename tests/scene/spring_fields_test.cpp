@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::force_of;
+using support::four_nodes;
+using support::read_and_init;
+
+// Nodes 0 (1, 0, 0) and 1 (0, 2, 0): sqrt(5) m apart, 2 m at rest, 10 N/m.
+TEST(SpringForceField, TakesWholeSpringsOrLists) {
+  const double tension = 10 * (std::sqrt(5) - 2);
+  const Eigen::RowVector3d force = tension / std::sqrt(5) * Eigen::RowVector3d(-1, 2, 0);
+  for (const char* springs :
+       {"spring='0 1 10 0 2'", "indices1='0' indices2='1' stiffness='10' damping='0' length='2'"}) {
+    scene::Scene scene = read_and_init(four_nodes(std::string("<SpringForceField name='s' ") + springs + "/>"));
+    const PointArray f = force_of(scene, "s", 0);
+    EXPECT_LT((f.row(0) - force).norm(), 1e-14) << springs;
+    EXPECT_LT((f.row(1) + force).norm(), 1e-14) << springs;
+    EXPECT_EQ(f.row(2).norm() + f.row(3).norm(), 0);
+  }
+}
+
+TEST(SpringForceField, MistakesAreNamed) {
+  EXPECT_NE(errors_of(four_nodes("<SpringForceField spring='0 1 10 0'/>")).find("4 numbers given, must be groups of 5"),
+            std::string::npos);
+  EXPECT_NE(errors_of(four_nodes("<SpringForceField spring='0 1.5 10 0 1'/>")).find("1.5 is not a node"),
+            std::string::npos);
+  EXPECT_NE(errors_of(four_nodes("<SpringForceField spring='0 4 10 0 1'/>")).find("SpringForceField"),
+            std::string::npos);
+  EXPECT_NE(errors_of(four_nodes("<SpringForceField indices1='0 1' indices2='1'/>"))
+                .find("indices2: 1 nodes given for 2 of indices1, must be as many"),
+            std::string::npos);
+  EXPECT_NE(
+      errors_of(four_nodes("<SpringForceField object1='@nodes' object2='@other/nodes2' spring='0 1 1 0 1'/><Node "
+                           "name='other'><MechanicalObject name='nodes2' position='0 0 0'/><IdentityMapping/></Node>"))
+          .find("there are no springs between two mechanical states"),
+      std::string::npos);
+}
+
+// A cube of 2 m: edges of stiffness 6 N / 2 m, diagonals of its faces and of itself softer by their lengths.
+TEST(MeshSpringForceField, EachPairOfNodesHasOneSpring) {
+  const auto in_cube = [](const std::string& springs) {
+    return support::in_root("gravity='0 0 0'",
+                            "<RegularGridTopology name='grid' n='2 2 2' max='2 2 2'/><MechanicalObject name='nodes'/>"
+                            "<UniformMass totalMass='1'/>" +
+                                springs);
+  };
+  for (const char* name : {"MeshSpringForceField", "RegularGridSpringForceField"}) {
+    scene::Scene scene = read_and_init(in_cube(std::string("<") + name + " name='s' stiffness='6'/>"));
+    EXPECT_EQ(force_of(scene, "s", 0).norm(), 0);  // at rest
+    // one node moved along x by so little that the springs keep their directions: 1 edge, 2 diagonals of faces at
+    // 45 degrees and the one of the cube
+    constexpr double kStep = 1e-7;
+    at<scene::MechanicalState>(scene, "nodes").positions()(0, 0) += kStep;
+    const double edge = 3, face = 6 / std::sqrt(8), space = 6 / std::sqrt(12);
+    EXPECT_NEAR(force_of(scene, "s", 0)(0, 0) / kStep, -(edge + 2 * face / 2 + space / 3), 1e-5) << name;
+  }
+  scene::Scene scene =
+      read_and_init(in_cube("<MeshSpringForceField name='s' stiffness='6' quadsStiffness='0' cubesStiffness='0'/>"));
+  at<scene::MechanicalState>(scene, "nodes").positions()(0, 0) += 1e-7;
+  EXPECT_NEAR(force_of(scene, "s", 0)(0, 0) / 1e-7, -3, 1e-5);
+}
+
+// A strip of two unit squares, bent up at its end by 1 m: springs from 2 m to sqrt(5) m.
+TEST(BendingSprings, ResistBendingAboutCommonEdges) {
+  const auto strip = [](const std::string& springs) {
+    return support::in_root("gravity='0 0 0'",
+                            "<RegularGridTopology name='grid' n='3 2 1' max='2 1 0'/><MechanicalObject name='nodes'/>"
+                            "<UniformMass totalMass='1'/><MeshTopology name='halves' triangles='@grid.triangles'/>" +
+                                springs);
+  };
+  scene::Scene scene =
+      read_and_init(strip("<QuadularBendingSprings name='s' topology='@grid' stiffness='10'/>"
+                          "<TriangularBendingSprings name='t' topology='@halves' stiffness='10'/>"));
+  EXPECT_EQ(force_of(scene, "s", 0).norm(), 0);
+  auto& x = at<scene::MechanicalState>(scene, "nodes").positions();
+  x(2, 2) = x(5, 2) = 1;
+  const PointArray f = force_of(scene, "s", 0);
+  const double tension = 10 * (std::sqrt(5) - 2);
+  EXPECT_NEAR(f(0, 0), tension * 2 / std::sqrt(5), 1e-13);
+  EXPECT_NEAR(f(2, 2), -tension / std::sqrt(5), 1e-13);
+  EXPECT_EQ(f.row(1).norm() + f.row(4).norm(), 0);
+  EXPECT_LT(f.colwise().sum().norm(), 1e-13);
+  // of four triangles three edges are common
+  const PointArray of_triangles = force_of(scene, "t", 0);
+  EXPECT_GT(of_triangles.norm(), 1);
+  EXPECT_LT(of_triangles.colwise().sum().norm(), 1e-13);
+}
+
+TEST(RestShapeSpringsForceField, PullsBackToTheRestPositions) {
+  scene::Scene scene =
+      read_and_init(four_nodes("<RestShapeSpringsForceField name='s' points='1 3' stiffness='10 20'/>"));
+  at<scene::MechanicalState>(scene, "nodes").positions().array() += .5;
+  const PointArray f = force_of(scene, "s", 0);
+  EXPECT_EQ(f, support::rows({{0, 0, 0}, {-5, -5, -5}, {0, 0, 0}, {-10, -10, -10}}));
+  EXPECT_NE(errors_of(four_nodes("<RestShapeSpringsForceField points='1 3' stiffness='1 2 3'/>"))
+                .find("3 values given for 2 nodes, must be one or as many"),
+            std::string::npos);
+}
+
+// A kilogram on a spring of 100 N/m that is stretched by .1 m, with small steps: cos(10 t).
+TEST(SpringForceField, SwingsWithItsFrequency) {
+  scene::Scene scene = read_and_init(
+      "<Node dt='1e-4' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+      "<MechanicalObject name='nodes' position='0 0 0  1.1 0 0'/><UniformMass vertexMass='1'/>"
+      "<FixedProjectiveConstraint indices='0'/><SpringForceField spring='0 1 100 0 1'/></Node>");
+  support::run(scene, 1000);
+  EXPECT_NEAR(support::nodes(scene)(1, 0), 1 + .1 * std::cos(1.0), 1e-4);
+}
+
+}  // namespace

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/springs.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hexaplast/base/error.hpp"
+
+namespace {
+
+using namespace hexaplast;
+
+/// Five nodes without symmetry.
+PointArray nodes() {
+  PointArray x(5, 3);
+  x << 0, 0, 0, 1, .2, -.1, .3, 1.4, .2, -.5, .6, 1.1, .9, -.7, .4;
+  return x;
+}
+
+PointArray velocities() {
+  PointArray v(5, 3);
+  v << .1, -.2, .3, 0, .5, -.1, .2, .2, -.4, -.3, .1, 0, .4, 0, .2;
+  return v;
+}
+
+std::vector<Spring> without_damping() {
+  return {{0, 1, 30, 0, .8}, {1, 2, 12, 0, 1.9}, {4, 0, 7, 0, .1}, {2, 3, 40, 0, 3, true}, {3, 4, 9, 0, .5, true}};
+}
+
+PointArray force(Springs& springs, const PointArray& x, const PointArray& v) {
+  PointArray f = PointArray::Zero(5, 3);
+  springs.add_force(x, v, f);
+  return f;
+}
+
+TEST(Springs, ForceIsMinusTheGradientOfTheEnergy) {
+  Springs springs(without_damping(), 5);
+  const PointArray x = nodes(), f = force(springs, x, PointArray::Zero(5, 3));
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    constexpr double kStep = 1e-5;
+    PointArray ahead = x, behind = x;
+    ahead.data()[i] += kStep;
+    behind.data()[i] -= kStep;
+    EXPECT_NEAR(f.data()[i], -(springs.energy(ahead) - springs.energy(behind)) / (2 * kStep), 1e-7) << i;
+  }
+  // those that only pull and are short do nothing
+  Springs short_ones({{2, 3, 40, 7, 3, true}}, 5);
+  EXPECT_EQ(force(short_ones, x, velocities()), PointArray::Zero(5, 3));
+  EXPECT_EQ(short_ones.energy(x), 0);
+}
+
+TEST(Springs, ProductIsTheDerivativeOfTheForce) {
+  Springs springs(without_damping(), 5);
+  const PointArray x = nodes(), dx = velocities(), still = PointArray::Zero(5, 3);
+  constexpr double kStep = 1e-5;
+  const PointArray slope =
+      (force(springs, x + kStep * dx, still) - force(springs, x - kStep * dx, still)) / (2 * kStep);
+  force(springs, x, still);
+  PointArray product = PointArray::Zero(5, 3);
+  springs.add_stiffness_product(1, dx, product);
+  EXPECT_LT((product - slope).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+TEST(Springs, BlocksAreTheProduct) {
+  std::vector<Spring> all = without_damping();
+  for (Spring& spring : all) spring.damping = .3;
+  Springs springs(all, 5);
+  force(springs, nodes(), velocities());
+  BlockMatrix A(5);
+  springs.add_stiffness_blocks(-2.5, A);
+  const PointArray dx = velocities();
+  PointArray product = PointArray::Zero(5, 3), from_blocks = PointArray::Zero(5, 3);
+  springs.add_stiffness_product(-2.5, dx, product);
+  for (int n = 0; n < 5; ++n)
+    for (const BlockMatrix::Entry& entry : A.row(n))
+      from_blocks.row(n) += dx.row(entry.column) * entry.block.transpose();
+  EXPECT_LT((product - from_blocks).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+// A spring along x of 2 m, at rest 1.5 m, whose ends go apart by .5 m/s: 10 * .5 + 4 * .5 = 7 N. Across, they go free.
+TEST(Springs, DampingActsAlongASpring) {
+  PointArray x(2, 3), v(2, 3), f = PointArray::Zero(2, 3);
+  x << 1, 5, 5, 3, 5, 5;
+  v << 0, 1, 0, .5, -1, 2;
+  Springs springs({{0, 1, 10, 4, 1.5}}, 2);
+  springs.add_force(x, v, f);
+  EXPECT_EQ(f.row(0), Eigen::RowVector3d(7, 0, 0));
+  EXPECT_EQ(f.row(1), Eigen::RowVector3d(-7, 0, 0));
+}
+
+TEST(Springs, OfNoLengthMakeNoForceAndWrongNodesAreRefused) {
+  PointArray x = PointArray::Zero(2, 3), f = PointArray::Zero(2, 3);
+  Springs springs({{0, 1, 10, 4, 1.5}}, 2);
+  springs.add_force(x, x, f);
+  EXPECT_EQ(f, PointArray::Zero(2, 3));
+  EXPECT_THROW(Springs({{0, 2, 1, 0, 1}}, 2), InputError);
+}
+
+// A strip of three triangles, and one that shares an edge with two others already.
+TEST(Springs, PairsLieAcrossTheEdgesOfTwoFaces) {
+  const std::vector<Triangle> strip{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}};
+  EXPECT_EQ(pairs_across_edges(std::span<const Triangle>(strip)), (std::vector<Edge>{{0, 3}, {1, 4}}));
+  std::vector<Triangle> fan = strip;
+  fan.push_back({1, 2, 5});
+  EXPECT_EQ(pairs_across_edges(std::span<const Triangle>(fan)), (std::vector<Edge>{{1, 4}}));
+  // 3 4 5 over 0 1 2: the edge 1 4 has springs from 0 to 2 and from 3 to 5
+  const std::vector<Quad> quads{{0, 1, 4, 3}, {1, 2, 5, 4}};
+  EXPECT_EQ(pairs_across_edges(std::span<const Quad>(quads)), (std::vector<Edge>{{0, 2}, {3, 5}}));
+}
+
+TEST(Springs, AnchorsPullBackToRest) {
+  const PointArray rest = nodes();
+  PointArray x = rest, f = PointArray::Zero(5, 3);
+  x.row(1) += Eigen::RowVector3d(1, 2, 3);
+  x.row(3) += Eigen::RowVector3d(0, 0, -2);
+  const std::vector<int> held{1, 3};
+  add_anchor_forces(held, std::vector<double>{10, 4}, rest, x, f);
+  EXPECT_LT((f.row(1) - Eigen::RowVector3d(-10, -20, -30)).norm(), 1e-13);
+  EXPECT_LT((f.row(3) - Eigen::RowVector3d(0, 0, 8)).norm(), 1e-13);
+  EXPECT_EQ(f.row(0).norm() + f.row(2).norm() + f.row(4).norm(), 0);
+}
+
+}  // namespace
