@@ -70,7 +70,7 @@ inline constexpr std::array kExamples = {
 </Node>)xml"},
     Example{"SparseGridRamificationTopology",
             R"xml(<SparseGridRamificationTopology name="cage" fileTopology="organ.obj" n="3 3 7"
-    nbVirtualFinerLevels="2"/>)xml"},
+    nbVirtualFinerLevels="2" finestConnectivity="false"/>)xml"},
     Example{"QuadSetTopologyContainer", R"xml(<Node name="skin">
   <QuadSetTopologyContainer name="quads"/>
   <Hexa2QuadTopologicalMapping input="@../grid" output="@quads"/>

@@ -60,9 +60,8 @@ class Scene {
  public:
   Scene(const path& file, const std::vector<std::string>& assignments, const std::vector<std::string>& plugins,
         std::vector<path> plugin_path, bool sofa_compat, std::vector<path> mesh_path, scene::OutputRules output)
-      : scene_(std::make_shared<scene::Scene>(
-            load(file, assignments, plugins, std::move(plugin_path), sofa_compat, std::move(mesh_path),
-                 std::move(output)))),
+      : scene_(std::make_shared<scene::Scene>(load(file, assignments, plugins, std::move(plugin_path), sofa_compat,
+                                                   std::move(mesh_path), std::move(output)))),
         state_(&scene::only_state(*scene_)),
         solver_(&scene::only_solver(*scene_)),
         field_(scene::find_body(*scene_)) {
@@ -179,8 +178,8 @@ void add_scene(py::module_& module) {
                     "velocities are read-only views that follow it.")
       .def(py::init(&make_scene), py::arg("file"), py::arg("overrides") = py::dict(), py::kw_only(),
            py::arg("plugins") = std::vector<std::string>(), py::arg("plugin_path") = std::vector<path>(),
-           py::arg("sofa_compat") = false, py::arg("mesh_path") = std::vector<path>(), py::arg("out") = path("."), py::arg("allow_outside") = false,
-           py::arg("force") = false,
+           py::arg("sofa_compat") = false, py::arg("mesh_path") = std::vector<path>(), py::arg("out") = path("."),
+           py::arg("allow_outside") = false, py::arg("force") = false,
            "overrides: {'bar/material.yieldStress': 500, ...}, as --set of the command takes them.\n"
            "mesh_path: directories to look for the scene's meshes and includes in\n"
            "out: directory below which the scene's exporters write; allow_outside: also elsewhere; force: also over\n"

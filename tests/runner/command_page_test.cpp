@@ -109,7 +109,7 @@ TEST_F(CommandPage, CompletesValues) {
   EXPECT_EQ(completed("run b"), (std::set<std::string>{"bar.scn"}));
   EXPECT_EQ(completed("run bar.scn --final b"), (std::set<std::string>{"bar.scn"}));
   EXPECT_EQ(completed("run bar.scn --steps ''"), (std::set<std::string>{}));
-  EXPECT_EQ(completed("list RegularG"), (std::set<std::string>{"RegularGridTopology"}));
+  EXPECT_EQ(completed("list RegularGridT"), (std::set<std::string>{"RegularGridTopology"}));
 }
 
 }  // namespace

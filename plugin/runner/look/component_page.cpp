@@ -50,7 +50,7 @@ only in elements named X. A root named `Group` is replaced by its members; one n
 including node, class by class and name by name. At most 16 levels.
 
 **Files.** The name of a mesh or of an included file counts from the file that names it. If nothing is there, it is looked
-for in the directories of `--mesh-path`, then in those of the environment variable `SOFA_DATA_PATH` (separated by colons),
+for in the directories of `--mesh-path`, then in those of the variable `SOFA_DATA_PATH` (not in Python; separated by colons),
 then, for a scene that lies in a source tree or an installation of SOFA, in its folders `share` and `examples`. Names with
 `..` and absolute names are not searched for.
 
