@@ -33,6 +33,7 @@ const std::map<std::string, int> kHeight{
     {"plastic", 6},
     {"body", 7},
     {"inspect", 8},
+    {"element_values", 8},
     {"model_check", 8},
     {"moving_body", 8},
     {"attributes", 9},

@@ -16,6 +16,7 @@
 #include "hexaplast/solve/energy_balance.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "parts/multigrid_cg.hpp"
+#include "scene/supports.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -67,7 +68,7 @@ class SystemSolver : public scene::OdeSolver {
   std::optional<NodeSystem> system_;
 };
 
-class EulerImplicitSolver final : public SystemSolver {
+class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
  public:
   EulerImplicitSolver() : SystemSolver(attributes::kEulerImplicitSolver) {}
 
@@ -82,7 +83,7 @@ class EulerImplicitSolver final : public SystemSolver {
     SolverMemory kept = euler_ ? std::move(euler_->memory()) : SolverMemory();  // bwd_init comes again: Scene::add
     euler_.emplace(settings);
     euler_->memory() = std::move(kept);
-    if (balance_) euler_->measure_energy();
+    if (balance_ || keeps_supports_) euler_->measure_energy();
     warn_of_growing_vibrations(settings);
   }
 
@@ -91,6 +92,7 @@ class EulerImplicitSolver final : public SystemSolver {
     scene::MechanicalState& state = system().state();
     const SolveReport report =
         heeded(euler_->step(system(), linear_solver(), time, dt, state.positions(), state.velocities()));
+    if (keeps_supports_) support_forces_ = euler_->support_forces();
     if (!balance_) {
       system().project_motion(time);
       return report;
@@ -108,7 +110,14 @@ class EulerImplicitSolver final : public SystemSolver {
   void reset() override {
     SystemSolver::reset();
     pending_ = Pending::kBeginning;
+    support_forces_.resize(0, 3);
   }
+
+  void keep_support_forces() override {
+    if (euler_) euler_->measure_energy();  // otherwise when it is made
+    keeps_supports_ = true;
+  }
+  PointArray support_forces() const override { return support_forces_; }
 
   void keep_energy_balance() override {
     euler_->measure_energy();
@@ -123,6 +132,7 @@ class EulerImplicitSolver final : public SystemSolver {
 
   void serialize(Archive& archive) override {
     SystemSolver::serialize(archive);
+    if (keeps_supports_) serialize_supports(archive);  // by probes, which are part of the scene
     update_balance();
     bool is_kept = balance_.has_value();
     archive(is_kept);
@@ -137,6 +147,14 @@ class EulerImplicitSolver final : public SystemSolver {
   SolverMemory& memory() override { return euler_->memory(); }
 
  private:
+  void serialize_supports(Archive& archive) {
+    PointArray saved = support_forces_;
+    archive(saved);
+    if ((saved.rows() != 0 && saved.rows() != system().num_nodes()) || !saved.allFinite())
+      throw InputError("forces of constraints are saved of other nodes");
+    support_forces_ = std::move(saved);
+  }
+
   void warn_of_growing_vibrations(const EulerSettings& settings) {
     const double dt = node().clock().dt, stable = stable_phase_per_step(settings, dt);
     if (!std::isfinite(stable)) return;
@@ -162,6 +180,8 @@ class EulerImplicitSolver final : public SystemSolver {
 
   enum class Pending { kNothing, kBeginning, kFlow };
 
+  bool keeps_supports_ = false;
+  PointArray support_forces_ = PointArray(0, 3);
   std::optional<ImplicitEuler> euler_;
   std::optional<EnergyBalance> balance_;  // absent: nobody asked for it
   Pending pending_ = Pending::kNothing;   // what the balance has to learn of

@@ -8,7 +8,7 @@
 namespace hexaplast::output {
 
 void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints positions, ConstPoints velocities,
-               ElementFields fields, const BoundaryConditions& conditions) {
+               ElementFields fields, const BoundaryConditions& conditions, std::span<const int> regions) {
   const HexMesh& mesh = body.mesh();
   const PointArray world = positions;
   const PointArray displacement = positions - mesh.positions();
@@ -26,6 +26,8 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
   };
   keep_alive(hexahedra);
   keep_alive(ids);
+  std::vector<std::int32_t> region(regions.begin(), regions.end());
+  if (!region.empty()) keep_alive(region);
   for (std::vector<double>* values :
        {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
     keep_alive(*values);
@@ -49,6 +51,7 @@ void write_vtu(const std::filesystem::path& file, const Body& body, ConstPoints 
                     scalars("Float64", "yield_stress", fields.yield_stress),
                     scalars("Float64", "volume_ratio", fields.volume_ratio),
                     scalars("Float64", "strain", fields.strain)};
+  if (!region.empty()) grid.cell_data.push_back(scalars("Int32", "region", region));
   grid.write(file);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "scene/region.hpp"
 
@@ -39,6 +40,18 @@ std::vector<RegionFigure> regions_of(scene::Scene& scene) {
     }
   }
   return figures;
+}
+
+std::vector<int> region_numbers(scene::Scene& scene, const Body& body) {
+  std::vector<int> numbers;
+  int number = 0;
+  for (scene::MaterialRegion* region : scene.root().all<scene::MaterialRegion>()) {
+    ++number;
+    if (!region->field() || region->field()->body() != &body) continue;
+    numbers.resize(static_cast<std::size_t>(body.mesh().num_elements()), 0);
+    for (const int hexahedron : region->hexahedra()) numbers[static_cast<std::size_t>(hexahedron)] = number;
+  }
+  return numbers;
 }
 
 std::string describe(const RegionFigure& region) {

@@ -26,6 +26,10 @@ struct RegionFigure {
 /// Those of a scene that is ready, in its order.
 std::vector<RegionFigure> regions_of(scene::Scene& scene);
 
+/// Of each hexahedron of a body, the region in that order, from 1, whose values it has; 0: it is in none. Empty: the
+/// body has no region.
+std::vector<int> region_numbers(scene::Scene& scene, const Body& body);
+
 /// "12 hexahedra, youngModulus 30000 Pa, yieldStress 2000 to 2500 Pa"
 std::string describe(const RegionFigure& region);
 
