@@ -34,6 +34,7 @@ const std::map<std::string, int> kHeight{
     {"body", 7},
     {"contact", 7},
     {"inspect", 8},
+    {"element_values", 8},
     {"model_check", 8},
     {"moving_body", 8},
     {"attributes", 9},

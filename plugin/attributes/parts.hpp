@@ -117,6 +117,11 @@ inline constexpr Attribute kGraspAttributes[] = {
      .unit = "N",
      .access = Access::kOutput,
      .help = "Force of the tool on the body at the beginning of the last step."},
+    {.name = "torque",
+     .type = Type::kVector3,
+     .unit = "N m",
+     .access = Access::kOutput,
+     .help = "Moment of that force about the tool. About another point p it is torque + (tool - p) x force."},
 };
 inline constexpr Description kGraspForceField{
     .class_name = "GraspForceField",
@@ -139,6 +144,11 @@ inline constexpr Attribute kProbeAttributes[] = {
      .type = Type::kIntegers,
      .range = kIndex,
      .help = "Entries of the value that count, for example nodes, or @tumour.hexahedronIndices; default: all."},
+    {.name = "points",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .help = "Points of the body, where they are at the beginning. The value is one vector per node then, and the "
+             "entries are its values at these points, interpolated in their hexahedra."},
     {.name = "component",
      .type = Type::kWord,
      .initial = "norm",

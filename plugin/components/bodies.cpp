@@ -9,6 +9,7 @@
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/element_values.hpp"
 #include "parts/hexahedral_body.hpp"
 #include "scene/potential.hpp"
 #include "scene/scene.hpp"
@@ -34,7 +35,6 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
 
   // The material may change during a run: what flowed stays.
   void refresh() override {
-    plastic_fields_.reset();
     try {
       accepted(*this, [&] { body_->set_options(options(), node().clock().dt); });
     } catch (const InputError& error) {
@@ -44,14 +44,8 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
-  void reset() override {
-    plastic_fields_.reset();
-    body_->reset();
-  }
-  void serialize(Archive& archive) override {
-    plastic_fields_.reset();
-    body_->serialize(archive);
-  }
+  void reset() override { body_->reset(); }
+  void serialize(Archive& archive) override { body_->serialize(archive); }
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
     body_->body().linearize(x);
@@ -77,16 +71,20 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
       output.set(flattened(body()->plastic_rest_positions()));
     } else if (name == "removed") {
       output.set(std::vector<std::int64_t>(body()->removed().begin(), body()->removed().end()));
-    } else if (name == "plasticStrain" || name == "presentYieldStress" || name == "volumeRatio") {
-      const ElementFields& fields = plastic_fields();
-      output.set(name == "plasticStrain"        ? fields.plastic_strain
-                 : name == "presentYieldStress" ? fields.yield_stress
-                                                : fields.volume_ratio);
+    } else if (name == "plasticStrain") {
+      output.set(plastic_strains(*body()));
+    } else if (name == "presentYieldStress") {
+      output.set(present_yield_stresses(*body()));
+    } else if (name == "volumeRatio") {
+      output.set(plastic_volume_ratios(*body()));
+    } else if (name == "volume") {
+      output.set(element_volumes(*body(), state_->positions()));
+    } else if (name == "plasticVolume") {
+      output.set(element_volumes(*body(), body()->plastic_rest_positions()));
     }
   }
 
   void end_step(double dt) override {
-    plastic_fields_.reset();
     body_->end_step(state_->positions(), dt);
     announce();
   }
@@ -95,18 +93,11 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
   const Body* body() const override { return body_ ? &body_->body() : nullptr; }
   const FlowReport* flow_report() const override { return body_ ? &body_->report() : nullptr; }
   void remove_elements(std::span<const int> elements) override {
-    plastic_fields_.reset();
     body_->body().remove(elements);
     announce();
   }
 
  private:
-  /// Of the latest plastic step; what follows the positions in it is not up to date. Made when it is asked for: it
-  /// costs as much as many steps.
-  const ElementFields& plastic_fields() {
-    if (!plastic_fields_) plastic_fields_ = body_->body().fields(state_->positions());
-    return *plastic_fields_;
-  }
 
   /// Tells the scene which hexahedra have gone since it was told last.
   void announce() {
@@ -124,7 +115,6 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
   scene::Topology* topology_ = nullptr;
   const std::vector<Hexahedron>* hexahedra_ = nullptr;
   std::optional<parts::HexahedralBody> body_;
-  std::optional<ElementFields> plastic_fields_;
   double rayleigh_stiffness_ = 0;
 };
 

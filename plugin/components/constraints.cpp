@@ -10,6 +10,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
+#include "scene/supports.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -20,6 +21,25 @@ class NodeConstraint : public scene::ProjectiveConstraint {
   using ProjectiveConstraint::ProjectiveConstraint;
 
   void refresh() override { init(); }
+
+  void provide(scene::Data& output) override {
+    const std::string_view name = output.attribute().name;
+    if (name != "reaction" && name != "reactionTorque") return;
+    scene::MechanicalState& state = needed_ready<scene::MechanicalState>();
+    auto* supports = dynamic_cast<scene::Supports*>(node().nearest<scene::OdeSolver>());
+    if (!supports) reject(name, "is told by EulerImplicitSolver only, as the time integrator");
+    supports->keep_support_forces();
+    const PointArray forces = supports->support_forces(state);
+    Vec3 sum = Vec3::Zero();
+    for (const int node : nodes_) {
+      if (forces.rows() == 0) break;
+      Vec3 force = Vec3::Zero();
+      for (int axis = 0; axis < 3; ++axis)
+        if (held_[axis]) force[axis] = forces(node, axis);
+      sum += name == "reaction" ? force : Vec3(state.positions().row(node).transpose()).cross(force);
+    }
+    output.set(std::vector<double>(sum.begin(), sum.end()));
+  }
 
   void project(Points field) const override {
     if (is_active()) clear(field);

@@ -62,10 +62,9 @@ class GraspForceField final : public scene::ForceField,
       const std::span<const int> held = grasp_->held_nodes();
       output.set(std::vector<std::int64_t>(held.begin(), held.end()));
     }
-    if (output.attribute().name == "force") {
-      const Vec3 force = grasp_->force();
-      output.set(std::vector<double>(force.begin(), force.end()));
-    }
+    const auto set = [&](const Vec3& vector) { output.set(std::vector<double>(vector.begin(), vector.end())); };
+    if (output.attribute().name == "force") set(grasp_->force());
+    if (output.attribute().name == "torque") set(grasp_->torque());
   }
 
  private:

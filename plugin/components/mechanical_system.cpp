@@ -305,6 +305,12 @@ void NodeSystem::pin(BlockMatrix& A) const {
   A.set_whole_range();
 }
 
+ConstPoints NodeSystem::rows_of_state(const scene::MechanicalState& state, ConstPoints of_all) const {
+  const auto root = std::ranges::find(roots(), &state, &Layer::state);
+  if (root == roots().end()) throw InputError("a state is asked for that the time integrator does not move");
+  return rows_of(*root, of_all);
+}
+
 void NodeSystem::require_mass() const {
   std::vector<bool> has_mass(layers_.size());
   for (std::size_t i = layers_.size(); i-- > 0;) {

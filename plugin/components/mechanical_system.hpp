@@ -46,6 +46,9 @@ class NodeSystem final : public MechanicalSystem {
     return result;
   }
 
+  /// The rows of a field of the system that belong to an independent state of it.
+  ConstPoints rows_of_state(const scene::MechanicalState& state, ConstPoints of_all) const;
+
   /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it.
   void require_mass() const;
   double kinetic_energy() const;           ///< [J]

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -7,6 +9,8 @@
 #include "attributes/words.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "parts/probe.hpp"
 #include "scene/interfaces.hpp"
 
@@ -20,6 +24,7 @@ class Probe final : public scene::Probe {
   // When the outputs of all components are there.
   void bwd_init() override {
     if (!is_given("value")) reject("value", "is not given: there is nothing to record");
+    if (is_given("points")) embed();
     probe_.emplace(options(), holds_vectors() ? 3 : 1);
     read();
   }
@@ -27,11 +32,43 @@ class Probe final : public scene::Probe {
   void refresh() override { probe_->set_options(options()); }
 
   double read() override {
-    return accepted(*this, [&] { return probe_->read(reals("value")); });
+    return accepted(*this, [&] { return probe_->read(points_ ? at_points() : reals("value")); });
   }
   std::string_view unit() override { return source().attribute().unit; }
 
  private:
+  /// Finds the hexahedra of the points, in the body as it is at the beginning.
+  void embed() {
+    if (is_given("indices")) reject("points", "are given besides indices: entries are the ones or the others");
+    if (!holds_vectors()) reject("points", "need one vector per node for a value, as @nodes.position is");
+    auto& state = needed_ready<scene::MechanicalState>();
+    auto& topology = needed_ready<scene::Topology>();
+    if (topology.hexahedra().empty()) reject("points", "need hexahedra: the nearest topology has none");
+    const PointArray points = vectors3("points");
+    try {
+      points_.emplace(state.rest_positions(), topology.hexahedra(), points);
+    } catch (const NumericalError& error) {
+      reject("points", error.what());
+    }
+    if (points_->num_outside() > 0)
+      remark(scene::Severity::kWarning, "points",
+             fmt::format("{} of {} lie outside of all hexahedra, by up to {:.3g} m: they follow the nearest one",
+                         points_->num_outside(), points_->num_points(), points_->greatest_distance()));
+  }
+
+  const std::vector<double>& at_points() {
+    const std::vector<double>& nodes = reals("value");
+    const auto& state = needed_ready<scene::MechanicalState>();
+    const auto num_nodes = static_cast<Eigen::Index>(nodes.size() / 3);
+    if (num_nodes != state.rest_positions().rows())
+      throw parts::OptionError("value", fmt::format("holds {} vectors, must be one for each of {} nodes", num_nodes,
+                                                    state.rest_positions().rows()));
+    values_at_points_.resize(static_cast<std::size_t>(points_->num_points()) * 3);
+    points_->apply(Eigen::Map<const PointArray>(nodes.data(), num_nodes, 3),
+                   Eigen::Map<PointArray>(values_at_points_.data(), points_->num_points(), 3));
+    return values_at_points_;
+  }
+
   /// The attribute that the value follows in the end.
   scene::Data& source() {
     scene::Data* data = find_data("value");
@@ -57,6 +94,8 @@ class Probe final : public scene::Probe {
   }
 
   std::optional<parts::Probe> probe_;
+  std::optional<Embedding> points_;
+  std::vector<double> values_at_points_;
 };
 
 }  // namespace

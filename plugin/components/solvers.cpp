@@ -11,11 +11,12 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "scene/supports.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class EulerImplicitSolver final : public SystemSolver {
+class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
  public:
   EulerImplicitSolver() : SystemSolver(attributes::kEulerImplicitSolver) {}
 
@@ -30,7 +31,7 @@ class EulerImplicitSolver final : public SystemSolver {
     SolverMemory kept = euler_ ? std::move(euler_->memory()) : SolverMemory();  // bwd_init comes again: Scene::add
     euler_.emplace(settings);
     euler_->memory() = std::move(kept);
-    if (balance_) euler_->measure_energy();
+    if (balance_ || keeps_supports_) euler_->measure_energy();
     warn_of_growing_vibrations(settings);
   }
 
@@ -38,6 +39,7 @@ class EulerImplicitSolver final : public SystemSolver {
     update_balance();
     const SolveReport report = heeded(
         system().advance([&](Points x, Points v) { return euler_->step(system(), linear_solver(), time, dt, x, v); }));
+    if (keeps_supports_) support_forces_ = euler_->support_forces();
     if (!balance_) {
       system().project_motion(time);
       return report;
@@ -55,6 +57,15 @@ class EulerImplicitSolver final : public SystemSolver {
   void reset() override {
     SystemSolver::reset();
     pending_ = Pending::kBeginning;
+    support_forces_.resize(0, 3);
+  }
+
+  void keep_support_forces() override {
+    if (euler_) euler_->measure_energy();  // otherwise when it is made
+    keeps_supports_ = true;
+  }
+  PointArray support_forces(const scene::MechanicalState& state) override {
+    return support_forces_.rows() == 0 ? support_forces_ : PointArray(system().rows_of_state(state, support_forces_));
   }
 
   void keep_energy_balance() override {
@@ -71,6 +82,7 @@ class EulerImplicitSolver final : public SystemSolver {
 
   void serialize(Archive& archive) override {
     SystemSolver::serialize(archive);
+    if (keeps_supports_) serialize_supports(archive);  // by probes, which are part of the scene
     update_balance();
     bool is_kept = balance_.has_value();
     archive(is_kept);
@@ -86,6 +98,14 @@ class EulerImplicitSolver final : public SystemSolver {
   SolverMemory& memory() override { return euler_->memory(); }
 
  private:
+  void serialize_supports(Archive& archive) {
+    PointArray saved = support_forces_;
+    archive(saved);
+    if ((saved.rows() != 0 && saved.rows() != system().num_nodes()) || !saved.allFinite())
+      throw InputError("forces of constraints are saved of other nodes");
+    support_forces_ = std::move(saved);
+  }
+
   void warn_of_growing_vibrations(const EulerSettings& settings) {
     const double dt = node().clock().dt, stable = stable_phase_per_step(settings, dt);
     if (!std::isfinite(stable)) return;
@@ -111,6 +131,8 @@ class EulerImplicitSolver final : public SystemSolver {
 
   enum class Pending { kNothing, kBeginning, kFlow };
 
+  bool keeps_supports_ = false;
+  PointArray support_forces_ = PointArray(0, 3);
   std::optional<ImplicitEuler> euler_;
   std::optional<EnergyBalance> balance_;  // absent: nobody asked for it
   Pending pending_ = Pending::kNothing;   // what the balance has to learn of

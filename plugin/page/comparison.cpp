@@ -197,6 +197,7 @@ std::vector<HistoryPanel> single_curves() {
 /// What a panel of single_curves() is called.
 std::string name_of(const Panel& panel) {
   const std::string& curve = panel.series.front().curves.front().name;
+  if (curve == panel.quantity) return curve;  // a probe
   static constexpr std::string_view kSaidByThePanel[] = {"yielded", "removed", "iterations", "step", "mean"};
   return std::ranges::count(kSaidByThePanel, curve) > 0 ? panel.quantity : panel.quantity + ", " + curve;
 }
@@ -275,7 +276,10 @@ std::string comparison_page(const fs::path& a, const fs::path& b, const std::vec
     if (!table.note.empty()) page.paragraph(table.note, "lead");
   }
 
-  const std::vector<HistoryPanel> wanted = single_curves();
+  std::vector<HistoryPanel> wanted = single_curves();
+  const std::optional<Manifest> manifest = read_manifest(a);
+  const ProbePanels of_probes(manifest ? manifest->probes : std::vector<ProbeRecord>());
+  wanted.insert(wanted.end(), of_probes.panels().begin(), of_probes.panels().end());
   const HistoryView view_a = view_history(a / "history.csv", wanted), view_b = view_history(b / "history.csv", wanted);
   page.heading("Over time");
   page.add("<div class=\"charts\">");

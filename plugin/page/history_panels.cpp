@@ -6,6 +6,7 @@
 
 #include "page/thinning.hpp"
 #include "record/history_table.hpp"
+#include "record/recorder.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -80,6 +81,13 @@ std::span<const HistoryPanel> history_panels() {
       {"time per step", "ms", 1e-3, {{"step", {"step_ms"}, 1, 0, &Colours::first}}},
   };
   return panels;
+}
+
+ProbePanels::ProbePanels(std::vector<ProbeRecord> probes) : probes_(std::move(probes)) {
+  for (const ProbeRecord& probe : probes_) columns_.push_back(probe_column(probe.name));
+  for (std::size_t p = 0; p < probes_.size(); ++p)
+    panels_.push_back(
+        {probes_[p].name, probes_[p].unit, 1e-12, {{probes_[p].name, {columns_[p]}, 1, 0, &CurveColours::first}}});
 }
 
 HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted,

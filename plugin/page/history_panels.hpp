@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "page/chart.hpp"
+#include "record/manifest.hpp"
 
 namespace hexaplast::output {
 
@@ -36,6 +37,22 @@ struct HistoryPanel {
 /// Elongation, twist, volume error, yielded hexahedra, energy and its balance, displacement where the load is, removed
 /// hexahedra, solver iterations, time per step: in the order in which they are shown.
 std::span<const HistoryPanel> history_panels();
+
+/// Panels of probes, one each.
+class ProbePanels {
+ public:
+  explicit ProbePanels(std::vector<ProbeRecord> probes);
+  ProbePanels(const ProbePanels&) = delete;
+  ProbePanels& operator=(const ProbePanels&) = delete;
+
+  /// Refer to this object.
+  const std::vector<HistoryPanel>& panels() const { return panels_; }
+
+ private:
+  std::vector<ProbeRecord> probes_;
+  std::vector<std::string> columns_;
+  std::vector<HistoryPanel> panels_;
+};
 
 /// How long the steps of a run took [ms]; its first row, the initial state, is no step.
 struct StepTimes {

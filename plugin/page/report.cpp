@@ -95,11 +95,10 @@ std::string mark_step_times(Panel& panel, const StepTimes& times) {
                      times.longest);
 }
 
-/// A panel for each probe, behind what every run has.
-std::vector<HistoryPanel> panels_of(const std::vector<ProbeRecord>& probes) {
+/// What every run has, and a panel for each probe behind it.
+std::vector<HistoryPanel> panels_of(const std::vector<HistoryPanel>& of_probes) {
   std::vector<HistoryPanel> panels(history_panels().begin(), history_panels().end());
-  for (const ProbeRecord& probe : probes)
-    panels.push_back({probe.name, probe.unit, 1e-12, {{probe.name, {probe.name}, 1, 0, &CurveColours::first}}});
+  panels.insert(panels.end(), of_probes.begin(), of_probes.end());
   return panels;
 }
 
@@ -107,7 +106,8 @@ void add_charts(HtmlPage& page, const fs::path& directory, const std::vector<Pro
   // nothing is loaded, nothing is torn: nothing to see
   constexpr std::string_view kShownIfNotZero[] = {"yielded hexahedra", "displacement of loaded nodes",
                                                   "removed hexahedra"};
-  HistoryView view = view_history(directory / "history.csv", panels_of(probes), kPageColours);
+  const ProbePanels of_probes(probes);
+  HistoryView view = view_history(directory / "history.csv", panels_of(of_probes.panels()), kPageColours);
   if (view.panels.empty()) return;
   page.heading("Over time");
   page.add("<div class=\"charts\">");

@@ -87,6 +87,7 @@ void Grasp::serialize(Archive& archive) {
   grip_.arms = std::move(arms);
   elongations_ = std::move(elongations);
   drag_ = drag;
+  drag_moment_.setZero();
   has_closed_ = has_closed;
 }
 
@@ -94,7 +95,9 @@ void Grasp::add_force(double time, ConstPoints x, ConstPoints v, Points f) {
   const Vec3 tool = tool_at(time);
   grip_.elongations_at(tool, x, elongations_);
   grip_.add_force(tool, x, f);
-  drag_ = grip_.add_damping_force(tool_velocity_at(time), v, f);
+  const Vec3 tool_velocity = tool_velocity_at(time);
+  drag_ = grip_.add_damping_force(tool_velocity, v, f);
+  drag_moment_ = grip_.damping_moment(elongations_, tool_velocity, v);
 }
 
 void Grasp::add_spring_force(double time, ConstPoints x, Points f) const { grip_.add_force(tool_at(time), x, f); }
@@ -130,6 +133,7 @@ void Grasp::open() {
   grip_.open();
   elongations_.resize(0, 3);
   drag_.setZero();
+  drag_moment_.setZero();
 }
 
 }  // namespace hexaplast::parts

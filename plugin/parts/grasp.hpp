@@ -81,6 +81,9 @@ class Grasp {
   /// [N] what the tool exerted on the body when forces were computed last.
   Vec3 force() const { return grip_.total_force(elongations_) + drag_; }
 
+  /// [N m] the moment of that force about the tool.
+  Vec3 torque() const { return grip_.total_moment(elongations_) + drag_moment_; }
+
  private:
   Vec3 tool_velocity_at(double time) const;
   std::vector<Remark> close(double time, ConstPoints x);
@@ -95,6 +98,7 @@ class Grasp {
   bool has_closed_ = false;
   PointArray elongations_ = PointArray(0, 3);  // [m] of the springs, at the positions of the latest forces
   Vec3 drag_ = Vec3::Zero();                   // [N] of the dashpots, with them
+  Vec3 drag_moment_ = Vec3::Zero();            // [N m] of these; no part of a checkpoint: the next step finds it anew
 };
 
 }  // namespace hexaplast::parts

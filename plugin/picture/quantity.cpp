@@ -14,8 +14,14 @@ std::optional<Quantity> quantity_of(std::string_view word) {
   return found == kQuantities.end() ? std::nullopt : std::optional(found->quantity);
 }
 
-std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities) {
+std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
+                              std::span<const int> regions) {
   if (quantity == Quantity::kSpeed) return speeds(velocities);
+  if (quantity == Quantity::kRegion) {
+    std::vector<double> numbers(regions.begin(), regions.end());
+    numbers.resize(static_cast<std::size_t>(bodies.mesh().num_elements()), 0);
+    return numbers;
+  }
   ElementFields fields = bodies.fields(positions);
   switch (quantity) {
     case Quantity::kStress:

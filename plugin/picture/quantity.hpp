@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +13,7 @@
 namespace hexaplast::output {
 
 /// What a picture shows by colours.
-enum class Quantity { kPlasticStrain, kStress, kYield, kVolumeRatio, kSpeed };
+enum class Quantity { kPlasticStrain, kStress, kYield, kVolumeRatio, kSpeed, kRegion };
 
 /// How a quantity is called, and where it is found.
 struct QuantityEntry {
@@ -25,12 +26,13 @@ struct QuantityEntry {
   bool from_zero;          ///< its scale begins at 0, else at the least value shown
 };
 
-inline constexpr std::array<QuantityEntry, 5> kQuantities{{
+inline constexpr std::array<QuantityEntry, 6> kQuantities{{
     {Quantity::kPlasticStrain, "plastic_strain", "plastic strain", "–", "plastic_strain", false, true},
     {Quantity::kStress, "stress", "stress norm", "Pa", "stress_norm", false, true},
     {Quantity::kYield, "yield", "yield stress", "Pa", "yield_stress", false, false},
     {Quantity::kVolumeRatio, "volume_ratio", "volume ratio", "–", "volume_ratio", false, false},
     {Quantity::kSpeed, "speed", "speed", "m/s", "velocity", true, true},
+    {Quantity::kRegion, "region", "region", "–", "region", false, true},
 }};
 
 constexpr const QuantityEntry& entry_of(Quantity quantity) { return kQuantities[static_cast<std::size_t>(quantity)]; }
@@ -39,7 +41,9 @@ constexpr const QuantityEntry& entry_of(Quantity quantity) { return kQuantities[
 std::optional<Quantity> quantity_of(std::string_view word);
 
 /// Values of a body's present state, one per hexahedron or per node. A yield stress is infinite where there is none.
-std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities);
+/// regions: numbers of the hexahedra's regions, which a body does not know; empty: there are none, and all have 0.
+std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
+                              std::span<const int> regions = {});
 
 /// A number of three digits with a unit of the SI and the prefix that suits it: "312 mN". 0 has none.
 std::string with_unit(double value, std::string_view unit);

@@ -39,7 +39,7 @@ std::string balance_columns(const EnergyBalance& energy) {
 /// The first line of history.csv.
 std::string header_of(const RunPlan& plan) {
   std::string names = std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : "");
-  for (const std::string& probe : plan.probes) names += "," + probe;
+  for (const std::string& probe : plan.probes) names += fmt::format(",{}", probe_column(probe));
   return names;
 }
 
@@ -286,14 +286,14 @@ void Recorder::Files::write_state() {
     write(*instruments, kInstruments,
           [&](const fs::path& file) { write_instruments(file, latest_conditions.instruments, latest_positions); });
   write(meshes, kMesh, [&](const fs::path& file) {
-    write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions);
+    write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions, plan.regions);
   });
   step_on_disk = latest.step;
 }
 
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions,
-               values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities), bodies.alive(),
+               values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities, plan.regions), bodies.alive(),
                latest_conditions);
 }
 
@@ -320,10 +320,7 @@ std::vector<std::string> Recorder::Files::draw_pictures() {
   return {};
 }
 
-bool is_history_column(std::string_view name) {
-  const std::string own = fmt::format(",{}{},", kHeader, kBalanceHeader);
-  return own.find(fmt::format(",{},", name)) != std::string::npos;
-}
+std::string probe_column(std::string_view probe) { return fmt::format("probe_{}", probe); }
 
 void require_saved_files(const fs::path& directory, Archive& saved) {
   const LineFile history(directory / "history.csv", saved), removed(directory / "removed.csv", saved);

@@ -27,10 +27,11 @@ struct RunPlan {
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;               ///< write into a directory that holds an earlier run
   InputFiles inputs = {};           ///< files that are read, and so never replaced
-  std::vector<int> loaded_nodes = {};    ///< nodes that carry prescribed forces, ascending; may be empty
-  bool has_instruments = false;          ///< something in the scene may take hold of the body
-  Staging staging = {};                  ///< of the pictures
-  std::vector<std::string> probes = {};  ///< names of further columns of history.csv, one per StepRecord::probes
+  std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
+  bool has_instruments = false;        ///< something in the scene may take hold of the body
+  Staging staging = {};                ///< of the pictures
+  std::vector<int> regions = {};  ///< number of each hexahedron's region, from 1; 0: in none. Empty: there are none
+  std::vector<std::string> probes = {};  ///< their names, one per StepRecord::probes
   std::filesystem::path video = {};      ///< film of the run in real time, at most 25 pictures a second; empty: none
 };
 
@@ -116,8 +117,8 @@ Summary summarise(const Bodies& bodies, ConstPoints positions);
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body);
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, std::span<const Bodies::Entry> bodies);
 
-/// Whether history.csv has a column of that name in every run.
-bool is_history_column(std::string_view name);
+/// The column of history.csv that a probe has. No other column ever begins so.
+std::string probe_column(std::string_view probe);
 
 /// Looks whether the files of a run are those of a checkpoint, without changing them; `saved` is what save() left.
 /// Throws InputError and OutputError.

@@ -8,7 +8,7 @@
 namespace hexaplast::output {
 
 void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-               ElementFields fields, const BoundaryConditions& conditions) {
+               ElementFields fields, const BoundaryConditions& conditions, std::span<const int> regions) {
   const HexMesh& mesh = bodies.mesh();
   const std::span<const unsigned char> alive = bodies.alive();
   const PointArray world = positions;
@@ -27,6 +27,8 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
   };
   keep_alive(hexahedra);
   keep_alive(ids);
+  std::vector<std::int32_t> region(regions.begin(), regions.end());
+  if (!region.empty()) keep_alive(region);
   for (std::vector<double>* values :
        {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
     keep_alive(*values);
@@ -58,6 +60,7 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
     keep_alive(body_of);
     grid.cell_data.insert(grid.cell_data.begin() + 2, scalars("Int32", "body", body_of));
   }
+  if (!region.empty()) grid.cell_data.push_back(scalars("Int32", "region", region));
   grid.write(file);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "picture/bodies.hpp"
 #include "picture/boundary_conditions.hpp"
@@ -14,14 +15,14 @@ namespace hexaplast::output {
 ///   point data: displacement [m], material_position [m], velocity [m/s], and as far as they are given fixed (0 or 1)
 ///               and load [N] (BoundaryConditions)
 ///   cell data:  id, part, of several bodies also body, stress_norm [Pa], plastic_strain [-], yield_stress [Pa],
-///   volume_ratio [-], strain [-]
-///               (ElementFields)
+///               volume_ratio [-], strain [-] (ElementFields), and region where regions are given: the number of the
+///               hexahedron's region
 ///
 /// Cells are the hexahedra that are left; points are all nodes, also those that have lost their last hexahedron. `id`
 /// is a cell's number in the mesh that the run began with: it stays the same, whatever has gone. `part` numbers the
 /// connected pieces of this state, in the order of their first nodes, and `body` the bodies (Bodies::all). yield_stress
 /// is infinite where a hexahedron never yields. fields: those of the body at the positions. Throws OutputError.
 void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-               ElementFields fields, const BoundaryConditions& conditions = {});
+               ElementFields fields, const BoundaryConditions& conditions = {}, std::span<const int> regions = {});
 
 }  // namespace hexaplast::output

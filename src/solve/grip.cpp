@@ -77,6 +77,28 @@ Vec3 Grip::total_force(ConstPoints elongations) const {
   return sum;
 }
 
+Vec3 Grip::total_moment(ConstPoints elongations) const {
+  require_rows("Grip::total_moment", "elongations", elongations, arms.rows());
+  Vec3 sum = Vec3::Zero();
+  for (Eigen::Index i = 0; i < elongations.rows(); ++i) {
+    const Vec3 g = elongations.row(i).transpose();
+    sum += (arms.row(i).transpose() - g).cross(force(g));
+  }
+  return sum;
+}
+
+Vec3 Grip::damping_moment(ConstPoints elongations, const Vec3& tool_velocity, ConstPoints v) const {
+  require_rows("Grip::damping_moment", "elongations", elongations, arms.rows());
+  require_nodes("Grip::damping_moment", nodes, v.rows());
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const Vec3 from_tool = (arms.row(row) - elongations.row(row)).transpose();
+    sum += from_tool.cross(per_node(damping) * (tool_velocity - v.row(nodes[i]).transpose()));
+  }
+  return sum;
+}
+
 void Grip::add_stiffness_product(ConstPoints elongations, double factor, ConstPoints dx, Points df) const {
   require_rows("Grip::add_stiffness_product", "elongations", elongations, arms.rows());
   require_nodes("Grip::add_stiffness_product", nodes, dx.rows());

@@ -82,6 +82,29 @@ TEST_F(Fit, TheForceThatABodyCarriesIsCompared) {
   EXPECT_NEAR(value(0), kModulus, 1);
 }
 
+TEST_F(Fit, IsTheSameForAnyNumberOfRunsAtATime) {
+  write("bar.scn", hexaplast::support::flowing_bar());
+  ASSERT_EQ(hexaplast("run bar.scn --quiet --steps 40 --frames 0 --out truth --set body.yieldStress=110").code, 0);
+  const std::string command =
+      "fit bar.scn --target truth/history.csv --compare world_elongation --free body.yieldStress=20:400 "
+      "--free body.plasticFlowRate=0.1:8 ";
+  std::string first, printed;
+  for (const char* jobs : {"1", "2", "3"}) {
+    const Outcome outcome = hexaplast(command + "--out found --force --jobs " + jobs);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    if (first.empty()) first = content(directory_ / "found/fit.json"), printed = outcome.out;
+    EXPECT_EQ(content(directory_ / "found/fit.json"), first) << jobs;
+    EXPECT_EQ(outcome.out, printed) << jobs;
+  }
+  // values with which the scene does not run count as such wherever they are tried
+  const Outcome failing = hexaplast(
+      "fit bar.scn --target truth/history.csv --compare world_elongation --free body.plasticFlowRate=1.9:100:linear "
+      "--jobs 2");
+  EXPECT_EQ(failing.code, 0) << failing.err;
+  EXPECT_NE(failing.err.find("evaluations failed"), std::string::npos) << failing.err;
+  EXPECT_EQ(hexaplast("fit --help").out.find("worker"), std::string::npos);
+}
+
 TEST_F(Fit, SaysWhatTheCurveDoesNotTell) {
   write("bar.scn", hexaplast::support::pulled_bar());
   write("curve.csv", "force,elongation\n10,0.02\n30,0.06\n50,0.1\n");

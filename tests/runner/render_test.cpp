@@ -244,4 +244,36 @@ TEST_F(Render, MakesFilmsWithFfmpegOrSaysWhyNot) {
   EXPECT_NE(failed.err.find("film.mp4: ffmpeg ended with code 1: no such encoder"), std::string::npos) << failed.err;
 }
 
+TEST_F(Render, ShowsRegionsByTheirNumbersAsFilesHoldThem) {
+  std::string scene = kBar;
+  scene.replace(scene.find("</Node>"), 7,
+                "<MaterialRegion name='ends' indices='0 2' youngModulus='6000'/>"
+                "<MaterialRegion name='top' indices='2' youngModulus='7000'/></Node>");
+  write("regions.scn", scene);
+  ASSERT_EQ(hexaplast("run regions.scn --out regions --frames 1 --field region --quiet").code, 0);
+  const Outcome rendered = hexaplast("render regions -o by_region.png --size 160x90 --field region");
+  EXPECT_EQ(rendered.code, 0) << rendered.err;
+  ASSERT_EQ(hexaplast("render regions -o by_strain.png --size 160x90").code, 0);
+  EXPECT_NE(content(directory_ / "by_region.png"), content(directory_ / "by_strain.png"));
+
+  // the numbers of the file, read back as labels: 1, 0, 2
+  write(
+      "again.scn",
+      "<Node gravity='0 0 0' dt='0.01'><DefaultAnimationLoop/><RunSettings steps='1'/><EulerImplicitSolver/>"
+      "<SparseLDLSolver/><MeshVTKLoader name='loader' filename='regions/mesh_000010.vtu'/><MeshTopology src='@loader'/>"
+      "<MechanicalObject/><DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField "
+      "youngModulus='5000'/><IndicesFromValues name='one' global='@loader.region' values='1' recursiveSearch='true'/>"
+      "<IndicesFromValues name='two' global='@loader.region' values='2' recursiveSearch='true'/>"
+      "<MaterialRegion name='first' indices='@one.indices' youngModulus='1000'/>"
+      "<MaterialRegion name='second' indices='@two.indices' youngModulus='2000'/></Node>");
+  const Outcome again = hexaplast("run again.scn");
+  EXPECT_NE(again.out.find("region first        1 hexahedron"), std::string::npos) << again.out << again.err;
+  EXPECT_NE(again.out.find("region second       1 hexahedron"), std::string::npos) << again.out;
+
+  // a run without regions has no such array
+  const Outcome none = hexaplast("render bar -o by_region.png --field region");
+  EXPECT_EQ(none.code, 3);
+  EXPECT_NE(none.err.find("holds no array 'region' of cells"), std::string::npos) << none.err;
+}
+
 }  // namespace

@@ -56,6 +56,12 @@ struct Grip {
   /// Sum of the forces [N] at some elongations: what the tool exerts on the body.
   Vec3 total_force(ConstPoints elongations) const;
 
+  /// Sum of the moments [N m] about the tool of the same forces, which act where the nodes are.
+  Vec3 total_moment(ConstPoints elongations) const;
+
+  /// The same of the dashpots, at velocities v (num_nodes x 3) [m/s].
+  Vec3 damping_moment(ConstPoints elongations, const Vec3& tool_velocity, ConstPoints v) const;
+
   void add_stiffness_product(ConstPoints elongations, double factor, ConstPoints dx, Points df) const;
   void add_stiffness_blocks(ConstPoints elongations, double factor, BlockMatrix& A) const;
 

@@ -99,6 +99,10 @@ class ImplicitEuler {
   void measure_energy() { measures_energy_ = true; }
   const StepEnergy& energy() const { return energy_; }  ///< of the latest step; zeros where it is not measured
 
+  /// [N] on each node, in the latest step: by which constraints hold nodes or lead them, zero on free degrees of
+  /// freedom. They are exactly what the step's equation lacks there. No rows before a step whose energy is measured.
+  PointArray support_forces() const { return -force_; }  //  theory.md eq. 45
+
  private:
   StepEnergy energy_of_step(MechanicalSystem& system, double time, double h, ConstPoints x, ConstPoints v);
 
@@ -106,10 +110,11 @@ class ImplicitEuler {
   SolverMemory memory_;
   bool measures_energy_ = false;
   StepEnergy energy_;
-  PointArray right_hand_side_, velocity_;                   // [kg m/s] or [N], and [m/s]: dv, then the new velocity
-  PointArray released_, released_product_;                  // scratch: changes of force [N] and product
-  PointArray end_, end_velocity_;                           // scratch: where the step may end
-  PointArray force_, increment_, middle_, product_, load_;  // scratch of energy_of_step
+  PointArray right_hand_side_, velocity_;           // [kg m/s] or [N], and [m/s]: dv, then the new velocity
+  PointArray released_, released_product_;          // scratch: changes of force [N] and product
+  PointArray end_, end_velocity_;                   // scratch: where the step may end
+  PointArray force_ = PointArray(0, 3);             // [N] of the supports, with the sign turned
+  PointArray increment_, middle_, product_, load_;  // scratch of energy_of_step
 };
 
 }  // namespace hexaplast

@@ -19,6 +19,22 @@ inline constexpr Attribute kProjectVelocity{.name = "activate_projectVelocity",
                                             .initial = "false",
                                             .aliases = "projectVelocity",
                                             .help = "Also takes away the velocity that a node begins with."};
+// Outputs that SOFA's constraints do not have.
+inline constexpr Attribute kReaction{
+    .name = "reaction",
+    .type = Type::kVector3,
+    .unit = "N",
+    .access = Access::kOutput,
+    .help =
+        "Sum of the forces on its nodes by which constraints held or led them in the last step: what the equation "
+        "of the step lacks in the directions that are held. Jumps of a prescribed velocity come on top. Only "
+        "EulerImplicitSolver tells it. SOFA has no such output."};
+inline constexpr Attribute kReactionTorque{
+    .name = "reactionTorque",
+    .type = Type::kVector3,
+    .unit = "N m",
+    .access = Access::kOutput,
+    .help = "Moment of these forces about the origin; about another point p it is reactionTorque - p x reaction."};
 inline constexpr Attribute kConstraintTopology =
     ignored_attribute("topology", "Ignored here: nodes keep their numbers.");
 
@@ -27,6 +43,8 @@ inline constexpr Attribute kFixedProjectiveConstraintAttributes[] = {
     kFixAll,
     kProjectVelocity,
     kConstraintTopology,
+    kReaction,
+    kReactionTorque,
     visual_attribute("showObject"),
     visual_attribute("drawSize"),
 };
@@ -47,6 +65,8 @@ inline constexpr Attribute kPartialFixedProjectiveConstraintAttributes[] = {
      .help = "1 for each of x, y, z that is held, 0 where nodes move freely."},
     kProjectVelocity,
     kConstraintTopology,
+    kReaction,
+    kReactionTorque,
     visual_attribute("showObject"),
     visual_attribute("drawSize"),
 };
@@ -79,6 +99,8 @@ inline constexpr Attribute kLinearMovementProjectiveConstraintAttributes[] = {
      .initial = "true",
      .help = "Movements count from the first position of each node; otherwise they are the position itself."},
     kConstraintTopology,
+    kReaction,
+    kReactionTorque,
     visual_attribute("showMovement"),
 };
 inline constexpr Description kLinearMovementProjectiveConstraint{
@@ -100,6 +122,8 @@ inline constexpr Attribute kPartialLinearMovementProjectiveConstraintAttributes[
      .range = {.min = 0, .max = 1},
      .help = "1 for each of x, y, z in which nodes are moved, 0 where they are free."},
     kConstraintTopology,
+    kReaction,
+    kReactionTorque,
     {.name = "linearMovementBetweenNodesInIndices",
      .type = Type::kWord,
      .initial = "false",
@@ -131,6 +155,8 @@ inline constexpr Attribute kAffineMovementProjectiveConstraintAttributes[] = {
              "need not be a rotation."},
     {.name = "translation", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Of the final position."},
     kConstraintTopology,
+    kReaction,
+    kReactionTorque,
     ignored_attribute("meshIndices", "Ignored here."),
     ignored_attribute("quaternion", "Ignored here: it turns rigid bodies only."),
     visual_attribute("drawConstrainedPoints"),

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "scene/region.hpp"
 
@@ -39,6 +40,21 @@ std::vector<RegionFigure> regions_of(scene::Scene& scene) {
     }
   }
   return figures;
+}
+
+std::vector<int> region_numbers(scene::Scene& scene, const output::Bodies& bodies) {
+  std::vector<int> numbers;
+  int number = 0;
+  for (scene::MaterialRegion* region : scene.root().all<scene::MaterialRegion>()) {
+    ++number;
+    const Body* body = region->field() ? region->field()->body() : nullptr;
+    const auto owner = std::ranges::find(bodies.all(), body, &output::Bodies::Entry::body);
+    if (owner == bodies.all().end()) continue;
+    numbers.resize(static_cast<std::size_t>(bodies.mesh().num_elements()), 0);
+    for (const int hexahedron : region->hexahedra())
+      numbers[static_cast<std::size_t>(owner->first_hexahedron + hexahedron)] = number;
+  }
+  return numbers;
 }
 
 std::string describe(const RegionFigure& region) {

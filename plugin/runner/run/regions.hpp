@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "picture/bodies.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::runner {
@@ -25,6 +26,10 @@ struct RegionFigure {
 
 /// Those of a scene that is ready, in its order.
 std::vector<RegionFigure> regions_of(scene::Scene& scene);
+
+/// Of each hexahedron of a body, the region in that order, from 1, whose values it has; 0: it is in none. Empty: the
+/// body has no region.
+std::vector<int> region_numbers(scene::Scene& scene, const output::Bodies& bodies);
 
 /// "12 hexahedra, youngModulus 30000 Pa, yieldStress 2000 to 2500 Pa"
 std::string describe(const RegionFigure& region);

@@ -89,6 +89,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
+  if (simulation.bodies()) plan.regions = region_numbers(simulation.scene(), *simulation.bodies());
   plan.staging = staging_of(simulation);
   plan.staging.quantity = quantity_named(options.field);
   if (options.video) plan.video = place_of(*options.video, options, plan.inputs);

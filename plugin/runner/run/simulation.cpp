@@ -14,17 +14,6 @@ namespace hexaplast::runner {
 
 namespace {
 
-/// Probes, whose names are free to be columns of history.csv.
-std::vector<scene::Probe*> accepted_probes(scene::Scene& scene) {
-  std::vector<scene::Probe*> probes = probes_of(scene);
-  for (const scene::Probe* probe : probes)
-    if (output::is_history_column(probe->name()))
-      throw scene::SceneError(scene::format_error(
-          probe->place(),
-          fmt::format("Probe '{}': history.csv has a column of that name in every run", probe->name())));
-  return probes;
-}
-
 double reading_of(scene::Probe& probe) {
   try {
     return probe.read();
@@ -111,7 +100,7 @@ Simulation::Simulation(const SceneOptions& options)
       solvers_(required(scene_.root().all<scene::OdeSolver>(), scene_, "time integrator")),
       scene_bodies_(scene::bodies_of(scene_)),
       shown_states_(scene_bodies_.empty() ? states_ : states_of(scene_bodies_)),
-      probes_(accepted_probes(scene_)),
+      probes_(probes_of(scene_)),
       scene_identity_(identity_of(scene_)) {
   if (scene::Component* settings = find_settings(scene_)) {
     output_every_ = settings->integer("outputEvery");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -8,22 +9,40 @@
 /// Least squares over a box, for functions that take a whole simulation to evaluate and have no derivatives.
 namespace hexaplast::runner {
 
-/// Differences between what is computed and what is wanted, as shares of what is wanted; the argument holds parameters
-/// in [0, 1]. None: there is no result at these parameters.
-using Residuals = std::function<std::optional<std::vector<double>>(const std::vector<double>&)>;
+/// Parameters, each in [0, 1].
+using Point = std::vector<double>;
+
+/// Differences between what is computed and what is wanted, as shares of what is wanted, at several points at once,
+/// which may be found at the same time. None: there is no result at that point.
+using Residuals = std::function<std::vector<std::optional<std::vector<double>>>(const std::vector<Point>&)>;
 
 struct Calibration {
-  std::vector<double> best;   ///< parameters, in [0, 1]
-  double mean_square = 0;     ///< of the residuals there
-  int num_evaluations = 0;    ///< of the residuals
-  int num_failed = 0;         ///< evaluations without result
-  bool is_converged = false;  ///< false: it ended because of the number of evaluations
+  Point best;
+  std::vector<double> residuals;  ///< there
+  double mean_square = 0;         ///< of these
+  int num_evaluations = 0;        ///< points at which residuals were asked for
+  int num_failed = 0;             ///< of them: without result
+  bool is_converged = false;      ///< false: it ended because of the number of evaluations
 };
 
-/// The parameters of least mean square, by NLopt, from `start` (which has a result) on. `follow` is told the number of
-/// evaluations and the least root mean square so far. What the residuals throw passes through.
-Calibration calibrate(const Residuals& residuals, const std::vector<double>& start, int most_evaluations,
+struct CalibrationOptions {
+  int most_evaluations = 200;
+  bool looks_around = true;  ///< begins at the best of some points around the start
+};
+
+/// The parameters of least mean square, by Levenberg and Marquardt's method with differences for slopes, from `start`
+/// (which has a result) on. What it asks for does not depend on how many points are evaluated at the same time.
+/// `follow` is told the number of evaluations and the least root mean square so far. What the residuals throw passes
+/// through.
+Calibration calibrate(const Residuals& residuals, const Point& start, const CalibrationOptions& options,
                       const std::function<void(int, double)>& follow);
+
+/// The most points that calibrate and slopes_at ask for at once.
+int largest_batch(std::size_t num_parameters);
+
+/// Slopes of the residuals (rows) over the parameters (columns) at a point that has `residuals_there`, by differences:
+/// from both sides where both lie within the box and have results.
+Eigen::MatrixXd slopes_at(const Residuals& residuals, const Point& at, const std::vector<double>& residuals_there);
 
 /// How far a parameter can move before the residuals move by `distance` (root mean square), by their slopes.
 struct Uncertainty {
@@ -31,7 +50,7 @@ struct Uncertainty {
   double together = 0;  ///< the others moving along as they will: not less than `alone`
 };
 
-/// Of every parameter at `at`; evaluates the residuals once or twice per parameter.
-std::vector<Uncertainty> uncertainties(const Residuals& residuals, const std::vector<double>& at, double distance);
+/// Of every parameter.
+std::vector<Uncertainty> uncertainties(const Eigen::MatrixXd& slopes, double distance);
 
 }  // namespace hexaplast::runner

@@ -190,11 +190,11 @@ std::vector<std::vector<double>> Experiment::run(const std::vector<std::string>&
   return found;
 }
 
-std::vector<double> Experiment::residuals(const std::vector<std::vector<double>>& values) const {
+std::vector<double> Experiment::residuals(const std::vector<double>& values) const {
   std::vector<double> residuals;
-  for (std::size_t c = 0; c < values.size(); ++c)
-    for (std::size_t row = 0; row < values[c].size(); ++row)
-      residuals.push_back((values[c][row] - target_.columns[c].values[row]) / greatest_[c]);
+  for (std::size_t c = 0; c < target_.columns.size(); ++c)
+    for (const double wanted : target_.columns[c].values)
+      residuals.push_back((values[residuals.size()] - wanted) / greatest_[c]);
   return residuals;
 }
 

@@ -2,20 +2,16 @@
 #include "runner/study/fit.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <spdlog/sinks/sink.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
 
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/formats/text.hpp"
-#include "page/history_panels.hpp"
-#include "page/panel_grids.hpp"
 #include "record/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/common_options.hpp"
@@ -24,53 +20,18 @@
 #include "runner/run/progress.hpp"
 #include "runner/run/scene_record.hpp"
 #include "runner/standard_output.hpp"
-#include "runner/study/calibration.hpp"
+#include "runner/study/evaluations.hpp"
 #include "runner/study/experiment.hpp"
-#include "runner/study/free_attribute.hpp"
+#include "runner/study/fit_result.hpp"
+#include "scene/reader.hpp"
 
 namespace hexaplast::runner {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Curves = std::vector<std::vector<double>>;  // per column of the target, per row
-
-constexpr double kCloseness = 0.01;   // relative root mean square by which curves are told apart
-constexpr double kHardlyKnown = 0.5;  // of the way between the limits: a value that may move so far is not determined
-constexpr double kAtTheLimit = 1e-3;  // of that way
-
-/// What has been found of a free attribute.
-struct Found {
-  FreeAttribute free;
-  double value;
-  Uncertainty uncertainty;  // in shares of the way between the limits
-
-  bool is_at_limit() const {
-    const double share = free.fraction(value);
-    return share < kAtTheLimit || share > 1 - kAtTheLimit;
-  }
-  double from() const { return free.value(std::max(free.fraction(value) - uncertainty.together, 0.0)); }
-  double to() const { return free.value(std::min(free.fraction(value) + uncertainty.together, 1.0)); }
-};
-
-struct Result {
-  std::vector<Found> found;
-  Calibration calibration;
-  Curves start, fitted;
-  std::vector<double> residuals;  // of fitted, relative
-
-  double relative_rms() const {
-    double sum = 0;
-    for (const double r : residuals) sum += r * r;
-    return std::sqrt(sum / static_cast<double>(residuals.size()));
-  }
-};
-
-std::vector<std::string> assignments(const std::vector<FreeAttribute>& free, const std::vector<double>& shares) {
-  std::vector<std::string> words;
-  for (std::size_t p = 0; p < free.size(); ++p)
-    words.push_back(fmt::format("{}={}", free[p].name, written(free[p].value(shares[p]))));
-  return words;
-}
+constexpr int kMostWeightings = 3;          // searches with weights from the noise of the one before
+constexpr double kLeastNoise = 1e-3;        // of the noisiest column: one that has less weighs no more
+constexpr double kSameNoise = 1.3;          // factor between columns up to which weights change nothing worthwhile
+constexpr double kNoNoiseToWeighBy = 1e-6;  // of the largest value
 
 std::vector<FreeAttribute> read_free(const FitOptions& options, std::string& scene_hash) {
   scene::Scene scene = read_scene(options.scene);
@@ -99,96 +60,163 @@ class QuietRuns {
   spdlog::level::level_enum level_ = sink().level();
 };
 
-Result carry_out(const Experiment& experiment, const std::vector<FreeAttribute>& free, const FitOptions& options) {
-  std::vector<double> start;
-  for (const FreeAttribute& one : free) start.push_back(one.start());
-  Result result;
-  result.start = experiment.run(assignments(free, start));  // what is wrong with it is wrong with the scene
+using Weights = std::vector<double>;  // per column of the target
 
-  const QuietRuns quiet;
-  const Residuals residuals = [&](const std::vector<double>& shares) -> std::optional<std::vector<double>> {
-    try {
-      return experiment.residuals(experiment.run(assignments(free, shares)));
-    } catch (const NumericalError&) {
-      return {};
-    } catch (const scene::SceneError&) {  // values that do not go together
-      return {};
-    } catch (const InputError&) {
-      return {};
+/// Residuals of the columns, each times its weight.
+std::vector<double> weighted(std::vector<double> residuals, const Weights& weights) {
+  const std::size_t num_rows = residuals.size() / weights.size();
+  for (std::size_t k = 0; k < residuals.size(); ++k) residuals[k] *= weights[k / num_rows];
+  return residuals;
+}
+
+/// The inverse of deviations, as far as they are worth telling apart.
+Weights inverse(const std::vector<double>& deviations) {
+  const double most = std::ranges::max(deviations);
+  Weights weights;
+  for (const double deviation : deviations)
+    weights.push_back(most > kNoNoiseToWeighBy ? most / std::max(deviation, kLeastNoise * most) : 1);
+  return weights;
+}
+
+/// By the noise that curves show by themselves: how far rows lie from the middle of their neighbours, in the median. A
+/// search that begins with them does not follow the noise of one column away from what another one tells.
+Weights first_weights(const Experiment& experiment) {
+  std::vector<double> deviations;
+  for (std::size_t c = 0; c < experiment.target().columns.size(); ++c) {
+    const std::vector<double>& values = experiment.target().columns[c].values;
+    std::vector<double> bends = {0};
+    for (std::size_t row = 1; row + 1 < values.size(); ++row)
+      bends.push_back(std::abs(values[row] - (values[row - 1] + values[row + 1]) / 2));
+    std::ranges::nth_element(bends, bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2));
+    deviations.push_back(bends[bends.size() / 2] / experiment.greatest(c));
+  }
+  return inverse(deviations);
+}
+
+/// By the noise that a fit with the weights `now` has left; none where they would be much the same.
+std::optional<Weights> weights_by(const std::vector<CurveNoise>& noise, const Weights& now) {
+  std::vector<double> deviations;
+  for (std::size_t c = 0; c < noise.size(); ++c) deviations.push_back(noise[c].deviation / now[c]);
+  const Weights weights = inverse(deviations);
+  double change = 1;
+  for (std::size_t c = 0; c < noise.size(); ++c) {
+    const double factor = weights[c] / now[c] / (weights[0] / now[0]);
+    change = std::max({change, factor, 1 / factor});
+  }
+  if (change < kSameNoise) return {};
+  return weights;
+}
+
+/// The search for the best point, and what is known of it.
+class FitSearch {
+ public:
+  FitSearch(const Experiment& experiment, const std::vector<FreeAttribute>& free, const FitOptions& options,
+            Evaluations& evaluations)
+      : experiment_(experiment),
+        free_(free),
+        options_(options),
+        evaluations_(evaluations),
+        weights_(first_weights(experiment)) {}
+
+  FitResult carry_out() {
+    Point start;
+    for (const FreeAttribute& one : free_) start.push_back(one.start());
+    FitResult result;
+    result.start = evaluations_.first(start);  // what is wrong with it is wrong with the scene
+
+    const QuietRuns quiet;
+    result.calibration = find_best(start, true, options_.evaluations);
+    Eigen::MatrixXd slopes = find_slopes(result.calibration);
+    for (int round = 0; round < kMostWeightings && weights_.size() > 1; ++round) {
+      const Confidence confidence = confidence_in(result.calibration, slopes);
+      const int left = options_.evaluations - result.calibration.num_evaluations;
+      const std::optional<Weights> weights =
+          confidence.has_noise ? weights_by(confidence.noise, weights_) : std::nullopt;
+      if (!weights || left < 1) break;
+      weights_ = *weights;
+      Calibration again = find_best(result.calibration.best, false, left);
+      again.num_evaluations += result.calibration.num_evaluations;
+      again.num_failed += result.calibration.num_failed;
+      result.calibration = std::move(again);
+      slopes = find_slopes(result.calibration);
     }
-  };
-  Progress progress(options.evaluations, true);
-  result.calibration = calibrate(residuals, start, options.evaluations, [&](int done, double rms) {
-    progress.show(done, fmt::format("residual {:.4f} %", 100 * rms));
-  });
-  const std::vector<double>& best = result.calibration.best;
-  const std::vector<Uncertainty> uncertainty = uncertainties(residuals, best, kCloseness);
-  progress.clear();
-
-  for (std::size_t p = 0; p < free.size(); ++p)
-    result.found.push_back({free[p], std::stod(written(free[p].value(best[p]))), uncertainty[p]});
-  result.fitted = experiment.run(assignments(free, best));
-  result.residuals = experiment.residuals(result.fitted);
-  return result;
-}
-
-std::vector<std::string> warnings_of(const Result& result, const FitOptions& options) {
-  std::vector<std::string> warnings;
-  const auto add = [&](std::string text) { warnings.push_back(std::move(text)); };
-  for (const Found& found : result.found) {
-    const std::string interval =
-        fmt::format("anywhere from {} to {} {}", written(found.from()), written(found.to()), found.free.unit);
-    if (found.uncertainty.alone > kHardlyKnown)
-      add(fmt::format("{} hardly matters here: the curve stays within {:g} % of itself {}", found.free.name,
-                      100 * kCloseness, interval));
-    else if (found.uncertainty.together > kHardlyKnown)
-      add(
-          fmt::format("{} cannot be told apart from the others: with them adjusted, the curve stays within {:g} % of "
-                      "itself {}",
-                      found.free.name, 100 * kCloseness, interval));
-    if (found.is_at_limit()) add(fmt::format("{} is at its limit: the best value may lie beyond", found.free.name));
+    progress_.clear();
+    tell(result, slopes);
+    return result;
   }
-  if (!result.calibration.is_converged)
-    add(fmt::format("stopped after {} evaluations before it had settled; --evaluations allows more",
-                    options.evaluations));
-  if (result.calibration.num_failed > 0)
-    add(fmt::format("{} of {} evaluations failed: the limits hold values with which the scene does not run",
-                    result.calibration.num_failed, result.calibration.num_evaluations));
-  return warnings;
-}
 
-/// [unit] of a column, root mean square of its differences.
-double rms_of(const std::vector<double>& values, const std::vector<double>& wanted) {
-  double sum = 0;
-  for (std::size_t row = 0; row < values.size(); ++row)
-    sum += (values[row] - wanted[row]) * (values[row] - wanted[row]);
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-std::vector<std::string> set_words(const Result& result) {
-  std::vector<std::string> words;
-  for (const Found& found : result.found)
-    words.push_back(fmt::format("--set {}={}", found.free.name, written(found.value)));
-  return words;
-}
-
-void print(const Result& result, const TargetCurve& target, const FitOptions& options) {
-  fmt::print("{}: fitted to {}, {} rows\n", printable_line(options.scene.file.stem().string()),
-             printable_line(target.file.string()), target.num_rows());
-  std::size_t width = 0;
-  for (const Found& found : result.found) width = std::max(width, found.free.name.size());
-  for (const Found& found : result.found)
-    fmt::print("  {:<{}}  {} {}  (within {:g} % of the curve: {} to {})\n", printable_line(found.free.name), width,
-               written(found.value), found.free.unit, 100 * kCloseness, written(found.from()), written(found.to()));
-  for (std::size_t c = 0; c < target.columns.size(); ++c) {
-    const TargetCurve::Column& column = target.columns[c];
-    fmt::print("  {:<{}}  {} {} root mean square\n", column.name, width,
-               written(rms_of(result.fitted[c], target.columns[c].values)), column.unit);
+ private:
+  Residuals residuals() {
+    return [this](const std::vector<Point>& points) {
+      std::vector<std::optional<std::vector<double>>> found = evaluations_.at(points);
+      for (std::optional<std::vector<double>>& values : found)
+        if (values) values = weighted(experiment_.residuals(*values), weights_);
+      return found;
+    };
   }
-  fmt::print("  {:<{}}  {:.4f} % of the largest value\n", "residual", width, 100 * result.relative_rms());
-  fmt::print("  {:<{}}  {}\n", "evaluations", width, result.calibration.num_evaluations);
-  fmt::print("{}\n", printable_line(fmt::format("{}", fmt::join(set_words(result), " "))));
-}
+
+  Calibration find_best(const Point& start, bool looks_around, int most_evaluations) {
+    const int before = num_evaluations_;
+    return calibrate(residuals(), start, {.most_evaluations = most_evaluations, .looks_around = looks_around},
+                     [&](int done, double rms) {
+                       num_evaluations_ = before + done;
+                       progress_.show(num_evaluations_, fmt::format("residual {:.4f} %", 100 * rms));
+                     });
+  }
+  Eigen::MatrixXd find_slopes(const Calibration& calibration) {
+    return slopes_at(residuals(), calibration.best, calibration.residuals);
+  }
+
+  Confidence confidence_in(const Calibration& calibration, const Eigen::MatrixXd& slopes) const {
+    std::vector<Eigen::Index> estimated;
+    for (std::size_t p = 0; p < free_.size(); ++p)
+      if (!is_limit(calibration.best[p])) estimated.push_back(static_cast<Eigen::Index>(p));
+    const std::vector<double>& r = calibration.residuals;
+    return confidence_of(slopes, Eigen::Map<const Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())),
+                         static_cast<Eigen::Index>(experiment_.target().num_rows()), estimated, kHardlyKnown);
+  }
+
+  /// What has been found of the parameters and the columns.
+  void tell(FitResult& result, const Eigen::MatrixXd& slopes) {
+    const TargetCurve& target = experiment_.target();
+    const Point& best = result.calibration.best;
+    result.confidence = confidence_in(result.calibration, slopes);
+    Eigen::MatrixXd unweighted = slopes;
+    const auto num_rows = static_cast<Eigen::Index>(target.num_rows());
+    for (std::size_t c = 0; c < weights_.size(); ++c) {
+      unweighted.middleRows(static_cast<Eigen::Index>(c) * num_rows, num_rows) /= weights_[c];
+      result.confidence.noise[c].deviation *= experiment_.greatest(c) / weights_[c];
+    }
+    const std::vector<Uncertainty> uncertainty = uncertainties(unweighted, kCloseness);
+    for (std::size_t p = 0; p < free_.size(); ++p)
+      result.found.push_back({.free = free_[p],
+                              .value = std::stod(written(free_[p].value(best[p]))),
+                              .uncertainty = uncertainty[p],
+                              .half_width = result.confidence.half_width[p]});
+
+    result.fitted = evaluations_.first(best);
+    const std::vector<double> differences = experiment_.residuals(result.fitted);
+    double sum = 0;
+    for (std::size_t c = 0; c < target.columns.size(); ++c) {
+      double of_column = 0;
+      for (std::size_t row = 0; row < target.num_rows(); ++row) {
+        const double difference = differences[c * target.num_rows() + row];
+        of_column += difference * difference;
+      }
+      result.rms.push_back(experiment_.greatest(c) * std::sqrt(of_column / static_cast<double>(target.num_rows())));
+      sum += of_column;
+    }
+    result.relative_rms = std::sqrt(sum / static_cast<double>(differences.size()));
+  }
+
+  const Experiment& experiment_;
+  const std::vector<FreeAttribute>& free_;
+  const FitOptions& options_;
+  Evaluations& evaluations_;
+  Weights weights_;
+  Progress progress_{options_.evaluations, true};
+  int num_evaluations_ = 0;
+};
 
 /// What a fit writes, opened before the first evaluation, so that a long one does not end in a file that cannot be
 /// written.
@@ -210,67 +238,18 @@ void prepare_place(const std::filesystem::path& directory, bool force) {
           fmt::format("{}: holds an earlier fit ({}); --force replaces it", directory.string(), name));
 }
 
-void write_json(output::WholeFile& out, const Result& result, const TargetCurve& target, const std::string& scene_hash,
-                const std::vector<std::string>& warnings, const FitOptions& options) {
-  Json json = {{"scene", options.scene.file.string()},
-               {"scene_hash", scene_hash},
-               {"overrides", options.scene.overrides},
-               {"target", target.file.string()},
-               {"rows", target.num_rows()},
-               {"relative_rms", result.relative_rms()},
-               {"columns", Json::array()},
-               {"evaluations", result.calibration.num_evaluations},
-               {"failed_evaluations", result.calibration.num_failed},
-               {"converged", result.calibration.is_converged},
-               {"parameters", Json::array()}};
-  for (std::size_t c = 0; c < target.columns.size(); ++c) {
-    const TargetCurve::Column& column = target.columns[c];
-    json["columns"].push_back(
-        {{"name", column.name}, {"unit", column.unit}, {"rms", rms_of(result.fitted[c], target.columns[c].values)}});
-  }
-  const auto number_or_null = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
-  for (const Found& found : result.found)
-    json["parameters"].push_back({{"attribute", found.free.name},
-                                  {"unit", found.free.unit},
-                                  {"value", found.value},
-                                  {"least", found.free.min},
-                                  {"most", found.free.max},
-                                  {"scale", found.free.is_logarithmic ? "log" : "linear"},
-                                  {"start", found.free.value(found.free.start())},
-                                  {"known_from", found.from()},
-                                  {"known_to", found.to()},
-                                  {"leeway_alone", number_or_null(found.uncertainty.alone)},
-                                  {"leeway_together", number_or_null(found.uncertainty.together)}});
-  json["set"] = fmt::format("{}", fmt::join(set_words(result), " "));
-  json["warnings"] = warnings;
-  out.write(json.dump(1) + "\n");
-  out.commit();
-}
+/// How many runs at a time, and threads of each.
+struct Split {
+  int jobs, threads;
+};
 
-void draw(output::WholeFile& file, const Result& result, const TargetCurve& target, const FitOptions& options) {
-  const output::CurveColours colours;
-  const bool is_over_time = !target.times.empty();
-  std::vector<output::PanelGrid> grids;
-  for (std::size_t c = 0; c < target.columns.size(); ++c) {
-    const TargetCurve::Column& column = target.columns[c];
-    const auto curve = [&](const char* name, std::string_view colour, std::vector<double> values, bool is_measured) {
-      for (double& value : values) value *= column.shown_scale;
-      return output::Curve{.name = name,
-                           .colour = std::string(colour),
-                           .values = std::move(values),
-                           .has_line = !is_measured,
-                           .has_dots = is_measured};
-    };
-    output::Series series{.x = is_over_time ? target.times : target.forces,
-                          .curves = {curve("before", "#a5adb8", result.start[c], false),
-                                     curve("target", colours.first, target.columns[c].values, true),
-                                     curve("fitted", colours.second, result.fitted[c], false)}};
-    output::Panel panel{.least_span = 1e-9,
-                        .across = {.label = is_over_time ? "time [s]" : "force [N]"},
-                        .series = {std::move(series)}};
-    grids.push_back({std::string(column.label), {std::move(panel)}});
-  }
-  output::write_panel_grids(file, options.scene.file.stem().string(), grids);
+Split split_of(const FitOptions& options) {
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Split split{.jobs = options.jobs, .threads = options.threads.value_or(1)};
+  if (split.jobs == 0) split.jobs = std::max(1, processors / split.threads);
+  split.jobs = std::min(split.jobs, largest_batch(options.free.size()));
+  if (!options.threads) split.threads = std::max(1, processors / split.jobs);
+  return split;
 }
 
 }  // namespace
@@ -304,27 +283,39 @@ CLI::App* add_fit(CLI::App& app, FitOptions& options) {
           "Steps of the run that a curve over force is compared with; default: those of the scene's RunSettings")
       ->type_name("N")
       ->check(CLI::Range(1L, 1'000'000L));
-  add_threads(*command, options.threads);
+  command->add_option("--jobs", options.jobs, "Runs at a time; otherwise as many as there are processors")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  add_threads(*command, options.threads, "Threads of each run; results do not depend on it");
   command->add_flag("--force", options.force, "Write over an earlier fit")->needs(out);
+  command->add_flag("--worker", options.is_worker)->group("");  // for processes that a fit starts itself
   return command;
 }
 
 int fit(const FitOptions& options) {
   watch_signals();
-  if (options.threads) set_num_threads(*options.threads);
+  const Split split = split_of(options);
+  set_num_threads(split.threads);
   std::string scene_hash;
   const std::vector<FreeAttribute> free = read_free(options, scene_hash);
   TargetCurve target = read_target(options.target, options.compare);
-  if (options.out) prepare_place(*options.out, options.force);
+  if (options.out && !options.is_worker) prepare_place(*options.out, options.force);
 
   try {
-    std::vector<double> start;
+    Point start;
     for (const FreeAttribute& one : free) start.push_back(one.start());
+    if (options.is_worker) {
+      const QuietRuns quiet;
+      const Experiment experiment(options.scene, std::move(target), options.steps, assignments(free, start));
+      serve([&](const Point& point) { return evaluate(experiment, free, point); });
+      return kOk;
+    }
     const Experiment experiment(options.scene, std::move(target), options.steps, assignments(free, start));
     std::optional<FitFiles> files;
     if (options.out) files.emplace(*options.out, experiment.inputs());
-    const Result result = carry_out(experiment, free, options);
-    const std::vector<std::string> warnings = warnings_of(result, options);
+    Evaluations evaluations(experiment, free, split.jobs, split.threads);
+    const FitResult result = FitSearch(experiment, free, options, evaluations).carry_out();
+    const std::vector<std::string> warnings = warnings_of(result, experiment.target(), options.evaluations);
     print(result, experiment.target(), options);
     if (files) {
       write_json(files->json, result, experiment.target(), scene_hash, warnings, options);
@@ -334,7 +325,7 @@ int fit(const FitOptions& options) {
     for (const std::string& warning : warnings) spdlog::warn("warning: {}", warning);
     return kOk;
   } catch (const Interrupted&) {
-    spdlog::warn("warning: ended by signal {}; nothing is written", requested_signal());
+    if (!options.is_worker) spdlog::warn("warning: ended by signal {}; nothing is written", requested_signal());
     return kSignalled + requested_signal();
   }
 }

@@ -19,9 +19,11 @@ struct FitOptions {
   std::vector<std::string> free;             ///< PATH.attribute=lo:hi[:log|:linear]
   std::optional<std::filesystem::path> out;  ///< directory of fit.json and fit.svg; none are written without it
   std::optional<long> steps;                 ///< of curves over force, otherwise from the scene's RunSettings
-  std::optional<int> threads;
-  int evaluations = 200;  ///< runs of the scene at most, without those that tell how well the values are known
-  bool force = false;     ///< write over an earlier fit; needs `out`
+  int jobs = 0;                              ///< runs at a time; 0: as many as there are processors
+  std::optional<int> threads;                ///< of each run
+  int evaluations = 200;   ///< runs of the scene at most, without those that tell how well the values are known
+  bool force = false;      ///< write over an earlier fit; needs `out`
+  bool is_worker = false;  ///< answers another fit's questions (worker.hpp)
 };
 
 /// Adds the subcommand with the options that are its own.

@@ -22,12 +22,13 @@ constexpr std::array<QuantityEntry, 5> kQuantities{{
     {Quantity::kPlasticTwist, "plastic_twist_deg", "deg", "plastic twist [°]", 1},
     {Quantity::kForce, "force", "N", "force [N]", 1},
 }};
+constexpr std::string_view kProbe = "probe_";  // what history.csv puts before the name of a probe
 constexpr std::string_view kWorld = "world_";  // what history.csv calls the first two
 constexpr std::size_t kLeastRows = 2;
 
-/// A column without values. What is none of the quantities is a probe of that name.
+/// A column without values. What is none of the quantities is a probe, called so with or without kProbe.
 TargetCurve::Column column_named(std::string_view column) {
-  const std::string_view name = column;
+  std::string_view name = column;
   const bool is_world = column.starts_with(kWorld);
   if (is_world) column.remove_prefix(kWorld.size());
   for (const QuantityEntry& entry : kQuantities)
@@ -39,6 +40,7 @@ TargetCurve::Column column_named(std::string_view column) {
               .label = std::string(entry.label),
               .shown_scale = entry.shown_scale,
               .values = {}};
+  if (name.starts_with(kProbe)) name.remove_prefix(kProbe.size());
   return {
       .quantity = Quantity::kProbe, .name = std::string(name), .unit = {}, .label = std::string(name), .values = {}};
 }

@@ -44,8 +44,8 @@ struct TargetCurve {
 
 /// Reads a CSV file: a line of column names, then rows of numbers; empty lines and those that begin with # are passed
 /// over. `compare` names the columns that are compared; empty: all but the first of time and force that the file has.
-/// Names that are none of quantities() are taken for those of probes. Throws FileError where the file cannot be read,
-/// and SceneError with file and line.
+/// Names that are none of quantities() are taken for those of probes, also as columns of history.csv have them. Throws
+/// FileError where the file cannot be read, and SceneError with file and line.
 TargetCurve read_target(const std::filesystem::path& file, const std::vector<std::string>& compare);
 
 }  // namespace hexaplast::runner

@@ -27,6 +27,7 @@ public:
     Data<SReal> d_damping;                                   ///< [N s/m] of the grip as a whole
     Data<sofa::type::vector<sofa::Index>> d_grasped;         ///< output: nodes that it holds
     Data<sofa::type::Vec3> d_force;                          ///< output [N]: what the tool exerted
+    Data<sofa::type::Vec3> d_torque;                         ///< output [N m]: its moment about the tool
 
     bool hasPart() const override { return m_grasp.has_value(); }
     bool isInMatrix() const override { return m_grasp->is_closed(); }

@@ -23,7 +23,8 @@ GraspForceField<TDataTypes>::GraspForceField()
       d_maxForce(from_table(*this, d_maxForce, row(attributes::kGraspForceField, "maxForce"), "Grip")),
       d_damping(from_table(*this, d_damping, row(attributes::kGraspForceField, "damping"), "Grip")),
       d_grasped(from_table(*this, d_grasped, row(attributes::kGraspForceField, "grasped"))),
-      d_force(from_table(*this, d_force, row(attributes::kGraspForceField, "force")))
+      d_force(from_table(*this, d_force, row(attributes::kGraspForceField, "force"))),
+      d_torque(from_table(*this, d_torque, row(attributes::kGraspForceField, "torque")))
 {
 }
 
@@ -81,6 +82,7 @@ void GraspForceField<TDataTypes>::showOutputs()
     d_grasped.beginWriteOnly()->assign(held.begin(), held.end());
     d_grasped.endEdit();
     d_force.setValue(vec3(m_grasp->force()));
+    d_torque.setValue(vec3(m_grasp->torque()));
 }
 
 template <class TDataTypes>

@@ -56,6 +56,8 @@ public:
     Data<VecReal> d_plasticStrain;                                      ///< output, of each hexahedron
     Data<VecReal> d_presentYieldStress;                                 ///< output [Pa], of each hexahedron
     Data<VecReal> d_volumeRatio;                                        ///< output, of each hexahedron
+    Data<VecReal> d_volume;                                             ///< output, of each hexahedron [m^3]
+    Data<VecReal> d_plasticVolume;                                      ///< output, of each hexahedron [m^3]
     Data<sofa::type::vector<sofa::type::Vec3>> d_plasticRestPositions;  ///< output [m]: of the nodes
     Data<sofa::type::vector<sofa::Index>> d_removed;                    ///< output: hexahedra that are gone
 

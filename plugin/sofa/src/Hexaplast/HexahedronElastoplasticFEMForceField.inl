@@ -14,6 +14,7 @@
 #include <numeric>
 
 #include "attributes/hexaplast.hpp"
+#include "hexaplast/element_values.hpp"
 #include "hexaplast/mesh/faces.hpp"
 
 namespace hexaplast::sofa_plugin
@@ -68,6 +69,8 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
       d_plasticStrain(fromRow(d_plasticStrain, "plasticStrain")),
       d_presentYieldStress(fromRow(d_presentYieldStress, "presentYieldStress")),
       d_volumeRatio(fromRow(d_volumeRatio, "volumeRatio")),
+      d_volume(fromRow(d_volume, "volume")),
+      d_plasticVolume(fromRow(d_plasticVolume, "plasticVolume")),
       d_plasticRestPositions(fromRow(d_plasticRestPositions, "plasticRestPositions")),
       d_removed(fromRow(d_removed, "removed")),
       d_drawPlasticRestShape(
@@ -81,6 +84,8 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
     m_outputs.addOutput(&d_plasticStrain);
     m_outputs.addOutput(&d_presentYieldStress);
     m_outputs.addOutput(&d_volumeRatio);
+    m_outputs.addOutput(&d_volume);
+    m_outputs.addOutput(&d_plasticVolume);
     m_outputs.addOutput(&d_plasticRestPositions);
     m_outputs.addOutput(&d_removed);
 }
@@ -235,7 +240,6 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::addStiffnessBlocks(double
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::computeOutputs()
 {
-    const ElementFields fields = body()->fields(view(this->mstate->readPositions().ref()));
     const auto show = [&](const std::vector<double>& values, Data<VecReal>& output)
     {
         VecReal& shown = *output.beginWriteOnly();
@@ -243,9 +247,11 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::computeOutputs()
         for (const int e : m_original) shown.push_back(values[e]);
         output.endEdit();
     };
-    show(fields.plastic_strain, d_plasticStrain);
-    show(fields.yield_stress, d_presentYieldStress);
-    show(fields.volume_ratio, d_volumeRatio);
+    show(plastic_strains(*body()), d_plasticStrain);
+    show(present_yield_stresses(*body()), d_presentYieldStress);
+    show(plastic_volume_ratios(*body()), d_volumeRatio);
+    show(element_volumes(*body(), view(this->mstate->readPositions().ref())), d_volume);
+    show(element_volumes(*body(), body()->plastic_rest_positions()), d_plasticVolume);
 
     const PointArray& material = body()->plastic_rest_positions();
     auto& positions = *d_plasticRestPositions.beginWriteOnly();

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "record/files.hpp"
+#include "runner/study/calibration.hpp"
+#include "runner/study/confidence.hpp"
+#include "runner/study/fit.hpp"
+#include "runner/study/free_attribute.hpp"
+#include "runner/study/target_curve.hpp"
+
+namespace hexaplast::runner {
+
+/// What has been found of a free attribute.
+struct Found {
+  FreeAttribute free;
+  double value = 0;
+  Uncertainty uncertainty = {};  ///< by the slopes of the curve, in shares of the way between the limits
+  double half_width = 0;         ///< of the 95 % interval, in the same; infinite: none
+
+  bool is_at_limit() const;
+  bool has_interval() const;  ///< of 95 %
+
+  /// The value at a distance, in shares of the way between the limits, not beyond them.
+  double moved(double distance) const;
+};
+
+/// What a fit has found out.
+struct FitResult {
+  std::vector<Found> found;
+  Calibration calibration;
+  Confidence confidence;         ///< noise in the unit of its curve
+  std::vector<double> start;     ///< values of the curves, column after column, at the first values
+  std::vector<double> fitted;    ///< at the best ones
+  std::vector<double> rms = {};  ///< of the differences that remain, per column, in its unit
+  double relative_rms = 0;       ///< of all, as shares of the largest value of each column
+};
+
+/// By how much the residuals change, as a share of the largest value, for a value to be told from another.
+constexpr double kCloseness = 0.01;
+/// Of the way between the limits: a value that may move so far is not determined.
+constexpr double kHardlyKnown = 0.5;
+
+/// Whether a share of the way between the limits counts as one of them.
+bool is_limit(double share);
+
+std::vector<std::string> warnings_of(const FitResult& result, const TargetCurve& target, int most_evaluations);
+
+void print(const FitResult& result, const TargetCurve& target, const FitOptions& options);
+
+void write_json(output::WholeFile& out, const FitResult& result, const TargetCurve& target,
+                const std::string& scene_hash, const std::vector<std::string>& warnings, const FitOptions& options);
+
+/// The curve, the fitted run and the run before the fit.
+void draw(output::WholeFile& file, const FitResult& result, const TargetCurve& target, const FitOptions& options);
+
+}  // namespace hexaplast::runner
