@@ -223,7 +223,7 @@ void add_scene(py::module_& module) {
       "run",
       [](const path& file, std::optional<long> steps, const py::dict& overrides, const path& out, bool allow_outside,
          bool force) {
-        std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, false, out, allow_outside, force);
+        std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, false, {}, out, allow_outside, force);
         scene->run(steps);
         return scene;
       },

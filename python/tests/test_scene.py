@@ -212,3 +212,13 @@ def test_what_a_scene_writes_lies_below_out(tmp_path, monkeypatch):
     assert not (tmp_path / "elsewhere.txt").exists()
     hexaplast.Scene(elsewhere, out=tmp_path / "run", allow_outside=True).run(1)
     assert (tmp_path / "elsewhere.txt").exists()
+
+
+def test_meshes_are_found_in_the_given_directories(tmp_path):
+    (tmp_path / "far" / "mesh").mkdir(parents=True)
+    (tmp_path / "far" / "mesh" / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    scene = tmp_path / "a.scn"
+    scene.write_text(BAR.read_text().replace("</Node>", '<MeshOBJLoader filename="mesh/m.obj"/></Node>', 1))
+    with pytest.raises(Exception, match="no such file"):
+        hexaplast.Scene(scene)
+    assert hexaplast.Scene(scene, mesh_path=[tmp_path / "far"]).dt > 0

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Scenes whose meshes lie elsewhere.
+#include "support/command.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using hexaplast::support::Outcome;
+
+/// A body on a cube of a mesh file that lies in far/mesh.
+class MeshPath : public hexaplast::support::Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    fs::create_directories(directory_ / "far/mesh");
+    fs::copy(HEXAPLAST_TEST_DATA "/meshes/block.msh", directory_ / "far/mesh/cube.msh");
+    write("a.scn",
+          "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><RunSettings steps='20'/><EulerImplicitSolver/>"
+          "<SparseLDLSolver/><MeshGmshLoader name='loader' filename='mesh/cube.msh'/><MeshTopology src='@loader'/>"
+          "<MechanicalObject/><UniformMass totalMass='1'/>"
+          "<HexahedronElastoplasticFEMForceField youngModulus='1e5' poissonRatio='0.3'/></Node>");
+  }
+};
+
+TEST_F(MeshPath, IsAnOptionOfEveryVerbThatReadsScenes) {
+  EXPECT_EQ(hexaplast("check a.scn").code, 3);
+  for (const char* verb : {"check a.scn", "run a.scn --quiet", "mesh export a.scn --format vtu -o a.vtu",
+                           "sweep a.scn --vary .dt=0.01,0.02 --out sweep --jobs 1"}) {
+    const Outcome outcome = hexaplast(std::string(verb) + " --mesh-path none --mesh-path far");
+    EXPECT_EQ(outcome.code, 0) << verb << "\n" << outcome.err;
+  }
+}
+
+TEST_F(MeshPath, IsTheVariableOfSofaToo) {
+  EXPECT_EQ(hexaplast("check a.scn", "SOFA_DATA_PATH=none:far").code, 0);
+  const Outcome outcome = hexaplast("check a.scn", "SOFA_DATA_PATH=none::other");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("hint: looked for in none, other too"), std::string::npos) << outcome.err;
+}
+
+TEST_F(MeshPath, BelongsToARunThatIsResumed) {
+  ASSERT_EQ(hexaplast("run a.scn --mesh-path far --out whole --frames 0 --quiet --final whole.json").code, 0);
+  ASSERT_EQ(hexaplast("run a.scn --mesh-path far --out half --frames 0 --quiet --steps 10 --checkpoint every=10").code,
+            0);
+  const Outcome resumed = hexaplast("resume half --steps 20 --quiet --final half.json");
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(hexaplast::support::content(directory_ / "half.json"),
+            hexaplast::support::content(directory_ / "whole.json"));
+  // another mesh of that name is another scene
+  fs::copy(HEXAPLAST_TEST_DATA "/meshes/organ.obj", directory_ / "far/mesh/cube.msh",
+           fs::copy_options::overwrite_existing);
+  EXPECT_NE(hexaplast("resume half --steps 30 --quiet").code, 0);
+}
+
+TEST_F(MeshPath, WhatIsFoundThereIsNeverWrittenOver) {
+  const Outcome outcome = hexaplast("run a.scn --mesh-path far --quiet --final far/mesh/cube.msh");
+  EXPECT_NE(outcome.code, 0);
+  EXPECT_EQ(hexaplast::support::content(directory_ / "far/mesh/cube.msh"),
+            hexaplast::support::content(HEXAPLAST_TEST_DATA "/meshes/block.msh"));
+}
+
+}  // namespace
