@@ -13,6 +13,7 @@
 #include "hexaplast/solve/minres.hpp"
 #include "hexaplast/solve/preconditioners.hpp"
 #include "parts/multigrid_cg.hpp"
+#include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
 namespace {
