@@ -168,10 +168,6 @@ inline constexpr Description kIgnoredComponents[] = {
     bookkeeping_component("MatrixFreeSystem"),
     bookkeeping_component("RotationMatrixSystem"),
     bookkeeping_component("PrecomputedMatrixSystem"),
-    bookkeeping_component("CompositeLinearSystem"),
-    bookkeeping_component("MatrixProjectionMethod"),
-    bookkeeping_component("ConstantSparsityProjectionMethod"),
-    bookkeeping_component("TaskSchedulerSettings"),
 };
 
 }  // namespace hexaplast::attributes
