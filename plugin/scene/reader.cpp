@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <span>
 #include <unordered_map>
 #include <unordered_set>
@@ -169,14 +168,6 @@ class Reader {
     const std::string_view now = present_name(attributes::kRetiredClasses, class_name);
     if (!now.empty()) {
       complain(place, fmt::format("{}: unknown component", class_name), fmt::format("SOFA calls it '{}' now", now));
-      return;
-    }
-    const auto physics = std::ranges::find_if(
-        attributes::kPhysics, [&](const attributes::Physics& kind) { return class_name.ends_with(kind.ending); });
-    if (grammar_ == Grammar::kSofaCompatible && physics != std::end(attributes::kPhysics)) {
-      diagnostics_.error(place, fmt::format("{}: unknown component, and {} are never passed over: bodies would move "
-                                            "otherwise",
-                                            class_name, physics->what));
       return;
     }
     std::vector<std::string_view> known = {"Node", attributes::kRequiredPlugin.class_name};

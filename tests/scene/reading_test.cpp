@@ -234,29 +234,6 @@ TEST(SceneReading, ContactIsAnErrorAndAsSofaReadsOneWarning) {
             "collision components the scene has");
 }
 
-// Passed over, they would leave another motion behind.
-TEST(SceneReading, PhysicsThatIsNotThereIsNeverPassedOver) {
-  const std::string lines =
-      "<BilateralLagrangianConstraint/>\n<TriangularBendingSprings/>\n<HexahedronFEMForceFieldAndMass/>\n"
-      "<TetrahedronFEMForceField/>\n<NullMappingOfNothing/>";
-  try {
-    scene::read_scene_text(framed(lines), "test.scn", support::factory(), support::plugins(),
-                           scene::Grammar::kSofaCompatible)
-        .init();
-    FAIL() << "accepted";
-  } catch (const scene::SceneError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "test.scn:3: error: BilateralLagrangianConstraint: unknown component, and Lagrangian constraints are "
-              "never passed over: bodies would move otherwise\n"
-              "test.scn:4: error: TriangularBendingSprings: unknown component, and springs are never passed over: "
-              "bodies would move otherwise\n"
-              "test.scn:5: error: HexahedronFEMForceFieldAndMass: unknown component, and force fields with a mass are "
-              "never passed over: bodies would move otherwise\n"
-              "test.scn:6: error: TetrahedronFEMForceField: unknown component, and force fields are never passed over: "
-              "bodies would move otherwise");
-  }
-}
-
 TEST(SceneReading, TextAndElementsInWrongPlacesAreErrors) {
   EXPECT_EQ(errors_of(framed("words")), "test.scn:3: error: Node 'root': holds text, must hold nodes and components");
   EXPECT_EQ(errors_of(framed("<BoxROI><BoxROI/></BoxROI>")),

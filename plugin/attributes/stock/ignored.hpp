@@ -29,22 +29,6 @@ constexpr Description bookkeeping_component(std::string_view class_name) {
   return ignored_component(class_name, "Bookkeeping", "bookkeeping of SOFA: not needed here");
 }
 
-/// What makes bodies move, by the end of a class's name: where the class is unknown, a scene without it would be
-/// another one, however it is read.
-struct Physics {
-  std::string_view ending = {};
-  std::string_view what = {};  ///< in the plural
-};
-inline constexpr Physics kPhysics[] = {
-    {"LagrangianConstraint", "Lagrangian constraints"},
-    {"InteractionConstraint", "Lagrangian constraints"},
-    {"ProjectiveConstraint", "constraints"},
-    {"ForceFieldAndMass", "force fields with a mass"},
-    {"ForceField", "force fields"},
-    {"Springs", "springs"},
-    {"Mass", "masses"},
-};
-
 /// Drawing and the user interface: a note. Collision: an error unless the scene is read as SOFA does, for it means
 /// something that will not happen. Bookkeeping: nothing is lost, nothing is said.
 inline constexpr Description kIgnoredComponents[] = {

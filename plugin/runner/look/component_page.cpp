@@ -51,9 +51,8 @@ including node, class by class and name by name. At most 16 levels.
 
 **Strictness.** Unknown components and attributes, values out of range and links without a target are errors, with file,
 line and the name that was probably meant. `--sofa-compat` skips unknown components, attributes, templates and plugins with
-a warning, as SOFA does, but not force fields, springs, masses and constraints: without them bodies would move otherwise.
-There is no contact between bodies: SOFA's collision components are errors too, and with `--sofa-compat` they give one
-warning that bodies pass through each other.
+a warning, as SOFA does. There is no contact between bodies: SOFA's collision components are errors too, and with
+`--sofa-compat` they give one warning that bodies pass through each other.
 
 **Attributes of every component.**
 
