@@ -154,8 +154,6 @@ inline constexpr Description kIgnoredComponents[] = {
     bookkeeping_component("PointSetTopologyModifier"),
     bookkeeping_component("PointSetGeometryAlgorithms"),
     bookkeeping_component("TaskSchedulerSettings"),
-    bookkeeping_component("MatrixLinearSystem"),
-    bookkeeping_component("ConstantSparsityPatternSystem"),
     bookkeeping_component("CompositeLinearSystem"),
     bookkeeping_component("MatrixProjectionMethod"),
     bookkeeping_component("ConstantSparsityProjectionMethod"),
