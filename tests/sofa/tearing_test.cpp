@@ -62,7 +62,9 @@ TEST_F(Adapter, TearsTheTopologyOfTheHost) {
       Hexahedron corners;
       for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(cells.getHexahedra()[i][a]);
       const auto& all = mesh.hexahedra();
-      EXPECT_EQ(output[i], (*values)[std::find(all.begin(), all.end(), corners) - all.begin()]) << name << " " << i;
+      const double wanted = (*values)[std::find(all.begin(), all.end(), corners) - all.begin()];
+      EXPECT_TRUE(output[i] == wanted || std::abs(output[i] - wanted) < 1e-13)
+          << name << " " << i;  // volumes: rounding
     }
   }
 }
