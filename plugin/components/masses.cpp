@@ -89,14 +89,16 @@ class DiagonalMass final : public LumpedMass {
       return real("massDensity") * rest_volumes(num_nodes);
     }
     const std::vector<double>& masses = reals("vertexMass");
-    if (static_cast<Eigen::Index>(masses.size()) != num_nodes) {
-      const std::string problem = fmt::format("{} values given for {} nodes", masses.size(), num_nodes);
-      if (!node().is_read_as_sofa()) reject("vertexMass", problem);
-      remark(scene::Severity::kWarning, "vertexMass", problem + ": ignored as in SOFA, the whole body has 1 kg");
-      const Eigen::VectorXd volumes = rest_volumes(num_nodes);
-      return volumes / volumes.sum();
-    }
-    return Eigen::Map<const Eigen::VectorXd>(masses.data(), num_nodes);
+    const auto num_given = static_cast<Eigen::Index>(masses.size());
+    if (num_given == 1) return Eigen::VectorXd::Constant(num_nodes, masses[0]);
+    if (num_given == num_nodes) return Eigen::Map<const Eigen::VectorXd>(masses.data(), num_nodes);
+    const std::string problem = fmt::format("{} values given for {} nodes", num_given, num_nodes);
+    if (!node().is_read_as_sofa() || num_given == 0 || num_given > num_nodes)
+      reject("vertexMass", problem + ", must be one or one per node");
+    remark(scene::Severity::kWarning, "vertexMass", problem + ": the last one is that of all others, as in SOFA");
+    Eigen::VectorXd found = Eigen::VectorXd::Constant(num_nodes, masses.back());
+    found.head(num_given) = Eigen::Map<const Eigen::VectorXd>(masses.data(), num_given);
+    return found;
   }
 
   Eigen::VectorXd rest_volumes(Eigen::Index num_nodes) {

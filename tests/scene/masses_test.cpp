@@ -48,7 +48,7 @@ TEST(Mass, DiagonalMassGivesEachNodeItsEighths) {
   EXPECT_TRUE(masses_of(scene, "none").isApprox(density * 0.05, 1e-15));
   EXPECT_EQ(masses_of(scene, "nodal")[4], 5);
   EXPECT_EQ(errors_of(two_cells("<DiagonalMass vertexMass='1 2'/>")),
-            "test.scn:1: error: DiagonalMass.vertexMass: 2 values given for 12 nodes");
+            "test.scn:1: error: DiagonalMass.vertexMass: 2 values given for 12 nodes, must be one or one per node");
 }
 
 TEST(Mass, MovesWithItsEnergy) {
