@@ -155,6 +155,26 @@ inline constexpr std::array kExamples = {
     Example{"InstrumentContactForceField",
             R"xml(<InstrumentContactForceField name="probe" shape="capsule" radius="0.02" length="0.1" friction="0.2"
     keyTimes="0 1" positions="0.05 0.05 0.5  0.05 0.05 0.46"/>)xml"},
+    Example{"EulerExplicitSolver", R"xml(<EulerExplicitSolver symplectic="true"/>
+<MechanicalObject name="nodes"/>
+<HexahedronElastoplasticFEMForceField name="material" youngModulus="1000" poissonRatio="0.4"/>)xml"},
+    Example{"RungeKutta4Solver", R"xml(<RungeKutta4Solver/>
+<MechanicalObject name="nodes"/>
+<HexahedronElastoplasticFEMForceField name="material" youngModulus="1000" poissonRatio="0.4"/>)xml"},
+    Example{"CentralDifferenceSolver", R"xml(<CentralDifferenceSolver/>
+<MechanicalObject name="nodes"/>
+<HexahedronElastoplasticFEMForceField name="material" youngModulus="1000" poissonRatio="0.4"/>)xml"},
+    Example{"JacobiPreconditioner", R"xml(<PCGLinearSolver preconditioner="@preconditioner"/>
+<JacobiPreconditioner name="preconditioner"/>)xml"},
+    Example{"BlockJacobiPreconditioner", R"xml(<PCGLinearSolver preconditioner="@preconditioner"/>
+<BlockJacobiPreconditioner name="preconditioner"/>)xml"},
+    Example{"SSORPreconditioner", R"xml(<PCGLinearSolver preconditioner="@preconditioner"/>
+<SSORPreconditioner name="preconditioner"/>)xml"},
+    Example{"WarpPreconditioner",
+            R"xml(<PCGLinearSolver preconditioner="@preconditioner"/>
+<WarpPreconditioner name="preconditioner"/>)xml"},
+    Example{"PrecomputedWarpPreconditioner", R"xml(<PCGLinearSolver preconditioner="@preconditioner"/>
+<PrecomputedWarpPreconditioner name="preconditioner"/>)xml"},
     Example{"Probe",
             R"xml(<Probe name="tip" value="@nodes.position" indices="72-80" component="z" change="true"/>)xml"},
     Example{"BoxROI", R"xml(<BoxROI name="shin" box="-0.01 -0.01 -0.01  0.11 0.11 0.06"/>)xml"},

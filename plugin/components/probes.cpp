@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "attributes/parts.hpp"
 #include "attributes/words.hpp"
@@ -28,10 +29,12 @@ class Probe final : public scene::Probe {
     probe_.emplace(options(), holds_vectors() ? 3 : 1);
     read();
   }
-  // What it records changes with every step.
-  void refresh() override { probe_->set_options(options()); }
+  bool looks_by_itself() const override { return true; }
 
   double read() override {
+    long version = 0;
+    for (const char* option : {"indices", "component", "statistic", "change"}) version += find_data(option)->version();
+    if (std::exchange(seen_options_, version) != version) probe_->set_options(options());
     return accepted(*this, [&] { return probe_->read(points_ ? at_points() : reals("value")); });
   }
   std::string_view unit() override { return source().attribute().unit; }
@@ -93,6 +96,7 @@ class Probe final : public scene::Probe {
             .is_change = boolean("change")};
   }
 
+  long seen_options_ = -1;  // version
   std::optional<parts::Probe> probe_;
   std::optional<Embedding> points_;
   std::vector<double> values_at_points_;

@@ -13,6 +13,7 @@ namespace hexaplast::scene {
 void Component::refresh() { reject("follows a link to something that changes during the run, which it cannot do"); }
 
 void Component::follow_inputs() {
+  if (looks_by_itself()) return;
   const long inputs = inputs_version();
   if (inputs == seen_inputs_) return;
   seen_inputs_ = inputs;

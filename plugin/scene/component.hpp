@@ -55,6 +55,10 @@ class Component : public Object {
   /// For the host: calls refresh if an input changed since init or since the last call.
   void follow_inputs();
 
+  /// Whether it looks at its inputs when it is asked for something, and refresh is never called: inputs that are costly
+  /// to compute are then not computed every step.
+  virtual bool looks_by_itself() const { return false; }
+
   /// How far the host has come with this component.
   enum class Stage { kMade, kReady, kFailed };
   Stage stage() const { return stage_; }
@@ -82,7 +86,7 @@ class Component : public Object {
   [[noreturn]] void reject_missing(std::string_view category);
   [[noreturn]] void reject_late(std::string_view category, const Component& other);
   void require_sound(const Component& other) const;
-  void mark_inputs_seen() { seen_inputs_ = inputs_version(); }
+  void mark_inputs_seen() { seen_inputs_ = looks_by_itself() ? 0 : inputs_version(); }
 
   Node* node_ = nullptr;
   Stage stage_ = Stage::kMade;

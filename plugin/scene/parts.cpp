@@ -19,7 +19,23 @@ T& only_one(Scene& scene, const std::vector<T*>& all, const char* what) {
   return *all[0];
 }
 
+template <class T>
+std::vector<T*> at_least_one(Scene& scene, std::vector<T*> all, const char* what) {
+  if (all.empty())
+    throw SceneError(format_error(scene.root().place(), fmt::format("no {} in the scene, must be at least one", what)));
+  return all;
+}
+
 }  // namespace
+
+std::vector<MechanicalState*> moving_states(Scene& scene) {
+  integrators_of(scene);
+  return at_least_one(scene, independent_states(scene.root()), "mechanical state");
+}
+
+std::vector<OdeSolver*> integrators_of(Scene& scene) {
+  return at_least_one(scene, scene.root().all<OdeSolver>(), "time integrator");
+}
 
 MechanicalState& only_state(Scene& scene) {
   return only_one(scene, independent_states(scene.root()), "mechanical states");

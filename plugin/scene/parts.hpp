@@ -10,6 +10,10 @@ namespace hexaplast::scene {
 MechanicalState& only_state(Scene& scene);
 OdeSolver& only_solver(Scene& scene);
 
+/// The states that follow no other one, and the time integrators. Throw SceneError where there is none.
+std::vector<MechanicalState*> moving_states(Scene& scene);
+std::vector<OdeSolver*> integrators_of(Scene& scene);
+
 /// A force field that has a body, and the state that it deforms.
 struct SceneBody {
   std::string name;  ///< that of its node, if that is of letters, digits, _, - and . and no other's; "body_2" else

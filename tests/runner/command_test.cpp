@@ -134,18 +134,16 @@ TEST_F(Command, RejectedScenesEndWith3) {
             "bad.scn:2: error: Nonsense: unknown component\n"
             "bad.scn:3: error: RunSettings.stepz: unknown attribute\n  hint: did you mean 'steps'?\n");
 
-  write("two.scn",
-        "<Node><DefaultAnimationLoop/><RunSettings "
-        "steps='1'/>\n<Node><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject "
-        "position='0 0 0'/><UniformMass "
-        "totalMass='1'/></Node>\n<Node><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject "
-        "name='other' position='0 0 0'/><UniformMass totalMass='1'/></Node></Node>");
+  write(
+      "two.scn",
+      "<Node><DefaultAnimationLoop/><RunSettings "
+      "steps='1'/>\n<EulerImplicitSolver name='first'/><CGLinearSolver/>\n<Node><EulerImplicitSolver/><CGLinearSolver/>"
+      "<MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/></Node></Node>");
   const Outcome two = hexaplast("run two.scn");
   EXPECT_EQ(two.code, 3);
-  EXPECT_EQ(
-      two.err,
-      "two.scn:3: error: 2 mechanical states in the scene, a run moves exactly one; the second one is MechanicalObject "
-      "'other'\n");
+  EXPECT_EQ(two.err,
+            "two.scn:3: error: EulerImplicitSolver: EulerImplicitSolver 'first' moves everything in its node and below "
+            "already\n");
 
   write("mass.scn",
         "<Node><DefaultAnimationLoop/><RunSettings steps='1'/><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject "

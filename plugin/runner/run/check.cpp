@@ -56,7 +56,7 @@ Findings look_at(scene::Scene& scene) {
     found.steps = settings->integer("steps");
 
   // at the moment at which the loads on some state are largest
-  const std::vector<scene::MechanicalState*> states = scene::independent_states(scene.root());
+  const std::vector<scene::MechanicalState*> states = scene::moving_states(scene);
   const long num_steps = std::max(found.steps.value_or(1), 1);
   for (scene::MechanicalState* state : states) {
     const double time = time_of_greatest_loads(scene, *state, num_steps, (num_steps + kMostMoments - 1) / kMostMoments);

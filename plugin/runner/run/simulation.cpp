@@ -22,14 +22,6 @@ double reading_of(scene::Probe& probe) {
   }
 }
 
-template <class T>
-std::vector<T> required(std::vector<T> all, scene::Scene& scene, const char* what) {
-  if (all.empty())
-    throw scene::SceneError(
-        scene::format_error(scene.root().place(), fmt::format("no {} in the scene, must be at least one", what)));
-  return all;
-}
-
 std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies) {
   std::vector<output::Bodies::Entry> entries;
   for (const scene::SceneBody& body : bodies) entries.push_back({.name = body.name, .body = body.field->body()});
@@ -96,8 +88,8 @@ FlowReport sum_of(const std::vector<scene::SceneBody>& bodies) {
 
 Simulation::Simulation(const SceneOptions& options)
     : scene_(load_scene(options)),
-      states_(required(scene::independent_states(scene_.root()), scene_, "mechanical state")),
-      solvers_(required(scene_.root().all<scene::OdeSolver>(), scene_, "time integrator")),
+      states_(scene::moving_states(scene_)),
+      solvers_(scene::integrators_of(scene_)),
       scene_bodies_(scene::bodies_of(scene_)),
       shown_states_(scene_bodies_.empty() ? states_ : states_of(scene_bodies_)),
       probes_(probes_of(scene_)),
