@@ -13,7 +13,8 @@ void BlockMatrix::set_range(int first_node, int num_nodes) {
 }
 
 void BlockMatrix::add_rank_one(double factor, ConstPoints u) {
-  RankOne& term = rank_ones_.emplace_back(factor, PointArray::Zero(static_cast<Eigen::Index>(rows_.size()), 3));
+  RankOne& term = rank_ones_.emplace_back(
+      RankOne{.factor = factor, .u = PointArray::Zero(static_cast<Eigen::Index>(rows_.size()), 3)});
   term.u.middleRows(first_node_, num_nodes_) = u;
 }
 

@@ -89,7 +89,8 @@ Findings look_at(scene::Scene& scene) {
     std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, *body.state); });
     const ModelCheck& model =
         found.bodies
-            .emplace_back(body.name, check_model(*body.field->body(), scene::total_mass(masses, *body.state), found.dt))
+            .emplace_back(Findings::Body{
+                body.name, check_model(*body.field->body(), scene::total_mass(masses, *body.state), found.dt)})
             .model;
     found.num_hexahedra += body.field->body()->mesh().num_elements();
     std::ranges::copy(model_warnings(model, Names::kScenes), std::back_inserter(found.warnings));
