@@ -98,7 +98,6 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
   }
 
  private:
-
   /// Tells the scene which hexahedra have gone since it was told last.
   void announce() {
     if (const std::span<const int> gone = body_->take_removed(); !gone.empty()) scene::announce_removed(*this, gone);

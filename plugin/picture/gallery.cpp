@@ -74,8 +74,7 @@ Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Stag
   for (const EmbeddedSurface& embedded : staging_.embedded_surfaces) {
     std::vector<Surface::Face> faces = output::faces_of(embedded);
     auto whole = std::make_shared<Surface>(single(embedded.points), faces);
-    embedded_surfaces_.push_back(
-        {embedded.embedding(mesh), std::move(faces), std::move(whole)});
+    embedded_surfaces_.push_back({embedded.embedding(mesh), std::move(faces), std::move(whole)});
     current_embedded_surfaces_.push_back(embedded_surfaces_.back().whole);
   }
   if (staging_.cut) {

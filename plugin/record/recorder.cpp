@@ -293,8 +293,8 @@ void Recorder::Files::write_state() {
 
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions,
-               values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities, plan.regions), bodies.alive(),
-               latest_conditions);
+               values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities, plan.regions),
+               bodies.alive(), latest_conditions);
 }
 
 std::vector<std::string> Recorder::Files::draw_pictures() {

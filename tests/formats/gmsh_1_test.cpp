@@ -37,8 +37,9 @@ TEST(GmshFile, OfVersion1IsRefusedWhereItIsDamaged) {
   };
   std::string wrong = whole;
   wrong.replace(wrong.find("1 8 10"), 6, "1 6 10");
-  EXPECT_NE(error_of(wrong).find("a.msh:15: '6' is not the number of nodes of an element: must be a whole number in [8, 8]"),
-            std::string::npos)
+  EXPECT_NE(
+      error_of(wrong).find("a.msh:15: '6' is not the number of nodes of an element: must be a whole number in [8, 8]"),
+      std::string::npos)
       << error_of(wrong);
   wrong = whole;
   wrong.replace(wrong.find("6 7\n2"), 3, "6 9");

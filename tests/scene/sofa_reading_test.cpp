@@ -85,13 +85,16 @@ TEST(SceneReading, NodesTakeSofasSwitchesOfDrawing) {
 // In SOFA v26.06 the last value of a list that is too short is that of all other nodes.
 TEST(ReadingAsSofa, TheLastOfTooFewNodalMassesIsThatOfTheOthers) {
   const std::string body = support::in_root(
-      "", "<RegularGridTopology n='3 2 2' max='1 1 1'/><MechanicalObject/><DiagonalMass name='mass' vertexMass='7 5'/>");
-  EXPECT_EQ(errors_of(body), "test.scn:1: error: DiagonalMass.vertexMass: 2 values given for 12 nodes, must be one or one per node");
+      "",
+      "<RegularGridTopology n='3 2 2' max='1 1 1'/><MechanicalObject/><DiagonalMass name='mass' vertexMass='7 5'/>");
+  EXPECT_EQ(errors_of(body),
+            "test.scn:1: error: DiagonalMass.vertexMass: 2 values given for 12 nodes, must be one or one per node");
   scene::Scene scene = read_as_sofa(body);
   PointArray weight = PointArray::Zero(12, 3);
   support::at<scene::Mass>(scene, "mass").add_gravity(Vec3(0, -10, 0), weight);
   EXPECT_NEAR(weight.col(1).sum(), -10 * (7 + 11 * 5), 1e-11);
-  EXPECT_NE(said_of(body).find("DiagonalMass.vertexMass: 2 values given for 12 nodes: the last one is that of all others, as in SOFA"),
+  EXPECT_NE(said_of(body).find(
+                "DiagonalMass.vertexMass: 2 values given for 12 nodes: the last one is that of all others, as in SOFA"),
             std::string::npos);
 }
 

@@ -36,9 +36,9 @@ struct ContactSettings {
 
 /// Contact of the surface of a body with a rigid instrument that moves.                    theory.md eq. C1-C5
 ///
-/// A sample p with the area A touches in a step if its distance from the instrument is below d at the beginning, or that
-/// of the place that it is expected at, x_n + h v_n, at the end; q is the nearest place of the instrument, n the direction to p. In
-/// the step
+/// A sample p with the area A touches in a step if its distance from the instrument is below d at the beginning, or
+/// that of the place that it is expected at, x_n + h v_n, at the end; q is the nearest place of the instrument, n the
+/// direction to p. In the step
 ///
 ///   g = n.(p - q) - d,            f_n = -A (k g + c dg/dt) n                      normal
 ///   u = (I - n n^T)(p - anchor),  f_t = -k_t A u               k_t A |u| <= mu N     sticks

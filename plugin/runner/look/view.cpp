@@ -64,8 +64,7 @@ void print_outcome(Simulation& simulation, const std::string& title) {
   fmt::print("  plastic strain      max {:.4f}\n", std::ranges::max(body.fields(x).plastic_strain));
   fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
   fmt::print("  dissipated energy   {:.4g} J\n", body.dissipated_energy());
-  fmt::print("  state hash          {}\n",
-             simulation.state_hash());
+  fmt::print("  state hash          {}\n", simulation.state_hash());
 }
 
 }  // namespace
