@@ -6,6 +6,31 @@
 /// Contact, the same in every host.
 namespace hexaplast::attributes {
 
+inline constexpr Attribute kTangentialStiffness{
+    .name = "tangentialStiffness",
+    .type = Type::kReal,
+    .unit = "Pa/m",
+    .range = kNotNegative,
+    .help = "Shear stress per displacement of tissue that sticks. Default: contactStiffness."};
+inline constexpr Attribute kFriction{
+    .name = "friction",
+    .type = Type::kReal,
+    .initial = "0",
+    .range = kNotNegative,
+    .help = "Coefficient of friction: tissue slips where the tangential force exceeds this times the normal force."};
+inline constexpr Attribute kContactDistance{.name = "contactDistance",
+                                            .type = Type::kReal,
+                                            .initial = "0",
+                                            .unit = "m",
+                                            .range = kNotNegative,
+                                            .help = "Contact begins at this distance from the surface."};
+inline constexpr Attribute kContactDamping{.name = "damping",
+                                           .type = Type::kReal,
+                                           .initial = "0",
+                                           .unit = "Pa s/m",
+                                           .range = kNotNegative,
+                                           .help = "Pressure per speed of approach."};
+
 inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "shape",
      .type = Type::kWord,
@@ -54,28 +79,10 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .range = kPositive,
      .help = "Pressure per depth of penetration. Default: 30 E / edge length of the body's hexahedra (the greatest "
              "Young's modulus, the mean edge): a pressure of .3 E is held at a hundredth of an edge."},
-    {.name = "tangentialStiffness",
-     .type = Type::kReal,
-     .unit = "Pa/m",
-     .range = kNotNegative,
-     .help = "Shear stress per displacement of tissue that sticks. Default: contactStiffness."},
-    {.name = "friction",
-     .type = Type::kReal,
-     .initial = "0",
-     .range = kNotNegative,
-     .help = "Coefficient of friction: tissue slips where the tangential force exceeds this times the normal force."},
-    {.name = "contactDistance",
-     .type = Type::kReal,
-     .initial = "0",
-     .unit = "m",
-     .range = kNotNegative,
-     .help = "Contact begins at this distance from the shape."},
-    {.name = "damping",
-     .type = Type::kReal,
-     .initial = "0",
-     .unit = "Pa s/m",
-     .range = kNotNegative,
-     .help = "Pressure per speed of approach."},
+    kTangentialStiffness,
+    kFriction,
+    kContactDistance,
+    kContactDamping,
     {.name = "maxSubdivision",
      .type = Type::kInteger,
      .initial = "8",
@@ -109,5 +116,49 @@ inline constexpr Description kInstrumentContactForceField{
         "drags by friction, and never pulls. Needs an EulerImplicitSolver.",
     .templates = kVec3Templates,
     .attributes = kInstrumentContactAttributes};
+
+inline constexpr Attribute kTissueContactAttributes[] = {
+    {.name = "object1", .type = Type::kLink, .help = "The mechanical state of a body; default: that of the node."},
+    {.name = "object2",
+     .type = Type::kLink,
+     .help = "That of the other body. The same one, which is the default: the body touches itself, except within two "
+             "hexahedra."},
+    {.name = "contactStiffness",
+     .type = Type::kReal,
+     .unit = "Pa/m",
+     .range = kPositive,
+     .help = "Pressure per depth of penetration. Default: 30 E / edge length (the greatest Young's modulus, the mean "
+             "edge) of that body for which it is less."},
+    kTangentialStiffness,
+    kFriction,
+    kContactDistance,
+    kContactDamping,
+    {.name = "maxSubdivision",
+     .type = Type::kInteger,
+     .initial = "8",
+     .range = {.min = 1, .max = 64},
+     .help = "Contact is found at points of each surface: at its nodes, and between them at distances of half the mean "
+             "edge of the other surface, but at not more than this number of parts of an edge."},
+    {.name = "force",
+     .type = Type::kVector3,
+     .unit = "N",
+     .access = Access::kOutput,
+     .help = "Force on the body of object1 at the end of the last step. Of a body on itself: zero."},
+    {.name = "depth",
+     .type = Type::kReals,
+     .unit = "m",
+     .access = Access::kOutput,
+     .help = "How deep a surface is inside the other, at most."},
+    {.name = "touching", .type = Type::kReals, .access = Access::kOutput, .help = "Number of points that touch."},
+    {.name = "slipping", .type = Type::kReals, .access = Access::kOutput, .help = "How many of these slip."},
+};
+inline constexpr Description kTissueContactForceField{
+    .class_name = "TissueContactForceField",
+    .category = "InteractionForceField",
+    .help =
+        "Two bodies that touch each other, or one that touches itself: they press and drag by friction, and never "
+        "pull. Needs one EulerImplicitSolver above both.",
+    .templates = kVec3Templates,
+    .attributes = kTissueContactAttributes};
 
 }  // namespace hexaplast::attributes

@@ -26,6 +26,7 @@ void add_loads(scene::Factory& factory);                 // forces of the scene,
 void add_springs(scene::Factory& factory);               // SpringForceField and its like, RestShapeSpringsForceField
 void add_instruments(scene::Factory& factory);           // GraspForceField
 void add_contact(scene::Factory& factory);               // InstrumentContactForceField
+void add_tissue_contact(scene::Factory& factory);        // TissueContactForceField
 void add_mappings(scene::Factory& factory);              // BarycentricMapping, IdentityMapping
 void add_visuals(scene::Factory& factory);               // OglModel, VisualStyle, InteractiveCamera
 void add_probes(scene::Factory& factory);                // Probe

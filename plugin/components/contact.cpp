@@ -60,19 +60,19 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
 
   void add_force(double, ConstPoints x, ConstPoints v, Points f) override { instrument_->add_force(x, v, f); }
   void add_load(double, ConstPoints x, ConstPoints v, Points f) const override {
-    instrument_->contact().add_force(x, v, f);
+    instrument_->contact().terms().add_force(x, v, f);
   }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
-    instrument_->contact().add_stiffness_product(factor, dx, df);
+    instrument_->contact().terms().add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
-    instrument_->contact().add_stiffness_blocks(factor, A);
+    instrument_->contact().terms().add_stiffness_blocks(factor, A);
   }
   void add_damping_product(double factor, ConstPoints dx, Points df) const override {
-    instrument_->contact().add_damping_product(factor, dx, df);
+    instrument_->contact().terms().add_damping_product(factor, dx, df);
   }
   void add_damping_blocks(double factor, BlockMatrix& A) const override {
-    instrument_->contact().add_damping_blocks(factor, A);
+    instrument_->contact().terms().add_damping_blocks(factor, A);
   }
   bool is_in_matrix() const override { return instrument_->contact().num_touching() > 0; }
   double rayleigh_stiffness() const override { return instrument_->rayleigh_stiffness(); }

@@ -23,6 +23,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_springs(factory);
   add_instruments(factory);
   add_contact(factory);
+  add_tissue_contact(factory);
   add_bodies(factory);
   add_dense_hexahedra(factory);
   add_regions(factory);

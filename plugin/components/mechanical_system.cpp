@@ -44,6 +44,21 @@ NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
       constraint->reject("constrains a state that follows another one");
     constrained->constraints.push_back(constraint);
   }
+  find_interactions();
+}
+
+// They may stand anywhere in the scene.
+void NodeSystem::find_interactions() {
+  for (scene::InteractionForceField* field : node_.root().all<scene::InteractionForceField>()) {
+    Interaction interaction{.field = field};
+    bool is_ours = true;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto at = std::ranges::find(roots(), field->states()[k], &Layer::state);
+      is_ours = is_ours && at != roots().end();
+      if (is_ours) interaction.roots[k] = static_cast<std::size_t>(at - roots().begin());
+    }
+    if (is_ours) interactions_.push_back(interaction);
+  }
 }
 
 void NodeSystem::gather() {
@@ -124,6 +139,8 @@ void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v,
     Layer& layer = layers_[i];
     if (layer.is_loaded) layer.mapping->add_transposed(layer.f, part_of(layer.above, f, &Layer::f));
   }
+  for (const Interaction& interaction : interactions_)
+    interaction.field->add_force(time, rows_of(interaction, x), rows_of(interaction, v), rows_of(interaction, f));
 }
 
 // A mass damps by its own factor, a force field by its own: both through the damping factor b of m M + b B + k K.
@@ -177,6 +194,18 @@ void NodeSystem::add_product(Over over, const OperatorFactors& factors, ConstPoi
     Layer& layer = layers_[i];
     if (takes_part(layer)) layer.mapping->add_transposed(layer.f, part_of(layer.above, df, &Layer::f));
   }
+  add_interactions(factors, dx, df);
+}
+
+void NodeSystem::add_interactions(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  for (const Interaction& interaction : interactions_) {
+    const scene::InteractionForceField* field = interaction.field;
+    if (!field->is_in_matrix()) continue;
+    const double stiffness = factors.stiffness + factors.damping * field->rayleigh_stiffness();
+    if (stiffness != 0) field->add_stiffness_product(stiffness, rows_of(interaction, dx), rows_of(interaction, df));
+    if (factors.damping != 0)
+      field->add_damping_product(factors.damping, rows_of(interaction, dx), rows_of(interaction, df));
+  }
 }
 
 void NodeSystem::add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A) {
@@ -208,6 +237,12 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
     layer.mapping->add_transposed_blocks(layer.blocks, above.mapping ? above.blocks : A);
   }
   A.set_whole_range();
+  for (const Interaction& interaction : interactions_) {
+    const scene::InteractionForceField* field = interaction.field;
+    const std::array first_nodes = {root(interaction.roots[0]).first_node, root(interaction.roots[1]).first_node};
+    field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A, first_nodes);
+    field->add_damping_blocks(factors.damping, A, first_nodes);
+  }
 }
 
 bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
@@ -224,7 +259,9 @@ bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& syst
   }
   find_others();
   others_.factors = factors;
-  if (std::ranges::any_of(roots(), &Layer::has_others)) system.others.emplace_back(&others_);
+  const bool interact = std::ranges::any_of(
+      interactions_, [](const Interaction& interaction) { return interaction.field->is_in_matrix(); });
+  if (interact || std::ranges::any_of(roots(), &Layer::has_others)) system.others.emplace_back(&others_);
   return true;
 }
 
@@ -276,6 +313,18 @@ bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints 
       has_released = field->release(rows_of(root, x_end), rows_of(root, v_end)) || has_released;
       add(1);
     }
+  for (const Interaction& interaction : interactions_) {
+    const auto add = [&](double sign) {
+      difference_.setZero(num_nodes_, 3);
+      interaction.field->add_force(time, rows_of(interaction, x), rows_of(interaction, v),
+                                   rows_of(interaction, Points(difference_)));
+      force += sign * difference_;
+      interaction.field->add_stiffness_product(sign, rows_of(interaction, v), rows_of(interaction, product));
+    };
+    add(-1);
+    has_released = interaction.field->release(rows_of(interaction, x_end), rows_of(interaction, v_end)) || has_released;
+    add(1);
+  }
   return has_released;
 }
 

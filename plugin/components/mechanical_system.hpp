@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "hexaplast/solve/implicit_euler.hpp"
@@ -83,6 +84,12 @@ class NodeSystem final : public MechanicalSystem {
     MatrixFreeSystem part = {};  // scratch of one independent state of several
   };
 
+  /// Between two independent states.
+  struct Interaction {
+    scene::InteractionForceField* field = nullptr;
+    std::array<std::size_t, 2> roots = {};
+  };
+
   /// What of the scene a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels
   /// of the latest matrix do not know.
   enum class Over { kAll, kLoads, kOthers };
@@ -112,6 +119,14 @@ class NodeSystem final : public MechanicalSystem {
     return Field(of_all.middleRows(root.first_node, root.state->num_nodes()));
   }
 
+  /// The rows of a system's field that belong to the two states of an interaction.
+  template <class Field>
+  OfTwo<Field> rows_of(const Interaction& interaction, Field of_all) const {
+    return {rows_of(root(interaction.roots[0]), of_all), rows_of(root(interaction.roots[1]), of_all)};
+  }
+  void find_interactions();
+  void add_interactions(const OperatorFactors& factors, ConstPoints dx, Points df) const;
+
   void gather();
   void scatter() const;
   void add_layers(scene::Node& node);
@@ -126,6 +141,7 @@ class NodeSystem final : public MechanicalSystem {
   scene::Node& node_;
   mutable std::vector<Layer> layers_;  // the independent states first; mutable for their scratch
   std::size_t num_roots_ = 0;          // independent states
+  std::vector<Interaction> interactions_;
   int num_nodes_ = 0;
   mutable Others others_ = Others(*this);
   PointArray x_, v_;       // of several independent states

@@ -10,19 +10,13 @@
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/loads.hpp"
+#include "parts/contact_stiffness.hpp"
 #include "parts/key_times.hpp"
 
 namespace hexaplast::parts {
 namespace {
 
-constexpr double kStiffness = 30;   // contact stiffness by default, in E / edge length: .3 E at a hundredth of an edge
 constexpr double kPerRadius = 0.5;  // distance of samples, in smallest radii of the instrument
-
-double edge_length(const Body& body) { return std::cbrt(body.initial_volume() / body.mesh().num_elements()); }
-
-double greatest_young_modulus(const Body& body) {
-  return std::ranges::max(body.materials(), {}, &Material::young_modulus).young_modulus;
-}
 
 /// The number of keys that a path has, one of which is there always.
 void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
@@ -97,8 +91,7 @@ void Instrument::set_options(InstrumentOptions options) {
       options.skin_triangles == options_.skin_triangles && options.skin_positions == options_.skin_positions &&
       options.surface_positions == options_.surface_positions;
   options_ = std::move(options);
-  const double stiffness =
-      options_.contact_stiffness.value_or(kStiffness * greatest_young_modulus(body_) / edge_length(body_));
+  const double stiffness = options_.contact_stiffness.value_or(default_contact_stiffness(body_));
   const ContactSettings settings{.stiffness = stiffness,
                                  .tangential_stiffness = options_.tangential_stiffness.value_or(stiffness),
                                  .friction = options_.friction,
@@ -153,8 +146,8 @@ void Instrument::reset() {
 }
 
 void Instrument::add_force(ConstPoints x, ConstPoints v, Points f) const {
-  contact_->add_force(x, v, f);
-  if (rayleigh_stiffness_ != 0) contact_->add_stiffness_product(-rayleigh_stiffness_, v, f);
+  contact_->terms().add_force(x, v, f);
+  if (rayleigh_stiffness_ != 0) contact_->terms().add_stiffness_product(-rayleigh_stiffness_, v, f);
 }
 
 }  // namespace hexaplast::parts

@@ -10,6 +10,7 @@
 
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/of_two.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "scene/node.hpp"
@@ -121,6 +122,29 @@ class ForceField : public Component {
 
   /// Takes hexahedra out of the body, between two steps.
   virtual void remove_elements(std::span<const int> /*elements*/) {}
+};
+
+/// Forces between two mechanical states that follow no other one and that one integrator moves, or within one state.
+/// The verbs are those of ForceField, with a field of each state.
+class InteractionForceField : public Component {
+ public:
+  static constexpr std::string_view kCategory = "InteractionForceField";
+  using Component::Component;
+
+  /// The same one twice for forces within a state. Known from init on.
+  virtual std::array<MechanicalState*, 2> states() const = 0;
+
+  virtual void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) = 0;
+  virtual void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const = 0;
+  virtual void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const = 0;
+
+  /// first_nodes: where the nodes of each state begin in A.
+  virtual void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
+  virtual void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
+
+  virtual bool is_in_matrix() const { return true; }
+  virtual double rayleigh_stiffness() const { return 0; }
+  virtual bool release(const OfTwo<ConstPoints>& /*x_end*/, const OfTwo<ConstPoints>& /*v_end*/) { return false; }
 };
 
 class ProjectiveConstraint : public Component {

@@ -16,18 +16,6 @@ namespace {
 constexpr double kFarthestPerLook = 0.5;  // of the smallest radius that a sample may move against the instrument
 constexpr int kMostLooks = 64;            // within a step
 
-void check(const ContactSettings& settings) {
-  const auto require = [](bool is_allowed, double value, const char* what, const char* range) {
-    if (!is_allowed || !std::isfinite(value))
-      throw InputError(fmt::format("InstrumentContact: {} = {} must be {}", what, value, range));
-  };
-  require(settings.stiffness > 0, settings.stiffness, "stiffness", "positive");
-  require(settings.tangential_stiffness >= 0, settings.tangential_stiffness, "tangential stiffness", "at least 0");
-  require(settings.friction >= 0, settings.friction, "friction", "at least 0");
-  require(settings.distance >= 0, settings.distance, "distance", "at least 0");
-  require(settings.damping >= 0, settings.damping, "damping", "at least 0");
-}
-
 }  // namespace
 
 InstrumentContact::InstrumentContact(Solid solid, ContactSettings settings, SurfaceSamples samples)
@@ -36,33 +24,24 @@ InstrumentContact::InstrumentContact(Solid solid, ContactSettings settings, Surf
 }
 
 void InstrumentContact::set_settings(ContactSettings settings) {
-  check(settings);
+  settings.require_valid("InstrumentContact");
   settings_ = settings;
 }
 
 void InstrumentContact::set_samples(SurfaceSamples samples) {
-  using Key = std::array<std::pair<int, double>, kCorners>;
-  // the same point may be written down by another of the faces that have it
-  const auto key_of = [](const SurfaceSamples::Sample& sample) {
-    Key shares;
-    shares.fill({-1, 0});
-    for (int a = 0; a < sample.num_nodes; ++a) shares[a] = {sample.nodes[a], sample.weights[a]};
-    std::ranges::sort(shares);
-    return shares;
-  };
-  std::map<Key, SampleState> before;
+  std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
   for (std::size_t i = 0; i < states_.size(); ++i)
-    if (states_[i].normal_force > 0) before.emplace(key_of(samples_.samples[i]), states_[i]);
+    if (states_[i].normal_force > 0) before.emplace(samples_.samples[i].key(), states_[i]);
   samples_ = std::move(samples);
   states_.assign(samples_.samples.size(), {});
   for (std::size_t i = 0; i < states_.size(); ++i)
-    if (const auto at = before.find(key_of(samples_.samples[i])); at != before.end()) states_[i] = at->second;
-  contacts_.clear();
+    if (const auto at = before.find(samples_.samples[i].key()); at != before.end()) states_[i] = at->second;
+  terms_.terms.clear();
 }
 
 void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) {
   pose_ = end;
-  contacts_.clear();
+  terms_.terms.clear();
   const auto num_samples = static_cast<int>(samples_.samples.size());
   found_.assign(samples_.samples.size(), {});
   const double distance = settings_.distance, near = solid_.reach() + distance;
@@ -105,93 +84,24 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     }
     const SurfaceSamples::Sample& sample = samples_.samples[i];
     const Vec3 expected = sample.at(x) + h * sample.at(v);
-    Contact contact{.sample = i,
-                    .place = end.to_world(found.place),
-                    .velocity = (end.to_world(found.place) - begin.to_world(found.place)) / h,
-                    .normal = end.orientation * found.normal,
-                    .stiffness = settings_.stiffness * sample.area,
-                    .damping = settings_.damping * sample.area};
+    ContactTerm& term = terms_.terms.emplace_back();
+    term.sample = i;
+    for (int a = 0; a < sample.num_nodes; ++a) term.add_node(sample.nodes[a], sample.weights[a]);
+    term.num_first = term.num_nodes;
+    term.normal = end.orientation * found.normal;
+    const Vec3 place = end.to_world(found.place);
+    term.place = place + distance * term.normal;
+    term.velocity = (place - begin.to_world(found.place)) / h;
+    term.stiffness = settings_.stiffness * sample.area;
+    term.damping = settings_.damping * sample.area;
     if (state.normal_force == 0) state.anchor = found.first;
-    contact.anchor = end.to_world(state.anchor);
+    term.anchor = end.to_world(state.anchor);
     if (settings_.friction > 0) {
       const double N =
-          state.normal_force > 0 ? state.normal_force : std::max(-contact.stiffness * gap(contact, expected), 0.0);
-      const double limit = settings_.friction * N, size = displacement(contact, expected).norm();
-      contact.tangential = settings_.tangential_stiffness * sample.area;
-      if (contact.tangential * size > limit) {
-        contact.tangential = limit / size;
-        contact.slips = true;
-      }
+          state.normal_force > 0 ? state.normal_force : std::max(-term.stiffness * term.gap(expected), 0.0);
+      term.set_friction(settings_.tangential_stiffness * sample.area, settings_.friction, N, expected);
     }
-    contacts_.push_back(contact);
   }
-}
-
-double InstrumentContact::normal_force(const Contact& contact, const Vec3& p, const Vec3& velocity) const {
-  return -contact.stiffness * gap(contact, p) - contact.damping * contact.normal.dot(velocity - contact.velocity);
-}
-
-Mat3 InstrumentContact::stiffness_of(const Contact& contact) const {
-  const Mat3 along = contact.normal * contact.normal.transpose();
-  return -contact.stiffness * along - contact.tangential * (Mat3::Identity() - along);
-}
-
-void InstrumentContact::add_force(ConstPoints x, ConstPoints v, Points f) const {
-  for (const Contact& contact : contacts_) {
-    const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
-    const Vec3 p = sample.at(x);
-    sample.add(normal_force(contact, p, sample.at(v)) * contact.normal - contact.tangential * displacement(contact, p),
-               f);
-  }
-}
-
-void InstrumentContact::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
-  for (const Contact& contact : contacts_) {
-    const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
-    const Vec3 dp = sample.at(dx);
-    const double along = contact.normal.dot(dp);
-    sample.add(
-        -factor * (contact.stiffness * along * contact.normal + contact.tangential * (dp - along * contact.normal)),
-        df);
-  }
-}
-
-void InstrumentContact::add_stiffness_blocks(double factor, BlockMatrix& A) const {
-  for (const Contact& contact : contacts_) {
-    const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
-    const Mat3 K = factor * stiffness_of(contact);
-    for (int a = 0; a < sample.num_nodes; ++a)
-      for (int b = 0; b < sample.num_nodes; ++b)
-        A.add(sample.nodes[a], sample.nodes[b], sample.weights[a] * sample.weights[b] * K);
-  }
-}
-
-void InstrumentContact::add_damping_product(double factor, ConstPoints dx, Points df) const {
-  if (settings_.damping == 0) return;
-  for (const Contact& contact : contacts_) {
-    const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
-    sample.add(-factor * contact.damping * contact.normal.dot(sample.at(dx)) * contact.normal, df);
-  }
-}
-
-void InstrumentContact::add_damping_blocks(double factor, BlockMatrix& A) const {
-  if (settings_.damping == 0) return;
-  for (const Contact& contact : contacts_) {
-    const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
-    const Mat3 B = -factor * contact.damping * contact.normal * contact.normal.transpose();
-    for (int a = 0; a < sample.num_nodes; ++a)
-      for (int b = 0; b < sample.num_nodes; ++b)
-        A.add(sample.nodes[a], sample.nodes[b], sample.weights[a] * sample.weights[b] * B);
-  }
-}
-
-bool InstrumentContact::release(ConstPoints x, ConstPoints v) {
-  const std::size_t before = contacts_.size();
-  std::erase_if(contacts_, [&](const Contact& contact) {
-    const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
-    return normal_force(contact, sample.at(x), sample.at(v)) < 0;
-  });
-  return contacts_.size() < before;
 }
 
 void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
@@ -199,36 +109,32 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
   torque_.setZero();
   depth_ = energy_ = 0;
   for (SampleState& state : states_) state.normal_force = 0;
-  for (const Contact& contact : contacts_) {
-    const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
-    const Vec3 p = sample.at(x), u = displacement(contact, p);
-    const double N = normal_force(contact, p, sample.at(v)), g = gap(contact, p);
-    const Vec3 f = N * contact.normal - contact.tangential * u;
+  for (const ContactTerm& term : terms_.terms) {
+    const Vec3 p = term.at(x), u = term.displacement(p);
+    const double N = term.normal_force(p, term.at(v)), g = term.gap(p);
+    const Vec3 f = N * term.normal - term.tangential * u;
     force_ -= f;
     torque_ -= (p - pose_.position).cross(f);
     depth_ = std::max(depth_, -(g + settings_.distance));
     if (N <= 0) continue;
 
-    SampleState& state = states_[contact.sample];
+    SampleState& state = states_[term.sample];
     state.normal_force = N;
-    const double stiffness = settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
-                 size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
+    const double stiffness = settings_.tangential_stiffness * samples_.samples[term.sample].area,
+                 limit = settings_.friction * N, size = u.norm(),
+                 kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     // also what it is moved along the normal: the anchor stays on the sample's own level
     state.anchor = pose_.to_own(p - kept * u);
-    energy_ += contact.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
+    energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
   }
 }
 
 void InstrumentContact::reset() {
   states_.assign(states_.size(), {});
-  contacts_.clear();
+  terms_.terms.clear();
   force_.setZero();
   torque_.setZero();
   depth_ = energy_ = 0;
-}
-
-int InstrumentContact::num_slipping() const {
-  return static_cast<int>(std::ranges::count_if(contacts_, &Contact::slips));
 }
 
 void InstrumentContact::serialize(Archive& archive) {
@@ -246,7 +152,7 @@ void InstrumentContact::serialize(Archive& archive) {
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
   for (std::size_t i = 0; i < states_.size(); ++i)
     states_[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, std::max(numbers[4 * i + 3], 0.0)};
-  contacts_.clear();
+  terms_.terms.clear();
   force_ = force;
   torque_ = torque;
   depth_ = depth;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "geometry/box_tree.hpp"
+#include "geometry/nearest_place.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
@@ -113,9 +114,9 @@ class SurfaceShape final : public Solid::Shape {
 
   SignedDistance distance(const Vec3& point) const override {
     int nearest = -1;
-    Nearest best;
+    TrianglePlace best;
     tree_.for_each_nearer(point, [&](int t) {
-      const Nearest found = nearest_place(triangles_[t].corners, point);
+      const TrianglePlace found = nearest_place(triangles_[t].corners, point);
       if (nearest < 0 || found.squared < best.squared) {
         best = found;
         nearest = t;
@@ -132,36 +133,10 @@ class SurfaceShape final : public Solid::Shape {
   double reach() const override { return reach_; }
 
  private:
-  // of a triangle: the corners 0 1 2, the edges behind them, the face
-  static constexpr int kFace = 6;
-
   struct Facet {
     std::array<Vec3, 3> corners;
     std::array<Vec3, 7> normals;  // of its features, of length 1
   };
-
-  struct Nearest {
-    Vec3 place = Vec3::Zero();
-    double squared = std::numeric_limits<double>::infinity();  // distance [m^2]
-    int feature = kFace;
-  };
-
-  // The regions of a point around a triangle a b c, after Ericson (2005).
-  static Nearest nearest_place(const std::array<Vec3, 3>& corners, const Vec3& p) {
-    const auto& [a, b, c] = corners;
-    const auto at = [&](const Vec3& place, int feature) { return Nearest{place, (p - place).squaredNorm(), feature}; };
-    const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d1 <= 0 && d2 <= 0) return at(a, 0);
-    if (d3 >= 0 && d4 <= d3) return at(b, 1);
-    if (d6 >= 0 && d5 <= d6) return at(c, 2);
-    const double of_c = d1 * d4 - d3 * d2, of_b = d5 * d2 - d1 * d6, of_a = d3 * d6 - d5 * d4;
-    if (of_c <= 0 && d1 >= 0 && d3 <= 0) return at(a + d1 / (d1 - d3) * ab, 3);
-    if (of_a <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return at(b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), 4);
-    if (of_b <= 0 && d2 >= 0 && d6 <= 0) return at(a + d2 / (d2 - d6) * ac, 5);
-    const double sum = of_a + of_b + of_c;
-    return at(a + of_b / sum * ab + of_c / sum * ac, kFace);
-  }
 
   static std::vector<Facet> corners_of(const PointArray& positions, const std::vector<Triangle>& triangles) {
     if (triangles.empty()) throw InputError("closed surface: has no triangle");
@@ -224,7 +199,7 @@ class SurfaceShape final : public Solid::Shape {
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       Facet& facet = triangles_[t];
       const Vec3 normal = normal_of(facet).normalized();
-      facet.normals[kFace] = normal;
+      facet.normals[TrianglePlace::kFace] = normal;
       for (int k = 0; k < 3; ++k) {
         const Vec3 in = facet.corners[(k + 1) % 3] - facet.corners[k],
                    out = facet.corners[(k + 2) % 3] - facet.corners[k];

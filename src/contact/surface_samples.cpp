@@ -37,8 +37,10 @@ void check(double wanted, int most) {
   if (most < 1) throw InputError(fmt::format("SurfaceSamples: {} parts of an edge must be at least 1", most));
 }
 
+constexpr double kRounding = 1e-9;  // of a part: an edge of exactly two parts is not three
+
 int parts_of(double longest_edge, double wanted, int most) {
-  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted), 1e9)), 1, most);
+  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRounding), 1e9)), 1, most);
 }
 
 /// A point of a face by its nodes and the shares that it has of them, in parts of the edges, ascending: the same

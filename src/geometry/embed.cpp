@@ -10,73 +10,17 @@
 
 #include "base/finite.hpp"
 #include "geometry/box_tree.hpp"
+#include "geometry/nearest_place.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
 
 namespace hexaplast {
 namespace {
 
-constexpr double kInside = 1e-9;        // of a hexahedron's size: a point this near to it lies in it
-constexpr double kNoWeight = 1e-8;      // a corner with no more does not carry a point: what kInside lets through
-constexpr double kExact = 1e-15;        // of its size, and in reference coordinates: as exact as doubles are
-constexpr double kShortestStep = 1e-6;  // share of a Gauss-Newton step
-constexpr int kMostIterations = 60;     // inside a sound hexahedron less than ten are needed
-
-Eigen::Matrix<double, kCorners, 1> shape_functions(const Vec3& s) {
-  Eigen::Matrix<double, kCorners, 1> N;
-  for (int a = 0; a < kCorners; ++a)
-    N[a] = (1 + kCornerSign[a][0] * s[0]) * (1 + kCornerSign[a][1] * s[1]) * (1 + kCornerSign[a][2] * s[2]) / 8;
-  return N;
-}
-
-/// The place of a hexahedron that is nearest to a point.
-struct Place {
-  Vec3 s = Vec3::Zero();  // in [-1, 1]^3
-  double distance = std::numeric_limits<double>::infinity();
-};
-
-/// Gauss-Newton steps on |x(s) - p|, held within the reference cube: a
-/// coordinate at a face stays there while the gap points out of the cube, and
-/// no step may lead farther away. Inside a sound hexahedron this is Newton's
-/// method.
-Place nearest_place(const ElementPoints& x, const Vec3& p, double size) {
-  const auto gap_at = [&](const Vec3& s) -> Vec3 { return p - x.transpose() * shape_functions(s); };
-  Vec3 s = Vec3::Zero(), gap = gap_at(s);
-  for (int iteration = 0; iteration < kMostIterations && gap.norm() > kExact * size; ++iteration) {
-    const Mat3 J = x.transpose() * shape_derivatives(s);
-    const Vec3 descent = J.transpose() * gap;
-    Mat3 A = J.transpose() * J;
-    Vec3 b = descent;
-    bool is_free = true;
-    for (int d = 0; d < 3; ++d) {
-      if (std::abs(s[d]) < 1 || s[d] * descent[d] <= 0) continue;
-      A.row(d).setZero();
-      A.col(d).setZero();
-      A(d, d) = 1;
-      b[d] = 0;
-      is_free = false;
-    }
-    Vec3 step = is_free ? J.inverse() * gap : A.inverse() * b;
-    if (!step.allFinite()) step = descent / J.squaredNorm();
-
-    Vec3 next = s, next_gap = gap;
-    for (double share = 1; share > kShortestStep; share /= 2) {
-      next = (s + share * step).cwiseMin(1).cwiseMax(-1);
-      next_gap = gap_at(next);
-      if (next_gap.squaredNorm() < gap.squaredNorm()) break;
-    }
-    if (!(next_gap.squaredNorm() < gap.squaredNorm())) break;
-    const double advance = (next - s).cwiseAbs().maxCoeff();
-    s = next;
-    gap = next_gap;
-    if (advance < kExact) break;
-  }
-  return {s, gap.norm()};
-}
-
+constexpr double kInside = 1e-9;    // of a hexahedron's size: a point this near to it lies in it
+constexpr double kNoWeight = 1e-8;  // a corner with no more does not carry a point: what kInside lets through
 Eigen::AlignedBox3d box_of(const ElementPoints& x) {
   return {Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose())};
 }
@@ -101,11 +45,11 @@ Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, Const
   parallel_for(count, [&](int n) {
     const Vec3 p = points.row(n).transpose();
     int element = -1;
-    Place place;
+    HexahedronPlace place;
     bool is_inside = false;
     tree.for_each_nearer(p, [&](int e) -> double {
       const double size = boxes[e].diagonal().norm();
-      const Place found = nearest_place(gather(x, hexahedra[e]), p, size);
+      const HexahedronPlace found = nearest_place(gather(x, hexahedra[e]), p, size);
       if (found.distance < place.distance) {
         element = e;
         place = found;
@@ -116,12 +60,7 @@ Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, Const
     if (!is_inside) distance[n] = place.distance;
     if (element < 0) return;  // so far away that distances are no numbers
 
-    // the weights of the nearest place, continued to the point itself
-    const ElementPoints corners = gather(x, hexahedra[element]);
-    const ElementPoints dN = shape_derivatives(place.s);
-    const Eigen::Matrix<double, kCorners, 1> N = shape_functions(place.s);
-    const Mat3 J = corners.transpose() * dN;
-    const Eigen::Matrix<double, kCorners, 1> w = N + dN * (J.inverse() * (p - corners.transpose() * N));
+    const CornerWeights w = weights_beyond(gather(x, hexahedra[element]), place.s, p);
     anchors_[n] = {.hexahedron = element, .corners = hexahedra[element], .weight = {}};
     std::copy(w.begin(), w.end(), anchors_[n].weight.begin());
   });

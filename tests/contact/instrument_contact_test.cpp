@@ -115,19 +115,19 @@ TEST(InstrumentContact, StiffnessAndDampingAreDerivatives) {
   const PointArray dx = random_field(pressed.mesh, 1, 1e-3);
   const auto force = [&](const PointArray& x, const PointArray& v) {
     PointArray f = PointArray::Zero(x.rows(), 3);
-    pressed.contact.add_force(x, v, f);
+    pressed.contact.terms().add_force(x, v, f);
     return f;
   };
   PointArray by_stiffness = PointArray::Zero(dx.rows(), 3), by_damping = by_stiffness;
-  pressed.contact.add_stiffness_product(1, dx, by_stiffness);
+  pressed.contact.terms().add_stiffness_product(1, dx, by_stiffness);
   const PointArray dv = 1e4 * dx;
-  pressed.contact.add_damping_product(1, dv, by_damping);
+  pressed.contact.terms().add_damping_product(1, dv, by_damping);
   EXPECT_TRUE(support::agrees(by_stiffness, force(pressed.x + dx, pressed.v) - force(pressed.x, pressed.v), 1e-12));
   EXPECT_TRUE(support::agrees(by_damping, force(pressed.x, pressed.v + dv) - force(pressed.x, pressed.v), 1e-12));
 
   BlockMatrix K(pressed.mesh.num_nodes()), B(pressed.mesh.num_nodes());
-  pressed.contact.add_stiffness_blocks(1, K);
-  pressed.contact.add_damping_blocks(1, B);
+  pressed.contact.terms().add_stiffness_blocks(1, K);
+  pressed.contact.terms().add_damping_blocks(1, B);
   for (const auto& [blocks, product] : {std::pair(&K, &by_stiffness), std::pair(&B, &by_damping)}) {
     PointArray by_blocks = PointArray::Zero(dx.rows(), 3);
     for (int n = 0; n < dx.rows(); ++n)
@@ -144,7 +144,7 @@ TEST(InstrumentContact, ActsOnBothAlike) {
   PointArray f = PointArray::Zero(x.rows(), 3);
   while (pressed.contact.release(x, v)) {
   }
-  pressed.contact.add_force(x, v, f);
+  pressed.contact.terms().add_force(x, v, f);
   pressed.contact.end_step(x, v);
   Vec3 force = pressed.contact.force(), moment = pressed.contact.torque();
   double size = 0;
@@ -186,7 +186,7 @@ TEST(InstrumentContact, NothingIsMissedInAStep) {
     contact.begin_step(x, v, 0.01, {.position = {px, py, 0.1 + 1.01 * r}}, {.position = {px, py, 0.1 - 3.99 * r}});
     ASSERT_GT(contact.num_touching(), 0) << px << " " << py;
     PointArray f = PointArray::Zero(x.rows(), 3);
-    contact.add_force(x, v, f);
+    contact.terms().add_force(x, v, f);
     EXPECT_LT(f.col(2).sum(), 0) << "downwards";
   }
 }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
-#include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/types.hpp"
+#include "hexaplast/contact/contact_terms.hpp"
 #include "hexaplast/contact/solid.hpp"
 #include "hexaplast/contact/surface_samples.hpp"
 
@@ -24,14 +24,6 @@ struct Pose {
   static Pose between(const Pose& a, const Pose& b, double share) {
     return {(1 - share) * a.position + share * b.position, a.orientation.slerp(share, b.orientation)};
   }
-};
-
-struct ContactSettings {
-  double stiffness = 0;             ///< k [Pa/m] pressure per depth
-  double tangential_stiffness = 0;  ///< k_t [Pa/m] shear stress per displacement while it sticks
-  double friction = 0;              ///< mu
-  double distance = 0;              ///< d [m] the skin of the instrument: contact begins there
-  double damping = 0;               ///< c [Pa s/m] pressure per speed of approach
 };
 
 /// Contact of the surface of a body with a rigid instrument that moves.                    theory.md eq. C1-C5
@@ -67,15 +59,11 @@ class InstrumentContact {
   /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning.
   void begin_step(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end);
 
-  /// f += forces [N] of the contacts of the present step. K = df/dx, B = df/dv are constant within a step.
-  void add_force(ConstPoints x, ConstPoints v, Points f) const;
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const;
-  void add_stiffness_blocks(double factor, BlockMatrix& A) const;
-  void add_damping_product(double factor, ConstPoints dx, Points df) const;
-  void add_damping_blocks(double factor, BlockMatrix& A) const;
+  /// The contacts of the present step; the body is the first one of the terms, and there is no second.
+  const ContactTerms& terms() const { return terms_; }
 
   /// Releases the contacts that would pull at x and v. Returns whether there were any.
-  bool release(ConstPoints x, ConstPoints v);
+  bool release(ConstPoints x, ConstPoints v) { return terms_.release(x, v); }
 
   /// The step has ended at x and v: anchors follow, and forces on the instrument are those at its end.
   void end_step(ConstPoints x, ConstPoints v);
@@ -86,8 +74,8 @@ class InstrumentContact {
   /// Throws InputError for the state of other samples.
   void serialize(Archive& archive);
 
-  int num_touching() const { return static_cast<int>(contacts_.size()); }
-  int num_slipping() const;
+  int num_touching() const { return static_cast<int>(terms_.terms.size()); }
+  int num_slipping() const { return terms_.num_slipping(); }
 
   /// On the instrument, at the end of the latest step.
   const Vec3& force() const { return force_; }    ///< [N]
@@ -103,28 +91,6 @@ class InstrumentContact {
     double normal_force = 0;     // N [N] at the end of the latest step; 0: does not touch, and has no anchor
   };
 
-  struct Contact {
-    int sample = 0;
-    Vec3 place = Vec3::Zero();     // q [m]
-    Vec3 velocity = Vec3::Zero();  // of q [m/s]
-    Vec3 normal = Vec3::UnitZ();
-    Vec3 anchor = Vec3::Zero();  // [m] in the world, at the end of the step
-    double stiffness = 0;        // k A [N/m]
-    double damping = 0;          // c A [N s/m]
-    double tangential = 0;       // [N/m] k_t A, or mu N / |u_p|
-    bool slips = false;
-  };
-
-  double gap(const Contact& contact, const Vec3& p) const {
-    return contact.normal.dot(p - contact.place) - settings_.distance;
-  }
-  Vec3 displacement(const Contact& contact, const Vec3& p) const {
-    const Vec3 u = p - contact.anchor;
-    return u - contact.normal.dot(u) * contact.normal;
-  }
-  double normal_force(const Contact& contact, const Vec3& p, const Vec3& velocity) const;
-  Mat3 stiffness_of(const Contact& contact) const;
-
   Solid solid_;
   ContactSettings settings_;
   SurfaceSamples samples_;
@@ -137,7 +103,7 @@ class InstrumentContact {
     Vec3 first;          // where the sample was, in that frame, when it came to touch
   };
   std::vector<Found> found_;  // scratch, per sample
-  std::vector<Contact> contacts_;
+  ContactTerms terms_;
   Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
   double depth_ = 0, energy_ = 0;
 };

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/mesh/hex_mesh.hpp"
@@ -19,6 +21,16 @@ struct SurfaceSamples {
     std::array<double, kCorners> weights = {};
     int num_nodes = 0;  ///< that move it
     double area = 0;    ///< [m^2] in the initial shape
+
+    /// The nodes that move it and their weights, in one order: the same point may be written down by another of the
+    /// faces that have it.
+    std::array<std::pair<int, double>, kCorners> key() const {
+      std::array<std::pair<int, double>, kCorners> shares;
+      shares.fill({-1, 0});
+      for (int a = 0; a < num_nodes; ++a) shares[a] = {nodes[a], weights[a]};
+      std::ranges::sort(shares);
+      return shares;
+    }
 
     Vec3 at(ConstPoints x) const {
       Vec3 p = Vec3::Zero();

@@ -178,8 +178,8 @@ std::vector<ComponentGroup> grouped(const std::vector<const Description*>& compo
   std::vector<ComponentGroup> groups;
   for (const std::string_view category :
        {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "Loader", "Topology",
-        "TopologicalMapping", "MechanicalState", "Mass", "ForceField", "MaterialRegion", "ProjectiveConstraint",
-        "Engine", "Mapping", "Probe", "Exporter"})
+        "TopologicalMapping", "MechanicalState", "Mass", "ForceField", "InteractionForceField", "MaterialRegion",
+        "ProjectiveConstraint", "Engine", "Mapping", "Probe", "Exporter"})
     groups.push_back({category, {}});
   for (const Description* component : components) {
     if (component->takes_anything) continue;

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/of_two.hpp"
+#include "hexaplast/base/types.hpp"
+
+namespace hexaplast {
+
+struct ContactSettings {
+  double stiffness = 0;             ///< k [Pa/m] pressure per depth
+  double tangential_stiffness = 0;  ///< k_t [Pa/m] shear stress per displacement while it sticks
+  double friction = 0;              ///< mu
+  double distance = 0;              ///< d [m] contact begins there
+  double damping = 0;               ///< c [Pa s/m] pressure per speed of approach
+
+  /// Throws InputError for what is negative or not finite, or a stiffness that is 0; `whose` begins the message.
+  void require_valid(const char* whose) const;
+};
+
+/// One contact in one step: springs and a damper on r = sum_a w_a x_a, a point of the first body, less one of the
+/// second body where there is one. Its forces are linear in x and v.                              theory.md eq. C1, C2,
+/// C6
+///
+///   g = n.(r - place),                   f_n = -(k A g + c A n.(dr/dt - velocity)) n
+///   u = (I - n n^T)(r - anchor),         f_t = -tangential u
+///
+/// w_a (f_n + f_t) acts on node a.
+struct ContactTerm {
+  std::array<int, 2 * kCorners> nodes = {};
+  std::array<double, 2 * kCorners> weights = {};  ///< those of the second body are negative
+  int num_first = 0;                              ///< nodes of the first body, which come first
+  int num_nodes = 0;
+  int sample = 0;  ///< that it belongs to
+
+  Vec3 normal = Vec3::UnitZ();
+  Vec3 place = Vec3::Zero();     ///< [m]
+  Vec3 velocity = Vec3::Zero();  ///< [m/s] of `place`
+  Vec3 anchor = Vec3::Zero();    ///< [m]
+  double stiffness = 0;          ///< k A [N/m]
+  double damping = 0;            ///< c A [N s/m]
+  double tangential = 0;         ///< [N/m] k_t A, or mu N / |u_p|
+  bool slips = false;
+
+  void add_node(int node, double weight) {
+    nodes[num_nodes] = node;
+    weights[num_nodes++] = weight;
+  }
+
+  /// r, dr/dt or a change of r.
+  Vec3 at(const OfTwo<ConstPoints>& field) const {
+    Vec3 sum = Vec3::Zero();
+    for (int a = 0; a < num_first; ++a) sum += weights[a] * field.first.row(nodes[a]).transpose();
+    for (int a = num_first; a < num_nodes; ++a) sum += weights[a] * field.second.row(nodes[a]).transpose();
+    return sum;
+  }
+
+  double gap(const Vec3& r) const { return normal.dot(r - place); }
+  Vec3 displacement(const Vec3& r) const {
+    const Vec3 u = r - anchor;
+    return u - normal.dot(u) * normal;
+  }
+  double normal_force(const Vec3& r, const Vec3& change) const {
+    return -stiffness * gap(r) - damping * normal.dot(change - velocity);
+  }
+  Vec3 force(const Vec3& r, const Vec3& change) const {
+    return normal_force(r, change) * normal - tangential * displacement(r);
+  }
+
+  /// Sets `tangential` and `slips`. expected: the r that the step may lead to; N: the normal force until now [N].
+  void set_friction(double tangential_stiffness, double friction, double N, const Vec3& expected);
+};
+
+/// What acts on the nodes by the contacts of one step.
+class ContactTerms {
+ public:
+  std::vector<ContactTerm> terms;
+
+  bool empty() const { return terms.empty(); }
+  int num_slipping() const;
+
+  /// f += forces [N]. K = df/dx, B = df/dv are constant.
+  void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const;
+  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
+  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
+
+  /// first_nodes: where the nodes of each body begin in A.
+  void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
+  void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
+
+  /// Takes out the contacts that would pull at x and v. Returns whether there were any.
+  bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
+
+ private:
+  template <class Block>
+  void add_blocks(BlockMatrix& A, std::array<int, 2> first_nodes, const Block& block_of) const;
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "hexaplast/base/archive.hpp"
+#include "hexaplast/base/types.hpp"
+#include "hexaplast/contact/contact_terms.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+namespace hexaplast {
+
+/// Contact of the surfaces of two deformable bodies, or of one body with itself.             theory.md eq. C1, C2,
+/// C6-C8
+///
+/// Samples of each surface are looked up in the hexahedra of the other one, where it is expected at the end of the
+/// step: each side with half of the stiffness, so that two surfaces that overlap press with k depth. A sample that lies
+/// in a hexahedron touches; q is the place of the present surface that is nearest to it, found from the one that is
+/// nearest in the initial shape, or from that of the step before, and n the direction from the sample to q. Forces act
+/// at the sample on both bodies, by the weights of the face that it lies on and by the shape functions of the
+/// hexahedron that it lies in: neither a net force nor a net moment is left. They are linear in the step, as those of
+/// InstrumentContact, and contacts that would pull are released in the same way.
+///
+/// A body does not touch itself within two hexahedra, counted through faces.
+///
+/// State: per sample its anchor, a place in a hexahedron of the other body, N, and the face that is nearest.
+class TissueContact {
+ public:
+  /// Of two bodies. The meshes must outlive it. most_parts: of the edge of a face, between samples. Throws InputError
+  /// for settings that are not allowed.
+  TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int most_parts);
+  /// Of one body with itself.
+  TissueContact(const HexMesh& body, ContactSettings settings, int most_parts);
+  ~TissueContact();
+  TissueContact(TissueContact&&) noexcept;
+  TissueContact& operator=(TissueContact&&) noexcept;
+
+  void set_settings(ContactSettings settings);
+
+  /// Which hexahedra are left of each body; empty: all. Samples that were there before keep their state.
+  void set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second);
+
+  /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning. Of one body: give it twice, in OfTwo.
+  void begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h);
+
+  /// The contacts of the present step.
+  const ContactTerms& terms() const { return terms_; }
+
+  /// Releases the contacts that would pull at x and v. Returns whether there were any.
+  bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { return terms_.release(x, v); }
+
+  /// The step has ended at x and v: anchors follow.
+  void end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
+
+  /// As it was made: nothing has touched yet.
+  void reset();
+
+  /// Throws InputError for the state of other samples or hexahedra.
+  void serialize(Archive& archive);
+
+  int num_touching() const { return static_cast<int>(terms_.terms.size()); }
+  int num_slipping() const { return terms_.num_slipping(); }
+  double spacing() const;  ///< [m] the largest distance between neighbouring samples
+
+  /// [N] On the first body, [m] the deepest place of a sample, [J] in the springs, at the end of the latest step. Of
+  /// one body with itself the force is zero.
+  const Vec3& force() const { return force_; }
+  double depth() const { return depth_; }
+  double energy() const { return energy_; }
+
+ private:
+  struct Side;
+
+  std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
+  ContactSettings settings_;
+  int most_parts_;
+  std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
+  ContactTerms terms_;
+  std::vector<int> first_sample_;  // per side, in ContactTerm::sample
+  std::array<PointArray, 2> expected_;
+  Vec3 force_ = Vec3::Zero();
+  double depth_ = 0, energy_ = 0;
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/tissue_contact.hpp"
+
+#include <fmt/format.h>
+
+#include "attributes/contact.hpp"
+#include "components/components.hpp"
+#include "components/part.hpp"
+#include "scene/interfaces.hpp"
+
+namespace hexaplast::components {
+namespace {
+
+class TissueContactForceField final : public scene::InteractionForceField {
+ public:
+  TissueContactForceField() : InteractionForceField(attributes::kTissueContactForceField) {}
+
+  std::array<scene::MechanicalState*, 2> states() const override { return states_; }
+
+  void init() override {
+    states_[0] = &linked<scene::MechanicalState>("object1");
+    states_[1] = is_given("object2") ? &linked<scene::MechanicalState>("object2") : states_[0];
+  }
+
+  // Bodies and integrators may stand behind it.
+  void bwd_init() override {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::string_view object = k == 0 ? "object1" : "object2";
+      body_fields_[k] = nullptr;
+      for (scene::ForceField* field : node().root().all<scene::ForceField>())
+        if (field->body() && scene::acts_on(*field, *states_[k])) body_fields_[k] = field;
+      if (!body_fields_[k])
+        reject(object, fmt::format("leads to '{}', on which there is no body: contact is that of a body's surface",
+                                   states_[k]->name()));
+      for (const scene::Mapping* mapping : node().root().all<scene::Mapping>())
+        if (mapping->output() == states_[k])
+          reject(object, fmt::format("leads to '{}', which follows another state: must lead to one that an integrator "
+                                     "moves",
+                                     states_[k]->name()));
+    }
+    integrator_ = states_[0]->node().nearest<scene::OdeSolver>();
+    if (integrator_ != states_[1]->node().nearest<scene::OdeSolver>())
+      reject("object2", fmt::format("leads to '{}', which another integrator moves than '{}': bodies that touch need "
+                                    "one EulerImplicitSolver and one linear solver in a node above both",
+                                    states_[1]->name(), states_[0]->name()));
+    if (!integrator_ || integrator_->class_name() != "EulerImplicitSolver")
+      reject("needs an EulerImplicitSolver above the bodies");
+    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
+      if (integrator_->boolean(scheme))
+        reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
+    accepted(*this, [&] { tissues_.emplace(options(), *body_fields_[0]->body(), *body_fields_[1]->body()); });
+  }
+
+  void refresh() override {
+    accepted(*this, [&] { tissues_->set_options(options()); });
+  }
+
+  void begin_step() override {
+    tissues_->begin_step(node().clock().dt, integrator_->real("rayleighStiffness"), positions(), velocities());
+  }
+  void end_step(double) override { tissues_->contact().end_step(positions(), velocities()); }
+  void reset() override { tissues_->reset(); }
+  void serialize(Archive& archive) override {
+    if (archive.reads()) tissues_->surface_changed();
+    tissues_->contact().serialize(archive);
+  }
+  void hexahedra_removed(const scene::ForceField& field, std::span<const int>) override {
+    if (&field == body_fields_[0] || &field == body_fields_[1]) tissues_->surface_changed();
+  }
+
+  void add_force(double, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
+    tissues_->add_force(x, v, f);
+  }
+  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+    tissues_->contact().terms().add_stiffness_product(factor, dx, df);
+  }
+  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+    tissues_->contact().terms().add_damping_product(factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {
+    tissues_->contact().terms().add_stiffness_blocks(factor, A, first_nodes);
+  }
+  void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {
+    tissues_->contact().terms().add_damping_blocks(factor, A, first_nodes);
+  }
+  bool is_in_matrix() const override { return tissues_->contact().num_touching() > 0; }
+  double rayleigh_stiffness() const override { return tissues_->rayleigh_stiffness(); }
+  bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) override {
+    return tissues_->contact().release(x_end, v_end);
+  }
+
+  void provide(scene::Data& output) override {
+    if (!tissues_) return;
+    const TissueContact& contact = tissues_->contact();
+    const std::string_view name = output.attribute().name;
+    if (name == "force") output.set(std::vector<double>(contact.force().begin(), contact.force().end()));
+    if (name == "depth") output.set(std::vector<double>{contact.depth()});
+    if (name == "touching") output.set(std::vector<double>{1.0 * contact.num_touching()});
+    if (name == "slipping") output.set(std::vector<double>{1.0 * contact.num_slipping()});
+  }
+
+ private:
+  OfTwo<ConstPoints> positions() const {
+    return {ConstPoints(states_[0]->positions()), ConstPoints(states_[1]->positions())};
+  }
+  OfTwo<ConstPoints> velocities() const {
+    return {ConstPoints(states_[0]->velocities()), ConstPoints(states_[1]->velocities())};
+  }
+  parts::TissueContactOptions options() {
+    return {.contact_stiffness = real_if_given("contactStiffness"),
+            .tangential_stiffness = real_if_given("tangentialStiffness"),
+            .friction = real("friction"),
+            .contact_distance = real("contactDistance"),
+            .damping = real("damping"),
+            .max_subdivision = integer("maxSubdivision")};
+  }
+
+  std::array<scene::MechanicalState*, 2> states_ = {};
+  std::array<scene::ForceField*, 2> body_fields_ = {};  // that have the bodies
+  scene::OdeSolver* integrator_ = nullptr;
+  std::optional<parts::Tissues> tissues_;
+};
+
+}  // namespace
+
+void add_tissue_contact(scene::Factory& factory) {
+  factory.add<TissueContactForceField>(attributes::kTissueContactForceField);
+}
+
+}  // namespace hexaplast::components

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/tissue_contact.hpp"
+
+#include <algorithm>
+
+#include "attributes/contact.hpp"
+#include "parts/contact_stiffness.hpp"
+
+namespace hexaplast::parts {
+namespace {
+
+void check(const TissueContactOptions& options) {
+  OptionRanges ranges(attributes::kTissueContactForceField);
+  if (options.contact_stiffness) ranges.check("contact_stiffness", *options.contact_stiffness);
+  if (options.tangential_stiffness) ranges.check("tangential_stiffness", *options.tangential_stiffness);
+  ranges.check("friction", options.friction);
+  ranges.check("contact_distance", options.contact_distance);
+  ranges.check("damping", options.damping);
+  ranges.check("max_subdivision", std::span(&options.max_subdivision, 1));
+  ranges.throw_all();
+}
+
+}  // namespace
+
+Tissues::Tissues(TissueContactOptions options, const Body& first, const Body& second) : bodies_{&first, &second} {
+  set_options(options);
+}
+
+void Tissues::set_options(TissueContactOptions options) {
+  check(options);
+  const bool has_same_samples = contact_ && options.max_subdivision == options_.max_subdivision;
+  options_ = options;
+  const double stiffness = options.contact_stiffness.value_or(
+      std::min(default_contact_stiffness(*bodies_[0]), default_contact_stiffness(*bodies_[1])));
+  const ContactSettings settings{.stiffness = stiffness,
+                                 .tangential_stiffness = options.tangential_stiffness.value_or(stiffness),
+                                 .friction = options.friction,
+                                 .distance = options.contact_distance,
+                                 .damping = options.damping};
+  if (has_same_samples) return contact_->set_settings(settings);
+  contact_.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);
+  surface_changed();
+}
+
+void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x,
+                         const OfTwo<ConstPoints>& v) {
+  rayleigh_stiffness_ = rayleigh_stiffness;
+  contact_->begin_step(x, v, dt);
+}
+
+void Tissues::reset() {
+  contact_->reset();
+  surface_changed();
+}
+
+void Tissues::add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const {
+  contact_->terms().add_force(x, v, f);
+  if (rayleigh_stiffness_ != 0) contact_->terms().add_stiffness_product(-rayleigh_stiffness_, v, f);
+}
+
+}  // namespace hexaplast::parts

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/contact/tissue_contact.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast::parts {
+
+/// In scenes: TissueContactForceField.
+struct TissueContactOptions {
+  std::optional<double> contact_stiffness = std::nullopt;  ///< [Pa/m] otherwise 30 E / edge length, the softer body's
+  std::optional<double> tangential_stiffness = std::nullopt;  ///< [Pa/m] otherwise contact_stiffness
+  double friction = 0;
+  double contact_distance = 0;  ///< [m]
+  double damping = 0;           ///< [Pa s/m]
+  int max_subdivision = 8;      ///< parts of the edge of a face, at most
+};
+
+/// Two bodies that touch, or one that touches itself.
+class Tissues {
+ public:
+  /// Throws OptionError. The bodies must outlive it; one body twice touches itself.
+  Tissues(TissueContactOptions options, const Body& first, const Body& second);
+
+  /// Other options for the same bodies. What sticks goes on sticking, unless max_subdivision is another one. Throws
+  /// OptionError.
+  void set_options(TissueContactOptions options);
+
+  /// Finds the contacts of a step of dt [s]. rayleigh_stiffness [s]: that of the time integrator, which does not act on
+  /// contact.
+  void begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
+
+  /// After hexahedra of a body have gone.
+  void surface_changed() { contact_->set_alive(bodies_[0]->alive(), bodies_[1]->alive()); }
+
+  void reset();
+
+  /// f += forces [N] of the present step, without what the integrator adds by its Rayleigh stiffness.
+  void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const;
+
+  const TissueContact& contact() const { return *contact_; }
+  TissueContact& contact() { return *contact_; }
+
+  /// To be given for this force field to the system matrix: it takes back what the integrator adds.
+  double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
+
+ private:
+  std::array<const Body*, 2> bodies_;
+  TissueContactOptions options_;
+  std::optional<TissueContact> contact_;
+  double rayleigh_stiffness_ = 0;
+};
+
+}  // namespace hexaplast::parts

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/contact/tissue_contact.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "contact/tissue_surface.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kEdgesPerLook = 0.5;  // of an edge that bodies may move against each other between two looks
+constexpr int kMostTissueLooks = 16;   // within a step
+constexpr double kKept = 0.5;          // of an edge that what touched may be expected in front of the surface
+constexpr double kShare = 0.5;         // of the stiffness, for each of the two sides
+constexpr double kPerEdge = 0.5;       // distance of samples, in edges of the other body
+
+/// What stays of a sample from step to step.
+struct SampleState {
+  double normal_force = 0;  // N [N] at the end of the latest step; 0: does not touch, and has no anchor
+  int face = -1;            // of the other surface, that was nearest
+  int hexahedron = -1;      // of the other body, that has the anchor
+  CornerWeights anchor = CornerWeights::Zero();
+};
+
+double greatest_speed(ConstPoints v, const Vec3& mean) {
+  double squared = 0;
+  for (Eigen::Index n = 0; n < v.rows(); ++n) squared = std::max(squared, (v.row(n).transpose() - mean).squaredNorm());
+  return std::sqrt(squared);
+}
+
+Eigen::AlignedBox3d box_of(ConstPoints x, double margin) {
+  Eigen::AlignedBox3d box(Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose()));
+  box.min().array() -= margin;
+  box.max().array() += margin;
+  return box;
+}
+
+Vec3 point_of(ConstPoints x, const Hexahedron& corners, const CornerWeights& weights) {
+  return gather(x, corners).transpose() * weights;
+}
+
+}  // namespace
+
+/// Samples of one body, looked up in the other.
+struct TissueContact::Side {
+  int from = 0, to = 1;  // bodies
+  SurfaceSamples samples;
+  TissueSurface surface;
+  std::vector<SampleState> states;
+
+  struct Found {
+    std::optional<TissueSurface::Place> place;
+    Vec3 difference = Vec3::Zero();  // r [m] there
+    Vec3 displacement = Vec3::Zero();
+    Vec3 expected = Vec3::Zero();
+  };
+  std::vector<Found> found;
+
+  std::span<const int> own(const SurfaceSamples::Sample& sample, bool touches_itself) const {
+    return touches_itself ? std::span(sample.nodes.data(), static_cast<std::size_t>(sample.num_nodes))
+                          : std::span<const int>();
+  }
+};
+
+TissueContact::TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int most_parts)
+    : meshes_{&first, &second}, most_parts_(most_parts) {
+  set_settings(settings);
+  set_alive({}, {});
+}
+
+TissueContact::TissueContact(const HexMesh& body, ContactSettings settings, int most_parts)
+    : TissueContact(body, body, settings, most_parts) {}
+
+TissueContact::~TissueContact() = default;
+TissueContact::TissueContact(TissueContact&&) noexcept = default;
+TissueContact& TissueContact::operator=(TissueContact&&) noexcept = default;
+
+void TissueContact::set_settings(ContactSettings settings) {
+  settings.require_valid("TissueContact");
+  settings_ = settings;
+}
+
+void TissueContact::set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second) {
+  const bool with_itself = meshes_[0] == meshes_[1];
+  const std::array alive = {first, with_itself ? first : second};
+  std::vector<std::unique_ptr<Side>> sides;
+  for (int from = 0; from < (with_itself ? 1 : 2); ++from) {
+    const int to = 1 - from;
+    TissueSurface surface(*meshes_[to], alive[to], with_itself);
+    // without hexahedra nothing touches
+    const double wanted = surface.mean_edge() > 0 ? kPerEdge * surface.mean_edge() : 1;
+    SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted, most_parts_);
+    auto side = std::make_unique<Side>(Side{from, to, std::move(samples), std::move(surface), {}, {}});
+    side->states.resize(side->samples.samples.size());
+    if (!sides_.empty()) {
+      std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
+      const Side& old = *sides_[from];
+      for (std::size_t i = 0; i < old.states.size(); ++i)
+        if (old.states[i].normal_force > 0) before.emplace(old.samples.samples[i].key(), old.states[i]);
+      for (std::size_t i = 0; i < side->states.size(); ++i) {
+        const auto at = before.find(side->samples.samples[i].key());
+        if (at == before.end()) continue;
+        SampleState& state = side->states[i] = at->second;
+        state.face = -1;  // they are numbered anew
+        if (!alive[to].empty() && !alive[to][state.hexahedron]) state = {};
+      }
+    }
+    sides.push_back(std::move(side));
+  }
+  sides_ = std::move(sides);
+  terms_.terms.clear();
+}
+
+void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h) {
+  terms_.terms.clear();
+  first_sample_.clear();
+  const bool with_itself = meshes_[0] == meshes_[1];
+  const std::array<const ConstPoints*, 2> xs = {&x.first, &x.second}, vs = {&v.first, &v.second};
+
+  double edge = sides_[0]->surface.mean_edge();
+  for (const auto& side : sides_) edge = std::min(edge, side->surface.mean_edge());
+  const Vec3 mean = (v.first.colwise().sum() + v.second.colwise().sum()).transpose() /
+                    static_cast<double>(v.first.rows() + v.second.rows());
+  const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean));
+  const int looks =
+      edge > 0 ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMostTissueLooks}))
+               : 1;
+  for (const auto& side : sides_) side->found.assign(side->states.size(), {});
+
+  for (int look = 1; look <= looks; ++look) {
+    const double share = static_cast<double>(look) / looks;
+    for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + share * h * *vs[body];
+    for (const auto& of : sides_) {
+      Side& side = *of;
+      const PointArray &own = expected_[side.from], &others = expected_[with_itself ? 0 : side.to];
+      side.surface.look_at(others, box_of(own, settings_.distance), settings_.distance);
+      parallel_for(static_cast<int>(side.states.size()), [&](int i) {
+        Side::Found& found = side.found[i];
+        if (found.place) return;
+        const SurfaceSamples::Sample& sample = side.samples.samples[i];
+        const SampleState& state = side.states[i];
+        const Vec3 p = sample.at(own);
+        const bool touched = state.normal_force > 0;
+        if (!touched && !side.surface.box().contains(p)) return;
+        // what touched stays a contact until it would pull
+        const double reach = touched ? std::max(kKept * edge, settings_.distance) : settings_.distance;
+        found.place = side.surface.find(p, touched ? state.face : -1, reach, side.own(sample, with_itself));
+        if (!found.place) return;
+        const HexMesh& mesh = *meshes_[side.to];
+        found.difference = p - point_of(others, mesh.hexahedra()[found.place->hexahedron], found.place->weights);
+        if (touched) found.displacement = p - point_of(others, mesh.hexahedra()[state.hexahedron], state.anchor);
+      });
+    }
+  }
+
+  int first = 0;
+  for (const auto& of : sides_) {
+    Side& side = *of;
+    const OfTwo<ConstPoints> end(expected_[0], expected_[with_itself ? 0 : 1]);
+    for (std::size_t i = 0; i < side.states.size(); ++i) {
+      SampleState& state = side.states[i];
+      const Side::Found& found = side.found[i];
+      if (!found.place) {
+        state = {};
+        continue;
+      }
+      const SurfaceSamples::Sample& sample = side.samples.samples[i];
+      const Hexahedron& corners = meshes_[side.to]->hexahedra()[found.place->hexahedron];
+      // r of a term is of the first body less the second
+      const double sign = side.from == 0 ? 1 : -1;
+      ContactTerm& term = terms_.terms.emplace_back();
+      term.sample = first + static_cast<int>(i);
+      const auto add_sample = [&] {
+        for (int a = 0; a < sample.num_nodes; ++a) term.add_node(sample.nodes[a], sign * sample.weights[a]);
+      };
+      const auto add_corners = [&] {
+        for (int a = 0; a < kCorners; ++a) term.add_node(corners[a], -sign * found.place->weights[a]);
+      };
+      if (side.from == 0)
+        add_sample();
+      else
+        add_corners();
+      term.num_first = term.num_nodes;
+      if (side.from == 0)
+        add_corners();
+      else
+        add_sample();
+
+      term.normal = sign * found.place->normal;
+      const Vec3 r = sign * found.difference;
+      term.place = r - (found.place->distance - settings_.distance) * term.normal;
+      term.stiffness = kShare * settings_.stiffness * sample.area;
+      term.damping = kShare * settings_.damping * sample.area;
+      if (state.normal_force == 0) {
+        state.hexahedron = found.place->hexahedron;
+        state.anchor = found.place->weights;
+      }
+      state.face = found.place->face;
+      term.anchor = r - sign * found.displacement;
+      if (settings_.friction > 0) {
+        const Vec3 expected = term.at(end);
+        const double N =
+            state.normal_force > 0 ? state.normal_force : std::max(-term.stiffness * term.gap(expected), 0.0);
+        term.set_friction(kShare * settings_.tangential_stiffness * sample.area, settings_.friction, N, expected);
+      }
+    }
+    first_sample_.push_back(first);
+    first += static_cast<int>(side.states.size());
+  }
+}
+
+void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
+  force_.setZero();
+  depth_ = energy_ = 0;
+  for (const auto& side : sides_)
+    for (SampleState& state : side->states) state.normal_force = 0;
+  for (const ContactTerm& term : terms_.terms) {
+    const Vec3 r = term.at(x), change = term.at(v), u = term.displacement(r);
+    const double N = term.normal_force(r, change), g = term.gap(r);
+    if (meshes_[0] != meshes_[1]) force_ += term.force(r, change);
+    depth_ = std::max(depth_, -(g + settings_.distance));
+    if (N <= 0) continue;
+
+    Side& side = *sides_[sides_.size() > 1 && term.sample >= first_sample_[1] ? 1 : 0];
+    const int i = term.sample - first_sample_[&side == sides_[0].get() ? 0 : 1];
+    SampleState& state = side.states[i];
+    const SurfaceSamples::Sample& sample = side.samples.samples[i];
+    state.normal_force = N;
+    const double stiffness = kShare * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
+                 size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
+    energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
+
+    // the anchor, in the hexahedron of the other body that the sample was found in
+    const bool is_first = side.from == 0;
+    const ConstPoints &own = is_first ? x.first : x.second, &others = is_first ? x.second : x.first;
+    const Vec3 at = sample.at(own) - (is_first ? 1 : -1) * kept * u;
+    const int begin = is_first ? term.num_first : 0;
+    Hexahedron corners;
+    std::copy_n(term.nodes.begin() + begin, kCorners, corners.begin());
+    const ElementPoints there = gather(others, corners);
+    const CornerWeights weights = weights_beyond(there, nearest_place(there, at, side.surface.mean_edge()).s, at);
+    if (!weights.allFinite()) continue;
+    state.anchor = weights;
+    state.hexahedron = side.found[i].place->hexahedron;
+  }
+}
+
+void TissueContact::reset() {
+  for (const auto& side : sides_) side->states.assign(side->states.size(), {});
+  terms_.terms.clear();
+  force_.setZero();
+  depth_ = energy_ = 0;
+}
+
+double TissueContact::spacing() const {
+  double spacing = 0;
+  for (const auto& side : sides_) spacing = std::max(spacing, side->samples.spacing);
+  return spacing;
+}
+
+void TissueContact::serialize(Archive& archive) {
+  std::vector<double> numbers;
+  std::vector<int> places;
+  std::size_t count = 0;
+  for (const auto& side : sides_)
+    for (const SampleState& state : side->states) {
+      ++count;
+      numbers.push_back(state.normal_force);
+      numbers.insert(numbers.end(), state.anchor.begin(), state.anchor.end());
+      places.insert(places.end(), {state.hexahedron, state.face});
+    }
+  Vec3 force = force_;
+  double depth = depth_, energy = energy_;
+  archive(numbers, places, force.x(), force.y(), force.z(), depth, energy);
+  if (!archive.reads()) return;
+  if (numbers.size() != (1 + kCorners) * count || places.size() != 2 * count)
+    throw InputError(fmt::format("contact is saved of {} samples, there are {}", places.size() / 2, count));
+  const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
+                         force.allFinite() && std::isfinite(depth) && std::isfinite(energy);
+  if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
+  std::size_t k = 0;
+  for (const auto& side : sides_)
+    for (SampleState& state : side->states) {
+      state.normal_force = std::max(numbers[(1 + kCorners) * k], 0.0);
+      state.anchor = CornerWeights::Map(&numbers[(1 + kCorners) * k + 1]);
+      state.hexahedron = places[2 * k];
+      state.face = places[2 * k + 1];
+      ++k;
+      const bool has_place = state.hexahedron >= 0 && state.hexahedron < meshes_[side->to]->num_elements() &&
+                             state.face >= -1 && state.face < side->surface.num_faces();
+      if (state.normal_force > 0 && !has_place)
+        throw InputError(fmt::format("contact is saved with hexahedron {} and face {}, which are not there",
+                                     state.hexahedron, state.face));
+    }
+  terms_.terms.clear();
+  force_ = force;
+  depth_ = depth;
+  energy_ = energy;
+}
+
+}  // namespace hexaplast

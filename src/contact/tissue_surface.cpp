@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "contact/tissue_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "hexaplast/mesh/faces.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kWithin = 1e-9;       // of a hexahedron's size: a point this near to it lies in it
+constexpr double kNoDirection = 1e-6;  // of an edge: nearer to the surface than this, its own normal is taken
+constexpr int kNearCells = 2;          // a body does not touch itself within
+constexpr int kMostCells = 128;        // of the grid along an axis
+constexpr int kMostWalks = 200;
+
+Eigen::AlignedBox3d box_of(ConstPoints x, std::span<const int> nodes) {
+  Eigen::AlignedBox3d box;
+  for (const int node : nodes) box.extend(Vec3(x.row(node).transpose()));
+  return box;
+}
+
+std::vector<Eigen::AlignedBox3d> boxes_of(ConstPoints x, const std::vector<Quad>& faces) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  boxes.reserve(faces.size());
+  for (const Quad& face : faces) boxes.push_back(box_of(x, face));
+  return boxes;
+}
+
+/// items_of: for each of `count` groups, the items that name it.
+template <class Groups>
+void group(int count, int num_items, const Groups& groups_of, std::vector<int>& first, std::vector<int>& items) {
+  first.assign(static_cast<std::size_t>(count) + 1, 0);
+  for (int i = 0; i < num_items; ++i)
+    for (const int g : groups_of(i)) ++first[g + 1];
+  for (int g = 0; g < count; ++g) first[g + 1] += first[g];
+  items.resize(first[count]);
+  std::vector<int> next(first.begin(), first.end() - 1);
+  for (int i = 0; i < num_items; ++i)
+    for (const int g : groups_of(i)) items[next[g]++] = i;
+}
+
+}  // namespace
+
+TissueSurface::TissueSurface(const HexMesh& mesh, std::span<const unsigned char> alive, bool touches_itself)
+    : mesh_(&mesh), faces_(mesh.boundary_faces(alive)) {
+  if (!faces_.empty()) initial_.emplace(boxes_of(mesh.positions(), faces_));
+  for (int e = 0; e < mesh.num_elements(); ++e)
+    if (alive.empty() || alive[e]) hexahedra_.push_back(e);
+
+  std::map<Quad, int> owner;
+  for (const int e : hexahedra_)
+    for (const Quad& corners : kFaces) owner[sorted(face_of(mesh.hexahedra()[e], corners))] = e;
+  double sum = 0;
+  for (const Quad& face : faces_) {
+    owner_.push_back(owner.at(sorted(face)));
+    for (int a = 0; a < 4; ++a) sum += (mesh.positions().row(face[a]) - mesh.positions().row(face[(a + 1) % 4])).norm();
+  }
+  mean_edge_ = faces_.empty() ? 0 : sum / (4.0 * static_cast<double>(faces_.size()));
+  const auto num_faces = static_cast<int>(faces_.size());
+  group(
+      mesh.num_nodes(), num_faces, [&](int f) { return faces_[f]; }, first_of_node_, faces_of_node_);
+  group(
+      mesh.num_elements(), num_faces, [&](int f) { return std::array{owner_[f]}; }, first_of_hexahedron_,
+      faces_of_hexahedron_);
+  if (touches_itself) find_neighbourhoods(alive);
+}
+
+void TissueSurface::find_neighbourhoods(std::span<const unsigned char> alive) {
+  std::map<Quad, std::array<int, 2>> sides;
+  for (const int e : hexahedra_)
+    for (const Quad& corners : kFaces) {
+      const auto [at, is_new] = sides.try_emplace(sorted(face_of(mesh_->hexahedra()[e], corners)), std::array{e, -1});
+      if (!is_new) at->second[1] = e;
+    }
+  std::vector<std::vector<int>> beside(static_cast<std::size_t>(mesh_->num_elements()));
+  for (const auto& [face, pair] : sides)
+    if (pair[1] >= 0) {
+      beside[pair[0]].push_back(pair[1]);
+      beside[pair[1]].push_back(pair[0]);
+    }
+  near_.resize(static_cast<std::size_t>(mesh_->num_nodes()));
+  for (int node = 0; node < mesh_->num_nodes(); ++node) {
+    if (first_of_node_[node] == first_of_node_[node + 1]) continue;
+    std::vector<int>& near = near_[node];
+    for (const HexMesh::Incidence& at : mesh_->incident(node))
+      if (alive.empty() || alive[at.element]) near.push_back(at.element);
+    for (int cell = 0; cell < kNearCells; ++cell) {
+      const std::size_t before = near.size();
+      for (std::size_t k = 0; k < before; ++k) near.insert(near.end(), beside[near[k]].begin(), beside[near[k]].end());
+      std::ranges::sort(near);
+      near.erase(std::unique(near.begin(), near.end()), near.end());
+    }
+  }
+}
+
+bool TissueSurface::is_near(int hexahedron, std::span<const int> own) const {
+  return std::ranges::any_of(own, [&](int node) { return std::ranges::binary_search(near_[node], hexahedron); });
+}
+
+void TissueSurface::look_at(ConstPoints x, const Eigen::AlignedBox3d& region, double reach) {
+  x_.emplace(x);
+  boxes_.resize(static_cast<std::size_t>(mesh_->num_elements()));
+  counted_.clear();
+  box_.setEmpty();
+  double extent = 0;
+  for (const int e : hexahedra_) {
+    Eigen::AlignedBox3d& box = boxes_[e];
+    box = box_of(x, mesh_->hexahedra()[e]);
+    box.min().array() -= reach;
+    box.max().array() += reach;
+    if (!box.intersects(region)) continue;
+    counted_.push_back(e);
+    box_.extend(box);
+    extent += box.sizes().maxCoeff();
+  }
+  if (counted_.empty()) return;
+  cell_ = std::max(extent / static_cast<double>(counted_.size()), box_.sizes().maxCoeff() / kMostCells);
+  origin_ = box_.min();
+  size_ = (box_.sizes().array() / cell_).cast<int>() + 1;
+  const auto cells_of = [&](int i, const auto& visit) {
+    const Eigen::AlignedBox3d& box = boxes_[counted_[i]];
+    const Eigen::Array3i from = ((box.min() - origin_).array() / cell_).cast<int>().max(0),
+                         to = ((box.max() - origin_).array() / cell_).cast<int>().min(size_ - 1);
+    for (int k = from[2]; k <= to[2]; ++k)
+      for (int j = from[1]; j <= to[1]; ++j)
+        for (int l = from[0]; l <= to[0]; ++l) visit((k * size_[1] + j) * size_[0] + l);
+  };
+  first_in_cell_.assign(static_cast<std::size_t>(size_.prod()) + 1, 0);
+  const auto count = static_cast<int>(counted_.size());
+  for (int i = 0; i < count; ++i) cells_of(i, [&](int cell) { ++first_in_cell_[cell + 1]; });
+  for (std::size_t cell = 1; cell < first_in_cell_.size(); ++cell) first_in_cell_[cell] += first_in_cell_[cell - 1];
+  in_cell_.resize(first_in_cell_.back());
+  // filled from the last one on, so that each cell's begin ends where it belongs and its hexahedra ascend
+  std::vector<int>& next = first_in_cell_;
+  for (int i = count; i-- > 0;) cells_of(i, [&](int cell) { in_cell_[--next[cell + 1]] = counted_[i]; });
+  std::rotate(next.begin(), next.begin() + 1, next.end());
+  next.back() = static_cast<int>(in_cell_.size());
+}
+
+template <class Visit>
+void TissueSurface::for_each_around(const Vec3& p, const Visit& visit) const {
+  if (counted_.empty() || !box_.contains(p)) return;
+  const Eigen::Array3i at = ((p - origin_).array() / cell_).cast<int>().max(0).min(size_ - 1);
+  const int cell = (at[2] * size_[1] + at[1]) * size_[0] + at[0];
+  for (int k = first_in_cell_[cell]; k < first_in_cell_[cell + 1]; ++k)
+    if (boxes_[in_cell_[k]].contains(p) && !visit(in_cell_[k])) return;
+}
+
+/// One of the four triangles between the edges of a face and its middle.
+std::array<Vec3, 3> TissueSurface::triangle_of(ConstPoints x, const Quad& face, int k) {
+  const Vec3 middle = (x.row(face[0]) + x.row(face[1]) + x.row(face[2]) + x.row(face[3])).transpose() / 4;
+  return {x.row(face[k]).transpose(), x.row(face[(k + 1) % 4]).transpose(), middle};
+}
+
+TissueSurface::Nearest TissueSurface::nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) {
+  Nearest nearest;
+  for (int k = 0; k < 4; ++k) {
+    const TrianglePlace place = nearest_place(triangle_of(x, face, k), p);
+    if (place.squared < nearest.place.squared) nearest = {.face = index, .place = place, .triangle = k};
+  }
+  return nearest;
+}
+
+TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p) const {
+  Nearest nearest;
+  initial_->for_each_nearer(p, [&](int f) {
+    const Nearest found = nearest_on(mesh_->positions(), faces_[f], f, p);
+    if (found.place.squared < nearest.place.squared) nearest = found;
+    return std::sqrt(nearest.place.squared);
+  });
+  return nearest;
+}
+
+/// To the nearest place of the present surface, from face to face.
+TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p) const {
+  Nearest nearest = nearest_on(*x_, faces_[face], face, p);
+  for (int walked = 0; walked < kMostWalks; ++walked) {
+    const int from = nearest.face;
+    for (const int node : faces_[from])
+      for (int k = first_of_node_[node]; k < first_of_node_[node + 1]; ++k) {
+        const int other = faces_of_node_[k];
+        if (other == from) continue;
+        const Nearest found = nearest_on(*x_, faces_[other], other, p);
+        if (found.place.squared < nearest.place.squared) nearest = found;
+      }
+    if (nearest.face == from) break;
+  }
+  return nearest;
+}
+
+TissueSurface::Place TissueSurface::place_at(const Nearest& nearest, const Vec3& p, bool is_inside) const {
+  Place place;
+  place.face = nearest.face;
+  const double distance = std::sqrt(nearest.place.squared);
+  place.distance = is_inside ? -distance : distance;
+  const auto [a, b, c] = triangle_of(*x_, faces_[nearest.face], nearest.triangle);
+  const Vec3 across = (b - a).cross(c - a);
+  const bool is_on_face = nearest.place.feature == TrianglePlace::kFace || distance < kNoDirection * mean_edge_;
+  place.normal =
+      is_on_face && across.norm() > 0 ? Vec3(across.normalized()) : Vec3((p - nearest.place.place) / place.distance);
+  return place;
+}
+
+std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, int face, double reach,
+                                                        std::span<const int> own) const {
+  int inside = -1;
+  HexahedronPlace at;
+  Nearest in_front;
+  for_each_around(p, [&](int e) {
+    if (!own.empty() && is_near(e, own)) return true;
+    const ElementPoints corners = gather(*x_, mesh_->hexahedra()[e]);
+    const double size = boxes_[e].diagonal().norm();
+    const HexahedronPlace place = nearest_place(corners, p, size);
+    if (place.distance <= kWithin * size) {
+      inside = e;
+      at = place;
+      return false;
+    }
+    if (place.distance < reach)
+      for (int k = first_of_hexahedron_[e]; k < first_of_hexahedron_[e + 1]; ++k) {
+        const int f = faces_of_hexahedron_[k];
+        const Nearest found = nearest_on(*x_, faces_[f], f, p);
+        if (found.place.squared < in_front.place.squared) in_front = found;
+      }
+    return true;
+  });
+  if (inside >= 0) {
+    if (face < 0) {
+      const Vec3 initial = gather(mesh_->positions(), mesh_->hexahedra()[inside]).transpose() * shape_functions(at.s);
+      face = nearest_initially(initial).face;
+    }
+    Place place = place_at(walk(face, p), p, true);
+    place.hexahedron = inside;
+    place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p);
+    return place;
+  }
+  if (face < 0) face = in_front.face;
+  if (face < 0) return std::nullopt;
+  Place place = place_at(walk(face, p), p, false);
+  if (!(place.distance < reach)) return std::nullopt;
+  place.hexahedron = owner_[place.face];
+  if (!own.empty() && is_near(place.hexahedron, own)) return std::nullopt;
+  const ElementPoints corners = gather(*x_, mesh_->hexahedra()[place.hexahedron]);
+  place.weights = weights_beyond(corners, nearest_place(corners, p, mean_edge_).s, p);
+  return place;
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/box_tree.hpp"
+#include "geometry/nearest_place.hpp"
+#include "hexaplast/contact/surface_samples.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
+
+namespace hexaplast {
+
+/// The surface of a deformable body as it is touched: whether a point lies in one of the hexahedra, and where the
+/// nearest place of the surface is then. The initial shape says where to begin to look for it, the present one decides.
+class TissueSurface {
+ public:
+  /// alive: empty, or one per hexahedron. The mesh must outlive it.
+  TissueSurface(const HexMesh& mesh, std::span<const unsigned char> alive, bool touches_itself);
+
+  int num_faces() const { return static_cast<int>(faces_.size()); }
+  double mean_edge() const { return mean_edge_; }  ///< [m] of its faces
+  const Eigen::AlignedBox3d& box() const { return box_; }
+
+  /// From now on the body has the positions x, which outlive this; hexahedra outside `region` do not count.
+  void look_at(ConstPoints x, const Eigen::AlignedBox3d& region, double reach);
+
+  struct Place {
+    int hexahedron = -1;
+    CornerWeights weights = CornerWeights::Zero();  ///< of its corners, for the point
+    int face = -1;
+    double distance = 0;  ///< [m] from the surface, negative inside
+    Vec3 normal = Vec3::UnitZ();  ///< of length 1: the direction in which the distance grows
+  };
+
+  /// Where a point is that lies inside, or in front of the surface within `reach` [m]. face: the one that was nearest
+  /// to it in the step before, from which it is followed, or -1. own: nodes of the sample, where it belongs to this
+  /// body: hexahedra less than two cells away from them do not count.
+  std::optional<Place> find(const Vec3& p, int face, double reach, std::span<const int> own) const;
+
+ private:
+  struct Nearest {
+    int face = -1;
+    TrianglePlace place;
+    int triangle = 0;
+  };
+
+  void find_neighbourhoods(std::span<const unsigned char> alive);
+  bool is_near(int hexahedron, std::span<const int> own) const;
+  template <class Visit>
+  void for_each_around(const Vec3& p, const Visit& visit) const;
+  static std::array<Vec3, 3> triangle_of(ConstPoints x, const Quad& face, int k);
+  static Nearest nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p);
+  Nearest nearest_initially(const Vec3& p) const;
+  Nearest walk(int face, const Vec3& p) const;
+  Place place_at(const Nearest& nearest, const Vec3& p, bool is_inside) const;
+
+  const HexMesh* mesh_;
+  std::vector<int> hexahedra_;                      // that are left
+  std::vector<Quad> faces_;                         // of the surface
+  std::vector<int> owner_;                          // the hexahedron of each
+  std::vector<int> first_of_node_, faces_of_node_;  // of the surface, around each node
+  std::vector<int> first_of_hexahedron_, faces_of_hexahedron_;
+  std::optional<BoxTree> initial_;  // of the faces, if there are any
+  double mean_edge_ = 0;
+  std::vector<std::vector<int>> near_;  // per node: hexahedra less than two cells away, ascending; of one that touches
+                                        // itself
+
+  // the present look: hexahedra by the cells of a grid that their boxes meet
+  std::optional<ConstPoints> x_;
+  Eigen::AlignedBox3d box_;
+  Vec3 origin_ = Vec3::Zero();
+  double cell_ = 1;
+  Eigen::Array3i size_ = {0, 0, 0};
+  std::vector<Eigen::AlignedBox3d> boxes_;  // per hexahedron
+  std::vector<int> counted_, first_in_cell_, in_cell_;
+};
+
+}  // namespace hexaplast

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/contact/tissue_contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using namespace hexaplast;
+
+constexpr ContactSettings kSettings = {.stiffness = 1e5, .tangential_stiffness = 5e4, .friction = 0.3, .damping = 100};
+
+PointArray random_field(Eigen::Index rows, unsigned seed, double size) {
+  support::Random random(seed);
+  PointArray field(rows, 3);
+  for (Eigen::Index n = 0; n < rows; ++n) field.row(n) = random.vector(size).transpose();
+  return field;
+}
+
+// A block of .2 x .2 x .1 m and one of .1 x .1 x .1 m on it, askew, which falls into it by less than 8 mm.
+struct Stacked {
+  HexMesh below = regular_grid({4, 4, 2}, Vec3::Zero(), {0.2, 0.2, 0.1});
+  HexMesh above = regular_grid({3, 3, 3}, {0.04, 0.06, 0.1}, {0.14, 0.16, 0.2});
+  PointArray x0 = below.positions() + random_field(below.num_nodes(), 1, 2e-3),
+             x1 = above.positions() + random_field(above.num_nodes(), 2, 2e-3),
+             v0 = random_field(below.num_nodes(), 3, 0.1), v1 = random_field(above.num_nodes(), 4, 0.1);
+  TissueContact contact{below, above, kSettings, 8};
+
+  Stacked() {
+    v1.col(2).array() -= 0.5;
+    contact.begin_step({x0, x1}, {v0, v1}, 0.01);
+  }
+  PointArray end0() const { return x0 + 0.01 * v0; }
+  PointArray end1() const { return x1 + 0.01 * v1; }
+};
+
+// Two bodies leave each other neither force nor moment where they were expected.
+TEST(TissueContact, ForcesBalance) {
+  Stacked stacked;
+  EXPECT_GT(stacked.contact.num_touching(), 50);
+  // sideways in the next step
+  stacked.contact.end_step({stacked.end0(), stacked.end1()}, {stacked.v0, stacked.v1});
+  stacked.x0 = stacked.end0();
+  stacked.x1 = stacked.end1();
+  stacked.v1.rowwise() = Eigen::RowVector3d(0.5, 0, 0);
+  stacked.contact.begin_step({stacked.x0, stacked.x1}, {stacked.v0, stacked.v1}, 0.01);
+  EXPECT_GT(stacked.contact.num_slipping(), 20);
+  const PointArray e0 = stacked.end0(), e1 = stacked.end1();
+  PointArray f0 = PointArray::Zero(e0.rows(), 3), f1 = PointArray::Zero(e1.rows(), 3);
+  stacked.contact.terms().add_force({e0, e1}, {stacked.v0, stacked.v1}, {Points(f0), Points(f1)});
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  double forces = 0, moments = 0;
+  const auto add = [&](const PointArray& x, const PointArray& f) {
+    for (Eigen::Index n = 0; n < x.rows(); ++n) {
+      const Vec3 fn = f.row(n).transpose(), m = Vec3(x.row(n).transpose()).cross(fn);
+      force += fn;
+      moment += m;
+      forces += fn.norm();
+      moments += m.norm();
+    }
+  };
+  add(e0, f0);
+  add(e1, f1);
+  EXPECT_GT(forces, 1);
+  EXPECT_LT(f0.col(2).sum(), -0.2 * forces);  // pressed down
+  EXPECT_LT(force.norm(), 1e-12 * forces);
+  EXPECT_LT(moment.norm(), 1e-10 * moments);
+}
+
+// Within a step forces are linear: K and B are their derivatives, by products and by blocks.
+TEST(TissueContact, StiffnessAndDampingAreDerivatives) {
+  Stacked stacked;
+  const ContactTerms& terms = stacked.contact.terms();
+  const int n0 = stacked.below.num_nodes(), n1 = stacked.above.num_nodes();
+  const PointArray d = random_field(n0 + n1, 5, 1e-3);
+  const auto top = [&](const PointArray& field) { return ConstPoints(field.topRows(n0)); };
+  const auto bottom = [&](const PointArray& field) { return ConstPoints(field.bottomRows(n1)); };
+  const auto force = [&](double dx, double dv) {
+    PointArray x0 = stacked.x0 + dx * top(d), x1 = stacked.x1 + dx * bottom(d), v0 = stacked.v0 + dv * top(d),
+               v1 = stacked.v1 + dv * bottom(d), f = PointArray::Zero(n0 + n1, 3);
+    terms.add_force({x0, x1}, {v0, v1}, {Points(f.topRows(n0)), Points(f.bottomRows(n1))});
+    return f;
+  };
+  const auto blocks = [&](const auto& add) {
+    BlockMatrix A(n0 + n1);
+    add(A);
+    PointArray product = PointArray::Zero(n0 + n1, 3);
+    for (int n = 0; n < n0 + n1; ++n)
+      for (const BlockMatrix::Entry& entry : A.row(n))
+        product.row(n) += (entry.block * d.row(entry.column).transpose()).transpose();
+    return product;
+  };
+  PointArray K = PointArray::Zero(n0 + n1, 3), B = K;
+  terms.add_stiffness_product(2, {top(d), bottom(d)}, {Points(K.topRows(n0)), Points(K.bottomRows(n1))});
+  terms.add_damping_product(2, {top(d), bottom(d)}, {Points(B.topRows(n0)), Points(B.bottomRows(n1))});
+  EXPECT_TRUE(support::agrees(K, 2 * (force(1, 0) - force(0, 0)), 1e-8));
+  EXPECT_TRUE(support::agrees(B, 2 * (force(0, 1) - force(0, 0)), 1e-8));
+  EXPECT_TRUE(support::agrees(blocks([&](BlockMatrix& A) { terms.add_stiffness_blocks(2, A, {0, n0}); }), K, 1e-12));
+  EXPECT_TRUE(support::agrees(blocks([&](BlockMatrix& A) { terms.add_damping_blocks(2, A, {0, n0}); }), B, 1e-12));
+}
+
+// Straight blocks that overlap by a depth: half of the pressure from the samples of either side, each on its own area.
+TEST(TissueContact, PressureIsStiffnessTimesDepth) {
+  const HexMesh below = regular_grid({4, 4, 2}, Vec3::Zero(), {0.2, 0.2, 0.1});
+  const HexMesh above = regular_grid({3, 3, 4}, {0.03, 0.04, 0.1}, {0.18, 0.19, 0.3});
+  const double depth = 1e-3;
+  PointArray x1 = above.positions();
+  x1.col(2).array() -= depth;
+  const PointArray v0 = PointArray::Zero(below.num_nodes(), 3), v1 = PointArray::Zero(above.num_nodes(), 3);
+  TissueContact contact(below, above, {.stiffness = 1e5}, 8);
+  contact.begin_step({below.positions(), x1}, {v0, v1}, 0.01);
+  double expected = 0;
+  const auto add_from = [&](const HexMesh& mesh, double level) {
+    for (const SurfaceSamples::Sample& sample : SurfaceSamples::on(mesh, {}, 0.025, 8).samples) {
+      const Vec3 p = sample.at(mesh.positions());
+      if (std::abs(p.z() - level) < 1e-9 && p.x() > 0.03 - 1e-9 && p.x() < 0.18 + 1e-9 && p.y() > 0.04 - 1e-9 &&
+          p.y() < 0.19 + 1e-9)
+        expected += 0.5 * 1e5 * depth * sample.area;
+    }
+  };
+  add_from(above, 0.1);
+  add_from(below, 0.1);
+  PointArray f0 = PointArray::Zero(below.num_nodes(), 3), f1 = PointArray::Zero(above.num_nodes(), 3);
+  contact.terms().add_force({below.positions(), x1}, {v0, v1}, {Points(f0), Points(f1)});
+  EXPECT_NEAR(f1.col(2).sum(), expected, 1e-9 * expected);
+  EXPECT_NEAR(f1.col(2).sum(), 1e5 * depth * 0.15 * 0.15, 0.3 * expected);  // of the sides' rims too
+  EXPECT_LT(f1.leftCols<2>().norm(), 1e-9 * expected);
+}
+
+// A block that is sheared by .5: normals are those of the present faces.
+TEST(TissueContact, NormalsArePresentOnes) {
+  const HexMesh below = regular_grid({4, 4, 4}, Vec3::Zero(), {0.2, 0.2, 0.2});
+  const HexMesh above = regular_grid({2, 2, 2}, {0.05, 0.05, 0.2}, {0.15, 0.15, 0.3});
+  PointArray x0 = below.positions(), x1 = above.positions();
+  x0.col(2) += 0.5 * below.positions().col(0);  // the top is steep
+  x1.col(2) += 0.5 * above.positions().col(0);
+  x1.col(2).array() -= 5e-3;
+  const PointArray v0 = PointArray::Zero(below.num_nodes(), 3), v1 = PointArray::Zero(above.num_nodes(), 3);
+  TissueContact contact(below, above, {.stiffness = 1e5}, 8);
+  contact.begin_step({x0, x1}, {v0, v1}, 0.01);
+  PointArray f0 = PointArray::Zero(below.num_nodes(), 3), f1 = PointArray::Zero(above.num_nodes(), 3);
+  contact.terms().add_force({x0, x1}, {v0, v1}, {Points(f0), Points(f1)});
+  const Vec3 force = f1.colwise().sum().transpose(), normal = Vec3(-0.5, 0, 1).normalized();
+  EXPECT_GT(force.dot(normal), 1);
+  EXPECT_LT((force - force.dot(normal) * normal).norm(), 0.01 * force.dot(normal));
+}
+
+// A strip that is bent until its ends lie on one another touches itself; as it was made it does not.
+TEST(TissueContact, OfOneBodyWithItself) {
+  const HexMesh strip = regular_grid({24, 3, 1}, Vec3::Zero(), {0.24, 0.03, 0.01});
+  PointArray x = strip.positions();
+  const PointArray v = PointArray::Zero(x.rows(), 3);
+  TissueContact contact(strip, kSettings, 8);
+  contact.begin_step(x, v, 0.01);
+  EXPECT_EQ(contact.num_touching(), 0);
+  // a half turn in the middle: the upper surface on itself
+  for (Eigen::Index n = 0; n < x.rows(); ++n) {
+    const double along = x(n, 0) - 0.1, up = x(n, 2);
+    const double radius = 0.0195, turn = std::clamp(along / 0.04, 0.0, 1.0) * M_PI, past = std::max(along - 0.04, 0.0);
+    x(n, 0) = along <= 0 ? x(n, 0) : 0.1 + std::sin(turn) * (radius - up) - past;
+    if (along > 0) x(n, 2) = radius - std::cos(turn) * (radius - up);
+  }
+  contact.begin_step(x, v, 0.01);
+  EXPECT_EQ(contact.num_touching(), 0);
+  // the end that came round is pressed down by 20 mm: 39 mm above the lower one, of which 1 mm is left
+  for (Eigen::Index n = 0; n < x.rows(); ++n)
+    if (strip.positions()(n, 0) > 0.15) x(n, 2) -= 0.0195;
+  contact.begin_step(x, v, 0.01);
+  EXPECT_GT(contact.num_touching(), 20);
+  PointArray f = PointArray::Zero(x.rows(), 3);
+  contact.terms().add_force(x, v, Points(f));
+  EXPECT_LT(f.colwise().sum().norm(), 1e-12 * f.rowwise().norm().sum());
+  double up = 0;
+  for (Eigen::Index n = 0; n < x.rows(); ++n)
+    if (strip.positions()(n, 0) > 0.15) up += f(n, 2);
+  EXPECT_GT(up, 0.4 * f.rowwise().norm().sum());
+}
+
+// The same bits for any number of threads, and after the state was saved in the middle of sticking.
+TEST(TissueContact, KeepsItsState) {
+  const auto bytes_after = [](TissueContact& contact, const Stacked& stacked) {
+    const PointArray x0 = stacked.end0(), x1 = stacked.end1();
+    contact.begin_step({x0, x1}, {stacked.v0, stacked.v1}, 1e-3);
+    contact.end_step({x0, x1}, {stacked.v0, stacked.v1});
+    std::vector<std::byte> bytes;
+    Archive archive([&](const void* data, std::size_t size) {
+      const auto* first = static_cast<const std::byte*>(data);
+      bytes.insert(bytes.end(), first, first + size);
+    });
+    contact.serialize(archive);
+    return bytes;
+  };
+  Stacked stacked;
+  const PointArray x0 = stacked.end0(), x1 = stacked.end1();
+  stacked.contact.end_step({x0, x1}, {stacked.v0, stacked.v1});
+  std::vector<std::byte> saved;
+  Archive writes([&](const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    saved.insert(saved.end(), first, first + size);
+  });
+  stacked.contact.serialize(writes);
+  const std::vector<std::byte> expected = bytes_after(stacked.contact, stacked);
+
+  TissueContact other(stacked.below, stacked.above, kSettings, 8);
+  Archive reads{std::span<const std::byte>(saved)};
+  other.serialize(reads);
+  for (const int threads : {2, 7}) {
+    TissueContact again(stacked.below, stacked.above, kSettings, 8);
+    Archive archive{std::span<const std::byte>(saved)};
+    again.serialize(archive);
+    set_num_threads(threads);
+    EXPECT_EQ(bytes_after(again, stacked), expected);
+    set_num_threads(1);
+  }
+  EXPECT_EQ(bytes_after(other, stacked), expected);
+
+  TissueContact fewer(stacked.below, stacked.above, kSettings, 1);
+  Archive archive{std::span<const std::byte>(saved)};
+  EXPECT_THROW(fewer.serialize(archive), InputError);
+}
+
+// Where hexahedra have gone nothing is touched, and what touches elsewhere goes on.
+TEST(TissueContact, WithoutHexahedra) {
+  Stacked stacked;
+  const int before = stacked.contact.num_touching();
+  std::vector<unsigned char> none(static_cast<std::size_t>(stacked.above.num_elements()), 0);
+  stacked.contact.set_alive({}, none);
+  stacked.contact.begin_step({stacked.x0, stacked.x1}, {stacked.v0, stacked.v1}, 0.01);
+  EXPECT_EQ(stacked.contact.num_touching(), 0);
+  stacked.contact.set_alive({}, {});
+  stacked.contact.begin_step({stacked.x0, stacked.x1}, {stacked.v0, stacked.v1}, 0.01);
+  EXPECT_EQ(stacked.contact.num_touching(), before);
+}
+
+TEST(TissueContact, RefusesBadSettings) {
+  const HexMesh block = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones());
+  EXPECT_THROW(TissueContact(block, {.stiffness = 0}, 8), InputError);
+  EXPECT_THROW(TissueContact(block, {.stiffness = 1, .friction = -1}, 8), InputError);
+  EXPECT_THROW(TissueContact(block, {.stiffness = 1}, 0), InputError);
+}
+
+}  // namespace
