@@ -334,6 +334,8 @@ struct PreconditionedConjugateGradients::Spaces {
   BlockJacobi<float> jacobi_single;
   SeveralBodies several;
   PointArray correction;
+  CgSpace* latest = nullptr;  // for the latest system
+  PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
 
   bool has_others() const { return knows_kernels && !system.others.empty(); }
   bool refines() const { return knows_kernels && rounds_products(system); }
@@ -441,6 +443,11 @@ SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSyste
   return iterate(A, b, &start, x);
 }
 
+SolveReport PreconditionedConjugateGradients::solve_after_release(const LinearSystem& A, ConstPoints b, Points x) {
+  const ConstPoints start(x);
+  return iterate(A, b, &start, x, true);
+}
+
 namespace {
 
 // Single precision with half-precision coefficients answers to about 2e-4; beyond this its answers are corrections.
@@ -468,7 +475,7 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
 }  // namespace
 
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
-                                                      Points x) {
+                                                      Points x, bool is_prepared) {
   require_sizes(A, b, x);
   SolveReport report;
   const double norm_b = std::sqrt(finite_square(b));
@@ -476,7 +483,10 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     x.setZero();
     return report;
   }
-  CgSpace& space = spaces_->choose(A, preconditioner_, report.preconditioner);
+  if (!is_prepared || !spaces_->latest)
+    spaces_->latest = &spaces_->choose(A, preconditioner_, spaces_->preconditioned_by);
+  CgSpace& space = *spaces_->latest;
+  report.preconditioner = spaces_->preconditioned_by;
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
   PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;

@@ -49,7 +49,8 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
   const OperatorFactors factors =
       first_order ? OperatorFactors{.mass = 1, .damping = 0, .stiffness = -ah}
                   : OperatorFactors{.mass = 1 + ah * rM, .damping = -ah, .stiffness = -ah * (ah + rK)};
-  SolveReport report = solver.solve_next(ConstrainedOperator(system, factors), right_hand_side_, velocity_, memory_);
+  const ConstrainedOperator A(system, factors);
+  SolveReport report = solver.solve_next(A, right_hand_side_, velocity_, memory_);
   for (int k = 0; k < kMostReleases; ++k) {
     released_.setZero(x.rows(), 3);
     released_product_.setZero(x.rows(), 3);
@@ -61,8 +62,7 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
     if (!first_order) released_ = h * (released_ + (ah + rK) * released_product_);
     system.project(released_);
     right_hand_side_ += released_;
-    const SolveReport again =
-        solver.solve_from_guess(ConstrainedOperator(system, factors), right_hand_side_, velocity_);
+    const SolveReport again = solver.solve_after_release(A, right_hand_side_, velocity_);
     report.iterations += again.iterations;
     report.residual = again.residual;
     report.converged = again.converged;

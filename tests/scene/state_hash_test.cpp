@@ -41,6 +41,7 @@ constexpr PinnedScene kScenes[] = {
     {"fatty_tissue", 25},     {"liver_cage", 30},
     {"liver_tumour", 40},     {"peritoneum_tear", 32},
     {"probe_liver", 50},      {"vessel_mobilise", 80, Comes::kToTear},
+    {"two_organs", 110},      {"fold", 40},
 };
 
 const std::string kTable = HEXAPLAST_TEST_DATA "/state_hashes.json";

@@ -70,9 +70,11 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) override;
+  SolveReport solve_after_release(const LinearSystem& A, ConstPoints b, Points x) override;
 
  private:
-  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);
+  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x,
+                      bool is_prepared = false);
 
   double tolerance_;
   int iterations_;
