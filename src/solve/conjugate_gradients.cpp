@@ -350,7 +350,10 @@ struct PreconditionedConjugateGradients::Spaces {
       nodal.setup(A, true);
       return nodal;
     }
-    if (!system.others.empty()) lumped.find(system);
+    const NodeGroup all{0, static_cast<int>(system.diagonal.rows())};
+    const std::span<const NodeGroup> groups =
+        system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
+    if (!system.others.empty()) lumped.find(system, groups);
     const NodalPart rest{.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
                          .free = system.free,
                          .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
@@ -358,7 +361,7 @@ struct PreconditionedConjugateGradients::Spaces {
     const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (!system.has_one_body()) {
-      several.setup(A, system, rest, cycles);
+      several.setup(A, system, rest, system.others.empty() ? nullptr : &lumped, cycles);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
       nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding);
       return nodal;

@@ -39,17 +39,25 @@ BlockAxes::BlockAxes(const Vec3& D, const Mat3& block) {
   dual = root.cwiseProduct(counts).asDiagonal() * eigen.eigenvectors();
 }
 
-void LumpedTerms::find(const MatrixFreeSystem& system) {
+void LumpedTerms::find(const MatrixFreeSystem& system, std::span<const NodeGroup> groups) {
   const Eigen::Index num_nodes = system.diagonal.rows();
   diagonal_ = system.diagonal;
   blocks_.clear();
+  ties_.assign(groups.size(), false);
   for (const NodalTerm& other : system.others) other.add_diagonal(diagonal_);
   for (int axis = 0; axis < 3; ++axis) {
     unit_.setZero(num_nodes, 3);
-    unit_.col(axis) = system.free.col(axis).cast<double>();
     columns_[axis].setZero(num_nodes, 3);
-    for (const NodalTerm& other : system.others)
-      if (!other.op->has_diagonal()) other.add_product(unit_, columns_[axis]);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const NodeGroup& group = groups[g];
+      group.rows(unit_).col(axis) = group.rows(system.free).col(axis).cast<double>();
+      product_.setZero(num_nodes, 3);
+      for (const NodalTerm& other : system.others)
+        if (!other.op->has_diagonal()) other.add_product(unit_, product_);
+      group.rows(columns_[axis]) = group.rows(product_);
+      for (std::size_t later = g + 1; later < groups.size(); ++later)
+        ties_[g] = ties_[g] || !groups[later].rows(product_).isZero(0);
+    }
   }
   for (int n = 0; n < num_nodes; ++n) {
     Mat3 block;

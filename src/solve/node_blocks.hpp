@@ -37,14 +37,27 @@ struct BlockAxes {
   Vec3 compliance() const { return (stiffness.array() + 1).inverse(); }
 };
 
+/// Nodes that follow one another.
+struct NodeGroup {
+  int first_node = 0, num_nodes = 0;
+
+  auto rows(auto& of_all) const { return of_all.middleRows(first_node, num_nodes); }
+};
+
 /// What stands for the terms beside the bodies in a preconditioner: their rows, summed over the free nodes. That is the
 /// same where they tie nodes to the ground, as obstacles and grips do; it is the lumped mass of a consistent one, the
 /// share of each node in what points tie that follow the nodes, and nothing of a spring between two free nodes, which
 /// does not resist where they move together.
+///
+/// Where terms tie groups of nodes to each other, the rows of a group are summed over the nodes of this group and of
+/// those before it: springs to a group behind it are as springs to the ground.
 class LumpedTerms {
  public:
-  /// The diagonal of the system and that of the terms; `system` has terms.
-  void find(const MatrixFreeSystem& system);
+  /// The diagonal of the system and that of the terms; `system` has terms. groups: all nodes, in one or several.
+  void find(const MatrixFreeSystem& system, std::span<const NodeGroup> groups);
+
+  /// Whether terms tie a group to one behind it.
+  bool ties(std::size_t group) const { return ties_[group]; }
 
   const PointArray& diagonal() const { return diagonal_; }          ///< num_nodes x 3
   const std::vector<NodeBlock>& blocks() const { return blocks_; }  ///< of nodes whose axes are coupled
@@ -52,6 +65,8 @@ class LumpedTerms {
  private:
   PointArray diagonal_, unit_;
   std::array<PointArray, 3> columns_;
+  PointArray product_;
+  std::vector<bool> ties_;
   std::vector<NodeBlock> blocks_;
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve/several_bodies.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast {
@@ -41,15 +44,53 @@ void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
     find(*body.double_operator, part.in_double.r);
 }
 
-void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system, const NodalPart& rest, bool cycles) {
-  A_ = &A;
-  couples_coordinates_ = system.couples_coordinates;
+const std::vector<NodeGroup>& SeveralBodies::find_groups(const MatrixFreeSystem& system) {
   num_parts_ = system.bodies.size();
   if (parts_.size() < num_parts_) parts_.resize(num_parts_);
+  struct Candidate {
+    NodeGroup group;
+    bool is_held = false;
+    double stiffness = 0;  // mean of a node
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < num_parts_; ++i) {
+    const Part& part = parts_[i];
+    find_stiffness(system.bodies[i], parts_[i]);
+    const NodeGroup group{part.first_node, static_cast<int>(part.stiffness.rows())};
+    const auto same = [&](const Candidate& other) { return other.group.first_node == group.first_node; };
+    if (std::ranges::any_of(candidates, same)) continue;
+    candidates.push_back(Candidate{group, group.rows(system.free).minCoeff() == 0, part.stiffness.mean()});
+  }
+  std::ranges::stable_sort(candidates, [](const Candidate& a, const Candidate& b) {
+    return std::pair(a.is_held, a.stiffness) < std::pair(b.is_held, b.stiffness);
+  });
+  groups_.clear();
+  // nodes of no body first: they are the softest
+  std::vector<bool> is_of_body(static_cast<std::size_t>(system.diagonal.rows()), false);
+  for (const Candidate& candidate : candidates)
+    std::fill_n(is_of_body.begin() + candidate.group.first_node, candidate.group.num_nodes, true);
+  for (int n = 0; n < static_cast<int>(is_of_body.size()); ++n) {
+    if (is_of_body[n]) continue;
+    if (!groups_.empty() && groups_.back().first_node + groups_.back().num_nodes == n)
+      ++groups_.back().num_nodes;
+    else
+      groups_.push_back({n, 1});
+  }
+  for (const Candidate& candidate : candidates) groups_.push_back(candidate.group);
+  return groups_;
+}
+
+void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system, const NodalPart& rest,
+                          const LumpedTerms* lumped, bool cycles) {
+  A_ = &A;
+  system_ = &system;
+  couples_coordinates_ = system.couples_coordinates;
+  ties_.clear();
+  for (std::size_t g = 0; lumped && g < groups_.size(); ++g) ties_.push_back(lumped->ties(g));
+  if (std::ranges::none_of(ties_, [](bool is_tied) { return is_tied; })) ties_.clear();
   inverse_ = rest.diagonal;
   sum_.setZero(rest.diagonal.rows());
   for (std::size_t i = 0; i < num_parts_; ++i) {
-    find_stiffness(system.bodies[i], parts_[i]);
     parts_[i].rows(inverse_) += parts_[i].stiffness;
     parts_[i].rows(sum_) += parts_[i].stiffness.rowwise().sum();
   }
@@ -97,18 +138,53 @@ void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system,
 }
 
 void SeveralBodies::apply(const PointArray& r, PointArray& z) {
-  z = weight_of_rest_.cwiseAbs2().asDiagonal() * inverse_.cwiseProduct(r);
+  if (ties_.empty()) {
+    apply_to({0, static_cast<int>(r.rows())}, r, z);
+  } else {
+    z.setZero(r.rows(), 3);
+    bool is_tied = false;  // to one before it, maybe
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      left_ = r;
+      if (is_tied) subtract_ties(z, left_);
+      apply_to(groups_[g], left_, z);
+      is_tied = is_tied || ties_[g];
+    }
+    for (std::size_t g = groups_.size() - 1; g-- > 0;) {
+      if (!ties_[g]) continue;
+      later_.setZero(r.rows(), 3);
+      for (std::size_t k = g + 1; k < groups_.size(); ++k) groups_[k].rows(later_) = groups_[k].rows(z);
+      left_.setZero(r.rows(), 3);
+      subtract_ties(later_, left_);
+      product_.resize(r.rows(), 3);
+      apply_to(groups_[g], left_, product_);
+      groups_[g].rows(z) += groups_[g].rows(product_);
+    }
+  }
+  if (couples_coordinates_) A_->project(z);
+}
+
+/// r -= F z, of the terms beside the bodies.
+void SeveralBodies::subtract_ties(const PointArray& z, PointArray& r) {
+  product_.setZero(r.rows(), 3);
+  for (const NodalTerm& other : system_->others) other.add_product(z, product_);
+  r -= product_.cwiseProduct(system_->free.cast<double>());
+}
+
+/// z = B r in the rows of a group.
+void SeveralBodies::apply_to(const NodeGroup& group, const PointArray& r, PointArray& z) {
+  group.rows(z) =
+      group.rows(weight_of_rest_).cwiseAbs2().asDiagonal() * group.rows(inverse_).cwiseProduct(group.rows(r));
+  const auto is_in = [&](int node) { return node >= group.first_node && node < group.first_node + group.num_nodes; };
   for (const auto& [node, inverse] : blocks_)
-    z.row(node) += weight_of_rest_[node] * weight_of_rest_[node] * r.row(node) * inverse;  // symmetric
+    if (is_in(node)) z.row(node) += weight_of_rest_[node] * weight_of_rest_[node] * r.row(node) * inverse;  // symmetric
   for (std::size_t i = 0; i < num_parts_; ++i) {
     Part& part = parts_[i];
-    if (!part.cycles) continue;
+    if (!part.cycles || !is_in(part.first_node)) continue;
     if (part.is_single)
       part.in_single.apply(*part.partition, part.weight, part.rows(r), part.rows(z));
     else
       part.in_double.apply(*part.partition, part.weight, part.rows(r), part.rows(z));
   }
-  if (couples_coordinates_) A_->project(z);
 }
 
 }  // namespace hexaplast
