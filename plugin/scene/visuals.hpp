@@ -67,6 +67,10 @@ class Instrument {
  public:
   virtual ~Instrument() = default;
   virtual std::optional<Vec3> place(double time) const = 0;  ///< [m] while it holds something
+
+  /// Its surface, counter-clockwise seen from outside, and where that is [m]; none: it has no shape.
+  virtual std::vector<Triangle> shape_triangles() const { return {}; }
+  virtual PointArray shape_points(double /*time*/) const { return PointArray(0, 3); }
 };
 
 }  // namespace hexaplast::scene
