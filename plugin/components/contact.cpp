@@ -83,6 +83,10 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   bool release(ConstPoints x_end, ConstPoints v_end) override { return instrument_->contact().release(x_end, v_end); }
 
   std::optional<Vec3> place(double time) const override { return instrument_->pose_at(time).position; }
+  std::optional<scene::ContactEnergy> contact_energy() const override {
+    const InstrumentContact& contact = instrument_->contact();
+    return scene::ContactEnergy{contact.work(), contact.energy(), contact.friction_loss()};
+  }
   std::vector<Triangle> shape_triangles() const override { return shape_.triangles; }
   PointArray shape_points(double time) const override { return shape_.at(instrument_->pose_at(time)); }
 

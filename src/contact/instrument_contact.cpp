@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kFarthestPerLook = 0.5;  // of the smallest radius that a sample may move against the instrument
 constexpr int kMostLooks = 64;            // within a step
+constexpr double kWrongFriction = 0.01;   // of mu N, from which the step is solved again
 
 void check(const ContactSettings& settings) {
   const auto require = [](bool is_allowed, double value, const char* what, const char* range) {
@@ -61,6 +62,7 @@ void InstrumentContact::set_samples(SurfaceSamples samples) {
 }
 
 void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) {
+  pose_before_ = begin;
   pose_ = end;
   contacts_.clear();
   const auto num_samples = static_cast<int>(samples_.samples.size());
@@ -111,12 +113,13 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
                     .normal = end.orientation * found.normal,
                     .stiffness = settings_.stiffness * sample.area,
                     .damping = settings_.damping * sample.area};
-    if (state.normal_force == 0) state.anchor = found.first;
+    contact.is_new = state.normal_force == 0;
+    if (contact.is_new) state.anchor = found.first;
     contact.anchor = end.to_world(state.anchor);
     if (settings_.friction > 0) {
       const double N =
           state.normal_force > 0 ? state.normal_force : std::max(-contact.stiffness * gap(contact, expected), 0.0);
-      const double limit = settings_.friction * N, size = displacement(contact, expected).norm();
+      const double limit = contact.limit = settings_.friction * N, size = displacement(contact, expected).norm();
       contact.tangential = settings_.tangential_stiffness * sample.area;
       if (contact.tangential * size > limit) {
         contact.tangential = limit / size;
@@ -131,17 +134,21 @@ double InstrumentContact::normal_force(const Contact& contact, const Vec3& p, co
   return -contact.stiffness * gap(contact, p) - contact.damping * contact.normal.dot(velocity - contact.velocity);
 }
 
+Vec3 InstrumentContact::tangential_force(const Contact& contact, const Vec3& p) const {
+  const Vec3 u = displacement(contact, p);
+  return -contact.tangential * (u - contact.slip.dot(u) * contact.slip) - contact.limit * contact.slip;
+}
+
 Mat3 InstrumentContact::stiffness_of(const Contact& contact) const {
-  const Mat3 along = contact.normal * contact.normal.transpose();
-  return -contact.stiffness * along - contact.tangential * (Mat3::Identity() - along);
+  const Mat3 along = contact.normal * contact.normal.transpose(), slip = contact.slip * contact.slip.transpose();
+  return -contact.stiffness * along - contact.tangential * (Mat3::Identity() - along - slip);
 }
 
 void InstrumentContact::add_force(ConstPoints x, ConstPoints v, Points f) const {
   for (const Contact& contact : contacts_) {
     const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
     const Vec3 p = sample.at(x);
-    sample.add(normal_force(contact, p, sample.at(v)) * contact.normal - contact.tangential * displacement(contact, p),
-               f);
+    sample.add(normal_force(contact, p, sample.at(v)) * contact.normal + tangential_force(contact, p), f);
   }
 }
 
@@ -150,9 +157,8 @@ void InstrumentContact::add_stiffness_product(double factor, ConstPoints dx, Poi
     const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
     const Vec3 dp = sample.at(dx);
     const double along = contact.normal.dot(dp);
-    sample.add(
-        -factor * (contact.stiffness * along * contact.normal + contact.tangential * (dp - along * contact.normal)),
-        df);
+    const Vec3 across = dp - along * contact.normal - contact.slip.dot(dp) * contact.slip;
+    sample.add(-factor * (contact.stiffness * along * contact.normal + contact.tangential * across), df);
   }
 }
 
@@ -185,13 +191,41 @@ void InstrumentContact::add_damping_blocks(double factor, BlockMatrix& A) const 
   }
 }
 
+// With u_p in place of u, what begins to slip would feel mu N |u| / |u_p|: far too much where it accelerates.
+bool InstrumentContact::correct_friction(Contact& contact, const Vec3& p, const Vec3& velocity) const {
+  if (contact.limit == 0) return false;
+  const double before = contact.limit;
+  // the depth at which it would arrive freely is no measure of what holds it up
+  if (contact.is_new) contact.limit = settings_.friction * normal_force(contact, p, velocity);
+  const Vec3 u = displacement(contact, p);
+  const double stiffness = settings_.tangential_stiffness * samples_.samples[contact.sample].area, size = u.norm();
+  const bool slips = stiffness * size > contact.limit;
+  if (contact.slip.isZero(0)) {
+    const double wanted = std::min(stiffness * size, contact.limit);
+    if (std::abs(contact.tangential * size - wanted) <= kWrongFriction * contact.limit) return false;
+  } else if (slips && contact.slip.dot(u) > 0) {
+    return std::abs(contact.limit - before) > kWrongFriction * before;
+  }
+  const bool goes_on = slips && contact.slip.dot(u) >= 0;  // what would turn back sticks
+  contact.slips = goes_on;
+  contact.tangential = goes_on ? contact.limit / size : stiffness;
+  contact.slip = goes_on ? Vec3(u / size) : Vec3::Zero();
+  return true;
+}
+
 bool InstrumentContact::release(ConstPoints x, ConstPoints v) {
   const std::size_t before = contacts_.size();
   std::erase_if(contacts_, [&](const Contact& contact) {
     const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
     return normal_force(contact, sample.at(x), sample.at(v)) < 0;
   });
-  return contacts_.size() < before;
+  bool is_corrected = false;
+  if (settings_.friction > 0)
+    for (Contact& contact : contacts_) {
+      const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
+      is_corrected = correct_friction(contact, sample.at(x), sample.at(v)) || is_corrected;
+    }
+  return is_corrected || contacts_.size() < before;
 }
 
 void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
@@ -203,10 +237,11 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
     const SurfaceSamples::Sample& sample = samples_.samples[contact.sample];
     const Vec3 p = sample.at(x), u = displacement(contact, p);
     const double N = normal_force(contact, p, sample.at(v)), g = gap(contact, p);
-    const Vec3 f = N * contact.normal - contact.tangential * u;
+    const Vec3 f = N * contact.normal + tangential_force(contact, p);
     force_ -= f;
     torque_ -= (p - pose_.position).cross(f);
     depth_ = std::max(depth_, -(g + settings_.distance));
+    work_ += f.dot(p - pose_before_.to_world(pose_.to_own(p)));
     if (N <= 0) continue;
 
     SampleState& state = states_[contact.sample];
@@ -215,6 +250,7 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
                  size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     // also what it is moved along the normal: the anchor stays on the sample's own level
     state.anchor = pose_.to_own(p - kept * u);
+    friction_loss_ += tangential_force(contact, p).norm() * (1 - kept) * size;
     energy_ += contact.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
   }
 }
@@ -224,7 +260,7 @@ void InstrumentContact::reset() {
   contacts_.clear();
   force_.setZero();
   torque_.setZero();
-  depth_ = energy_ = 0;
+  depth_ = energy_ = work_ = friction_loss_ = 0;
 }
 
 int InstrumentContact::num_slipping() const {
@@ -236,13 +272,15 @@ void InstrumentContact::serialize(Archive& archive) {
   for (const SampleState& state : states_)
     numbers.insert(numbers.end(), {state.anchor.x(), state.anchor.y(), state.anchor.z(), state.normal_force});
   Vec3 force = force_, torque = torque_;
-  double depth = depth_, energy = energy_;
-  archive(numbers, force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z(), depth, energy);
+  double depth = depth_, energy = energy_, work = work_, friction_loss = friction_loss_;
+  archive(numbers, force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z(), depth, energy, work,
+          friction_loss);
   if (!archive.reads()) return;
   if (numbers.size() != 4 * states_.size())
     throw InputError(fmt::format("contact is saved of {} samples, there are {}", numbers.size() / 4, states_.size()));
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
-                         force.allFinite() && torque.allFinite() && std::isfinite(depth) && std::isfinite(energy);
+                         force.allFinite() && torque.allFinite() && std::isfinite(depth) && std::isfinite(energy) &&
+                         std::isfinite(work) && std::isfinite(friction_loss);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
   for (std::size_t i = 0; i < states_.size(); ++i)
     states_[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, std::max(numbers[4 * i + 3], 0.0)};
@@ -251,6 +289,8 @@ void InstrumentContact::serialize(Archive& archive) {
   torque_ = torque;
   depth_ = depth;
   energy_ = energy;
+  work_ = work;
+  friction_loss_ = friction_loss;
 }
 
 }  // namespace hexaplast

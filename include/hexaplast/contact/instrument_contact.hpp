@@ -46,7 +46,8 @@ struct ContactSettings {
 ///
 /// with places of the instrument at the end of the step. n, q, u_p and N are those of the beginning of the step, so
 /// that forces are linear in x and the step of an implicit integrator ends with them. Contacts that would pull at the
-/// end of a step are released, and the step is solved again. When a step is accepted, the anchors of samples that slip
+/// end of a step are released, those whose friction differs from that of the u there are corrected, and the step is
+/// solved again. When a step is accepted, the anchors of samples that slip
 /// follow them until k_t A |u| = mu N.
 ///
 /// A sample that passes the instrument within a step is found by poses in between.
@@ -74,7 +75,8 @@ class InstrumentContact {
   void add_damping_product(double factor, ConstPoints dx, Points df) const;
   void add_damping_blocks(double factor, BlockMatrix& A) const;
 
-  /// Releases the contacts that would pull at x and v. Returns whether there were any.
+  /// Releases the contacts that would pull at x and v, and corrects the friction of those whose force is not what their
+  /// displacement there stands for. Returns whether there were any: the step is to be solved again.
   bool release(ConstPoints x, ConstPoints v);
 
   /// The step has ended at x and v: anchors follow, and forces on the instrument are those at its end.
@@ -97,6 +99,11 @@ class InstrumentContact {
   double depth() const { return depth_; }
   double energy() const { return energy_; }
 
+  /// [J] What the instrument has done by its motion, and what friction has taken, so far. What is left of the work after
+  /// friction and the energy of the springs is what the body has received, or damping.
+  double work() const { return work_; }
+  double friction_loss() const { return friction_loss_; }
+
  private:
   struct SampleState {
     Vec3 anchor = Vec3::Zero();  // [m] in the frame of the instrument
@@ -111,8 +118,11 @@ class InstrumentContact {
     Vec3 anchor = Vec3::Zero();  // [m] in the world, at the end of the step
     double stiffness = 0;        // k A [N/m]
     double damping = 0;          // c A [N s/m]
-    double tangential = 0;       // [N/m] k_t A, or mu N / |u_p|
+    double tangential = 0;       // [N/m] k_t A, or mu N / |u|
+    double limit = 0;            // mu N [N]
+    Vec3 slip = Vec3::Zero();    // direction in which mu N acts against the motion; 0: the force is that of the spring
     bool slips = false;
+    bool is_new = false;  // N is the one that is expected, not that of a step before
   };
 
   double gap(const Contact& contact, const Vec3& p) const {
@@ -123,13 +133,15 @@ class InstrumentContact {
     return u - contact.normal.dot(u) * contact.normal;
   }
   double normal_force(const Contact& contact, const Vec3& p, const Vec3& velocity) const;
+  Vec3 tangential_force(const Contact& contact, const Vec3& p) const;
+  bool correct_friction(Contact& contact, const Vec3& p, const Vec3& velocity) const;
   Mat3 stiffness_of(const Contact& contact) const;
 
   Solid solid_;
   ContactSettings settings_;
   SurfaceSamples samples_;
   std::vector<SampleState> states_;  // per sample
-  Pose pose_;                        // at the end of the present step
+  Pose pose_before_, pose_;          // at the beginning and at the end of the present step
 
   struct Found {
     bool touches = false;
@@ -139,7 +151,7 @@ class InstrumentContact {
   std::vector<Found> found_;  // scratch, per sample
   std::vector<Contact> contacts_;
   Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
-  double depth_ = 0, energy_ = 0;
+  double depth_ = 0, energy_ = 0, work_ = 0, friction_loss_ = 0;
 };
 
 }  // namespace hexaplast
