@@ -7,6 +7,7 @@
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "parts/instrument.hpp"
+#include "parts/instrument_shape.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/load.hpp"
 #include "scene/visuals.hpp"
@@ -35,11 +36,13 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
       if (integrator_->boolean(scheme))
         reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     instrument_.emplace(accepted(*this, [&] { return parts::Instrument(options(), *body_field_->body()); }));
+    shape_ = parts::shape_of(options());
     pass_on(*this, instrument_->take_warnings());
   }
 
   void refresh() override {
     accepted(*this, [&] { instrument_->set_options(options()); });
+    shape_ = parts::shape_of(options());
     pass_on(*this, instrument_->take_warnings());
   }
 
@@ -80,6 +83,12 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   bool release(ConstPoints x_end, ConstPoints v_end) override { return instrument_->contact().release(x_end, v_end); }
 
   std::optional<Vec3> place(double time) const override { return instrument_->pose_at(time).position; }
+  std::optional<scene::ContactEnergy> contact_energy() const override {
+    const InstrumentContact& contact = instrument_->contact();
+    return scene::ContactEnergy{contact.work(), contact.energy(), contact.friction_loss()};
+  }
+  std::vector<Triangle> shape_triangles() const override { return shape_.triangles; }
+  PointArray shape_points(double time) const override { return shape_.at(instrument_->pose_at(time)); }
 
   void provide(scene::Data& output) override {
     if (!instrument_) return;
@@ -120,6 +129,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   scene::ForceField* body_field_ = nullptr;  // that has the body
   scene::OdeSolver* integrator_ = nullptr;
   std::optional<parts::Instrument> instrument_;
+  parts::InstrumentShape shape_;
 };
 
 }  // namespace

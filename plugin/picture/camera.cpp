@@ -39,10 +39,17 @@ void Camera::see(std::span<const Vector3f> points) {
   for (const Vector3f& point : points) seen_.extend(Vector3f(right_.dot(point), up_.dot(point), towards_.dot(point)));
 }
 
+void Camera::see_depths(std::span<const Vector3f> points) {
+  for (const Vector3f& point : points) {
+    front_depth_ = std::max(front_depth_, towards_.dot(point));
+    back_depth_ = std::min(back_depth_, towards_.dot(point));
+  }
+}
+
 void Camera::fit(const Window& window) {
   middle_ = {window.left + window.width / 2, window.top + window.height / 2};
-  nearest_ = seen_.max().z();
-  farthest_ = std::min(seen_.min().z(), nearest_ - kFlat * seen_.sizes().norm());
+  nearest_ = std::max(seen_.max().z(), front_depth_);
+  farthest_ = std::min({seen_.min().z(), back_depth_, nearest_ - kFlat * seen_.sizes().norm()});
   if (!eye_) {
     centre_ = seen_.center().head<2>();
     scale_ = std::min(window.width / seen_.sizes().x(), window.height / seen_.sizes().y());

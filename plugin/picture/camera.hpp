@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -45,6 +46,9 @@ class Camera {
   /// Takes in what is going to be shown [m].
   void see(std::span<const Eigen::Vector3f> points);
 
+  /// Takes in what is shown if it lies in the picture, and is not a reason to show more: its depths alone.
+  void see_depths(std::span<const Eigen::Vector3f> points);
+
   /// Fits what it has seen into the window: where the viewpoint has an eye only the depths, else the detail too.
   void fit(const Window& window);
 
@@ -61,6 +65,8 @@ class Camera {
   std::optional<Viewpoint::Eye> eye_;
   Eigen::Vector3f right_, up_, towards_;  // unit vectors
   Eigen::AlignedBox3f seen_;              // [m] along these three
+  float front_depth_ = -std::numeric_limits<float>::infinity();  // [m] along `towards`, of all that is drawn
+  float back_depth_ = std::numeric_limits<float>::infinity();
   std::optional<Plane> front_;
 
   Eigen::Vector2f middle_ = {0, 0};  // of the window, on the page

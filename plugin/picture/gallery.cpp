@@ -143,12 +143,34 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
     for (const int node : current_->node_of_point)
       if (conditions.fixed[node]) state.fixed.push_back(positions.row(node).transpose().cast<float>());
   if (staging_.shows_loads && conditions.loads.rows() > 0) state.loads = loads_of(conditions, positions, alive);
-  for (const Instrument& instrument : conditions.instruments)
-    state.pulls.push_back({instrument.place.cast<float>(), instrument.force().cast<float>()});
+  for (const Instrument& instrument : conditions.instruments) state.tools.push_back(tool_of(instrument, positions));
   states_.push_back(std::move(state));
 }
 
-// Those of single nodes: what instruments pull is shown as one force each.
+Gallery::Tool Gallery::tool_of(const Instrument& instrument, ConstPoints positions) {
+  Tool tool{instrument.place.cast<float>(), instrument.force().cast<float>(), nullptr, single(instrument.shape_points)};
+  if (instrument.shape_triangles.empty()) return tool;
+
+  std::vector<Surface::Face> faces;
+  for (const auto& [a, b, c] : instrument.shape_triangles) faces.push_back({a, b, c, c});
+  std::shared_ptr<const Surface>& latest = tools_[instrument.id];
+  if (!latest || latest->faces() != faces || latest->original().size() != tool.points.size())
+    latest = std::make_shared<Surface>(tool.points, std::move(faces));
+  tool.surface = latest;
+
+  // a shape's own origin may lie far from where it touches
+  Vec3 sum = Vec3::Zero();
+  double weight = 0;
+  for (std::size_t k = 0; k < instrument.nodes.size(); ++k) {
+    const double force = instrument.forces.row(static_cast<Eigen::Index>(k)).norm();
+    sum += force * positions.row(instrument.nodes[k]).transpose();
+    weight += force;
+  }
+  if (weight > 0) tool.place = (sum / weight).cast<float>();
+  return tool;
+}
+
+// Those of single nodes: the force of an instrument is shown as one.
 std::vector<Gallery::Load> Gallery::loads_of(const BoundaryConditions& conditions, ConstPoints positions,
                                              std::span<const unsigned char> alive) const {
   PointArray forces = conditions.loads;

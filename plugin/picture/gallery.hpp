@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -42,8 +43,8 @@ int time_decimals(double dt);
 
 /// Collects states of a run and shows them: the smooth-shaded surface of the hexahedra with their edges, or the
 /// embedded surfaces that are embedded in them, coloured by a quantity. Values of hexahedra are averaged at nodes and
-/// blended between them. Fixed nodes are dots, instruments rings, loads and pulls arrows. All pictures share one
-/// camera, fitted to every state collected, one colour scale and one length of arrows per newton; that is why states
+/// blended between them. Fixed nodes are dots, instruments their shapes, or rings if they have none, and all
+/// forces arrows. All pictures share one camera, fitted to every state collected, one colour scale and one length of arrows per newton; that is why states
 /// are kept (in single precision, surface only) until the run is over.
 class Gallery {
  public:
@@ -114,15 +115,17 @@ class Gallery {
     Eigen::Vector3f outwards;  // of the body's surface, any length; 0 inside
   };
 
-  /// An instrument and its pull.
-  struct Pull {
-    Eigen::Vector3f place;  // [m]
-    Eigen::Vector3f force;  // [N]
+  /// An instrument and its force on the body.
+  struct Tool {
+    Eigen::Vector3f place;                   // [m] where its force acts, or where it is
+    Eigen::Vector3f force;                   // [N]
+    std::shared_ptr<const Surface> surface;  // null: it has no shape
+    Places points;                           // [m]
   };
 
   /// The largest forces of all states [N]: their arrows are the longest.
   struct Strongest {
-    float load = 0, pull = 0;
+    float load = 0, tool = 0;
   };
 
   struct State {
@@ -134,7 +137,7 @@ class Gallery {
     CutFace cut;
     Places fixed;  // [m]
     std::vector<Load> loads;
-    std::vector<Pull> pulls;
+    std::vector<Tool> tools;
   };
 
   bool shows_cage() const { return !embedded_surfaces_.empty() && staging_.shows_hexahedra; }
@@ -144,18 +147,21 @@ class Gallery {
   std::vector<Shown> ghosts_at(const PointArray* nodes) const;
   std::vector<Load> loads_of(const BoundaryConditions& conditions, ConstPoints positions,
                              std::span<const unsigned char> alive) const;
+  Tool tool_of(const Instrument& instrument, ConstPoints positions);
   CutFace cut_face(ConstPoints positions, const PointArray& values, std::span<const unsigned char> alive) const;
 
   std::vector<const Shown*> shown_in(const State& state) const;  // filled, not as edges
   std::vector<Plane> sides(const Camera& camera) const;
   Strongest strongest_forces() const;
   std::optional<Arrow> arrow_of(const Load& load, const Strongest& strongest) const;
-  std::optional<Arrow> arrow_of(const Pull& pull, const Strongest& strongest) const;
+  std::optional<Arrow> arrow_of(const Tool& tool, const Strongest& strongest) const;
+  Eigen::AlignedBox3f surroundings() const;
   void fit(Camera& camera, Scale& scale, const Strongest& strongest) const;
 
   Drawing drawing(const State& state, const Camera& camera, const Scale& scale, const Strongest& strongest) const;
   void draw_ghosts(const State& state, const Camera& camera, Drawing& picture) const;
   void draw_surfaces(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const;
+  void draw_tools(const State& state, const Camera& camera, Drawing& picture) const;
   void draw_edges(const State& state, const Camera& camera, Drawing& picture) const;
   void draw_wires(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const;
   void draw_loads(const State& state, const Camera& camera, const Strongest& strongest, Drawing& picture) const;
@@ -172,6 +178,7 @@ class Gallery {
   std::vector<CarriedSurface> embedded_surfaces_;
   std::shared_ptr<const Boundary> original_, current_;
   std::vector<std::shared_ptr<const Surface>> current_embedded_surfaces_;
+  std::map<int, std::shared_ptr<const Surface>> tools_;  // by the number of the instrument, as it was last
   std::vector<unsigned char> current_alive_;  // that current_ belongs to; empty: all
   std::vector<State> states_;
 };

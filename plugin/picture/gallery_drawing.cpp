@@ -18,6 +18,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr Colour kCage{0.25f, 0.30f, 0.38f};
+constexpr Colour kMetal{0.78f, 0.84f, 0.90f};  // surfaces of instruments
 
 constexpr float kPatch = 12;      // size on the page of the flat pieces that a face is drawn with
 constexpr int kMostParts = 8;     // of them along an edge
@@ -28,6 +29,8 @@ constexpr float kNearer = 4e-3f;  // depth by which marks stand before the surfa
 // element edges grow fainter with their length on the page, so that on fine meshes they do not cover the colours
 constexpr float kShortestEdge = 4, kLongestEdge = 48;
 constexpr float kWidestEdge = 1.2f, kCageWidth = 1.1f, kWireWidth = 1.5f, kCutWidth = 1.6f;
+constexpr float kToolWidth = 1.3f;  // of the outlines of instruments
+constexpr float kAround = 0.5f;     // how far around the body instruments are shown, in diagonals of its box
 constexpr float kStrongestEdge = 0.75f, kCageOpacity = 0.3f;
 
 constexpr float kArrowGirth = 0.055f;  // diameter of shafts, in parts of the longest arrow's length
@@ -61,6 +64,16 @@ bool is_warped(const std::vector<Vector3f>& points, const Surface::Face& face) {
   return (points[a] - points[b] + points[c] - points[d]).norm() > kWarped * across;
 }
 
+/// What lies above all of them lies in the box.
+std::vector<Plane> planes_around(const Eigen::AlignedBox3f& box) {
+  std::vector<Plane> planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    planes.push_back({Vec3::Unit(axis), static_cast<double>(box.min()[axis])});
+    planes.push_back({-Vec3::Unit(axis), -static_cast<double>(box.max()[axis])});
+  }
+  return planes;
+}
+
 bool straddles(const Plane& plane, const std::vector<Vector3f>& points, const Surface::Face& face) {
   const auto is_above = [&](int point) { return height(plane, points[point]) >= 0; };
   return std::ranges::any_of(face, is_above) && !std::ranges::all_of(face, is_above);
@@ -87,7 +100,7 @@ Gallery::Strongest Gallery::strongest_forces() const {
   Strongest strongest;
   for (const State& state : states_) {
     for (const Load& load : state.loads) strongest.load = std::max(strongest.load, load.force.norm());
-    for (const Pull& pull : state.pulls) strongest.pull = std::max(strongest.pull, pull.force.norm());
+    for (const Tool& tool : state.tools) strongest.tool = std::max(strongest.tool, tool.force.norm());
   }
   return strongest;
 }
@@ -103,26 +116,52 @@ std::optional<Arrow> Gallery::arrow_of(const Load& load, const Strongest& strong
                .colour = kLoad};
 }
 
-std::optional<Arrow> Gallery::arrow_of(const Pull& pull, const Strongest& strongest) const {
-  if (!staging_.shows_loads || !(strongest.pull > 0)) return std::nullopt;
-  return Arrow{.from = pull.place,
-               .to = pull.place + longest_arrow_ / strongest.pull * pull.force,
+std::optional<Arrow> Gallery::arrow_of(const Tool& tool, const Strongest& strongest) const {
+  if (!staging_.shows_loads || !(strongest.tool > 0)) return std::nullopt;
+  return Arrow{.from = tool.place,
+               .to = tool.place + longest_arrow_ / strongest.tool * tool.force,
                .girth = kArrowGirth * longest_arrow_,
                .colour = kSteel};
+}
+
+// Where instruments are shown: around all that is shown of the body in any state. What lies farther off would make the
+// body small.
+Eigen::AlignedBox3f Gallery::surroundings() const {
+  Eigen::AlignedBox3f box;
+  const auto hold = [&](const Places& points) {
+    for (const Vector3f& point : points) box.extend(point);
+  };
+  for (const State& state : states_) {
+    hold(state.body.points);
+    for (const Shown& embedded : state.embedded_surfaces) hold(embedded.points);
+  }
+  const Vector3f margin = Vector3f::Constant(kAround * box.sizes().norm());
+  return {box.min() - margin, box.max() + margin};
 }
 
 void Gallery::fit(Camera& camera, Scale& scale, const Strongest& strongest) const {
   const auto see = [&](const std::optional<Arrow>& arrow) {
     if (arrow) camera.see(std::array{arrow->from, arrow->to});
   };
+  const Eigen::AlignedBox3f near = surroundings();
+  const auto is_near = [&](const Vector3f& place) { return near.contains(place); };
   for (const State& state : states_) {
     if (embedded_surfaces_.empty() || shows_cage()) camera.see(state.body.points);
     for (const Shown& embedded : state.embedded_surfaces) camera.see(embedded.points);
     for (const Shown& ghost : state.ghosts) camera.see(ghost.points);
     for (const Load& load : state.loads) see(arrow_of(load, strongest));
-    for (const Pull& pull : state.pulls) {
-      camera.see({&pull.place, 1});
-      see(arrow_of(pull, strongest));
+    for (const Tool& tool : state.tools) {
+      if (!tool.surface && is_near(tool.place)) camera.see({&tool.place, 1});
+      if (std::ranges::all_of(tool.points, is_near)) {
+        camera.see(tool.points);
+      } else {
+        for (const auto& [a, b, c, d] : tool.surface->faces())
+          for_each_part({{{tool.points[a], {}}, {tool.points[b], {}}, {tool.points[c], {}}}}, planes_around(near),
+                        [&](const std::array<Corner, 3>& part) {
+                          for (const Corner& corner : part) camera.see_depths({&corner.place, 1});
+                        });
+      }
+      if (!tool.force.isZero(0)) see(arrow_of(tool, strongest));
     }
     for (const Shown* shown : shown_in(state)) scale.see(shown->values);
     scale.see(state.cut.values);
@@ -142,6 +181,7 @@ Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& 
     draw_surfaces(state, camera, scale, picture);
     draw_edges(state, camera, picture);
   }
+  draw_tools(state, camera, picture);
   draw_loads(state, camera, strongest, picture);
   draw_marks(state, camera, page);
   page.add_title(title_, fmt::format("t = {:.{}f} s", state.time, time_decimals_));
@@ -267,6 +307,27 @@ void Gallery::draw_surfaces(const State& state, const Camera& camera, const Scal
   for (const auto& [a, b, c] : state.cut.triangles) on_cut.fill({{corners[a], corners[b], corners[c]}});
 }
 
+void Gallery::draw_tools(const State& state, const Camera& camera, Drawing& picture) const {
+  std::vector<Plane> above = sides(camera);
+  for (const Plane& plane : planes_around(surroundings())) above.push_back(plane);
+  const Pen pen(camera, above, picture);
+  // in light of their own: they keep none from the tissue, whose colours are to be compared
+  const Vector3f lamp = (camera.up() + camera.towards() - 0.5f * camera.right()).normalized();
+  for (const Tool& tool : state.tools) {
+    if (!tool.surface) continue;
+    const std::vector<std::array<Vector3f, 4>> normals = tool.surface->corner_normals(tool.points);
+    for (std::size_t f = 0; f < normals.size() && !staging_.is_wireframe; ++f) {
+      const auto corner = [&](int k) {
+        const Vector3f& place = tool.points[tool.surface->faces()[f][k]];
+        return Corner{place, brightness(std::max(0.0f, lamp.dot(normals[f][k]))) * kMetal};
+      };
+      pen.fill({{corner(0), corner(1), corner(2)}});
+    }
+    for (const auto& [a, b] : tool.surface->outline(tool.points, camera.towards()))
+      pen.line({tool.points[a], kSteel}, {tool.points[b], kSteel}, kToolWidth, 1);
+  }
+}
+
 void Gallery::draw_edges(const State& state, const Camera& camera, Drawing& picture) const {
   if (!staging_.shows_hexahedra || !staging_.shows_edges) return;
   const Surface& surface = *state.body.surface;
@@ -318,7 +379,7 @@ void Gallery::draw_loads(const State& state, const Camera& camera, const Stronge
   // seen also where they lie within the tissue, as the instruments are
   const Pen before(camera, camera.front() ? std::vector{*camera.front()} : std::vector<Plane>(), picture,
                    Pen::Layer::kInFront);
-  for (const Pull& pull : state.pulls) draw(arrow_of(pull, strongest), before);
+  for (const Tool& tool : state.tools) draw(arrow_of(tool, strongest), before);
 }
 
 void Gallery::draw_marks(const State& state, const Camera& camera, Page& page) const {
@@ -332,9 +393,9 @@ void Gallery::draw_marks(const State& state, const Camera& camera, Page& page) c
       page.add_dot(centre, radius);
     }
   }
-  for (const Pull& pull : state.pulls) {
-    if (camera.front() && height(*camera.front(), pull.place) < 0) continue;
-    Drawing::Vertex centre = camera.project(pull.place);
+  for (const Tool& tool : state.tools) {
+    if (tool.surface || (camera.front() && height(*camera.front(), tool.place) < 0)) continue;
+    Drawing::Vertex centre = camera.project(tool.place);
     centre.depth = 0;  // seen also where it lies within the tissue
     page.add_ring(centre);
   }
@@ -355,11 +416,12 @@ std::vector<Key> Gallery::keys_of_forces(const State& state, const Camera& camer
   std::vector<Key> keys;
   if (!state.loads.empty())
     keys.push_back({Key::Mark::kArrow, fmt::format("load, up to {} per node", with_unit(strongest.load, "N")), kLoad});
-  if (!state.pulls.empty()) {
-    const bool shows_force = staging_.shows_loads && strongest.pull > 0;
-    keys.push_back({Key::Mark::kRing, shows_force
-                                          ? fmt::format("instrument, pull up to {}", with_unit(strongest.pull, "N"))
-                                          : "instrument"});
+  if (!state.tools.empty()) {
+    const bool shows_force = staging_.shows_loads && strongest.tool > 0;
+    const bool has_shapes = std::ranges::all_of(state.tools, [](const Tool& tool) { return tool.surface != nullptr; });
+    keys.push_back({has_shapes ? Key::Mark::kShape : Key::Mark::kRing,
+                    shows_force ? fmt::format("instrument, force up to {}", with_unit(strongest.tool, "N")) : "instrument",
+                    kSteel});
   }
   if (!staging_.gravity.isZero(0)) {
     const Vector3f down = staging_.gravity.normalized().cast<float>();

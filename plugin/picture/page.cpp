@@ -151,9 +151,11 @@ void Page::add_keys(const std::vector<Key>& keys, float left) {
       case Key::Mark::kRing:
         add_ring({x, y, 0, {}});
         break;
-      case Key::Mark::kGap: {
-        const Drawing::Vertex a{x - 16, y - 6, 0, kNoValue}, b{x + 16, y - 6, 0, kNoValue},
-            c{x + 16, y + 6, 0, kNoValue}, d{x - 16, y + 6, 0, kNoValue};
+      case Key::Mark::kGap:
+      case Key::Mark::kShape: {
+        const Colour colour = key.mark == Key::Mark::kGap ? kNoValue : key.colour;
+        const Drawing::Vertex a{x - 16, y - 6, 0, colour}, b{x + 16, y - 6, 0, colour}, c{x + 16, y + 6, 0, colour},
+            d{x - 16, y + 6, 0, colour};
         drawing_.triangles.push_back({{a, b, c}});
         drawing_.triangles.push_back({{a, c, d}});
         break;

@@ -52,10 +52,10 @@ class Scale {
 
 /// A mark and what it means.
 struct Key {
-  enum class Mark { kNone, kLine, kDot, kRing, kGap, kArrow };
+  enum class Mark { kNone, kLine, kDot, kRing, kGap, kArrow, kShape };
   Mark mark;
   std::string words;
-  Colour colour = kInk;                ///< of an arrow
+  Colour colour = kInk;                ///< of an arrow or a shape
   Eigen::Vector2f direction = {1, 0};  ///< of an arrow, y downwards; not 0
 };
 

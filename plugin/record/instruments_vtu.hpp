@@ -9,10 +9,12 @@
 
 namespace hexaplast::output {
 
-/// Writes instruments as a VTK unstructured grid (formats/vtu_grid.hpp): for each of them a vertex where the tool is,
-/// and a line from there to each node that it pulls at. positions: num_nodes x 3 [m].
+/// Writes instruments as a VTK unstructured grid (formats/vtu_grid.hpp): for each of them a vertex where the tool is, a
+/// line from there to each node that it acts on, and the triangles of its surface if it has a shape. positions:
+/// num_nodes x 3 [m].
 ///
-///   point data: id (of the instrument), node (-1 for the tool), force [N] (pull on a node; at the tool that of all)
+///   point data: id (of the instrument), node (-1 for the tool, -2 for its surface), force [N] (on a node; at the tool
+///   that on all)
 ///
 /// Throws OutputError.
 void write_instruments(const std::filesystem::path& file, std::span<const Instrument> instruments,

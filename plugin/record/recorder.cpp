@@ -29,6 +29,7 @@ constexpr std::string_view kHeader =
     "world_elongation,world_twist_deg";
 constexpr std::string_view kBalanceHeader =
     ",load_work,support_work,damping_loss,numerical_loss,recovery_work,flow_loss,energy_error";
+constexpr std::string_view kContactHeader = ",instrument_work,contact_energy,friction_loss";
 
 /// The columns of kBalanceHeader.
 std::string balance_columns(const EnergyBalance& energy) {
@@ -39,6 +40,7 @@ std::string balance_columns(const EnergyBalance& energy) {
 /// The first line of history.csv.
 std::string header_of(const RunPlan& plan) {
   std::string names = std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : "");
+  if (plan.has_energy_balance && plan.has_contact) names += kContactHeader;
   for (const std::string& probe : plan.probes) names += fmt::format(",{}", probe_column(probe));
   return names;
 }
@@ -263,6 +265,8 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
       record.flow.yielded, record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
       record.step_ms, measures.world_elongation, measures.world_twist_deg,
       plan.has_energy_balance ? balance_columns(*record.energy) : "");
+  if (plan.has_energy_balance && plan.has_contact)
+    row += fmt::format(",{},{},{}", record.instrument_work, record.contact_energy, record.friction_loss);
   for (const double probe : record.probes) row += fmt::format(",{}", probe);
   require_finite(row, plan, record.step);
   return row;

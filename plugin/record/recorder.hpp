@@ -23,6 +23,7 @@ struct RunPlan {
   long num_steps = 0;
   double dt = 0;                    ///< [s]
   bool has_energy_balance = false;  ///< every StepRecord has one
+  bool has_contact = false;         ///< beside it every StepRecord has what instruments that touch do
   int output_every = 25;            ///< steps between two .vtu files; the first and the last state are always written
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;               ///< write into a directory that holds an earlier run
@@ -41,6 +42,7 @@ struct StepRecord {
   double time = 0;            ///< [s] at the end of the step
   double kinetic_energy = 0;  ///< [J]
   std::optional<EnergyBalance> energy = {};
+  double instrument_work = 0, contact_energy = 0, friction_loss = 0;  ///< [J] of all instruments that touch
   FlowReport flow = {};
   int solver_iterations = 0;
   double residual = 0;  ///< relative residual of the linear solve

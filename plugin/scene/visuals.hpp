@@ -62,11 +62,24 @@ class Camera : public Component {
   virtual const std::optional<Viewpoint>& viewpoint() const = 0;  ///< none: not said
 };
 
+/// What goes through an instrument that touches [J].
+struct ContactEnergy {
+  double work = 0;           ///< that its motion has done so far
+  double stored = 0;         ///< in its contacts at the moment
+  double friction_loss = 0;  ///< so far
+};
+
 /// A component that is also an instrument in the surgeon's hand.
 class Instrument {
  public:
   virtual ~Instrument() = default;
   virtual std::optional<Vec3> place(double time) const = 0;  ///< [m] while it holds something
+
+  virtual std::optional<ContactEnergy> contact_energy() const { return std::nullopt; }  ///< none: it does not touch
+
+  /// Its surface, counter-clockwise seen from outside, and where that is [m]; none: it has no shape.
+  virtual std::vector<Triangle> shape_triangles() const { return {}; }
+  virtual PointArray shape_points(double /*time*/) const { return PointArray(0, 3); }
 };
 
 }  // namespace hexaplast::scene

@@ -11,6 +11,8 @@
 namespace hexaplast {
 namespace {
 
+constexpr double kWrongFriction = 0.01;  // of mu N, from which the step is solved again
+
 void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
   for (int a = 0; a < term.num_first; ++a) f.first.row(term.nodes[a]) += term.weights[a] * force.transpose();
   for (int a = term.num_first; a < term.num_nodes; ++a)
@@ -31,10 +33,36 @@ void ContactSettings::require_valid(const char* whose) const {
   require(damping >= 0, damping, "damping", "at least 0");
 }
 
-void ContactTerm::set_friction(double tangential_stiffness, double friction, double N, const Vec3& expected) {
-  const double limit = friction * N, size = displacement(expected).norm();
-  slips = tangential_stiffness * size > limit;
-  tangential = slips ? limit / size : tangential_stiffness;
+void ContactTerm::set_friction(double tangential_stiffness, double coefficient, double N, const Vec3& expected) {
+  stick = tangential = tangential_stiffness;
+  friction = coefficient;
+  is_new = N == 0;
+  limit = friction * (is_new ? std::max(-stiffness * gap(expected), 0.0) : N);
+  const double size = displacement(expected).norm();
+  slips = stick * size > limit;
+  if (slips) tangential = limit / size;
+}
+
+// With the expected displacement in place of u, what begins to slip would feel mu N |u| / |u_p|: far too much where it
+// accelerates.
+bool ContactTerm::correct_friction(const Vec3& r, const Vec3& change) {
+  if (limit == 0) return false;
+  const double before = limit;
+  // the depth at which it would arrive freely is no measure of what holds it up
+  if (is_new) limit = friction * normal_force(r, change);
+  const Vec3 u = displacement(r);
+  const double size = u.norm();
+  const bool is_beyond = stick * size > limit;
+  if (slip.isZero(0)) {
+    const double wanted = std::min(stick * size, limit);
+    if (std::abs(tangential * size - wanted) <= kWrongFriction * limit) return false;
+  } else if (is_beyond && slip.dot(u) > 0) {
+    return std::abs(limit - before) > kWrongFriction * before;
+  }
+  slips = is_beyond && slip.dot(u) >= 0;  // what would turn back sticks
+  tangential = slips ? limit / size : stick;
+  slip = slips ? Vec3(u / size) : Vec3::Zero();
+  return true;
 }
 
 int ContactTerms::num_slipping() const { return static_cast<int>(std::ranges::count_if(terms, &ContactTerm::slips)); }
@@ -44,11 +72,7 @@ void ContactTerms::add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
 }
 
 void ContactTerms::add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const {
-  for (const ContactTerm& term : terms) {
-    const Vec3 dr = term.at(dx);
-    const double along = term.normal.dot(dr);
-    add(term, -factor * (term.stiffness * along * term.normal + term.tangential * (dr - along * term.normal)), df);
-  }
+  for (const ContactTerm& term : terms) add(term, -factor * term.stiffness_times(term.at(dx)), df);
 }
 
 void ContactTerms::add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const {
@@ -67,10 +91,7 @@ void ContactTerms::add_blocks(BlockMatrix& A, std::array<int, 2> first_nodes, co
 }
 
 void ContactTerms::add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const {
-  add_blocks(A, first_nodes, [&](const ContactTerm& term) -> Mat3 {
-    const Mat3 along = term.normal * term.normal.transpose();
-    return -factor * (term.stiffness * along + term.tangential * (Mat3::Identity() - along));
-  });
+  add_blocks(A, first_nodes, [&](const ContactTerm& term) -> Mat3 { return -factor * term.stiffness_matrix(); });
 }
 
 void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const {
@@ -83,7 +104,10 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
 bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
   const std::size_t before = terms.size();
   std::erase_if(terms, [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < 0; });
-  return terms.size() < before;
+  bool is_corrected = false;
+  for (ContactTerm& term : terms)
+    if (term.friction > 0) is_corrected = term.correct_friction(term.at(x), term.at(v)) || is_corrected;
+  return is_corrected || terms.size() < before;
 }
 
 }  // namespace hexaplast

@@ -40,6 +40,7 @@ void InstrumentContact::set_samples(SurfaceSamples samples) {
 }
 
 void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) {
+  pose_before_ = begin;
   pose_ = end;
   terms_.terms.clear();
   const auto num_samples = static_cast<int>(samples_.samples.size());
@@ -97,9 +98,7 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     if (state.normal_force == 0) state.anchor = found.first;
     term.anchor = end.to_world(state.anchor);
     if (settings_.friction > 0) {
-      const double N =
-          state.normal_force > 0 ? state.normal_force : std::max(-term.stiffness * term.gap(expected), 0.0);
-      term.set_friction(settings_.tangential_stiffness * sample.area, settings_.friction, N, expected);
+      term.set_friction(settings_.tangential_stiffness * sample.area, settings_.friction, state.normal_force, expected);
     }
   }
 }
@@ -112,10 +111,11 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
   for (const ContactTerm& term : terms_.terms) {
     const Vec3 p = term.at(x), u = term.displacement(p);
     const double N = term.normal_force(p, term.at(v)), g = term.gap(p);
-    const Vec3 f = N * term.normal - term.tangential * u;
+    const Vec3 tangential = term.tangential_force(p), f = N * term.normal + tangential;
     force_ -= f;
     torque_ -= (p - pose_.position).cross(f);
     depth_ = std::max(depth_, -(g + settings_.distance));
+    work_ += f.dot(p - pose_before_.to_world(pose_.to_own(p)));
     if (N <= 0) continue;
 
     SampleState& state = states_[term.sample];
@@ -125,6 +125,7 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
                  kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     // also what it is moved along the normal: the anchor stays on the sample's own level
     state.anchor = pose_.to_own(p - kept * u);
+    friction_loss_ += tangential.norm() * (1 - kept) * size;
     energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
   }
 }
@@ -134,7 +135,7 @@ void InstrumentContact::reset() {
   terms_.terms.clear();
   force_.setZero();
   torque_.setZero();
-  depth_ = energy_ = 0;
+  depth_ = energy_ = work_ = friction_loss_ = 0;
 }
 
 void InstrumentContact::serialize(Archive& archive) {
@@ -142,13 +143,15 @@ void InstrumentContact::serialize(Archive& archive) {
   for (const SampleState& state : states_)
     numbers.insert(numbers.end(), {state.anchor.x(), state.anchor.y(), state.anchor.z(), state.normal_force});
   Vec3 force = force_, torque = torque_;
-  double depth = depth_, energy = energy_;
-  archive(numbers, force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z(), depth, energy);
+  double depth = depth_, energy = energy_, work = work_, friction_loss = friction_loss_;
+  archive(numbers, force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z(), depth, energy, work,
+          friction_loss);
   if (!archive.reads()) return;
   if (numbers.size() != 4 * states_.size())
     throw InputError(fmt::format("contact is saved of {} samples, there are {}", numbers.size() / 4, states_.size()));
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
-                         force.allFinite() && torque.allFinite() && std::isfinite(depth) && std::isfinite(energy);
+                         force.allFinite() && torque.allFinite() && std::isfinite(depth) && std::isfinite(energy) &&
+                         std::isfinite(work) && std::isfinite(friction_loss);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
   for (std::size_t i = 0; i < states_.size(); ++i)
     states_[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, std::max(numbers[4 * i + 3], 0.0)};
@@ -157,6 +160,8 @@ void InstrumentContact::serialize(Archive& archive) {
   torque_ = torque;
   depth_ = depth;
   energy_ = energy;
+  work_ = work;
+  friction_loss_ = friction_loss;
 }
 
 }  // namespace hexaplast

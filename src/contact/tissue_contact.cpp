@@ -206,9 +206,8 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
       term.anchor = r - sign * found.displacement;
       if (settings_.friction > 0) {
         const Vec3 expected = term.at(end);
-        const double N =
-            state.normal_force > 0 ? state.normal_force : std::max(-term.stiffness * term.gap(expected), 0.0);
-        term.set_friction(kShare * settings_.tangential_stiffness * sample.area, settings_.friction, N, expected);
+        term.set_friction(kShare * settings_.tangential_stiffness * sample.area, settings_.friction, state.normal_force,
+                          expected);
       }
     }
     first_sample_.push_back(first);

@@ -220,6 +220,40 @@ TEST(InstrumentContact, SticksAndSlips) {
   EXPECT_NEAR(force(0, 0).x(), 0, 1e-12);
 }
 
+// What begins to slip has moved farther at the end of the step than was expected: it still feels mu N, not more.
+TEST(InstrumentContact, WhatBeginsToSlipFeelsNoMoreThanFriction) {
+  const HexMesh mesh = block();
+  const PointArray x = mesh.positions();
+  PointArray v = PointArray::Zero(mesh.num_nodes(), 3);
+  const double k = 1e4, mu = 0.5, h = 0.01, N = k * 0.001 * (0.2 * 0.2 + 4 * 0.2 * 0.1 / 2);
+  const Pose plate{.position = {0.1, 0.1, 0.149}};
+  InstrumentContact contact(Solid::box({1, 1, 0.1}), {.stiffness = k, .tangential_stiffness = k, .friction = mu},
+                            SurfaceSamples::on(mesh, {}, 0.1, 1));
+  contact.begin_step(x, v, h, plate, plate);
+  contact.end_step(x, v);
+  v.col(0).setConstant(0.06);  // just beyond what sticks, .0005 m
+  contact.begin_step(x, v, h, plate, plate);
+  const auto force_at = [&](double shift) {
+    PointArray moved = x, f = PointArray::Zero(x.rows(), 3);
+    moved.col(0).array() += shift;
+    contact.terms().add_force(moved, v, f);
+    return Vec3(f.colwise().sum());
+  };
+  const auto corrects_at = [&](double shift) {
+    PointArray moved = x;
+    moved.col(0).array() += shift;
+    return contact.release(moved, v);
+  };
+  EXPECT_NEAR(force_at(0.003).x(), -5 * mu * N, 1e-9) << "before it is corrected";
+  EXPECT_TRUE(corrects_at(0.003));
+  EXPECT_NEAR(force_at(0.003).x(), -mu * N, 1e-9);
+  EXPECT_NEAR(force_at(0.004).x(), -mu * N, 1e-9);
+  EXPECT_FALSE(corrects_at(0.004));
+  EXPECT_TRUE(corrects_at(-0.0001)) << "it turns back";
+  EXPECT_NEAR(force_at(-0.0001).x(), 0.1 * N, 1e-9) << "the spring";
+  EXPECT_EQ(contact.num_slipping(), 0);
+}
+
 TEST(InstrumentContact, RefusesWhatCannotBe) {
   const SurfaceSamples samples = SurfaceSamples::on(block(), {}, 0.1, 1);
   const Solid ball = Solid::sphere(1);

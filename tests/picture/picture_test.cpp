@@ -333,7 +333,7 @@ TEST(Loads, AreNamedWithTheGreatestOfTheRun) {
     std::set<std::string> words;
     for (const Drawing::Text& text : drawing.texts) words.insert(text.words);
     EXPECT_TRUE(words.contains("load, up to 50 mN per node"));
-    EXPECT_TRUE(words.contains("instrument, pull up to 5 N"));
+    EXPECT_TRUE(words.contains("instrument, force up to 5 N"));
     EXPECT_TRUE(words.contains("gravity 3.71 m/s²"));
   }
   gallery.add(0, 0, mesh.positions(), {0, 1});

@@ -266,7 +266,7 @@ TEST(InstrumentFile, IsRefusedWhereItMakesNoSense) {
             std::string::npos);
   // -1, 4, 9: the tool becomes a node
   const std::string numbers("\xff\xff\xff\xff\x04\0\0\0\x09\0\0\0", 12), stray("\x02\0\0\0\x04\0\0\0\x09\0\0\0", 12);
-  EXPECT_NE(refusal(replaced(numbers, stray)).find("point 0 is neither a tool nor held"), std::string::npos);
+  EXPECT_NE(refusal(replaced(numbers, stray)).find("point 0 is neither a tool, nor held"), std::string::npos);
   EXPECT_NE(refusal(good.substr(0, good.size() / 2)), "");
 }
 

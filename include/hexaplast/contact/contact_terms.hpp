@@ -27,7 +27,9 @@ struct ContactSettings {
 /// C6
 ///
 ///   g = n.(r - place),                   f_n = -(k A g + c A n.(dr/dt - velocity)) n
-///   u = (I - n n^T)(r - anchor),         f_t = -tangential u
+///   u = (I - n n^T)(r - anchor),         f_t = -tangential (u - (slip.u) slip) - limit slip
+///
+/// slip is 0 unless the friction was corrected within the step.
 ///
 /// w_a (f_n + f_t) acts on node a.
 struct ContactTerm {
@@ -67,12 +69,29 @@ struct ContactTerm {
   double normal_force(const Vec3& r, const Vec3& change) const {
     return -stiffness * gap(r) - damping * normal.dot(change - velocity);
   }
-  Vec3 force(const Vec3& r, const Vec3& change) const {
-    return normal_force(r, change) * normal - tangential * displacement(r);
+  Vec3 tangential_force(const Vec3& r) const {
+    const Vec3 u = displacement(r);
+    return -tangential * (u - slip.dot(u) * slip) - limit * slip;
+  }
+  Vec3 force(const Vec3& r, const Vec3& change) const { return normal_force(r, change) * normal + tangential_force(r); }
+
+  /// -df/dr times a change of r, and as a matrix.
+  Vec3 stiffness_times(const Vec3& dr) const {
+    const double along = normal.dot(dr);
+    return stiffness * along * normal + tangential * (dr - along * normal - slip.dot(dr) * slip);
+  }
+  Mat3 stiffness_matrix() const {
+    const Mat3 across = Mat3::Identity() - normal * normal.transpose() - slip * slip.transpose();
+    return stiffness * normal * normal.transpose() + tangential * across;
   }
 
-  /// Sets `tangential` and `slips`. expected: the r that the step may lead to; N: the normal force until now [N].
-  void set_friction(double tangential_stiffness, double friction, double N, const Vec3& expected);
+  /// Sets the friction at the beginning of a step. expected: the r that it may lead to; N [N]: the normal force of the
+  /// step before, 0 for a new contact.
+  void set_friction(double tangential_stiffness, double coefficient, double N, const Vec3& expected);
+
+  /// Corrects it where the force is not what the displacement at the end of the step stands for. Returns whether it was
+  /// wrong.
+  bool correct_friction(const Vec3& r, const Vec3& change);
 };
 
 /// What acts on the nodes by the contacts of one step.
@@ -92,7 +111,8 @@ class ContactTerms {
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
 
-  /// Takes out the contacts that would pull at x and v. Returns whether there were any.
+  /// Takes out the contacts that would pull at x and v, and corrects the friction of those whose force is not what
+  /// their displacement there stands for. Returns whether there were any: the step is to be solved again.
   bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
  private:

@@ -38,7 +38,8 @@ struct Pose {
 ///
 /// with places of the instrument at the end of the step. n, q, u_p and N are those of the beginning of the step, so
 /// that forces are linear in x and the step of an implicit integrator ends with them. Contacts that would pull at the
-/// end of a step are released, and the step is solved again. When a step is accepted, the anchors of samples that slip
+/// end of a step are released, those whose friction differs from that of the u there are corrected, and the step is
+/// solved again. When a step is accepted, the anchors of samples that slip
 /// follow them until k_t A |u| = mu N.
 ///
 /// A sample that passes the instrument within a step is found by poses in between.
@@ -62,7 +63,8 @@ class InstrumentContact {
   /// The contacts of the present step; the body is the first one of the terms, and there is no second.
   const ContactTerms& terms() const { return terms_; }
 
-  /// Releases the contacts that would pull at x and v. Returns whether there were any.
+  /// Releases the contacts that would pull at x and v, and corrects the friction of those whose force is not what their
+  /// displacement there stands for. Returns whether there were any: the step is to be solved again.
   bool release(ConstPoints x, ConstPoints v) { return terms_.release(x, v); }
 
   /// The step has ended at x and v: anchors follow, and forces on the instrument are those at its end.
@@ -85,6 +87,11 @@ class InstrumentContact {
   double depth() const { return depth_; }
   double energy() const { return energy_; }
 
+  /// [J] What the instrument has done by its motion, and what friction has taken, so far. What is left of the work
+  /// after friction and the energy of the springs is what the body has received, or damping.
+  double work() const { return work_; }
+  double friction_loss() const { return friction_loss_; }
+
  private:
   struct SampleState {
     Vec3 anchor = Vec3::Zero();  // [m] in the frame of the instrument
@@ -95,7 +102,7 @@ class InstrumentContact {
   ContactSettings settings_;
   SurfaceSamples samples_;
   std::vector<SampleState> states_;  // per sample
-  Pose pose_;                        // at the end of the present step
+  Pose pose_before_, pose_;          // at the beginning and at the end of the present step
 
   struct Found {
     bool touches = false;
@@ -105,7 +112,7 @@ class InstrumentContact {
   std::vector<Found> found_;  // scratch, per sample
   ContactTerms terms_;
   Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
-  double depth_ = 0, energy_ = 0;
+  double depth_ = 0, energy_ = 0, work_ = 0, friction_loss_ = 0;
 };
 
 }  // namespace hexaplast

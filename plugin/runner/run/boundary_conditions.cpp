@@ -60,6 +60,8 @@ output::BoundaryConditions conditions_of(Simulation& simulation) {
       output::Instrument& shown = conditions.instruments.emplace_back();
       shown.id = static_cast<int>(std::ranges::find(all, instrument) - all.begin());
       shown.place = *place;
+      shown.shape_points = instrument->shape_points(simulation.time());
+      shown.shape_triangles = instrument->shape_triangles();
       std::vector<int> nodes;
       for (int node = 0; node < forces.rows(); ++node)
         if (!forces.row(node).isZero(0)) nodes.push_back(node);

@@ -87,6 +87,8 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
       if (scene::acts_on(*field, *simulation.scene_bodies()[i].state))
         for (const int node : field->loaded_nodes()) loaded.insert(simulation.bodies()->all()[i].first_node + node);
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
+  for (const scene::Instrument* instrument : simulation.scene().root().all<scene::Instrument>())
+    plan.has_contact = plan.has_contact || instrument->contact_energy().has_value();
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   if (simulation.bodies()) plan.regions = region_numbers(simulation.scene(), *simulation.bodies());

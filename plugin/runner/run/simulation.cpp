@@ -213,6 +213,12 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
   record.step = step;
   record.time = scene_.time();
   for (const scene::OdeSolver* solver : solvers_) record.kinetic_energy += solver->kinetic_energy();
+  for (const scene::Instrument* instrument : scene_.root().all<scene::Instrument>())
+    if (const std::optional<scene::ContactEnergy> energy = instrument->contact_energy()) {
+      record.instrument_work += energy->work;
+      record.contact_energy += energy->stored;
+      record.friction_loss += energy->friction_loss;
+    }
   record.energy = sum_of(solvers_);
   record.flow = sum_of(scene_bodies_);
   record.solver_iterations = solve.iterations;

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "hexaplast/base/hexahedron.hpp"
+#include "parts/instrument.hpp"
+
+namespace hexaplast::parts {
+
+/// The surface of an instrument as triangles, counter-clockwise seen from outside, in its own frame. Round shapes are
+/// polyhedra with their corners on the shape. For pictures and files: contact is computed with the exact shape.
+struct InstrumentShape {
+  PointArray points = PointArray(0, 3);  ///< [m]
+  std::vector<Triangle> triangles;
+
+  PointArray at(const Pose& pose) const;  ///< [m] the points, where the instrument is
+};
+
+/// Of options that Instrument accepts.
+InstrumentShape shape_of(const InstrumentOptions& options);
+
+}  // namespace hexaplast::parts

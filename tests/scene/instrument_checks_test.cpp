@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// What instruments that touch are held to (docs/reliability.md). HEXAPLAST_POKES says how many random pokes there are.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <numbers>
+
+#include "hexaplast/body.hpp"
+#include "support/random.hpp"
+#include "scene/visuals.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::nodes;
+using support::read_and_init;
+
+Vec3 force_on(scene::Scene& scene, const std::string& instrument) {
+  const std::vector<double>& numbers = at<scene::Component>(scene, instrument).reals("force");
+  return {numbers[0], numbers[1], numbers[2]};
+}
+double depth_of(scene::Scene& scene, const std::string& instrument) {
+  return at<scene::Component>(scene, instrument).reals("depth")[0];
+}
+
+/// A block of 6 x 6 x 3 cells of 1 cm, or of as many more as `finer` says, held at its bottom.
+std::string block(const std::string& rest, int finer = 1, double dt = 0.01) {
+  const int n = 6 * finer + 1;
+  return fmt::format(
+      "<Node dt='{}' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='.5'/>"
+      "<MultigridCGLinearSolver tolerance='1e-6'/><RegularGridTopology n='{} {} {}' max='.06 .06 .03'/>"
+      "<MechanicalObject name='nodes'/><UniformMass totalMass='.1'/><BoxROI name='bottom' box='-1 -1 -1  1 1 .001'/>"
+      "<FixedProjectiveConstraint indices='@bottom.indices'/>"
+      "<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' poissonRatio='.3'/>{}</Node>",
+      dt, n, n, 3 * finer + 1, rest);
+}
+
+scene::Scene shipped(const std::string& name, const std::vector<std::string>& assignments = {}) {
+  scene::Scene scene = scene::read_scene(std::string(HEXAPLAST_SOURCE_DIR "/scenes/") + name + ".scn",
+                                         support::factory(), support::plugins());
+  for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
+  scene.init();
+  return scene;
+}
+
+// A side load shears the block; a flat plate without friction presses on it.
+TEST(InstrumentChecks, APlateFeelsNoShear) {
+  std::string top;
+  for (int n = 3 * 49; n < 4 * 49; ++n) top += std::to_string(n) + " ";
+  scene::Scene scene = read_and_init(
+      block("<ConstantForceField indices='" + top + "' totalForce='4 0 0'/>"
+            "<InstrumentContactForceField name='plate' shape='box' size='.2 .2 .02' keyTimes='1 1.5' "
+            "positions='.03 .03 .05  .03 .03 .038'/>"));
+  support::run(scene, 300);
+  const PointArray& x = nodes(scene);
+  EXPECT_GT(x.bottomRows(49).col(0).mean() - 0.03, 0.5 * 0.028) << "sheared by a half";
+  const Vec3 force = force_on(scene, "plate");
+  EXPECT_GT(force.z(), 0.1);
+  EXPECT_LT(force.head<2>().norm(), 1e-12 * force.z());
+}
+
+TEST(InstrumentChecks, ABodyRestsOnAPlate) {
+  scene::Scene scene = read_and_init(
+      "<Node dt='.005' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+      "<RegularGridTopology n='4 4 3' max='.03 .03 .02'/><MechanicalObject name='nodes'/><UniformMass "
+      "totalMass='.018'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='20000' yieldStress='600' "
+      "plasticFlowRate='5'/><InstrumentContactForceField name='plate' shape='box' size='1 1 .1' friction='.3' "
+      "keyTimes='0' positions='0 0 -.05'/></Node>");
+  support::run(scene, 10000);
+  EXPECT_LT(at<scene::MechanicalState>(scene, "nodes").velocities().rowwise().norm().maxCoeff(), 1e-6);
+  EXPECT_EQ(at<scene::ForceField>(scene, "body").body()->dissipated_energy(), 0);
+  EXPECT_NEAR(force_on(scene, "plate").z(), -0.018 * 9.81, 1e-6);
+}
+
+/// Force on a ball that presses 4 mm and strokes 5 mm, every .05 s.
+std::vector<Vec3> stroke(int finer, double dt) {
+  scene::Scene scene = read_and_init(
+      block("<InstrumentContactForceField name='ball' radius='.03' friction='.3' keyTimes='.1 .4 .9' "
+            "positions='.0275 .03 .061  .0275 .03 .056  .0325 .03 .056'/>",
+            finer, dt));
+  std::vector<Vec3> forces;
+  const int between = static_cast<int>(std::lround(0.05 / dt));
+  for (int k = 0; k < 20; ++k) {
+    support::run(scene, between);
+    forces.push_back(force_on(scene, "ball"));
+  }
+  return forces;
+}
+
+double largest_difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double difference = 0, largest = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    difference = std::max(difference, (a[k] - b[k]).norm());
+    largest = std::max(largest, b[k].norm());
+  }
+  return difference / largest;
+}
+
+TEST(InstrumentChecks, ForcesConverge) {
+  const std::vector<Vec3> forces = stroke(2, 0.01);
+  EXPECT_GT(forces.back().z(), 0.1);
+  const double by_step = largest_difference(forces, stroke(2, 0.005)),
+               by_mesh = largest_difference(forces, stroke(4, 0.01));
+  std::cout << fmt::format("step halved: {:.4f}, mesh refined: {:.4f} of the largest force\n", by_step, by_mesh);
+  EXPECT_LT(by_step, 0.02);
+  EXPECT_LT(by_mesh, 0.05);
+}
+
+// A needle of a quarter of a cell that comes down between nodes, by 2 mm. With the default stiffness the tissue slips
+// around its tip: what presses is smaller than the cells that the stiffness is made for.
+TEST(InstrumentChecks, ANeedleDoesNotPassBetweenNodes) {
+  for (const auto& [x, y] : {std::pair{0.0312, 0.0287}, {0.0344, 0.0265}, {0.0251, 0.0349}, {0.0275, 0.0325}}) {
+    scene::Scene scene = read_and_init(block(fmt::format(
+        "<InstrumentContactForceField name='needle' shape='capsule' radius='.00125' length='.03' maxSubdivision='16' "
+        "contactStiffness='2.4e8' keyTimes='0 .2' positions='{0} {1} .047  {0} {1} .04425'/>",
+        x, y)));
+    double last = 0;
+    for (int k = 0; k < 40; ++k) {
+      scene.step();
+      last = force_on(scene, "needle").z();
+    }
+    EXPECT_GT(last, 0.03) << x << " " << y;
+  }
+}
+
+// Balls that come fast, two radii in a step, on a corner, an edge and a face, and stay.
+TEST(InstrumentChecks, BallsArePushedOutOfCornersEdgesAndFaces) {
+  const double r = 0.006;
+  for (const Vec3& place : {Vec3(0.06, 0.06, 0.03), Vec3(0.06, 0.031, 0.03), Vec3(0.033, 0.031, 0.03)}) {
+    const Vec3 outwards = Vec3(place.x() == 0.06, place.y() == 0.06, 1).normalized(),
+               from = place + 10 * r * outwards, to = place + 0.8 * r * outwards;
+    scene::Scene scene = read_and_init(block(fmt::format(
+        "<InstrumentContactForceField name='ball' radius='{}' keyTimes='0 .046' positions='{} {} {}  {} {} {}'/>", r,
+        from.x(), from.y(), from.z(), to.x(), to.y(), to.z())));
+    support::run(scene, 60);
+    EXPECT_GT(force_on(scene, "ball").dot(outwards), 1e-3) << outwards.transpose();
+    EXPECT_LT(depth_of(scene, "ball"), 0.1 * 0.01) << outwards.transpose();
+  }
+}
+
+TEST(InstrumentChecks, BodiesRecoverFromRandomPokes) {
+  const char* given = std::getenv("HEXAPLAST_POKES");
+  const int num_pokes = given ? std::atoi(given) : 25;
+  support::Random random(11);
+  double worst = 0;
+  int touched = 0;
+  for (int k = 0; k < num_pokes; ++k) {
+    const char* shapes[] = {"sphere", "capsule", "cylinder", "box"};
+    const double radius = random.uniform(0.002, 0.012);
+    const std::string shape = fmt::format("shape='{}' radius='{}' length='{}' size='{} {} {}'",
+                                          shapes[static_cast<int>(random.uniform(0, 4))], radius,
+                                          random.uniform(0.005, 0.04), 2 * radius, random.uniform(0.005, 0.04),
+                                          random.uniform(0.005, 0.04));
+    // towards a place within the upper third or just above it, at up to five radii in a step
+    const Vec3 to(random.uniform(0, 0.06), random.uniform(0, 0.06), random.uniform(0.02, 0.035));
+    Vec3 direction = random.direction();
+    direction.z() = std::abs(direction.z());
+    const Vec3 from = to + 0.1 * direction, away = from + Vec3(0, 0, 0.1);
+    const double speed = random.uniform(0.1, 5) * radius / 0.01, way = 0.1 / speed, stay = random.uniform(0, 0.2);
+    const Eigen::Quaterniond turned(random.rotation());
+    const std::string quaternion = fmt::format(" {} {} {} {} ", turned.x(), turned.y(), turned.z(), turned.w());
+    const std::string text = block(fmt::format(
+        "<InstrumentContactForceField name='tool' {} friction='{}' maxSubdivision='12' keyTimes='0 {} {} {} {}' "
+        "positions='{} {} {}  {} {} {}  {} {} {}  {} {} {}  {} {} {}' orientations='{}{}{}{}{}'/>",
+        shape, random.uniform(0, 1), way, way + stay + 0.01, 2 * way + stay + 0.01, 2 * way + stay + 0.02, from.x(),
+        from.y(), from.z(), to.x(), to.y(), to.z(), to.x(), to.y(), to.z(), from.x(), from.y(), from.z(), away.x(),
+        away.y(), away.z(), quaternion, quaternion, quaternion, quaternion, quaternion));
+    scene::Scene scene = read_and_init(text);
+    const PointArray before = nodes(scene);
+    bool touches = false;
+    const int poke = static_cast<int>(std::ceil((2 * way + stay) / 0.01)) + 3;
+    for (int step = 0; step < poke; ++step) {
+      scene.step();
+      ASSERT_TRUE(nodes(scene).allFinite()) << k << " " << text;
+      touches = touches || force_on(scene, "tool").norm() > 0;
+    }
+    touched += touches;
+    support::run(scene, 250);
+    const double off = (nodes(scene) - before).rowwise().norm().maxCoeff();
+    EXPECT_LT(off, 1e-4 * 0.06) << k << " " << text;
+    worst = std::max(worst, off);
+  }
+  std::cout << fmt::format("{} of {} pokes touched; at the end at most {:.3g} of the length off\n", touched, num_pokes,
+                           worst / 0.06);
+  EXPECT_GT(touched, num_pokes / 2);
+}
+
+TEST(InstrumentChecks, ToolsOfShippedScenesDoNotSinkIn) {
+  const auto deepest = [](const std::string& name, int steps, const std::vector<std::string>& tools) {
+    scene::Scene scene = shipped(name);
+    const Body* body = nullptr;
+    for (const scene::ForceField* field : scene.root().all<scene::ForceField>())
+      if (field->body()) body = field->body();
+    const double cell = std::cbrt(body->initial_volume() / body->mesh().num_elements());
+    double depth = 0;
+    for (int k = 0; k < steps; ++k) {
+      scene.step();
+      for (const std::string& tool : tools) depth = std::max(depth, depth_of(scene, tool));
+    }
+    std::cout << fmt::format("{}: {:.3f} % of a cell\n", name, 100 * depth / cell);
+    return depth / cell;
+  };
+  // tools that are smaller than a cell press with more than the .3 E that the default stiffness is made for
+  EXPECT_LT(deepest("probe_liver", 240, {"liver/probe"}), 0.2);
+  EXPECT_LT(deepest("forceps_fat", 200, {"strip/left", "strip/right"}), 0.12);
+  EXPECT_LT(deepest("slope", 340, {"block/plate"}), 0.01);
+}
+
+// A ball that presses, strokes and leaves: what it did went into the springs of contact, into friction, or into the body.
+TEST(InstrumentChecks, TheEnergyOfContactCloses) {
+  scene::Scene scene = read_and_init(
+      block("<InstrumentContactForceField name='ball' radius='.015' friction='.3' keyTimes='.1 .4 .9 1.2' "
+            "positions='.0225 .03 .046  .0225 .03 .040  .0375 .03 .040  .0375 .03 .046'/>",
+            1, 0.005));
+  scene::OdeSolver& integrator = *scene.root().all<scene::OdeSolver>().front();
+  integrator.keep_energy_balance();
+  const auto& ball = dynamic_cast<scene::Instrument&>(at<scene::Component>(scene, "ball"));
+  for (int part = 0; part < 4; ++part) {
+    support::run(scene, 70);
+    const scene::ContactEnergy energy = *ball.contact_energy();
+    const EnergyBalance& balance = *integrator.energy_balance();
+    const double unexplained = energy.work - energy.stored - energy.friction_loss - balance.load_work;
+    std::cout << fmt::format("work {:.4g} J: contact {:.4g}, friction {:.4g}, body {:.4g} (elastic {:.4g}); {:.2g} % "
+                             "unexplained, balance of the body {:.2g} %\n",
+                             energy.work, energy.stored, energy.friction_loss, balance.load_work, balance.elastic,
+                             100 * unexplained / energy.work, 100 * balance.error() / energy.work);
+    EXPECT_LT(std::abs(unexplained), 0.02 * energy.work);
+    EXPECT_LT(std::abs(balance.error()), 0.02 * energy.work);
+    EXPECT_GE(energy.stored, 0);
+  }
+  EXPECT_GT(ball.contact_energy()->friction_loss, 0.2 * ball.contact_energy()->work);
+  EXPECT_EQ(ball.contact_energy()->stored, 0);
+}
+
+// The jaws lift the fat by 15 mm, or slip off it; what is left after them is a bump, or nearly nothing.
+TEST(ForcepsFat, HoldsOrSlipsByFriction) {
+  const auto lifted = [](const std::vector<std::string>& friction) {
+    scene::Scene scene = shipped("forceps_fat", friction);
+    const PointArray& x = at<scene::MechanicalState>(scene, "strip/nodes").positions();
+    const int middle = (3 * 6 + 2) * 31 + 15;  // n = 31 6 7
+    const double before = x(middle, 1);
+    support::run(scene, 150);
+    const double held = x(middle, 1) - before;
+    support::run(scene, 90);
+    return std::pair(held, x(middle, 1) - before);
+  };
+  const auto [held, left] = lifted({});
+  const auto [slipped, left_then] = lifted({"strip/left.friction=.3", "strip/right.friction=.3"});
+  std::cout << fmt::format("lifted: {:.2f} mm, {:.2f} mm left; slipping: {:.2f} mm, {:.2f} mm\n", 1e3 * held, 1e3 * left,
+                           1e3 * slipped, 1e3 * left_then);
+  EXPECT_GT(held, 0.012);
+  EXPECT_GT(left, 0.003);
+  EXPECT_LT(slipped, 0.4 * held);
+}
+
+// The block stays until the plate's slope is the coefficient of friction; with a larger one it stays.
+TEST(Slope, LetsGoAtTheAngleOfFriction) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const auto slide = [&](const std::vector<std::string>& friction, double until) {
+    scene::Scene scene = shipped("slope", friction);
+    const PointArray& x = at<scene::MechanicalState>(scene, "block/nodes").positions();
+    const auto along = [&](double angle) {
+      return x.col(0).mean() * std::cos(angle) - (x.col(1).mean() + 0.005) * std::sin(angle);
+    };
+    std::vector<std::pair<double, double>> path;  // time, place along the plate
+    const int steps = static_cast<int>(std::lround(until / 0.005));
+    for (int k = 1; k <= steps; ++k) {
+      scene.step();
+      const double time = 0.005 * k, angle = 25 * kDegree * std::clamp((time - 0.1) / 1.5, 0.0, 1.0);
+      path.emplace_back(time, along(angle));
+    }
+    return path;
+  };
+  const auto sticks = slide({"block/plate.friction=.6"}, 1.8);
+  EXPECT_LT(std::abs(sticks.back().second - sticks.front().second), 0.002) << "it leans";
+
+  const auto slides = slide({}, 1.8);
+  const double onset = 0.1 + 1.5 * std::atan(0.36) / (25 * kDegree);
+  const auto place_at = [&](double time) { return slides[static_cast<std::size_t>(std::lround(time / 0.005)) - 1].second; };
+  EXPECT_LT(std::abs(place_at(onset - 0.05) - slides.front().second), 0.002);
+  // after the onset: g (sin a - mu cos a), with the plate at its end from 1.6 s on
+  const double angle = 25 * kDegree, h = 0.05,
+               acceleration = (place_at(1.8) - 2 * place_at(1.8 - h) + place_at(1.8 - 2 * h)) / (h * h);
+  const double expected = 9.81 * (std::sin(angle) - 0.36 * std::cos(angle));
+  EXPECT_NEAR(acceleration, expected, 0.03 * expected);
+}
+
+}  // namespace
