@@ -28,6 +28,8 @@ using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
 using OurForceField = PartForceField<Vec3Types>;
 
+constexpr int kMostReleases = 2;  // of a step, as in ImplicitEuler
+
 /// The system m M + b B + k K of a SOFA node as a system of ours. The kernels work on our bodies, lumped masses and
 /// what of ours has a diagonal; whatever else acts is asked of SOFA product by product beside them.
 class SofaSystem final : public LinearSystem, private NodalOperator
@@ -66,6 +68,7 @@ public:
             system.diagonal.setZero(num_nodes(), 3);
 
         m_in_kernels.clear();
+        m_beside.fields.clear();
         bool has_others = m_mass_of_others != 0;
         std::vector<BaseForceField*> fields;
         m_context.get<BaseForceField>(&fields, BaseContext::SearchDown);
@@ -76,16 +79,59 @@ public:
             if (ours && (!ours->hasPart() || !ours->isInMatrix())) continue;
             const double factor =
                 ours ? m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue() : 0;
-            if (ours && ours->getMState() == &m_state && ours->describe(factor, system))
+            if (!ours || ours->getMState() != &m_state)
             {
-                ours->addDampingDiagonal(m_A.mparams.bFactor(), system.diagonal);
-                m_in_kernels.push_back(ours);
-            }
-            else
                 has_others = true;
+                continue;
+            }
+            m_in_kernels.push_back(ours);
+            if (ours->describe(factor, system))
+                ours->addDampingDiagonal(m_A.mparams.bFactor(), system.diagonal);
+            else
+                m_beside.fields.push_back(ours);
         }
+        m_beside.b = m_A.mparams.bFactor();
+        m_beside.k = m_A.mparams.kFactor();
+        if (!m_beside.fields.empty()) system.others.emplace_back(&m_beside);
         if (has_others && others_act()) system.others.push_back(this);
         return true;
+    }
+
+    /// Lets go of what would pull at the end of the step that dv leads to, and adds to b what that changes. Whether
+    /// there was anything: then the system is to be solved again.                                     theory.md eq. 41
+    bool release(ConstPoints dv, Points b) const
+    {
+        if (m_A.mparams.bFactor() == 0) return false;  // not a step of implicit Euler, where it is -h
+        const double h = -m_A.mparams.bFactor(), ofProduct = m_A.mparams.kFactor() / m_A.mparams.bFactor();
+        const auto x = m_state.readPositions(), v = m_state.readVelocities();
+        const PointArray v_end = view(v.ref()) + dv, x_end = view(x.ref()) + h * v_end;
+        PointArray force = PointArray::Zero(num_nodes(), 3), product = force;
+        bool has_released = false;
+        for (OurForceField* field : m_beside.fields)
+        {
+            if (!field->isOneSided()) continue;
+            const auto add = [&](double sign)
+            {
+                PointArray change = PointArray::Zero(num_nodes(), 3);
+                field->addOwnForce(view(x.ref()), view(v.ref()), change);
+                force += sign * change;
+                field->addOwnProduct(0, sign, view(v.ref()), product);
+            };
+            add(-1);
+            has_released = field->release(x_end, v_end) || has_released;
+            add(1);
+        }
+        if (!has_released) return false;
+        force = h * (force + ofProduct * product);
+        project(force);
+        b += force;
+        return true;
+    }
+
+    /// The step ends as it was solved: what is solved after it are other systems with its matrix.
+    void settle() const
+    {
+        for (OurForceField* field : m_beside.fields) field->settle();
     }
 
     void project(Points field) const override
@@ -188,11 +234,23 @@ private:
         m_A.parent->addMBKdx(m_out, MatricesFactors::M(m), MatricesFactors::B(b), MatricesFactors::K(k), false);
     }
 
+    /// What of ours the kernels do not know, without the detour through SOFA's vectors.
+    struct Beside final : NodalOperator
+    {
+        void add_product(ConstPoints p, Points Fp) const override
+        {
+            for (const OurForceField* field : fields) field->addOwnProduct(b, k, p, Fp);
+        }
+        std::vector<OurForceField*> fields;
+        double b = 0, k = 0;  // factors of df/dv, df/dx
+    };
+
     BaseContext& m_context;
     MechanicalState& m_state;
     GraphScatteredMatrix& m_A;
     GraphScatteredVector &m_in, &m_out;
-    mutable std::vector<OurForceField*> m_in_kernels;
+    mutable std::vector<OurForceField*> m_in_kernels;  // and beside them: ours, that SOFA's products are without
+    mutable Beside m_beside;
     mutable double m_mass_of_others = 0;  // factor of the masses in what the kernels do not know
 };
 
@@ -246,8 +304,16 @@ public:
                 {
                     const SofaSystem system(*getContext(), onlyState(), A, *in, *out);
                     check_constraints(system);
-                    PointArray solution(system.num_nodes(), 3);
-                    const SolveReport report = m_solver->solver().solve(system, system.read(b), solution);
+                    PointArray solution(system.num_nodes(), 3), load = system.read(b);
+                    SolveReport report = m_solver->solver().solve(system, load, solution);
+                    for (int k = 0; k < kMostReleases && system.release(solution, load); ++k)
+                    {
+                        const SolveReport again = m_solver->solver().solve_from_guess(system, load, solution);
+                        report.iterations += again.iterations;
+                        report.residual = again.residual;
+                        report.converged = again.converged;
+                    }
+                    system.settle();
                     system.write(solution, x);
                     msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
                                << ", |r| / |b| = " << report.residual;
