@@ -20,28 +20,28 @@ public:
     using VecReal = sofa::type::vector<SReal>;
     using VecVec3 = sofa::type::vector<sofa::type::Vec3>;
 
-    DataWord d_shape;                                   ///< sphere, capsule, cylinder, box or surface
-    Data<SReal> d_radius;                               ///< [m] of sphere, capsule, cylinder
-    Data<SReal> d_length;                               ///< [m] of capsule, cylinder
-    Data<sofa::type::Vec3> d_size;                      ///< [m] edges of the box
-    Data<VecVec3> d_surfacePositions;                   ///< [m] of surface
+    DataWord d_shape;                  ///< sphere, capsule, cylinder, box or surface
+    Data<SReal> d_radius;              ///< [m] of sphere, capsule, cylinder
+    Data<SReal> d_length;              ///< [m] of capsule, cylinder
+    Data<sofa::type::Vec3> d_size;     ///< [m] edges of the box
+    Data<VecVec3> d_surfacePositions;  ///< [m] of surface
     Data<MeshTopology::SeqTriangles> d_surfaceTriangles;
-    Data<VecVec3> d_skinPositions;                      ///< [m] of the embedded surface that is touched
-    Data<MeshTopology::SeqTriangles> d_skinTriangles;   ///< the faces of the hexahedra are touched, where not set
-    Data<VecReal> d_keyTimes;                           ///< [s] of the path
-    Data<VecVec3> d_positions;                          ///< [m] at each key time
-    Data<VecReal> d_orientations;                       ///< quaternions x y z w at each key time
-    Data<SReal> d_contactStiffness;                     ///< [Pa/m] from the body, where not set
-    Data<SReal> d_tangentialStiffness;                  ///< [Pa/m] contactStiffness, where not set
-    Data<SReal> d_friction;                             ///< coefficient
-    Data<SReal> d_contactDistance;                      ///< [m] from the shape
-    Data<SReal> d_damping;                              ///< [Pa s/m]
-    Data<int> d_maxSubdivision;                         ///< parts of the edge of a face, at most
-    Data<sofa::type::Vec3> d_force;                     ///< output [N]: of the body on the instrument
-    Data<sofa::type::Vec3> d_torque;                    ///< output [N m]: about the origin of its frame
-    Data<SReal> d_depth;                                ///< output [m]: of the deepest point
-    Data<int> d_touching;                               ///< output: number of points that touch
-    Data<int> d_slipping;                               ///< output: how many of these slip
+    Data<VecVec3> d_skinPositions;                     ///< [m] of the embedded surface that is touched
+    Data<MeshTopology::SeqTriangles> d_skinTriangles;  ///< the faces of the hexahedra are touched, where not set
+    Data<VecReal> d_keyTimes;                          ///< [s] of the path
+    Data<VecVec3> d_positions;                         ///< [m] at each key time
+    Data<VecReal> d_orientations;                      ///< quaternions x y z w at each key time
+    Data<SReal> d_contactStiffness;                    ///< [Pa/m] from the body, where not set
+    Data<SReal> d_tangentialStiffness;                 ///< [Pa/m] contactStiffness, where not set
+    Data<SReal> d_friction;                            ///< coefficient
+    Data<SReal> d_contactDistance;                     ///< [m] from the shape
+    Data<SReal> d_damping;                             ///< [Pa s/m]
+    Data<int> d_maxSubdivision;                        ///< parts of the edge of a face, at most
+    Data<sofa::type::Vec3> d_force;                    ///< output [N]: of the body on the instrument
+    Data<sofa::type::Vec3> d_torque;                   ///< output [N m]: about the origin of its frame
+    Data<SReal> d_depth;                               ///< output [m]: of the deepest point
+    Data<int> d_touching;                              ///< output: number of points that touch
+    Data<int> d_slipping;                              ///< output: how many of these slip
 
     void init() override;
     void bwdInit() override;

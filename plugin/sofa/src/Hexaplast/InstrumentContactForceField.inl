@@ -86,7 +86,8 @@ SReal InstrumentContactForceField<TDataTypes>::rayleighStiffnessOfIntegrator() c
     if (!integrator || integrator->getClassName() != "EulerImplicitSolver")
         throw InputError("needs an EulerImplicitSolver in its node or above");
     for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
-        if (const auto* is_on = dynamic_cast<const Data<bool>*>(integrator->findData(scheme)); is_on && is_on->getValue())
+        if (const auto* is_on = dynamic_cast<const Data<bool>*>(integrator->findData(scheme));
+            is_on && is_on->getValue())
             throw InputError(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     const auto* stiffness = dynamic_cast<const Data<SReal>*>(integrator->findData("rayleighStiffness"));
     return stiffness ? stiffness->getValue() : 0;
