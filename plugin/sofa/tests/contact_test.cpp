@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SOFA's own contact on our bodies, and MultigridCGLinearSolver within it.
 #include <gtest/gtest.h>
+#include <sofa/core/behavior/LinearSolver.h>
 #include <sofa/helper/logging/Message.h>
 #include <sofa/helper/logging/MessageDispatcher.h>
 #include <sofa/helper/logging/MessageHandler.h>
+#include <sofa/linearalgebra/FullMatrix.h>
+#include <sofa/linearalgebra/SparseMatrix.h>
+
+#include <chrono>
 
 #include <filesystem>
 #include <fstream>
@@ -83,6 +88,32 @@ TEST(PenaltyContactInSofa, IsInOurSystemWithOurPreconditioner)
     // it would have fallen by 780 mm
     EXPECT_GT((ours.positions() - start).col(1).minCoeff(), -0.03) << "the liver holds it";
     EXPECT_LT((ours.positions() - start).col(1).minCoeff(), -0.006) << "it has fallen onto it";
+}
+
+constexpr const char* kDirect = R"(<SparseLDLSolver template="CompressedRowSparseMatrixMat3x3d"/>)";
+constexpr const char* kOurs = R"(<MultigridCGLinearSolver tolerance="0.001"/>)";
+
+std::string with_direct_solver(const std::string& scene)
+{
+    return replaced(replaced(scene, kOurs, kDirect), "<Node name=\"fat\">",
+                    "<Node name=\"fat\"><RequiredPlugin pluginName=\"Sofa.Component.LinearSolver.Direct\"/>");
+}
+
+TEST(ConstraintContactInSofa, MovesAsWithADirectSolver)
+{
+    const std::string scene = shipped("constraint_contact");
+    SofaScene direct = SofaScene::from_text(with_direct_solver(scene));
+    SofaScene ours = SofaScene::from_text(scene);
+    const PointArray start = ours.positions();
+    for (int step = 0; step < 60; ++step)
+    {
+        ours.step();
+        direct.step();
+        const double difference = (ours.positions() - direct.positions()).cwiseAbs().maxCoeff();
+        if (step % 5 == 4)
+            std::cout << step << " " << difference << " moved " << (ours.positions() - start).colwise().mean() << " / "
+                      << (direct.positions() - start).colwise().mean() << "\n";
+    }
 }
 
 }  // namespace
