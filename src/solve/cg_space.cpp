@@ -258,6 +258,11 @@ void SlotCgSpace<T>::end(Points x) const {
 }
 
 template <class T>
+void SlotCgSpace<T>::residual(Points r) const {
+  from_slots(*partition_, 1 / scale_, r_, r);
+}
+
+template <class T>
 double SlotCgSpace<T>::rounding_of_residual() {
   if (!is_preconditioned()) return 0;
   const double norm =

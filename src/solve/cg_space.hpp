@@ -30,6 +30,8 @@ class CgSpace {
 
   virtual void end(Points x) const = 0;
 
+  virtual void residual(Points r) const = 0;
+
   /// Whether z is a diagonal's or a cycle's approximation of A^-1 r, rather than r or whatever a system makes of it.
   virtual bool is_preconditioned() const = 0;
 
@@ -74,6 +76,7 @@ class NodalCgSpace final : public CgSpace {
   double product(double beta) override;
   double advance(double alpha) override;
   void end(Points x) const override { x = x_ / scale_; }
+  void residual(Points r) const override { r = r_ / scale_; }
   bool is_preconditioned() const override { return preconditioner_ != nullptr; }
   double rounding() const override { return rounding_; }
   double rounding_of_residual() override;
@@ -176,6 +179,7 @@ class SlotCgSpace final : public CgSpace {
   double product(double beta) override;
   double advance(double alpha) override;
   void end(Points x) const override;
+  void residual(Points r) const override;
   bool is_preconditioned() const override { return scaled_ || preconditioner_; }
   double rounding() const override { return std::is_same_v<T, double> ? kDoubleRounding : kSingleRounding; }
   double rounding_of_residual() override;

@@ -477,6 +477,43 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
 
 }  // namespace
 
+PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A) {
+  PreparedSystem prepared;
+  PreconditionedBy& preconditioner = spaces_->preconditioned_by;
+  spaces_->latest = &spaces_->choose(A, preconditioner_, preconditioner);
+  const MatrixFreeSystem& system = spaces_->system;
+  prepared.couples_coordinates = system.couples_coordinates;
+  prepared.is_near_inverse = preconditioner == PreconditionedBy::kMultigrid && system.is_one_body();
+  prepared.is_concurrent = preconditioner != PreconditionedBy::kNothing && system.is_one_body();
+  return prepared;
+}
+
+// The energy of the error before an iteration, e.A e, is about r.z; that of x is what each iteration adds to it. When
+// r.z tells that it is enough, most of another iteration is done: it is brought to its end.
+int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, bool has_start, Points x, Points r) {
+  CgSpace& space = *spaces_->latest;
+  const ConstPoints start(x);  // which is read before x is written
+  space.begin(b, has_start ? &start : nullptr);
+  double energy = has_start ? std::max(hexaplast::dot(b, x), 0.0) : 0, rho_before = 0;
+  int iterations = 0;
+  for (bool is_enough = false; iterations < iterations_ && !is_enough; ++iterations) {
+    const double rho = space.precondition();
+    require_finite(0, rho);
+    require_definite(rho);
+    if (rho == 0) break;
+    const double p_Ap = space.product(iterations == 0 ? 0 : rho / rho_before);
+    require_finite(p_Ap, rho);
+    if (p_Ap <= 0) throw_indefinite(p_Ap);
+    space.advance(rho / p_Ap);
+    energy += rho * rho / p_Ap;
+    is_enough = rho <= error * error * energy;
+    rho_before = rho;
+  }
+  space.end(x);
+  space.residual(r);
+  return iterations;
+}
+
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
                                                       Points x, bool is_prepared) {
   require_sizes(A, b, x);

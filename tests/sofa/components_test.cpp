@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "attributes/contact.hpp"
 #include "attributes/hexaplast.hpp"
 #include "attributes/shapes.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -31,14 +32,14 @@ TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
   std::set<std::string> names;
   for (const auto& [name, entry] : factory().entries) names.insert(name);
   EXPECT_EQ(names, (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField",
-                                          "GraspForceField", "TubeGridTopology", "SheetGridTopology",
-                                          "SpherePatchGridTopology", "MultigridCGLinearSolver", "FinalStateExporter",
-                                          "Probe", "RunSettings", "MaterialRegion"}));
+                                          "GraspForceField", "InstrumentContactForceField", "TubeGridTopology",
+                                          "SheetGridTopology", "SpherePatchGridTopology", "MultigridCGLinearSolver",
+                                          "FinalStateExporter", "Probe", "RunSettings", "MaterialRegion"}));
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
-        &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
-        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kProbe,
-        &attributes::kRunSettings, &attributes::kMaterialRegion}) {
+        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTubeGridTopology,
+        &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver,
+        &attributes::kProbe, &attributes::kRunSettings, &attributes::kMaterialRegion}) {
     const auto& entry = factory().entries.at(std::string(each->class_name));
     EXPECT_EQ(entry.help, each->help);
     EXPECT_EQ(entry.template_name, each->category == "ForceField" ? "Vec3d" : "") << each->class_name;
@@ -66,9 +67,9 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
   int num_defaults = 0;
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
-        &attributes::kGraspForceField, &attributes::kTubeGridTopology, &attributes::kSheetGridTopology,
-        &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver, &attributes::kProbe,
-        &attributes::kRunSettings, &attributes::kMaterialRegion}) {
+        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTubeGridTopology,
+        &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver,
+        &attributes::kProbe, &attributes::kRunSettings, &attributes::kMaterialRegion}) {
     const auto component = factory().entries.at(std::string(each->class_name)).make();
     for (const attributes::Attribute& attribute : each->attributes) {
       if (attribute.type == attributes::Type::kLink) continue;

@@ -58,6 +58,13 @@ enum class Preconditioner {
   kAuto        ///< multigrid where it pays: stiff systems, of which one step couples many elements
 };
 
+/// What `prepare` says of a system.
+struct PreparedSystem {
+  bool is_near_inverse = false;      ///< the preconditioner is a cycle, and of all that acts
+  bool couples_coordinates = false;  ///< MatrixFreeSystem::couples_coordinates
+  bool is_concurrent = false;        ///< `approximate` of several solvers may run at the same time
+};
+
 /// Preconditioned conjugate gradients that end on |r| <= max(tolerance |b|, A.rounding()) alone: for systems of our
 /// own, where an answer is wanted rather than a number of iterations.
 class PreconditionedConjugateGradients final : public LinearSolver {
@@ -71,6 +78,15 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) override;
   SolveReport solve_after_release(const LinearSystem& A, ConstPoints b, Points x) override;
+
+  /// For many right-hand sides of one A (Compliance): prepares what their solves share. A stays as it is until the last
+  /// of them.
+  PreparedSystem prepare(const LinearSystem& A);
+
+  /// x near A^-1 b of the A of the latest prepare, and r = b - A x: ends one iteration after an error of about `error`
+  /// of |x| in the energy norm. has_start: x arrives near the solution. Returns the number of iterations. Throws
+  /// NumericalError where A is not positive definite.
+  int approximate(ConstPoints b, double error, bool has_start, Points x, Points r);
 
  private:
   SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x,

@@ -81,6 +81,7 @@ public:
 
     /// The body; null before init and after an error.
     const Body* body() const { return m_body ? &m_body->body() : nullptr; }
+    int timesMade() const { return m_timesMade; }  ///< whoever refers to the body refers to that one
 
 protected:
     HexahedronElastoplasticFEMForceField();
@@ -114,6 +115,7 @@ private:
     void computeOutputs();
 
     std::optional<parts::HexahedralBody> m_body;
+    int m_timesMade = 0;
     std::vector<double> m_fill;   // share of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
     bool m_topologyIsLost = false;

@@ -136,6 +136,7 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 {
     m_body.reset();
+    ++m_timesMade;
     m_topologyIsLost = false;
     std::vector<Hexahedron> hexahedra;
     for (const auto& hexahedron : l_topology->getHexahedra())

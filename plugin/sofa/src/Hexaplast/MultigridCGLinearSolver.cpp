@@ -4,15 +4,20 @@
 #include <Hexaplast/registration.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/BaseMapping.h>
+#include <sofa/core/ConstraintParams.h>
 #include <sofa/core/behavior/BaseMass.h>
 #include <sofa/core/behavior/MultiVec.h>
+#include <sofa/linearalgebra/BaseVector.h>
+#include <sofa/linearalgebra/SparseMatrix.h>
 #include <sofa/simulation/MechanicalOperations.h>
+#include <sofa/simulation/mechanicalvisitor/MechanicalGetConstraintJacobianVisitor.h>
 
 #include <algorithm>
 #include <optional>
 
 #include "attributes/parts.hpp"
 #include "hexaplast/layout/linear_system.hpp"
+#include "hexaplast/solve/compliance.hpp"
 #include "parts/multigrid_cg.hpp"
 
 namespace hexaplast::sofa_plugin
@@ -27,6 +32,11 @@ using sofa::core::behavior::BaseForceField;
 using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
 using OurForceField = PartForceField<Vec3Types>;
+
+constexpr int kMostReleases = 2;         // of a step, as in ImplicitEuler
+constexpr double kOfMultipliers = 1e-3;  // tolerance of motions that belong to the multipliers of constraints
+
+using Jacobian = sofa::linearalgebra::SparseMatrix<SReal>;
 
 /// The system m M + b B + k K of a SOFA node as a system of ours. The kernels work on our bodies, lumped masses and
 /// what of ours has a diagonal; whatever else acts is asked of SOFA product by product beside them.
@@ -66,6 +76,7 @@ public:
             system.diagonal.setZero(num_nodes(), 3);
 
         m_in_kernels.clear();
+        m_beside.fields.clear();
         bool has_others = m_mass_of_others != 0;
         std::vector<BaseForceField*> fields;
         m_context.get<BaseForceField>(&fields, BaseContext::SearchDown);
@@ -76,16 +87,59 @@ public:
             if (ours && (!ours->hasPart() || !ours->isInMatrix())) continue;
             const double factor =
                 ours ? m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue() : 0;
-            if (ours && ours->getMState() == &m_state && ours->describe(factor, system))
+            if (!ours || ours->getMState() != &m_state)
             {
-                ours->addDampingDiagonal(m_A.mparams.bFactor(), system.diagonal);
-                m_in_kernels.push_back(ours);
-            }
-            else
                 has_others = true;
+                continue;
+            }
+            m_in_kernels.push_back(ours);
+            if (ours->describe(factor, system))
+                ours->addDampingDiagonal(m_A.mparams.bFactor(), system.diagonal);
+            else
+                m_beside.fields.push_back(ours);
         }
+        m_beside.b = m_A.mparams.bFactor();
+        m_beside.k = m_A.mparams.kFactor();
+        if (!m_beside.fields.empty()) system.others.emplace_back(&m_beside);
         if (has_others && others_act()) system.others.push_back(this);
         return true;
+    }
+
+    /// Lets go of what would pull at the end of the step that dv leads to, and adds to b what that changes. Whether
+    /// there was anything: then the system is to be solved again.                                     theory.md eq. 41
+    bool release(ConstPoints dv, Points b) const
+    {
+        if (m_A.mparams.bFactor() == 0) return false;  // not a step of implicit Euler, where it is -h
+        const double h = -m_A.mparams.bFactor(), ofProduct = m_A.mparams.kFactor() / m_A.mparams.bFactor();
+        const auto x = m_state.readPositions(), v = m_state.readVelocities();
+        const PointArray v_end = view(v.ref()) + dv, x_end = view(x.ref()) + h * v_end;
+        PointArray force = PointArray::Zero(num_nodes(), 3), product = force;
+        bool has_released = false;
+        for (OurForceField* field : m_beside.fields)
+        {
+            if (!field->isOneSided()) continue;
+            const auto add = [&](double sign)
+            {
+                PointArray change = PointArray::Zero(num_nodes(), 3);
+                field->addOwnForce(view(x.ref()), view(v.ref()), change);
+                force += sign * change;
+                field->addOwnProduct(0, sign, view(v.ref()), product);
+            };
+            add(-1);
+            has_released = field->release(x_end, v_end) || has_released;
+            add(1);
+        }
+        if (!has_released) return false;
+        force = h * (force + ofProduct * product);
+        project(force);
+        b += force;
+        return true;
+    }
+
+    /// The step ends as it was solved: what is solved after it are other systems with its matrix.
+    void settle() const
+    {
+        for (OurForceField* field : m_beside.fields) field->settle();
     }
 
     void project(Points field) const override
@@ -188,17 +242,52 @@ private:
         m_A.parent->addMBKdx(m_out, MatricesFactors::M(m), MatricesFactors::B(b), MatricesFactors::K(k), false);
     }
 
+    /// What of ours the kernels do not know, without the detour through SOFA's vectors.
+    struct Beside final : NodalOperator
+    {
+        void add_product(ConstPoints p, Points Fp) const override
+        {
+            for (const OurForceField* field : fields) field->addOwnProduct(b, k, p, Fp);
+        }
+        std::vector<OurForceField*> fields;
+        double b = 0, k = 0;  // factors of df/dv, df/dx
+    };
+
     BaseContext& m_context;
     MechanicalState& m_state;
     GraphScatteredMatrix& m_A;
     GraphScatteredVector &m_in, &m_out;
-    mutable std::vector<OurForceField*> m_in_kernels;
+    mutable std::vector<OurForceField*> m_in_kernels;  // and beside them: ours, that SOFA's products are without
+    mutable Beside m_beside;
     mutable double m_mass_of_others = 0;  // factor of the masses in what the kernels do not know
 };
 
 }  // namespace
 
-/// Preconditioned conjugate gradients that end when the answer is as good as asked for.
+/// The rows of a Jacobian of SOFA that have entries, and which they are.
+struct ConstraintRows
+{
+    explicit ConstraintRows(const Jacobian& J)
+    {
+        for (const auto& [number, line] : J)
+        {
+            if (line.empty()) continue;
+            numbers.push_back(number);
+            ConstraintRow& row = rows.emplace_back();
+            for (const auto& [column, value] : line)
+            {
+                const int node = static_cast<int>(column / 3);
+                if (row.empty() || row.back().first != node) row.emplace_back(node, Vec3::Zero());
+                row.back().second[column % 3] += value;
+            }
+        }
+    }
+    std::vector<Jacobian::Index> numbers;
+    std::vector<ConstraintRow> rows;
+};
+
+/// Preconditioned conjugate gradients that end when the answer is as good as asked for. SOFA's constraint corrections
+/// ask it for J A^-1 J^T, and for the motion that belongs to multipliers.
 class MultigridCGLinearSolver final
     : public sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>
 {
@@ -210,6 +299,9 @@ public:
     DataWord d_preconditioner;  ///< auto, multigrid or diagonal
     Data<SReal> d_tolerance;    ///< on |r| / |b|
     Data<int> d_iterations;     ///< at most
+
+    /// SOFA's constraint corrections refuse solvers that are called GraphScattered, of which none has J A^-1 J^T.
+    static std::string GetCustomTemplateName() { return "MatrixFree"; }
 
     void init() override
     {
@@ -224,6 +316,7 @@ public:
             errors.collect([&] { options.preconditioner = parts::preconditioner_of(d_preconditioner.given()); });
             errors.collect([&] { m_solver.emplace(options); });
             errors.throw_all();
+            m_compliance = Compliance(options.preconditioner);
         };
         if (!attempt(*this, make)) m_solver.reset();
         reset();
@@ -234,7 +327,12 @@ public:
     void reset() override
     {
         if (m_solver) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+        m_compliance.reset();
+        m_knowsCompliance = false;
     }
+
+    /// SOFA has set up another matrix.
+    void invert(GraphScatteredMatrix&) override { m_knowsCompliance = false; }
 
     void solve(GraphScatteredMatrix& A, GraphScatteredVector& x, GraphScatteredVector& b) override
     {
@@ -245,9 +343,18 @@ public:
                 [&]
                 {
                     const SofaSystem system(*getContext(), onlyState(), A, *in, *out);
+                    if (m_knowsCompliance) return system.write(motionOf(system, system.read(b)), x);
                     check_constraints(system);
-                    PointArray solution(system.num_nodes(), 3);
-                    const SolveReport report = m_solver->solver().solve(system, system.read(b), solution);
+                    PointArray solution(system.num_nodes(), 3), load = system.read(b);
+                    SolveReport report = m_solver->solver().solve(system, load, solution);
+                    for (int k = 0; k < kMostReleases && system.release(solution, load); ++k)
+                    {
+                        const SolveReport again = m_solver->solver().solve_from_guess(system, load, solution);
+                        report.iterations += again.iterations;
+                        report.residual = again.residual;
+                        report.converged = again.converged;
+                    }
+                    system.settle();
                     system.write(solution, x);
                     msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
                                << ", |r| / |b| = " << report.residual;
@@ -255,6 +362,65 @@ public:
                     if (!report.converged)
                         msg_warning() << "stopped after " << report.iterations
                                       << " iterations with |r| / |b| = " << report.residual;
+                });
+    }
+
+    /// result += factor J A^-1 J^T, for LinearSolverConstraintCorrection.
+    bool addJMInvJt(sofa::linearalgebra::BaseMatrix* result, sofa::linearalgebra::BaseMatrix* J, SReal factor) override
+    {
+        return attempt(*this,
+                       [&]
+                       {
+                           const auto* rows = dynamic_cast<const Jacobian*>(J);
+                           if (!rows) throw InputError("the Jacobian of the constraints is of another type");
+                           addCompliance(*rows, factor, *result);
+                       });
+    }
+
+    /// The same for GenericConstraintCorrection, which leaves it to the solver to find J.
+    bool buildComplianceMatrix(const sofa::core::ConstraintParams* cparams, sofa::linearalgebra::BaseMatrix* result,
+                               SReal factor, SReal regularization) override
+    {
+        return attempt(*this,
+                       [&]
+                       {
+                           m_jacobian.resize(result->rowSize(),
+                                             3 * static_cast<Jacobian::Index>(onlyState().getSize()));
+                           sofa::simulation::mechanicalvisitor::MechanicalGetConstraintJacobianVisitor visitor(
+                               cparams, &m_jacobian);
+                           visitor.execute(getContext());
+                           addCompliance(m_jacobian, factor, *result);
+                           for (const auto& [number, line] : m_jacobian)
+                               if (!line.empty()) result->add(number, number, regularization);
+                       });
+    }
+
+    /// The force J^T multipliers of the latest buildComplianceMatrix, and the motion dx that belongs to it.
+    void applyConstraintForce(const sofa::core::ConstraintParams* cparams, sofa::core::MultiVecDerivId dx,
+                              const sofa::linearalgebra::BaseVector* multipliers) override
+    {
+        attempt(*this,
+                [&]
+                {
+                    MechanicalState& state = onlyState();
+                    PointArray force = PointArray::Zero(static_cast<Eigen::Index>(state.getSize()), 3);
+                    for (const auto& [number, line] : m_jacobian)
+                        for (const auto& [column, value] : line)
+                            force(column / 3, column % 3) += value * multipliers->element(number);
+                    withSystem([&](const SofaSystem& system)
+                               { write(motionOf(system, force), *state.write(dx.getId(&state))); });
+                    write(force, *state.write(cparams->lambda().getId(&state)));
+                });
+    }
+
+    void init_partial_solve() override
+    {
+        attempt(*this,
+                []()
+                {
+                    throw InputError(
+                        "does not solve for single constraints, as unbuilt constraint solvers do: "
+                        "BlockGaussSeidelConstraintSolver asks for all of them at once");
                 });
     }
 
@@ -296,7 +462,62 @@ private:
         m_constraints_are_checked = true;
     }
 
+    template <class Call>
+    void withSystem(const Call& call)
+    {
+        auto& system = *getLinearSystem();
+        GraphScatteredMatrix& A = *system.getSystemMatrix();
+        typename Inherit::TempVectorContainer vectors(this, sofa::core::execparams::defaultInstance(), A,
+                                                      *system.getSolutionVector(), *system.getRHSVector());
+        const std::unique_ptr<GraphScatteredVector> in(vectors.createTempVector()), out(vectors.createTempVector());
+        call(SofaSystem(*getContext(), onlyState(), A, *in, *out));
+    }
+
+    void addCompliance(const Jacobian& J, SReal factor, sofa::linearalgebra::BaseMatrix& result)
+    {
+        if (!may_step(*this) || !m_solver) return;
+        const ConstraintRows found(J);
+        withSystem(
+            [&](const SofaSystem& system)
+            {
+                if (J.colSize() != 3 * static_cast<Jacobian::Index>(system.num_nodes()))
+                    throw InputError("the Jacobian of the constraints is not that of its MechanicalObject");
+                const Eigen::MatrixXd& W = m_compliance.find(system, found.rows);
+                for (int i = 0; i < static_cast<int>(W.rows()); ++i)
+                    for (int j = 0; j < static_cast<int>(W.rows()); ++j)
+                        result.add(found.numbers[i], found.numbers[j], factor * W(i, j));
+                msg_info() << W.rows() << " rows of constraints, " << m_compliance.iterations() << " iterations";
+            });
+        m_knowsCompliance = true;
+    }
+
+    /// x of A x = force of multipliers, from the solutions that the compliance is made of.
+    PointArray motionOf(const SofaSystem& system, PointArray force)
+    {
+        PointArray motion(system.num_nodes(), 3);
+        system.project(force);
+        PreconditionedConjugateGradients solver(std::min(kOfMultipliers, d_tolerance.getValue()),
+                                                d_iterations.getValue(),
+                                                parts::preconditioner_of(d_preconditioner.given()));
+        const bool has_start = m_compliance.start(force, motion);
+        const SolveReport report =
+            has_start ? solver.solve_from_guess(system, force, motion) : solver.solve(system, force, motion);
+        msg_info() << report.iterations << " iterations for multipliers, |r| / |b| = " << report.residual;
+        return motion;
+    }
+
+    static void write(const PointArray& field, Data<Vec3Types::VecDeriv>& to)
+    {
+        Vec3Types::VecDeriv& values = *to.beginEdit();
+        values.resize(static_cast<std::size_t>(field.rows()));
+        view(values) = field;
+        to.endEdit();
+    }
+
     std::optional<parts::MultigridCG> m_solver;
+    Compliance m_compliance;
+    bool m_knowsCompliance = false;  // of the present matrix
+    Jacobian m_jacobian;             // of the latest buildComplianceMatrix
     bool m_constraints_are_checked = false;
 };
 

@@ -59,6 +59,20 @@ public:
     virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
     virtual void addDampingDiagonal(double /*factor*/, Points /*diagonal*/) const {}
 
+    /// For the same solver: whether the part has forces that would pull at the end of the present step. It tries an
+    /// end, and is asked to let go of what pulls there, until nothing does, or for as often as it likes.
+    virtual bool isOneSided() const { return false; }
+    virtual bool release(ConstPoints /*x*/, ConstPoints /*v*/) { return false; }  ///< whether there was anything
+    virtual void settle() {}  ///< the step ends as it has been tried
+
+    /// For the same solver, without the detour through SOFA's vectors: f += forces, df += (b B + k K) dx.
+    void addOwnForce(ConstPoints x, ConstPoints v, Points f) { addPartForce(this->getContext()->getTime(), x, v, f); }
+    void addOwnProduct(double b, double k, ConstPoints dx, Points df) const
+    {
+        addStiffnessProduct(k + b * this->rayleighStiffness.getValue(), dx, df);
+        if (b != 0) addDampingProduct(b, dx, df);
+    }
+
     /// From now on addDForce adds nothing: a solver of ours has the stiffness by other ways.
     void leaveOutOfProducts(bool leftOut) { m_leftOut = leftOut; }
 
@@ -70,6 +84,8 @@ public:
 protected:
     /// description: of the attributes that it has as Data.
     explicit PartForceField(const Description& description);
+
+    virtual void checkRayleighStiffness() const;  ///< OptionError where it is not allowed
 
     virtual void makePart() = 0;    ///< from the Data; what was there goes
     virtual void updatePart() = 0;  ///< by Data that have changed

@@ -65,15 +65,17 @@ void PartForceField<TDataTypes>::acceptData(const Call& call)
                                 [&]
                                 {
                                     parts::OptionErrors errors;
-                                    errors.collect(
-                                        [&] {
-                                            parts::check_range("rayleighStiffness", attributes::kNotNegative,
-                                                               this->rayleighStiffness.getValue());
-                                        });
+                                    errors.collect([&] { checkRayleighStiffness(); });
                                     errors.collect(call);
                                     errors.throw_all();
                                 });
     if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+}
+
+template <class TDataTypes>
+void PartForceField<TDataTypes>::checkRayleighStiffness() const
+{
+    parts::check_range("rayleighStiffness", attributes::kNotNegative, this->rayleighStiffness.getValue());
 }
 
 // What flowed stays: the part follows the Data as it would at the beginning of the next step.

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast::sofa_plugin
@@ -33,6 +34,13 @@ inline sofa::type::Vec3 vec3(const Vec3& v) { return {v[0], v[1], v[2]}; }
 inline std::vector<int> whole_numbers(const sofa::type::vector<sofa::Index>& from)
 {
     return {from.begin(), from.end()};
+}
+inline std::vector<Triangle> triangles(const MeshTopology::SeqTriangles& from)
+{
+    std::vector<Triangle> to;
+    for (const auto& triangle : from)
+        to.push_back({static_cast<int>(triangle[0]), static_cast<int>(triangle[1]), static_cast<int>(triangle[2])});
+    return to;
 }
 inline std::vector<double> reals(const sofa::type::vector<SReal>& from) { return {from.begin(), from.end()}; }
 

@@ -37,6 +37,7 @@ extern "C"
         registerMaterialRegion(factory);
         registerTangentialForceField(factory);
         registerGraspForceField(factory);
+        registerInstrumentContactForceField(factory);
         registerShapeTopologies(factory);
         registerMultigridCGLinearSolver(factory);
         registerFinalStateExporter(factory);

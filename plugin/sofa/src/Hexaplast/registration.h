@@ -22,6 +22,7 @@ void registerHexahedronElastoplasticFEMForceField(sofa::core::ObjectFactory* fac
 void registerMaterialRegion(sofa::core::ObjectFactory* factory);
 void registerTangentialForceField(sofa::core::ObjectFactory* factory);
 void registerGraspForceField(sofa::core::ObjectFactory* factory);
+void registerInstrumentContactForceField(sofa::core::ObjectFactory* factory);
 void registerShapeTopologies(sofa::core::ObjectFactory* factory);
 void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory);
 void registerFinalStateExporter(sofa::core::ObjectFactory* factory);

@@ -13,6 +13,8 @@ class Topology : public objectmodel::BaseComponent {
  public:
   using Hexa = std::array<Index, 8>;
   using SeqHexahedra = type::vector<Hexa>;
+  using Triangle = type::Vec<3, Index>;
+  using SeqTriangles = type::vector<Triangle>;
 };
 
 class BaseMeshTopology : public Topology {

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/InstrumentContactForceField.h>
+#include <sofa/core/BaseMapping.h>
+#include <sofa/core/behavior/OdeSolver.h>
+
+#include <Hexaplast/PartForceField.inl>
+
+#include "attributes/contact.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+namespace
+{
+
+constexpr const Description& kContact = attributes::kInstrumentContactForceField;
+
+}  // namespace
+
+template <class TDataTypes>
+InstrumentContactForceField<TDataTypes>::InstrumentContactForceField()
+    : Inherit(kContact),
+      d_shape(from_table(*this, d_shape, row(kContact, "shape"), "Instrument")),
+      d_radius(from_table(*this, d_radius, row(kContact, "radius"), "Instrument")),
+      d_length(from_table(*this, d_length, row(kContact, "length"), "Instrument")),
+      d_size(from_table(*this, d_size, row(kContact, "size"), "Instrument")),
+      d_surfacePositions(from_table(*this, d_surfacePositions, row(kContact, "surfacePositions"), "Instrument")),
+      d_surfaceTriangles(from_table(*this, d_surfaceTriangles, row(kContact, "surfaceTriangles"), "Instrument")),
+      d_skinPositions(from_table(*this, d_skinPositions, row(kContact, "skinPositions"), "Contact")),
+      d_skinTriangles(from_table(*this, d_skinTriangles, row(kContact, "skinTriangles"), "Contact")),
+      d_keyTimes(from_table(*this, d_keyTimes, row(kContact, "keyTimes"), "Path")),
+      d_positions(from_table(*this, d_positions, row(kContact, "positions"), "Path")),
+      d_orientations(from_table(*this, d_orientations, row(kContact, "orientations"), "Path")),
+      d_contactStiffness(from_table(*this, d_contactStiffness, row(kContact, "contactStiffness"), "Contact")),
+      d_tangentialStiffness(from_table(*this, d_tangentialStiffness, row(kContact, "tangentialStiffness"), "Contact")),
+      d_friction(from_table(*this, d_friction, row(kContact, "friction"), "Contact")),
+      d_contactDistance(from_table(*this, d_contactDistance, row(kContact, "contactDistance"), "Contact")),
+      d_damping(from_table(*this, d_damping, row(kContact, "damping"), "Contact")),
+      d_maxSubdivision(from_table(*this, d_maxSubdivision, row(kContact, "maxSubdivision"), "Contact")),
+      d_force(from_table(*this, d_force, row(kContact, "force"))),
+      d_torque(from_table(*this, d_torque, row(kContact, "torque"))),
+      d_depth(from_table(*this, d_depth, row(kContact, "depth"))),
+      d_touching(from_table(*this, d_touching, row(kContact, "touching"))),
+      d_slipping(from_table(*this, d_slipping, row(kContact, "slipping")))
+{
+}
+
+// Bodies and integrators may stand behind it: it is made when all of them have had their init.
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::init()
+{
+    m_instrument.reset();
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::bwdInit()
+{
+    Inherit::init();
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::reinit()
+{
+    if (hasPart())
+        Inherit::reinit();
+    else
+        Inherit::init();
+}
+
+// It is there for SOFA, which multiplies the stiffness by it.
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::checkRayleighStiffness() const
+{
+    if (this->rayleighStiffness.getValue() != m_ownRayleighStiffness)
+        throw parts::OptionError("rayleighStiffness",
+                                 fmt::format("= {}: must not be given, as the Rayleigh stiffness of the integrator "
+                                             "does not act on contact. damping damps it",
+                                             this->rayleighStiffness.getValue()));
+}
+
+template <class TDataTypes>
+SReal InstrumentContactForceField<TDataTypes>::rayleighStiffnessOfIntegrator() const
+{
+    const auto* integrator = this->getContext()->template get<sofa::core::behavior::OdeSolver>();
+    if (!integrator || integrator->getClassName() != "EulerImplicitSolver")
+        throw InputError("needs an EulerImplicitSolver in its node or above");
+    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
+        if (const auto* is_on = dynamic_cast<const Data<bool>*>(integrator->findData(scheme));
+            is_on && is_on->getValue())
+            throw InputError(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
+    const auto* stiffness = dynamic_cast<const Data<SReal>*>(integrator->findData("rayleighStiffness"));
+    return stiffness ? stiffness->getValue() : 0;
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::makePart()
+{
+    using sofa::core::objectmodel::BaseContext;
+    m_instrument.reset();
+    m_bodyField = nullptr;
+    std::vector<BodyField*> fields;
+    this->getContext()->getRootContext()->template get<BodyField>(&fields, BaseContext::SearchDown);
+    for (BodyField* field : fields)
+        if (field->getMState() == this->mstate.get()) m_bodyField = field;
+    if (!m_bodyField) throw InputError("no body on its state: contact is that of a body's surface");
+    if (!m_bodyField->works())
+        throw InputError("its body '" + m_bodyField->getName() + "' is invalid (see its error above)");
+    if (this->mstate->getContext()->template get<sofa::core::BaseMapping>(BaseContext::Local))
+        throw InputError("its state follows another one: must be one that an integrator moves");
+    rayleighStiffnessOfIntegrator();
+    m_bodyMade = m_bodyField->timesMade();
+    m_numRemoved = m_bodyField->body()->removed().size();
+    m_instrument.emplace(options(), *m_bodyField->body());
+    pass_on(*this, m_instrument->take_warnings());
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::updatePart()
+{
+    if (m_bodyMade != m_bodyField->timesMade()) return makePart();
+    m_instrument->set_options(options());
+    pass_on(*this, m_instrument->take_warnings());
+}
+
+template <class TDataTypes>
+bool InstrumentContactForceField<TDataTypes>::othersHaveChanged()
+{
+    return m_bodyMade != m_bodyField->timesMade();
+}
+
+template <class TDataTypes>
+parts::InstrumentOptions InstrumentContactForceField<TDataTypes>::options() const
+{
+    const std::string given = d_shape.given();
+    const auto* shape = std::find(parts::kInstrumentShapes.begin(), parts::kInstrumentShapes.end(), given);
+    if (shape == parts::kInstrumentShapes.end()) parts::check_word("shape", parts::kInstrumentShapes, given);
+    parts::InstrumentOptions options{.shape = *shape,
+                                     .radius = if_set(d_radius),
+                                     .length = if_set(d_length),
+                                     .surface_positions = view(d_surfacePositions.getValue()),
+                                     .surface_triangles = triangles(d_surfaceTriangles.getValue()),
+                                     .skin_positions = view(d_skinPositions.getValue()),
+                                     .skin_triangles = triangles(d_skinTriangles.getValue()),
+                                     .key_times = reals(d_keyTimes.getValue()),
+                                     .positions = view(d_positions.getValue()),
+                                     .orientations = reals(d_orientations.getValue()),
+                                     .contact_stiffness = if_set(d_contactStiffness),
+                                     .tangential_stiffness = if_set(d_tangentialStiffness),
+                                     .friction = d_friction.getValue(),
+                                     .contact_distance = d_contactDistance.getValue(),
+                                     .damping = d_damping.getValue(),
+                                     .max_subdivision = d_maxSubdivision.getValue()};
+    if (d_size.isSet()) options.size = vec3(d_size.getValue());
+    return options;
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::resetPart()
+{
+    m_numRemoved = m_bodyField->body()->removed().size();
+    m_instrument->reset();
+    m_isSettled = true;
+    showOutputs();
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::followSurface()
+{
+    const std::size_t numRemoved = m_bodyField->body()->removed().size();
+    if (numRemoved == m_numRemoved) return;
+    m_numRemoved = numRemoved;
+    m_instrument->surface_changed();
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
+{
+    followSurface();
+    const SReal ofIntegrator = rayleighStiffnessOfIntegrator();
+    m_instrument->begin_step(time, dt, ofIntegrator, view(this->mstate->readPositions().ref()),
+                             view(this->mstate->readVelocities().ref()));
+    m_ownRayleighStiffness = m_instrument->rayleigh_stiffness();
+    this->rayleighStiffness.setValue(m_ownRayleighStiffness);
+    m_isSettled = false;
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::endStep(SReal)
+{
+    if (isOneSided() && !m_isWarned)
+    {
+        m_isWarned = true;
+        msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
+                             "step are released after it only";
+    }
+    followSurface();
+    m_instrument->end_step(view(this->mstate->readPositions().ref()), view(this->mstate->readVelocities().ref()));
+    showOutputs();
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::showOutputs()
+{
+    const InstrumentContact& contact = m_instrument->contact();
+    d_force.setValue(vec3(contact.force()));
+    d_torque.setValue(vec3(contact.torque()));
+    d_depth.setValue(contact.depth());
+    d_touching.setValue(contact.num_touching());
+    d_slipping.setValue(contact.num_slipping());
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::addPartForce(SReal, ConstPoints x, ConstPoints v, Points f)
+{
+    m_instrument->add_force(x, v, f);
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::addStiffnessProduct(double factor, ConstPoints dx, Points df) const
+{
+    m_instrument->contact().add_stiffness_product(factor, dx, df);
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::addStiffnessBlocks(double factor, BlockMatrix& A) const
+{
+    m_instrument->contact().add_stiffness_blocks(factor, A);
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::addDampingProduct(double factor, ConstPoints dx, Points df) const
+{
+    m_instrument->contact().add_damping_product(factor, dx, df);
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::addDampingBlocks(double factor, BlockMatrix& A) const
+{
+    m_instrument->contact().add_damping_blocks(factor, A);
+}
+
+}  // namespace hexaplast::sofa_plugin

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// An instrument that touches a body in SOFA and in the embedded host: the same motion, forces and contacts.
+#include <Hexaplast/InstrumentContactForceField.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "hexaplast/body.hpp"
+#include "scene/plugin.hpp"
+#include "scene/reader.hpp"
+#include "sofa_scene.h"
+
+namespace hexaplast::sofa_plugin::test
+{
+namespace
+{
+
+using Contact = InstrumentContactForceField<Vec3Types>;
+
+/// A block of 4 x 3 x 8 cubes on the ground that a plate presses and strokes.
+std::string stroked_block(const std::string& solver, const std::string& contact = "",
+                          const std::string& integrator = R"(rayleighMass="0.1" rayleighStiffness="0.02")")
+{
+    std::string scene = R"(<Node name="root" dt="0.01" gravity="0 -9.81 0"><DefaultAnimationLoop/>)";
+    for (const char* module :
+         {"AnimationLoop", "Constraint.Projective", "LinearSolver.Direct", "LinearSolver.Iterative", "Mass",
+          "ODESolver.Backward", "StateContainer", "Topology.Container.Grid"})
+        scene += std::string("<RequiredPlugin pluginName=\"Sofa.Component.") + module + "\"/>";
+    return scene + R"(<RequiredPlugin pluginName="Hexaplast"/><Node name="tissue"><EulerImplicitSolver )" + integrator +
+           "/>" + solver + R"(<RegularGridTopology name="grid" n="5 4 9" min="0 0 0" max="0.04 0.03 0.08"/>
+        <MechanicalObject name="nodes" template="Vec3d"/><DiagonalMass massDensity="1000"/>
+        <HexahedronElastoplasticFEMForceField name="body" template="Vec3d" youngModulus="8000" poissonRatio="0.4"
+            yieldStress="900" plasticFlowRate="3"/>
+        <FixedProjectiveConstraint indices="0 1 2 3 4 20 21 22 23 24 40 41 42 43 44 60 61 62 63 64 80 81 82 83 84
+            100 101 102 103 104 120 121 122 123 124 140 141 142 143 144 160 161 162 163 164"/>
+        <InstrumentContactForceField name="tool" shape="box" size="0.03 0.008 0.06" friction="0.4"
+            keyTimes="0 0.5 1.2 1.6 1.8"
+            positions="0.02 0.036 0.04  0.02 0.032 0.04  0.028 0.0325 0.046  0.026 0.034 0.046  0.026 0.06 0.05"
+            orientations="0 0 0 1  0 0 0 1  0 0.05 0 0.99875  0 0.05 0 0.99875  0 0 0 1" )" +
+           contact + "/></Node></Node>";
+}
+
+constexpr const char* kOurSolver = R"(<MultigridCGLinearSolver tolerance="1e-8"/>)";
+
+class EmbeddedScene
+{
+public:
+    explicit EmbeddedScene(const std::filesystem::path& file) : m_loader(m_factory, {HEXAPLAST_PLUGINS})
+    {
+        m_loader.load("Hexaplast");
+        m_scene.emplace(scene::read_scene(file, m_factory, m_loader));
+        start();
+    }
+    explicit EmbeddedScene(const std::string& text) : m_loader(m_factory, {HEXAPLAST_PLUGINS})
+    {
+        m_loader.load("Hexaplast");
+        m_scene.emplace(scene::read_scene_text(text, "test.scn", m_factory, m_loader));
+        start();
+    }
+
+    void step() { m_scene->step(); }
+    const PointArray& positions() const { return m_state->positions(); }
+    std::vector<double> output(const std::string& name)
+    {
+        return std::get<std::vector<double>>(m_contact->find_data(name)->value());
+    }
+
+private:
+    void start()
+    {
+        m_scene->init();
+        m_scene->root().for_each<scene::ForceField>(
+            [&](scene::ForceField& field)
+            {
+                if (field.class_name() == "InstrumentContactForceField") m_contact = &field;
+                if (field.body()) m_state = field.node().nearest<scene::MechanicalState>();
+            });
+    }
+
+    scene::Factory m_factory;
+    scene::PluginLoader m_loader;
+    std::optional<scene::Scene> m_scene;
+    scene::ForceField* m_contact = nullptr;
+    scene::MechanicalState* m_state = nullptr;
+};
+
+struct Differences
+{
+    double positions = 0;  ///< of the body's size
+    int touching = 0, slipping = 0;
+    int stepsWithBoth = 0;  ///< that have 100 points that touch and 10 that slip
+    double force = 0;       ///< [N] the largest
+};
+
+Differences compared(SofaScene& sofa, EmbeddedScene& host, int steps)
+{
+    const double size = (sofa.positions().colwise().maxCoeff() - sofa.positions().colwise().minCoeff()).norm();
+    auto& contact = sofa.only<Contact>();
+    Differences found;
+    for (int step = 0; step < steps; ++step)
+    {
+        sofa.step();
+        host.step();
+        found.positions = std::max(found.positions, (sofa.positions() - host.positions()).cwiseAbs().maxCoeff() / size);
+        const int touching = contact.d_touching.getValue(), slipping = contact.d_slipping.getValue();
+        found.touching = std::max(found.touching, touching);
+        found.slipping = std::max(found.slipping, slipping);
+        if (touching >= 100 && slipping >= 10) ++found.stepsWithBoth;
+        found.force = std::max(found.force, contact.d_force.getValue().norm());
+    }
+    std::cout << "largest difference in " << steps << " steps: " << found.positions << " of the body's size; "
+              << found.touching << " points touched, " << found.slipping << " slipped; 100 and 10 in "
+              << found.stepsWithBoth << " steps; force up to " << found.force << " N\n";
+    return found;
+}
+
+void expect_same_outputs(SofaScene& sofa, EmbeddedScene& host)
+{
+    auto& contact = sofa.only<Contact>();
+    const double size = 1 + contact.d_force.getValue().norm();
+    const std::vector<double> force = host.output("force"), torque = host.output("torque");
+    for (int k = 0; k < 3; ++k)
+    {
+        EXPECT_NEAR(contact.d_force.getValue()[k], force[k], 1e-6 * size);
+        EXPECT_NEAR(contact.d_torque.getValue()[k], torque[k], 1e-8 * size);
+    }
+    EXPECT_NEAR(contact.d_depth.getValue(), host.output("depth")[0], 1e-9);
+    EXPECT_EQ(contact.d_touching.getValue(), host.output("touching")[0]);
+    EXPECT_EQ(contact.d_slipping.getValue(), host.output("slipping")[0]);
+}
+
+TEST(InstrumentInSofa, TouchesAsInTheEmbeddedHost)
+{
+    const std::string scene = stroked_block(kOurSolver);
+    SofaScene sofa = SofaScene::from_text(scene);
+    EmbeddedScene host(scene);
+    const Differences found = compared(sofa, host, 100);
+    expect_same_outputs(sofa, host);
+    EXPECT_LE(found.positions, 1e-9);
+    EXPECT_LE(compared(sofa, host, 100).positions, 1e-9);
+    EXPECT_GE(found.stepsWithBoth, 10) << "something happened";
+    EXPECT_GT(found.force, 0.1);
+}
+
+TEST(InstrumentInSofa, TouchesTheShippedLiverAsInTheEmbeddedHost)
+{
+    const auto file = std::filesystem::path(HEXAPLAST_SCENES) / "probe_liver.scn";
+    SofaScene sofa = SofaScene::from_file(file);
+    EmbeddedScene host(file);
+    const Differences found = compared(sofa, host, 200);
+    EXPECT_LE(found.positions, 1e-9);
+    EXPECT_GT(found.force, 0.1);
+}
+
+// SOFA's own linear solvers do not release what pulls within the step: it lasts one step longer.
+TEST(InstrumentInSofa, MovesNearlyAlikeWithALinearSolverOfSofa)
+{
+    const std::string scene = stroked_block(R"(<SparseLDLSolver template="CompressedRowSparseMatrixMat3x3d"/>)");
+    SofaScene sofa = SofaScene::from_text(scene);
+    EmbeddedScene host(scene);
+    EXPECT_LE(compared(sofa, host, 200).positions, 1e-2);
+}
+
+TEST(InstrumentInSofa, BeginsAnewAfterReset)
+{
+    const std::string text = stroked_block(kOurSolver);
+    SofaScene sofa = SofaScene::from_text(text);
+    for (int step = 0; step < 60; ++step) sofa.step();
+    const PointArray before = sofa.positions();
+    auto& contact = sofa.only<Contact>();
+    EXPECT_GT(contact.d_touching.getValue(), 0);
+    sofa.reset();
+    EXPECT_EQ(contact.d_touching.getValue(), 0);
+    EXPECT_EQ(contact.d_force.getValue().norm(), 0);
+    for (int step = 0; step < 60; ++step) sofa.step();
+    EXPECT_EQ(sofa.positions(), before);
+}
+
+// What it refuses is said in the words of the embedded host (tests/sofa); here, that it does not run on.
+TEST(InstrumentInSofa, IsInvalidWhereItCannotWork)
+{
+    const auto is_refused = [](const std::string& text)
+    { return !SofaScene::from_text(text).only<Contact>().isComponentStateValid(); };
+    EXPECT_FALSE(is_refused(stroked_block(kOurSolver)));
+    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, R"(damping="-1")")));
+    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, R"(rayleighStiffness="0.1")")));
+    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, "", R"(trapezoidalScheme="true")")));
+    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, "", R"(firstOrder="true")")));
+}
+
+}  // namespace
+}  // namespace hexaplast::sofa_plugin::test

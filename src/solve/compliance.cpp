@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "hexaplast/solve/compliance.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr int kMostIterations = 200;   // of one row
+constexpr double kRegularised = 1e-8;  // of the mean of the diagonal, for rows that depend on one another
+constexpr double kNegligible = 1e-3;   // of the energy norm of a start, that a solution adds to it
+constexpr double kOfFarInverse = 0.2;  // of the error allowed, where M is far from A: it sees less of smooth errors
+constexpr int kColumns = 8;            // of W, that are multiplied at once
+
+Eigen::Map<PointArray> field(Eigen::MatrixXd& columns, int column) {
+  return {columns.col(column).data(), columns.rows() / 3, 3};
+}
+
+}  // namespace
+
+Compliance::Compliance(Preconditioner preconditioner, double energy_error)
+    : preconditioner_(preconditioner), energy_error_(energy_error) {}
+
+void Compliance::reset() { *this = Compliance(preconditioner_, energy_error_); }
+
+Eigen::VectorXd Compliance::nearest(const Eigen::VectorXd& b) const { return factor_.solve(x_.transpose() * b); }
+
+bool Compliance::start(ConstPoints b, Points x) const {
+  if (x_.cols() == 0 || x_.rows() != 3 * b.rows()) return false;
+  const PointArray flat = b;
+  const Eigen::VectorXd all = x_ * nearest(Eigen::VectorXd::Map(flat.data(), flat.size()));
+  x = Eigen::Map<const PointArray>(all.data(), b.rows(), 3);
+  return true;
+}
+
+const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const ConstraintRow> rows) {
+  const int size = 3 * A.num_nodes(), num_rows = static_cast<int>(rows.size());
+  if (num_rows == 0) {
+    x_.resize(0, 0);
+    w_.resize(0, 0);
+    iterations_ = 0;
+    return w_;
+  }
+  b_.setZero(size, num_rows);
+  for (int j = 0; j < num_rows; ++j)
+    for (const auto& [node, direction] : rows[j]) {
+      if (node < 0 || node >= A.num_nodes())
+        throw InputError(fmt::format("Compliance: node {} of row {} must lie in [0, {})", node, j, A.num_nodes()));
+      field(b_, j).row(node) += direction.transpose();
+    }
+  const int num_solvers = num_threads();
+  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMostIterations, preconditioner_);
+  bool is_parallel = true, couples = false;
+  double error = energy_error_;
+  for (int k = 0; k < num_solvers && is_parallel; ++k) {
+    const PreparedSystem prepared = solvers_[k].prepare(A);
+    if (!prepared.is_near_inverse) error = kOfFarInverse * energy_error_;
+    couples = prepared.couples_coordinates;
+    is_parallel = prepared.is_concurrent;
+  }
+  if (couples)
+    for (int j = 0; j < num_rows; ++j) A.project(field(b_, j));
+
+  // each begins with the nearest combination of the solutions before
+  const bool has_previous = x_.cols() > 0 && x_.rows() == size;
+  std::swap(x_, previous_);
+  for (Eigen::MatrixXd* columns : {&x_, &r_}) columns->resize(size, num_rows);
+  Eigen::MatrixXd shares;
+  if (has_previous) {
+    shares = Eigen::MatrixXd(previous_.cols(), num_rows);
+    parallel_for(num_rows, [&](int j) {
+      Eigen::VectorXd known = Eigen::VectorXd::Zero(previous_.cols());
+      for (const auto& [node, direction] : rows[j]) known += previous_.middleRows(3 * node, 3).transpose() * direction;
+      shares.col(j) = factor_.solve(known);
+      const double negligible = kNegligible * std::sqrt(std::max(known.dot(shares.col(j)), 0.0));
+      for (int i = 0; i < static_cast<int>(known.size()); ++i)
+        if (std::abs(shares(i, j)) * std::sqrt(std::max(energy_[i], 0.0)) < negligible) shares(i, j) = 0;
+    });
+  }
+
+  std::vector<int> iterations(static_cast<std::size_t>(num_rows), 0);
+  std::vector<std::exception_ptr> failures(static_cast<std::size_t>(num_rows));
+  const auto solve = [&](PreconditionedConjugateGradients& solver, int j) {
+    try {
+      auto x = field(x_, j);
+      x.setZero();
+      bool has_start = false;
+      for (int i = 0; has_previous && i < static_cast<int>(previous_.cols()); ++i) {
+        if (shares(i, j) == 0) continue;
+        x_.col(j) += shares(i, j) * previous_.col(i);
+        has_start = true;
+      }
+      iterations[j] = solver.approximate(field(b_, j), error, has_start, x, field(r_, j));
+    } catch (...) {
+      failures[j] = std::current_exception();
+    }
+  };
+  if (is_parallel) {
+    parallel_for(num_solvers, [&](int k) {
+      for (int j = k; j < num_rows; j += num_solvers) solve(solvers_[k], j);
+    });
+  } else {
+    for (int j = 0; j < num_rows; ++j) solve(solvers_.front(), j);
+  }
+  for (const std::exception_ptr& failure : failures)
+    if (failure) {
+      reset();
+      std::rethrow_exception(failure);
+    }
+  iterations_ = 0;
+  for (const int count : iterations) iterations_ += count;
+
+  // W = G^T K^-1 G, G = X^T B, K = X^T A X = X^T (B - R)                                                     eq. W1
+  Eigen::MatrixXd G(num_rows, num_rows), K(num_rows, num_rows);
+  parallel_for((num_rows + kColumns - 1) / kColumns, [&](int part) {
+    const int first = kColumns * part, count = std::min(kColumns, num_rows - first);
+    K.middleCols(first, count).noalias() = -x_.transpose() * r_.middleCols(first, count);
+    for (int j = first; j < first + count; ++j) {
+      G.col(j).setZero();
+      for (const auto& [node, direction] : rows[j]) G.col(j) += x_.middleRows(3 * node, 3).transpose() * direction;
+      K.col(j) += G.col(j);
+    }
+  });
+  factorise(K);
+  const auto lower = factor_.matrixL();
+  lower.solveInPlace(G);
+  w_.noalias() = G.transpose() * G;
+  w_ = (0.5 * (w_ + w_.transpose())).eval();
+  return w_;
+}
+
+// Rows may depend on one another, and then so may their solutions.
+void Compliance::factorise(const Eigen::MatrixXd& K) {
+  const Eigen::MatrixXd symmetric = 0.5 * (K + K.transpose());
+  energy_ = symmetric.diagonal();
+  const double mean = energy_.mean();
+  for (double share = kRegularised; share < 1e-2; share *= 10) {
+    Eigen::MatrixXd regularised = symmetric;
+    regularised.diagonal().array() += mean > 0 ? share * mean : 1;
+    factor_.compute(regularised);
+    if (factor_.info() == Eigen::Success) return;
+  }
+  reset();
+  throw NumericalError("Compliance: the system is not positive definite on the rows of the constraints");
+}
+
+}  // namespace hexaplast

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// W = J A^-1 J^T of frictional contacts against the same by a factorisation of A.
+#include "hexaplast/solve/compliance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "support/compare.hpp"
+#include "support/random.hpp"
+
+namespace hexaplast {
+namespace {
+
+constexpr double kDt = 0.01;
+
+/// M + dt^2 stiffness of a slab of 1,024 hexahedra that is held at x = 0, with a spring beside it where it has one.
+class Slab final : public LinearSystem {
+ public:
+  Slab(double young_modulus, Precision precision)
+      : mesh(regular_grid({16, 16, 4}, Vec3::Zero(), {0.16, 0.16, 0.04})),
+        body(mesh, {Material{.young_modulus = young_modulus, .poisson_ratio = 0.45}}, settings(precision)),
+        diagonal(PointArray::Constant(mesh.num_nodes(), 3, 1e-3)) {
+    body.linearize(mesh.positions());
+    for (int n = 0; n < mesh.num_nodes(); ++n)
+      if (mesh.positions()(n, 0) < 1e-9) held.push_back(n);
+  }
+
+  static Settings settings(Precision precision) {
+    Settings settings;
+    settings.precision = precision;
+    return settings;
+  }
+  int num_nodes() const override { return mesh.num_nodes(); }
+  void apply(ConstPoints p, Points Ap) const override {
+    Ap = diagonal.cwiseProduct(p);
+    body.add_stiffness_product(-kDt * kDt, p, Ap);
+    if (spring.stiffness > 0) spring.add_product(p, Ap);
+    project(Ap);
+  }
+  void assemble(BlockMatrix& A) const override {
+    for (int n = 0; n < num_nodes(); ++n) A.add(n, n, Mat3(diagonal.row(n).asDiagonal()));
+    body.add_stiffness_blocks(-kDt * kDt, A);
+    A.add(spring.node, spring.node, spring.stiffness * Mat3::Identity());
+    for (const int n : held)
+      for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
+  }
+  bool describe(MatrixFreeSystem& system) const override {
+    system.diagonal = diagonal;
+    system.diagonal_version = 0;
+    system.free.setOnes(num_nodes(), 3);
+    for (const int n : held) system.free.row(n).setZero();
+    body.describe(-kDt * kDt, system);
+    if (spring.stiffness > 0) system.others.push_back(&spring);
+    return true;
+  }
+  void project(Points field) const override {
+    for (const int n : held) field.row(n).setZero();
+  }
+
+  struct Spring final : NodalOperator {
+    void add_product(ConstPoints p, Points Fp) const override { Fp.row(node) += stiffness * p.row(node); }
+    int node = 200;
+    double stiffness = 0;
+  };
+
+  HexMesh mesh;
+  Body body;
+  PointArray diagonal;
+  std::vector<int> held;
+  Spring spring;
+};
+
+/// Contacts in faces of the top, moved by a share of an edge: a normal and two tangents each, over four nodes.
+std::vector<ConstraintRow> contacts(const Slab& slab, int count, double share, unsigned seed = 3) {
+  support::Random random(seed);
+  std::vector<ConstraintRow> rows;
+  for (int k = 0; k < count; ++k) {
+    const int i = 3 + (k * 5) % 12, j = 1 + (k * 3) % 14;
+    const double s = share, t = 0.3;
+    const auto node = [&](int di, int dj) { return i + di + 17 * (j + dj + 17 * 4); };
+    const double weights[] = {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t};
+    const int nodes[] = {node(0, 0), node(1, 0), node(0, 1), node(1, 1)};
+    const Vec3 normal = Vec3(0.1 * k / count, -0.05, 1).normalized(), first = normal.cross(Vec3::UnitX()).normalized();
+    for (const Vec3& direction : {normal, first, Vec3(normal.cross(first))}) {
+      ConstraintRow& row = rows.emplace_back();
+      for (int a = 0; a < 4; ++a) row.emplace_back(nodes[a], weights[a] * direction);
+    }
+  }
+  EXPECT_LT(rows.back().back().first, slab.num_nodes());
+  return rows;
+}
+
+PointArray transposed(const Slab& slab, const std::vector<ConstraintRow>& rows, const Eigen::VectorXd& lambda) {
+  PointArray f = PointArray::Zero(slab.num_nodes(), 3);
+  for (std::size_t j = 0; j < rows.size(); ++j)
+    for (const auto& [node, direction] : rows[j])
+      f.row(node) += lambda[static_cast<Eigen::Index>(j)] * direction.transpose();
+  return f;
+}
+
+Eigen::MatrixXd factorised(const Slab& slab, const std::vector<ConstraintRow>& rows) {
+  CholeskySolver cholesky;
+  cholesky.setup(slab);
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(count, count);
+  PointArray x(slab.num_nodes(), 3);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    PointArray b = transposed(slab, rows, Eigen::VectorXd::Unit(count, j));
+    slab.project(b);
+    cholesky.solve_again(slab, b, x);
+    for (Eigen::Index i = 0; i < count; ++i)
+      for (const auto& [node, direction] : rows[static_cast<std::size_t>(i)]) W(i, j) += x.row(node).dot(direction);
+  }
+  return W;
+}
+
+struct Case {
+  const char* name;
+  double young_modulus;
+  Precision precision;
+  Preconditioner preconditioner;
+  double spring;
+};
+
+class ComplianceOf : public testing::TestWithParam<Case> {};
+
+TEST_P(ComplianceOf, ContactsIsThatOfAFactorisation) {
+  Slab slab(GetParam().young_modulus, GetParam().precision);
+  slab.spring.stiffness = GetParam().spring;
+  const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
+  Compliance compliance(GetParam().preconditioner);
+  const Eigen::MatrixXd expected = factorised(slab, rows), found = compliance.find(slab, rows);
+  const double error = (found - expected).norm() / expected.norm();
+  const int anew = compliance.iterations();
+  EXPECT_LE(error, 0.01);
+  EXPECT_EQ(found, found.transpose());
+
+  // the contacts have moved by a tenth of an edge
+  const std::vector<ConstraintRow> moved = contacts(slab, 20, 0.3);
+  const Eigen::MatrixXd expected_moved = factorised(slab, moved), found_moved = compliance.find(slab, moved);
+  const double error_moved = (found_moved - expected_moved).norm() / expected_moved.norm();
+  EXPECT_LE(error_moved, 0.01);
+  EXPECT_LT(compliance.iterations(), anew);
+  std::cout << GetParam().name << ": error " << error << " by " << anew << " iterations, then " << error_moved << " by "
+            << compliance.iterations() << "\n";
+}
+
+INSTANTIATE_TEST_SUITE_P(Systems, ComplianceOf,
+                         testing::Values(Case{"stiff", 2e5, Precision::kDouble, Preconditioner::kAuto, 0},
+                                         Case{"mixed", 2e5, Precision::kMixed, Preconditioner::kAuto, 0},
+                                         Case{"soft", 500, Precision::kDouble, Preconditioner::kAuto, 0},
+                                         Case{"diagonal", 2e4, Precision::kDouble, Preconditioner::kDiagonal, 0},
+                                         Case{"spring", 2e5, Precision::kMixed, Preconditioner::kAuto, 5}),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+TEST(Compliance, BeginsTheMotionOfMultipliersNearIt) {
+  const Slab slab(2e5, Precision::kDouble);
+  const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
+  Compliance compliance;
+  const Eigen::MatrixXd W = compliance.find(slab, rows);
+  support::Random random(5);
+  Eigen::VectorXd lambda(W.rows());
+  for (double& each : lambda) each = random.uniform(0, 1);
+  PointArray b = transposed(slab, rows, lambda), x(slab.num_nodes(), 3), expected = x;
+  ASSERT_TRUE(compliance.start(b, x));
+  CholeskySolver().solve(slab, b, expected);
+  const PointArray error = x - expected;
+  PointArray A_error(slab.num_nodes(), 3), A_expected = A_error;
+  slab.apply(error, A_error);
+  slab.apply(expected, A_expected);
+  EXPECT_LE(dot(error, A_error), 0.04 * dot(expected, A_expected)) << "a fifth in the energy norm";
+
+  PreconditionedConjugateGradients solver(1e-3, 100, Preconditioner::kAuto);
+  EXPECT_LE(solver.solve_from_guess(slab, b, x).residual, 1e-3);
+  EXPECT_FALSE(Compliance().start(b, x));
+  compliance.reset();
+  EXPECT_FALSE(compliance.start(b, x));
+}
+
+TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
+  const int threads = num_threads();
+  Eigen::MatrixXd found[2];
+  for (int k = 0; k < 2; ++k) {
+    set_num_threads(k == 0 ? 1 : 3);
+    const Slab slab(2e5, Precision::kMixed);
+    Compliance compliance;
+    compliance.find(slab, contacts(slab, 7, 0.2));
+    found[k] = compliance.find(slab, contacts(slab, 7, 0.25));
+  }
+  set_num_threads(threads);
+  EXPECT_EQ(found[0], found[1]);
+}
+
+// As points of a mesh against several triangles each: more rows at a node than it has directions, nearly alike.
+TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
+  Slab slab(2e5, Precision::kMixed);
+  support::Random random(9);
+  Compliance compliance;
+  std::vector<ConstraintRow> rows;
+  for (int k = 0; k < 40; ++k)
+    for (int copy = 0; copy < 6; ++copy) {
+      const Vec3 direction(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), copy % 3 - 0.5);
+      rows.push_back({{5 + k % 8 + 17 * (3 + k / 8 + 17 * 4), direction}});
+    }
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::MatrixXd W = compliance.find(slab, rows), expected = factorised(slab, rows);
+    EXPECT_LE((W - expected).norm(), 0.01 * expected.norm());
+    const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(W).eigenvalues();
+    EXPECT_GE(eigenvalues.minCoeff(), -1e-12 * eigenvalues.maxCoeff());
+  }
+}
+
+TEST(Compliance, RowsMayBeManyNoneDependentOrHeld) {
+  const Slab slab(2e5, Precision::kDouble);
+  Compliance compliance;
+  EXPECT_EQ(compliance.find(slab, {}).size(), 0);
+  std::vector<ConstraintRow> rows = contacts(slab, 4, 0.2);
+  rows.push_back(rows[2]);                          // twice
+  rows.push_back({{slab.held[3], Vec3::UnitX()}});  // nothing moves there
+  rows.emplace_back();
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::MatrixXd W = compliance.find(slab, rows), expected = factorised(slab, rows);
+    EXPECT_LE((W - expected).norm(), 0.01 * expected.norm());
+    EXPECT_EQ(W(13, 13), 0);
+    EXPECT_EQ(W.col(14).norm(), 0);
+  }
+  rows.push_back({{slab.num_nodes(), Vec3::UnitX()}});
+  EXPECT_THROW(compliance.find(slab, rows), InputError);
+}
+
+}  // namespace
+}  // namespace hexaplast
