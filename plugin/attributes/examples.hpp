@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
+
+#include "attributes/attribute.hpp"
 
 /// Lines of XML that show each component in use: what the documentation prints, and the tests read.
 namespace hexaplast::attributes {
@@ -25,8 +28,15 @@ inline constexpr std::string_view kExampleScene =
 </Node>
 )xml";
 
+/// "UniformMass", or for a variant "UniformMass (Rigid3d)".
+inline std::string title_of(const Description& component) {
+  std::string title(component.class_name);
+  if (!component.variant.empty()) title += " (" + std::string(component.variant) + ")";
+  return title;
+}
+
 struct Example {
-  std::string_view class_name = {};
+  std::string_view class_name = {};  ///< title_of
   std::string_view lines = {};
 };
 
@@ -230,6 +240,57 @@ inline constexpr std::array kExamples = {
     Example{"IdentityMapping", R"xml(<Node name="copy">
   <MechanicalObject name="followers" position="@nodes.position"/>
   <IdentityMapping/>
+</Node>)xml"},
+    Example{"SubsetMapping", R"xml(<Node name="edge">
+  <MechanicalObject position="0 0 0.4  0.05 0 0.4  0.1 0 0.4"/>
+  <SubsetMapping/>
+  <ConstantForceField forces="0 0.1 0"/>
+</Node>)xml"},
+    Example{"CylinderGridTopology",
+            R"xml(<CylinderGridTopology name="grid" n="5 5 9" center="0.05 0.05 0" radius="0.05" length="0.4"/>)xml"},
+    Example{"SphereGridTopology",
+            R"xml(<SphereGridTopology name="grid" n="5 5 5" center="0.05 0.05 0.05" radius="0.05"/>)xml"},
+    Example{"HexahedronFEMForceFieldAndMass",
+            R"xml(<HexahedronFEMForceFieldAndMass youngModulus="5e4" poissonRatio="0.4" density="100"/>)xml"},
+    Example{"HexahedralFEMForceFieldAndMass",
+            R"xml(<HexahedralFEMForceFieldAndMass youngModulus="5e4" poissonRatio="0.4" density="100"/>)xml"},
+    Example{"TetrahedronFEMForceField",
+            R"xml(<TetrahedronFEMForceField youngModulus="5e3" poissonRatio="0.4" method="polar"/>)xml"},
+    Example{"TriangularFEMForceField", R"xml(<TriangularFEMForceField youngModulus="20" poissonRatio="0.3"/>)xml"},
+    Example{"TriangleFEMForceField",
+            R"xml(<TriangleFEMForceField youngModulus="2e4" poissonRatio="0.3" thickness="1e-3"/>)xml"},
+    Example{"MechanicalObject (Rigid3d)", R"xml(<Node name="tool">
+  <MechanicalObject name="frame" template="Rigid3d" position="0.05 0.05 0.5  0 0 0 1"/>
+  <UniformMass totalMass="0.1"/>
+</Node>)xml"},
+    Example{"UniformMass (Rigid3d)", R"xml(<Node name="tool">
+  <MechanicalObject name="frame" template="Rigid3d" position="0.05 0.05 0.5  0 0 0 1"/>
+  <UniformMass template="Rigid3d" vertexMass="0.1 1 [2e-4 0 0,0 2e-4 0,0 0 1e-4]"/>
+</Node>)xml"},
+    Example{"FixedProjectiveConstraint (Rigid3d)", R"xml(<Node name="tool">
+  <MechanicalObject name="frame" template="Rigid3d" position="0.05 0.05 0.5  0 0 0 1"/>
+  <UniformMass totalMass="0.1"/>
+  <FixedProjectiveConstraint template="Rigid3d" indices="0"/>
+</Node>)xml"},
+    Example{"LinearMovementProjectiveConstraint (Rigid3d)", R"xml(<Node name="tool">
+  <MechanicalObject name="frame" template="Rigid3d" position="0.05 0.05 0.5  0 0 0 1"/>
+  <UniformMass totalMass="0.1"/>
+  <LinearMovementProjectiveConstraint template="Rigid3d" indices="0" keyTimes="0 1 1000"
+      movements="0 0 0 0 0 0  0 0 -0.05 0.3 0 0  0 0 -0.05 0.3 0 0"/>
+</Node>)xml"},
+    Example{"RestShapeSpringsForceField (Rigid3d)", R"xml(<Node name="tool">
+  <MechanicalObject name="frame" template="Rigid3d" position="0.05 0.05 0.5  0 0 0 1"/>
+  <UniformMass totalMass="0.1"/>
+  <RestShapeSpringsForceField template="Rigid3d" stiffness="200" angularStiffness="5"/>
+</Node>)xml"},
+    Example{"RigidMapping", R"xml(<Node name="tool">
+  <MechanicalObject name="frame" template="Rigid3d" position="0.05 0.05 0.5  0 0 0 1"/>
+  <UniformMass totalMass="0.1"/>
+  <Node name="tip">
+    <MechanicalObject position="0 0 -0.05"/>
+    <RigidMapping/>
+    <ConstantForceField forces="0 0.1 0"/>
+  </Node>
 </Node>)xml"},
     Example{"HexahedronFEMForceField",
             R"xml(<HexahedronFEMForceField youngModulus="5e4" poissonRatio="0.4" method="large"/>)xml"},

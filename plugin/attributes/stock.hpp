@@ -13,6 +13,8 @@
 #include "attributes/stock/mappings.hpp"
 #include "attributes/stock/masses.hpp"
 #include "attributes/stock/regions.hpp"
+#include "attributes/stock/rigid.hpp"
+#include "attributes/stock/simplices.hpp"
 #include "attributes/stock/sofa_names.hpp"
 #include "attributes/stock/solvers.hpp"
 #include "attributes/stock/springs.hpp"

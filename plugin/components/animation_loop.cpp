@@ -17,7 +17,7 @@ class DefaultAnimationLoop final : public scene::AnimationLoop {
 
   void bwd_init() override {
     solvers_ = node().all<scene::OdeSolver>();
-    for (scene::MechanicalState* state : scene::independent_states(node())) {
+    for (scene::State* state : scene::independent_states(node())) {
       if (state->node().nearest<scene::OdeSolver>()) continue;
       if (solvers_.empty()) state->reject("nothing moves it: needs an OdeSolver in its node or above");
       state->remark(scene::Severity::kWarning, {}, "nothing moves it: no OdeSolver in its node or above");

@@ -33,6 +33,9 @@ void add_probes(scene::Factory& factory);                // Probe
 void add_exporters(scene::Factory& factory);             // VTKExporter, WriteState
 void add_bodies(scene::Factory& factory);                // HexahedronElastoplasticFEMForceField
 void add_dense_hexahedra(scene::Factory& factory);       // HexahedronFEMForceField and its like
+void add_rigid_states(scene::Factory& factory);          // MechanicalObject of rigid frames, RigidMapping
+void add_rigid_fields(scene::Factory& factory);          // what acts on rigid frames
+void add_simplices(scene::Factory& factory);             // TetrahedronFEMForceField, TriangularFEMForceField
 void add_regions(scene::Factory& factory);               // MaterialRegion
 
 }  // namespace hexaplast::components

@@ -26,6 +26,9 @@ HEXAPLAST_PLUGIN(factory) {
   add_tissue_contact(factory);
   add_bodies(factory);
   add_dense_hexahedra(factory);
+  add_rigid_states(factory);
+  add_rigid_fields(factory);
+  add_simplices(factory);
   add_regions(factory);
   add_mappings(factory);
   add_visuals(factory);

@@ -75,6 +75,7 @@ class NewmarkImplicitSolver final : public SystemSolver {
 
   void bwd_init() override {
     SystemSolver::bwd_init();
+    system().require_points();
     system().require_mass();
     Newmark newmark({.rayleigh_mass = real("rayleighMass"),
                      .rayleigh_stiffness = real("rayleighStiffness"),

@@ -112,14 +112,12 @@ class MeshMatrixMass final : public scene::Mass {
   MeshMatrixMass() : Mass(attributes::kMeshMatrixMass) {}
 
   void init() override {
-    const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
-    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, linked<scene::Topology>("topology"), num_nodes);
-    const std::vector<double> masses = element_masses(hexahedra);
     is_lumped_ = boolean("lumping");
-    if (is_lumped_)
-      lumped_ = lumped_masses(num_nodes, hexahedra, masses);
+    auto& topology = linked<scene::Topology>("topology");
+    if (topology.hexahedra().empty() && (!topology.quads().empty() || !topology.triangles().empty()))
+      take_faces(topology);
     else
-      coupled_ = ConsistentMass(measured_positions(*this), hexahedra, masses);
+      take_hexahedra(topology);
     rayleigh_mass_ = real("rayleighMass");
   }
 
@@ -150,8 +148,50 @@ class MeshMatrixMass final : public scene::Mass {
   double rayleigh_mass() const override { return rayleigh_mass_; }
 
  private:
-  std::vector<double> element_masses(const std::vector<Hexahedron>& hexahedra) {
-    std::vector<double> volumes = element_volumes(measured_positions(*this), hexahedra);
+  void take_hexahedra(scene::Topology& topology) {
+    const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
+    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, topology, num_nodes);
+    const std::vector<double> masses =
+        element_masses(element_volumes(measured_positions(*this), hexahedra), "hexahedron");
+    if (is_lumped_)
+      lumped_ = lumped_masses(num_nodes, hexahedra, masses);
+    else
+      coupled_ = ConsistentMass(measured_positions(*this), hexahedra, masses);
+  }
+
+  /// Of a topology without hexahedra: its quads, or its triangles.
+  void take_faces(scene::Topology& topology) {
+    const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
+    require_same_nodes(*this, topology, num_nodes);
+    const PointArray& x = measured_positions(*this);
+    const auto take = [&](const auto& faces, const char* kind) {
+      for (const auto& face : faces)
+        for (const int node : face)
+          if (node >= num_nodes)
+            reject(fmt::format("a face has node {}, the mechanical state has {} nodes", node, num_nodes));
+      std::vector<double> areas;
+      for (const auto& face : faces) areas.push_back(area(face, x));
+      coupled_ = ConsistentMass::of_faces(num_nodes, faces, element_masses(std::move(areas), kind));
+    };
+    if (!topology.quads().empty())
+      take(topology.quads(), "quad");
+    else
+      take(topology.triangles(), "triangle");
+    if (is_lumped_) lumped_ = coupled_.row_sums();
+  }
+
+  /// Two triangles, for a quad.
+  template <std::size_t N>
+  static double area(const std::array<int, N>& face, const PointArray& x) {
+    double sum = 0;
+    for (std::size_t a = 1; a + 1 < N; ++a) {
+      const Eigen::RowVector3d to_a = x.row(face[a]) - x.row(face[0]), to_next = x.row(face[a + 1]) - x.row(face[0]);
+      sum += to_a.cross(to_next).norm() / 2;
+    }
+    return sum;
+  }
+
+  std::vector<double> element_masses(std::vector<double> volumes, const char* kind) {
     if (is_given("totalMass") || !is_given("massDensity")) {
       if (is_given("massDensity")) remark(scene::Severity::kWarning, "massDensity", "is ignored: totalMass counts");
       const double density =
@@ -162,7 +202,7 @@ class MeshMatrixMass final : public scene::Mass {
     const std::vector<double>& densities = reals("massDensity");
     if (densities.size() != 1 && densities.size() != volumes.size())
       reject("massDensity",
-             fmt::format("{} values given, must be one or {} (one per hexahedron)", densities.size(), volumes.size()));
+             fmt::format("{} values given, must be one or {} (one per {})", densities.size(), volumes.size(), kind));
     for (std::size_t e = 0; e < volumes.size(); ++e) volumes[e] *= densities[densities.size() == 1 ? 0 : e];
     return volumes;
   }

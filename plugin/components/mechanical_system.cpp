@@ -14,9 +14,8 @@
 namespace hexaplast::components {
 
 NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
-  for (scene::MechanicalState* state : scene::independent_states(node)) {
-    if (state->node().local<scene::MechanicalState>() != state)
-      state->reject("a second state in its node, must be one");
+  for (scene::State* state : scene::independent_states(node)) {
+    if (state->node().local<scene::State>() != state) state->reject("a second state in its node, must be one");
     layers_.push_back({.state = state, .first_node = num_nodes_});
     num_nodes_ += state->num_nodes();
   }
@@ -25,8 +24,7 @@ NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
   add_layers(node);
 
   for (Layer& layer : layers_) {
-    for (scene::Mass* mass : node.all<scene::Mass>())
-      if (scene::acts_on(*mass, *layer.state)) layer.masses.push_back(mass);
+    layer.masses = scene::masses_of(node, *layer.state);
     for (scene::ForceField* field : node.all<scene::ForceField>())
       if (scene::acts_on(*field, *layer.state)) layer.force_fields.push_back(field);
   }
@@ -74,6 +72,7 @@ void NodeSystem::scatter() const {
   for (const Layer& root : roots()) {
     root.state->positions() = rows_of<ConstPoints>(root, x_);
     root.state->velocities() = rows_of<ConstPoints>(root, v_);
+    root.state->settle();
   }
 }
 
@@ -95,7 +94,7 @@ void NodeSystem::add_layers(scene::Node& node) {
   std::erase_if(left, [](const scene::Mapping* mapping) { return !mapping->output(); });
   for (std::size_t before = left.size() + 1; left.size() < before && !left.empty();) {
     before = left.size();
-    std::erase_if(left, [&](const scene::Mapping* mapping) {
+    std::erase_if(left, [&](scene::Mapping* mapping) {
       const auto above = std::ranges::find(layers_, mapping->input(), &Layer::state);
       if (above == layers_.end()) return false;
       const auto index = static_cast<std::size_t>(above - layers_.begin());
@@ -110,7 +109,7 @@ void NodeSystem::add_layers(scene::Node& node) {
 
 void NodeSystem::add_force(Over over, const Layer& layer, double time, ConstPoints x, ConstPoints v, Points f) const {
   layer.state->add_external_force(f);
-  for (const scene::Mass* mass : layer.masses) mass->add_gravity(node_.clock().gravity, f);
+  for (const scene::MassMatrix* mass : layer.masses) mass->add_gravity(node_.clock().gravity, f);
   for (scene::ForceField* field : layer.force_fields)
     if (over == Over::kAll || !field->body()) field->add_force(time, x, v, f);
 }
@@ -130,7 +129,7 @@ void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v,
   // down, and up again: those that follow before those that they follow
   for (Layer& layer : followers()) {
     if (!layer.is_loaded) continue;
-    layer.mapping->apply(part_of(layer.above, x, &Layer::x), layer.x);
+    layer.mapping->apply_positions(part_of(layer.above, x, &Layer::x), layer.x);
     layer.mapping->apply(part_of(layer.above, v, &Layer::v), layer.v);
     layer.f.setZero();
     add_force(over, layer, time, layer.x, layer.v, layer.f);
@@ -147,7 +146,7 @@ void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v,
 // Factors of 0 are common where energies are measured, and a product of a body costs as much with them.
 void NodeSystem::add_product(Over over, const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df) {
   const auto add_masses = [&](const auto& masses) {
-    for (const scene::Mass* mass : masses)
+    for (const scene::MassMatrix* mass : masses)
       mass->add_product(factors.mass - factors.damping * mass->rayleigh_mass(), dx, df);
   };
   const auto add_fields = [&](const auto& fields) {
@@ -209,7 +208,7 @@ void NodeSystem::add_interactions(const OperatorFactors& factors, ConstPoints dx
 }
 
 void NodeSystem::add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A) {
-  for (const scene::Mass* mass : layer.masses)
+  for (const scene::MassMatrix* mass : layer.masses)
     mass->add_blocks(factors.mass - factors.damping * mass->rayleigh_mass(), A);
   for (const scene::ForceField* field : layer.force_fields) {
     field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A);
@@ -269,7 +268,7 @@ bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& syst
 void NodeSystem::describe(Layer& layer, const OperatorFactors& factors, MatrixFreeSystem& system) const {
   layer.other_masses.clear();
   layer.other_fields.clear();
-  for (const scene::Mass* mass : layer.masses)
+  for (const scene::MassMatrix* mass : layer.masses)
     if (!mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal))
       layer.other_masses.push_back(mass);
   for (const scene::ForceField* field : layer.force_fields) {
@@ -330,7 +329,7 @@ bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints 
 
 bool NodeSystem::add_mass_diagonal(Points diagonal) const {
   for (const Layer& layer : layers_)
-    for (const scene::Mass* mass : layer.masses)
+    for (const scene::MassMatrix* mass : layer.masses)
       if (layer.mapping || !mass->add_diagonal(1, rows_of(layer, diagonal))) return false;
   return true;
 }
@@ -354,7 +353,7 @@ void NodeSystem::pin(BlockMatrix& A) const {
   A.set_whole_range();
 }
 
-ConstPoints NodeSystem::rows_of_state(const scene::MechanicalState& state, ConstPoints of_all) const {
+ConstPoints NodeSystem::rows_of_state(const scene::State& state, ConstPoints of_all) const {
   const auto root = std::ranges::find(roots(), &state, &Layer::state);
   if (root == roots().end()) throw InputError("a state is asked for that the time integrator does not move");
   return rows_of(*root, of_all);
@@ -365,16 +364,27 @@ void NodeSystem::require_mass() const {
   for (std::size_t i = layers_.size(); i-- > 0;) {
     has_mass[i] = has_mass[i] || !layers_[i].masses.empty();
     if (layers_[i].mapping && has_mass[i]) has_mass[layers_[i].above] = true;
-    if (!layers_[i].mapping && !has_mass[i])
-      throw InputError(fmt::format("no mass on {} '{}' of its node and below", layers_[i].state->class_name(),
-                                   layers_[i].state->name()));
+    if (layers_[i].mapping || has_mass[i]) continue;
+    scene::State& state = *layers_[i].state;
+    if (!node_.is_read_as_sofa())
+      throw InputError(fmt::format("no mass on {} '{}' of its node and below", state.class_name(), state.name()));
+    state.remark(scene::Severity::kWarning, {}, "no mass on it: moves without inertia and weight, as in SOFA");
   }
+}
+
+void NodeSystem::require_points() const {
+  for (const Layer& root : roots())
+    if (!root.state->orientations().empty())
+      throw InputError(
+          fmt::format("the frames of MechanicalObject '{}' need an EulerImplicitSolver or an explicit "
+                      "integrator",
+                      root.state->name()));
 }
 
 double NodeSystem::kinetic_energy() const {
   double energy = 0;
   for (const Layer& layer : layers_)
-    for (const scene::Mass* mass : layer.masses) energy += mass->kinetic_energy(layer.state->velocities());
+    for (const scene::MassMatrix* mass : layer.masses) energy += mass->kinetic_energy(layer.state->velocities());
   return energy;
 }
 
@@ -409,7 +419,7 @@ double NodeSystem::highest_frequency() const {
     const double mass = scene::total_mass(layer.masses, *layer.state);
     PointArray diagonal = PointArray::Zero(layer.state->num_nodes(), 3);
     double ModelCheck::*highest = &ModelCheck::highest_frequency;
-    for (const scene::Mass* part : layer.masses)
+    for (const scene::MassMatrix* part : layer.masses)
       if (!part->add_diagonal(0, diagonal)) highest = &ModelCheck::highest_frequency_consistent;
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body())
@@ -422,13 +432,14 @@ void NodeSystem::project_motion(double time) const {
   for (const Layer& root : roots())
     for (const scene::ProjectiveConstraint* constraint : root.constraints)
       constraint->project_motion(time, root.state->positions(), root.state->velocities());
+  for (const Layer& root : roots()) root.state->settle();
   follow();
 }
 
 void NodeSystem::follow() const {
   for (const Layer& layer : followers()) {
-    scene::MechanicalState& above = *layers_[layer.above].state;
-    layer.mapping->apply(above.positions(), layer.state->positions());
+    scene::State& above = *layers_[layer.above].state;
+    layer.mapping->apply_positions(above.positions(), layer.state->positions());
     layer.mapping->apply(above.velocities(), layer.state->velocities());
   }
 }

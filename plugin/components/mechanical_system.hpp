@@ -40,7 +40,11 @@ class NodeSystem final : public MechanicalSystem {
   /// move(x, v) with the positions and velocities of all independent states, which then have what it made of them.
   template <class Move>
   auto advance(const Move& move) {
-    if (num_roots_ == 1) return move(root(0).state->positions(), root(0).state->velocities());
+    if (num_roots_ == 1) {
+      auto result = move(root(0).state->positions(), root(0).state->velocities());
+      root(0).state->settle();
+      return result;
+    }
     gather();
     auto result = move(x_, v_);
     scatter();
@@ -48,10 +52,14 @@ class NodeSystem final : public MechanicalSystem {
   }
 
   /// The rows of a field of the system that belong to an independent state of it.
-  ConstPoints rows_of_state(const scene::MechanicalState& state, ConstPoints of_all) const;
+  ConstPoints rows_of_state(const scene::State& state, ConstPoints of_all) const;
 
-  /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it.
+  /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it. A scene
+  /// that is read as SOFA reads it moves without mass: a warning then.
   void require_mass() const;
+  /// Throws InputError where there are rigid frames: for those who move positions several times, which turns do not
+  /// bear.
+  void require_points() const;
   double kinetic_energy() const;           ///< [J]
   bool has_elastic_energy() const;         ///< whether the forces of all bodies have a potential
   double elastic_energy() const;           ///< [J] of the bodies that have one
@@ -63,18 +71,18 @@ class NodeSystem final : public MechanicalSystem {
  private:
   /// A state and what acts on it.
   struct Layer {
-    scene::MechanicalState* state = nullptr;
-    const scene::Mapping* mapping = nullptr;                     // null: an independent state
+    scene::State* state = nullptr;
+    scene::Mapping* mapping = nullptr;                           // null: an independent state
     std::size_t above = 0;                                       // layer that it follows; lies before this one
     int first_node = 0;                                          // of the system's, for an independent state
     std::vector<scene::ProjectiveConstraint*> constraints = {};  // of an independent state
-    std::vector<scene::Mass*> masses = {};
+    std::vector<scene::MassMatrix*> masses = {};
     std::vector<scene::ForceField*> force_fields = {};
 
     bool is_loaded = false;  // of those that follow: something acts on it, or on one that follows it
 
     // of the matrix of describe: what its kernels do not know
-    std::vector<const scene::Mass*> other_masses = {};
+    std::vector<const scene::MassMatrix*> other_masses = {};
     std::vector<const scene::ForceField*> other_fields = {};
     bool has_others = false;  // of those that follow: something of the matrix is there, or at one that follows it
 

@@ -164,6 +164,7 @@ class StaticSolver final : public SystemSolver {
 
   void bwd_init() override {
     SystemSolver::bwd_init();
+    system().require_points();
     SolverMemory kept = newton_ ? std::move(newton_->memory()) : SolverMemory();
     newton_.emplace(newton_settings());
     newton_->memory() = std::move(kept);

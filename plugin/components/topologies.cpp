@@ -18,6 +18,7 @@
 #include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/geometry/coarsened_cage.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/geometry/round_grid.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "parts/grids.hpp"
 
@@ -54,6 +55,11 @@ class RegularGridTopology final : public GridTopology {
     static const std::vector<Hexahedron> none;
     make();
     return grid_ ? grid_->hexahedra() : none;
+  }
+
+  std::array<int, 2> cells_across() override {
+    make();
+    return {cells_[0], cells_[1]};
   }
 
  private:
@@ -108,6 +114,46 @@ class RegularGridTopology final : public GridTopology {
   bool is_made_ = false;
   std::optional<HexMesh> grid_;  // none: the grid is flat
   PointArray flat_positions_;
+};
+
+/// CylinderGridTopology and SphereGridTopology.
+class RoundGridTopology final : public MadeTopology {
+ public:
+  using MadeTopology::MadeTopology;
+
+  void init() override { mesh(); }
+
+  const PointArray& positions() override { return mesh().positions(); }
+  const std::vector<Hexahedron>& hexahedra() override { return mesh().hexahedra(); }
+  std::array<int, 2> cells_across() override {
+    mesh();
+    return {grid_.cells[0], grid_.cells[1]};
+  }
+
+ private:
+  std::vector<Quad> make_quads() override { return grid_quads((mesh(), grid_.cells)); }
+  std::vector<Edge> make_edges() override { return grid_edges((mesh(), grid_.cells)); }
+
+  const HexMesh& mesh() {
+    if (mesh_) return *mesh_;
+    const std::vector<std::int64_t>& n = integers("n");
+    if (n.size() != 3) reject("n", fmt::format("{} numbers given, must be three", n.size()));
+    static constexpr const char* kNames[] = {"nx", "ny", "nz"};
+    Vec3 count;
+    for (int d = 0; d < 3; ++d) count[d] = static_cast<double>(is_given(kNames[d]) ? integer(kNames[d]) : n[d]) - 1;
+    accepted(*this, [&] { parts::check_num_hexahedra("n", count.prod()); });
+    for (int d = 0; d < 3; ++d) grid_.cells[d] = static_cast<int>(count[d]);
+    grid_.centre = vector3("center");
+    grid_.axis = vector3("axis");
+    if (grid_.axis.isZero(0)) reject("axis", "is zero, must have a direction");
+    grid_.radius = real("radius");
+    if (find_data("length")) grid_.length = real("length");
+    mesh_.emplace(grid_points(grid_), regular_grid(grid_.cells, Vec3::Zero(), Vec3::Ones()).hexahedra());
+    return *mesh_;
+  }
+
+  RoundGrid grid_;
+  std::optional<HexMesh> mesh_;
 };
 
 /// SparseGridTopology and SparseGridRamificationTopology, which keeps branches apart.
@@ -307,6 +353,9 @@ class GivenTopology final : public scene::Topology {
 
 void add_topologies(scene::Factory& factory) {
   factory.add<RegularGridTopology>(attributes::kRegularGridTopology);
+  for (const attributes::Description* description :
+       {&attributes::kCylinderGridTopology, &attributes::kSphereGridTopology})
+    factory.add(*description, [description] { return std::make_unique<RoundGridTopology>(*description); });
   for (const auto& [description, separate] :
        {std::pair(&attributes::kSparseGridTopology, SeparateParts::kShareHexahedron),
         std::pair(&attributes::kSparseGridRamificationTopology, SeparateParts::kOwnHexahedra)})

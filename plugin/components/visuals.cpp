@@ -14,6 +14,9 @@ class OglModel final : public scene::VisualModel {
 
   void init() override {
     points_ = vectors3("position");
+    if (points_.rows() == 0)
+      if (auto* mapping = node().local<scene::GivesPoints>())
+        if (const PointArray* lent = mapping->points_for(*this)) points_ = *lent;
     const int num_points = static_cast<int>(points_.rows());
     triangles_ = cells_of<3>(*this, "triangles", num_points);
     quads_ = cells_of<4>(*this, "quads", num_points);

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "parts/dense_body.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "hexaplast/base/memory.hpp"
+#include "hexaplast/base/require.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/mesh/trilinear.hpp"
 
 namespace hexaplast::parts {
 namespace {
@@ -21,6 +25,20 @@ HexahedralBodyOptions fitting(HexahedralBodyOptions options, std::size_t num_hex
   return options;
 }
 
+bool is_left_handed(ConstPoints rest, const Hexahedron& corners) {
+  return centre_jacobian(gather(rest, corners)).determinant() < 0;
+}
+
+/// For the measures: the same hexahedra, with corners 4 to 7 first where the other four make them left-handed. SOFA's
+/// cubes are the same in both orders.
+std::vector<Hexahedron> measured(ConstPoints rest, std::vector<Hexahedron> hexahedra, ElementMatrix matrix) {
+  if (matrix != ElementMatrix::kCube) return hexahedra;
+  for (const Hexahedron& corners : hexahedra) require_nodes("DenseBody", corners, rest.rows());
+  for (Hexahedron& corners : hexahedra)
+    if (is_left_handed(rest, corners)) std::rotate(corners.begin(), corners.begin() + 4, corners.end());
+  return hexahedra;
+}
+
 }  // namespace
 
 ElementFrame frame_of(std::string_view method) {
@@ -30,7 +48,7 @@ ElementFrame frame_of(std::string_view method) {
 
 DenseBody::DenseBody(ConstPoints rest, const std::vector<Hexahedron>& hexahedra, HexahedralBodyOptions options,
                      DenseHexahedraSettings settings, double dt)
-    : measured_(rest, hexahedra, fitting(std::move(options), hexahedra.size()), dt),
+    : measured_(rest, measured(rest, hexahedra, settings.matrix), fitting(std::move(options), hexahedra.size()), dt),
       hexahedra_(rest, hexahedra, lame_of(body().materials()), settings) {}
 
 void DenseBody::set_options(HexahedralBodyOptions options, double dt) {

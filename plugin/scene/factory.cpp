@@ -9,18 +9,19 @@ namespace hexaplast::scene {
 
 void Factory::add(const attributes::Description& description, Make make) {
   const auto [entry, is_new] =
-      entries_.try_emplace(std::string(description.class_name), Entry{&description, std::move(make)});
-  if (!is_new) throw PluginError(fmt::format("component {} is registered twice", entry->first));
+      entries_.try_emplace(std::pair(std::string(description.class_name), std::string(description.variant)),
+                           Entry{&description, std::move(make)});
+  if (!is_new) throw PluginError(fmt::format("component {} is registered twice", description.class_name));
 }
 
-std::unique_ptr<Component> Factory::make(std::string_view class_name) const {
-  const auto found = entries_.find(class_name);
+std::unique_ptr<Component> Factory::make(std::string_view class_name, std::string_view variant) const {
+  const auto found = entries_.find(std::pair(std::string(class_name), std::string(variant)));
   return found == entries_.end() ? nullptr : found->second.make();
 }
 
 std::vector<const attributes::Description*> Factory::descriptions() const {
   std::vector<const attributes::Description*> all;
-  for (const auto& [name, entry] : entries_) all.push_back(entry.description);
+  for (const auto& [key, entry] : entries_) all.push_back(entry.description);
   return all;
 }
 

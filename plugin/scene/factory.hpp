@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scene/node.hpp"
@@ -24,8 +25,8 @@ class Factory {
   }
   void add(const attributes::Description& description, Make make);
 
-  /// Null: no such class.
-  std::unique_ptr<Component> make(std::string_view class_name) const;
+  /// variant: of the description; empty: the common form. Null: no such class, or not in that form.
+  std::unique_ptr<Component> make(std::string_view class_name, std::string_view variant = {}) const;
 
   /// Every class, by name.
   std::vector<const attributes::Description*> descriptions() const;
@@ -35,7 +36,7 @@ class Factory {
     const attributes::Description* description;
     Make make;
   };
-  std::map<std::string, Entry, std::less<>> entries_;
+  std::map<std::pair<std::string, std::string>, Entry> entries_;  // by class and variant
 };
 
 }  // namespace hexaplast::scene

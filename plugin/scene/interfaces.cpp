@@ -2,6 +2,7 @@
 #include "scene/interfaces.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
@@ -36,7 +37,7 @@ const std::vector<Tetrahedron>& Topology::tetrahedra() {
   return none;
 }
 
-SurvivingCells::SurvivingCells(MechanicalState& state) {
+SurvivingCells::SurvivingCells(State& state) {
   Node& root = state.node().root();
   for (const ForceField* field : root.all<ForceField>())
     if (field->body() && acts_on(*field, state)) bodies_.push_back(field->body());
@@ -53,14 +54,37 @@ bool SurvivingCells::has(std::span<const int> cell) const {
   return is_held && (!mapping_ || mapping_->is_left(cell, *above_));
 }
 
-std::vector<MechanicalState*> independent_states(const Node& node) {
-  std::vector<MechanicalState*> states = node.all<MechanicalState>();
+std::vector<State*> independent_states(const Node& node) {
+  std::vector<State*> states = node.all<State>();
   for (const Mapping* mapping : node.all<Mapping>()) std::erase(states, mapping->output());
   return states;
 }
 
-bool acts_on(const Component& component, const MechanicalState& state) {
-  return component.node().nearest<MechanicalState>() == &state;
+bool acts_on(const Component& component, const State& state) { return component.node().nearest<State>() == &state; }
+
+std::vector<MassMatrix*> masses_of(const Node& node, const State& state) {
+  std::vector<MassMatrix*> masses;
+  node.for_each<Component>([&](Component& component) {
+    if (auto* mass = dynamic_cast<MassMatrix*>(&component); mass && acts_on(component, state)) masses.push_back(mass);
+  });
+  return masses;
+}
+
+Eigen::Quaterniond RigidState::orientation_at(int frame, ConstPoints x) {
+  const Vec3 half = x.row(2 * frame + 1).transpose() / 2;
+  const double angle = half.norm();
+  const double sinc = angle > 0 ? std::sin(angle) / angle : 1;
+  const Eigen::Quaterniond turn(std::cos(angle), sinc * half.x(), sinc * half.y(), sinc * half.z());
+  return turn * orientations()[frame];
+}
+
+void RigidState::settle() {
+  PointArray& x = positions();
+  for (int frame = 0; frame < num_frames(); ++frame) {
+    if (x.row(2 * frame + 1).isZero(0)) continue;
+    orientations()[frame] = orientation_at(frame, x);
+    x.row(2 * frame + 1).setZero();
+  }
 }
 
 void Engine::provide(Data& output) {

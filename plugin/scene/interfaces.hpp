@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <set>
@@ -46,23 +47,51 @@ class Topology : public Component {
   virtual std::span<const double> fill() { return {}; }
 };
 
-class MechanicalState : public Component {
+/// What time integrators move and mappings carry: rows of three numbers. MechanicalState: a row for each node.
+/// RigidState: two for each frame.
+class State : public Component {
  public:
   static constexpr std::string_view kCategory = "MechanicalState";
   using Component::Component;
 
-  virtual PointArray& positions() = 0;                   ///< x [m]
-  virtual PointArray& velocities() = 0;                  ///< v [m/s]
-  virtual const PointArray& rest_positions() const = 0;  ///< [m]
-  virtual void add_external_force(Points f) const = 0;   ///< f += constant nodal forces [N]
+  virtual PointArray& positions() = 0;                  ///< x [m]
+  virtual PointArray& velocities() = 0;                 ///< v [m/s]
+  virtual void add_external_force(Points f) const = 0;  ///< f += constant nodal forces [N]
 
   int num_nodes() { return static_cast<int>(positions().rows()); }
+
+  /// Of frames, one each; empty for nodes. They change in settle alone, which takes over what an integrator or a
+  /// constraint has made of the positions.
+  virtual std::span<Eigen::Quaterniond> orientations() { return {}; }
+  virtual void settle() {}
 };
 
-class Mass : public Component {
+class MechanicalState : public State {
  public:
-  static constexpr std::string_view kCategory = "Mass";
-  using Component::Component;
+  using State::State;
+
+  virtual const PointArray& rest_positions() const = 0;  ///< [m]
+};
+
+/// Rigid frames. The first row of a frame belongs to its centre [m, m/s, N], the second to its rotation: among
+/// positions the vector by which it has turned since its orientation was settled, which is 0 between steps; then
+/// angular velocity [rad/s] and moment [Nm], all in the axes of the world.
+class RigidState : public State {
+ public:
+  using State::State;
+
+  int num_frames() { return num_nodes() / 2; }
+
+  /// At some positions: the settled orientation, turned.
+  Eigen::Quaterniond orientation_at(int frame, ConstPoints x);
+
+  void settle() override;
+};
+
+/// The mass matrix M of a state.
+class MassMatrix {
+ public:
+  virtual ~MassMatrix() = default;
 
   virtual void add_gravity(const Vec3& gravity, Points f) const = 0;             ///< f += M g [N]
   virtual void add_product(double factor, ConstPoints dx, Points df) const = 0;  ///< df += factor M dx
@@ -74,6 +103,12 @@ class Mass : public Component {
 
   /// [1/s] damping by this mass in the system matrix alone.
   virtual double rayleigh_mass() const { return 0; }
+};
+
+class Mass : public Component, public MassMatrix {
+ public:
+  static constexpr std::string_view kCategory = "Mass";
+  using Component::Component;
 };
 
 /// Forces on the nearest mechanical state. K = df/dx is negative semi-definite for an elastic body.
@@ -161,16 +196,21 @@ class ProjectiveConstraint : public Component {
 
 class SurvivingCells;
 
-/// Makes the state of its node follow another one, by a fixed linear map J: positions, velocities and displacements go
-/// down, forces and stiffness come up. Nodal fields of the followed state are `above`, those of its own `below`.
+/// Makes the state of its node follow another one: positions, velocities and displacements go down, forces and
+/// stiffness come up. Nodal fields of the followed state are `above`, those of its own `below`. J is the derivative of
+/// the positions below by those above: fixed where points follow points, of the latest positions where they follow
+/// frames.
 class Mapping : public Component {
  public:
   static constexpr std::string_view kCategory = "Mapping";
   using Component::Component;
 
   /// Null, both of them, where what follows is drawing: there is nothing to do then. Known from bwd_init on.
-  virtual MechanicalState* input() const = 0;
-  virtual MechanicalState* output() const = 0;
+  virtual State* input() const = 0;
+  virtual State* output() const = 0;
+
+  /// Positions of the state that follows; fixes the positions that J refers to.
+  virtual void apply_positions(ConstPoints above, Points below) { apply(above, below); }
 
   virtual void apply(ConstPoints above, Points below) const = 0;                               ///< below = J above
   virtual void add_transposed(ConstPoints below, Points above) const = 0;                      ///< above += J^T below
@@ -184,7 +224,7 @@ class Mapping : public Component {
 /// of points that follow them. Looks at the bodies as they are at the moment; to be made when it is needed.
 class SurvivingCells {
  public:
-  explicit SurvivingCells(MechanicalState& state);
+  explicit SurvivingCells(State& state);
 
   /// cell: nodes of the state, at least one. False when all hexahedra are gone that had the whole cell, on their nodes
   /// or, through mappings, within them.
@@ -197,10 +237,13 @@ class SurvivingCells {
 };
 
 /// The states below a node that follow no other one.
-std::vector<MechanicalState*> independent_states(const Node& node);
+std::vector<State*> independent_states(const Node& node);
 
 /// Whether a force field, mass or constraint belongs to a state: the nearest one to it.
-bool acts_on(const Component& component, const MechanicalState& state);
+bool acts_on(const Component& component, const State& state);
+
+/// The masses of a state in a node and below.
+std::vector<MassMatrix*> masses_of(const Node& node, const State& state);
 
 /// Serves the linear systems of an OdeSolver.
 class LinearSolver : public Component {

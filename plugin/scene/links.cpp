@@ -106,6 +106,7 @@ class Resolver {
   void resolve(Data& data, Node& node, Component* self) {
     const std::string_view path = std::string_view(data.link()).substr(1);
     if (data.attribute().type == Type::kLink) {
+      if (path.empty() && data.attribute().name == kSource && node.is_read_as_sofa()) return pass_over(data);
       const PathResult found = resolve_path(node, self, path);
       if (!found.target) return refuse(data, found.problem, found.hint);
       data.point_to(*found.target);
@@ -134,6 +135,14 @@ class Resolver {
   }
 
  private:
+  /// SOFA takes a source without a path for none.
+  void pass_over(Data& data) {
+    diagnostics_.add(Severity::kWarning, data.place(),
+                     fmt::format("{}.{}: link '{}' is empty, ignored", data.owner().class_name(), data.attribute().name,
+                                 data.link()));
+    data.unset();
+  }
+
   void refuse(const Data& data, const std::string& problem, std::string hint = {}) {
     diagnostics_.error(
         data.place(),

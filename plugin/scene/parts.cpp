@@ -28,18 +28,28 @@ std::vector<T*> at_least_one(Scene& scene, std::vector<T*> all, const char* what
 
 }  // namespace
 
+namespace {
+
+/// Those that follow no other state; all of them, where frames lead them all.
+std::vector<MechanicalState*> moving_points(Scene& scene) {
+  std::vector<MechanicalState*> points;
+  for (State* state : independent_states(scene.root()))
+    if (auto* of_points = dynamic_cast<MechanicalState*>(state)) points.push_back(of_points);
+  return points.empty() ? scene.root().all<MechanicalState>() : points;
+}
+
+}  // namespace
+
 std::vector<MechanicalState*> moving_states(Scene& scene) {
   integrators_of(scene);
-  return at_least_one(scene, independent_states(scene.root()), "mechanical state");
+  return at_least_one(scene, moving_points(scene), "mechanical state of points");
 }
 
 std::vector<OdeSolver*> integrators_of(Scene& scene) {
   return at_least_one(scene, scene.root().all<OdeSolver>(), "time integrator");
 }
 
-MechanicalState& only_state(Scene& scene) {
-  return only_one(scene, independent_states(scene.root()), "mechanical states");
-}
+MechanicalState& only_state(Scene& scene) { return only_one(scene, moving_points(scene), "mechanical states"); }
 
 OdeSolver& only_solver(Scene& scene) { return only_one(scene, scene.root().all<OdeSolver>(), "time integrators"); }
 
@@ -99,9 +109,9 @@ Component* find_settings(Scene& scene) {
 }
 
 // Weight [N] under a gravity of 1 m/s^2 is the mass.
-double total_mass(const std::vector<Mass*>& masses, MechanicalState& state) {
+double total_mass(const std::vector<MassMatrix*>& masses, State& state) {
   PointArray weight = PointArray::Zero(state.num_nodes(), 3);
-  for (const Mass* mass : masses) mass->add_gravity(Vec3::UnitX(), weight);
+  for (const MassMatrix* mass : masses) mass->add_gravity(Vec3::UnitX(), weight);
   return weight.col(0).sum();
 }
 

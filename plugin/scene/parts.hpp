@@ -10,7 +10,8 @@ namespace hexaplast::scene {
 MechanicalState& only_state(Scene& scene);
 OdeSolver& only_solver(Scene& scene);
 
-/// The states that follow no other one, and the time integrators. Throw SceneError where there is none.
+/// The states of points that follow no other one, or all of points where all follow frames; and the time integrators.
+/// Throw SceneError where there is none.
 std::vector<MechanicalState*> moving_states(Scene& scene);
 std::vector<OdeSolver*> integrators_of(Scene& scene);
 
@@ -32,7 +33,7 @@ ForceField* find_body(Scene& scene);
 std::vector<Probe*> probes_of(Scene& scene);
 
 /// [kg] of the nodes of a state.
-double total_mass(const std::vector<Mass*>& masses, MechanicalState& state);
+double total_mass(const std::vector<MassMatrix*>& masses, State& state);
 
 /// The scene's RunSettings; null: there are none.
 Component* find_settings(Scene& scene);

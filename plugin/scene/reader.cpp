@@ -138,7 +138,8 @@ class Reader {
 
     std::unique_ptr<Component> made = class_name == attributes::kRequiredPlugin.class_name
                                           ? std::make_unique<RequiredPlugin>()
-                                          : factory_.make(class_name);
+                                          : made_for_frames(element, class_name, node);
+    if (!made) made = factory_.make(class_name);
     if (!made) {
       made = std::make_unique<Placeholder>(class_name, refuse_class(element.place, class_name, node));
     }
@@ -166,6 +167,34 @@ class Reader {
     }
   }
 
+  /// The form of a class for rigid frames, where its template says so, or, without one, the state that it acts on.
+  /// Null: it is for points, or has no such form.
+  std::unique_ptr<Component> made_for_frames(const Element& element, std::string_view class_name, const Node& node) {
+    const ElementAttribute* given = element.find("template");
+    if (given) {
+      const std::string_view first = std::string_view(given->value).substr(0, given->value.find(','));
+      return is_template_of_frames(first) ? factory_.make(class_name, attributes::kRigid) : nullptr;
+    }
+    const State* state = node.nearest<State>();
+    if (!dynamic_cast<const RigidState*>(state)) return nullptr;
+    std::unique_ptr<Component> made = factory_.make(class_name, attributes::kRigid);
+    if (made) return made->description().category == RigidState::kCategory ? nullptr : std::move(made);
+    const std::unique_ptr<Component> for_points = factory_.make(class_name);
+    const bool acts_on_state = dynamic_cast<const MassMatrix*>(for_points.get()) ||
+                               dynamic_cast<const ForceField*>(for_points.get()) ||
+                               dynamic_cast<const ProjectiveConstraint*>(for_points.get());
+    if (acts_on_state)
+      diagnostics_.error(
+          element.place,
+          fmt::format("{}: acts on points, and the MechanicalObject '{}' has rigid frames", class_name, state->name()));
+    return nullptr;
+  }
+
+  static bool is_template_of_frames(std::string_view name) {
+    const std::vector<std::string_view> names = split_words(attributes::kRigidTemplates);
+    return std::ranges::find(names, name) != names.end();
+  }
+
   // Gives the category of what stands for the component.
   std::string_view refuse_class(const Place& place, std::string_view class_name, const Node& node) {
     const bool is_lenient = grammar_ == Grammar::kSofaCompatible;
@@ -180,7 +209,7 @@ class Reader {
                fmt::format("in its place: {}", instead));
       return is_lenient ? kUnknownToSofa : kUnknown;
     }
-    const bool maps_motion = class_name.ends_with("Mapping") && node.local<MechanicalState>();
+    const bool maps_motion = class_name.ends_with("Mapping") && node.local<State>();
     if (is_lenient && (attributes::is_physics_of_sofa(class_name) || maps_motion)) {
       diagnostics_.error(place, fmt::format("{}: changes the motion, and is not there in Hexaplast", class_name));
       return kUnknown;

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "hexaplast/base/error.hpp"
 #include "scene/links.hpp"
 
@@ -104,10 +106,11 @@ void Scene::require_whole() const {
 void Scene::keep_motion() {
   time_before_ = root_->clock().time;
   std::size_t k = 0;
-  root_->for_each<MechanicalState>([&](MechanicalState& state) {
+  root_->for_each<State>([&](State& state) {
     if (k == motion_before_.size()) motion_before_.emplace_back();
     motion_before_[k].positions = state.positions();
     motion_before_[k].velocities = state.velocities();
+    motion_before_[k].orientations.assign(state.orientations().begin(), state.orientations().end());
     ++k;
   });
 }
@@ -115,9 +118,10 @@ void Scene::keep_motion() {
 void Scene::restore_motion() {
   root_->clock().time = time_before_;
   auto before = motion_before_.begin();
-  root_->for_each<MechanicalState>([&](MechanicalState& state) {
+  root_->for_each<State>([&](State& state) {
     state.positions() = before->positions;
     state.velocities() = before->velocities;
+    std::ranges::copy(before->orientations, state.orientations().begin());
     ++before;
   });
 }

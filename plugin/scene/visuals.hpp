@@ -28,6 +28,13 @@ class VisualModel : public Component {
   bool is_carried_ = false;
 };
 
+/// A component that lends its points to a surface that has none.
+class GivesPoints {
+ public:
+  virtual ~GivesPoints() = default;
+  virtual const PointArray* points_for(const VisualModel& model) = 0;  ///< null: none for this one
+};
+
 /// What is shown.
 class VisualStyle : public Component {
  public:

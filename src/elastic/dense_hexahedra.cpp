@@ -5,28 +5,17 @@
 #include <numeric>
 #include <utility>
 
+#include "elastic/frames.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/mesh/trilinear.hpp"
-#include "kinematics/polar.hpp"
 
 namespace hexaplast {
 namespace {
 
 /// Columns: the mean edges.
 Mat3 mean_edges(const ElementPoints& x) { return 2 * centre_jacobian(x); }
-
-Mat3 edge_frame(const Mat3& edges) {
-  const Vec3 x = edges.col(0).normalized(), z = x.cross(edges.col(1)).normalized();
-  return (Mat3() << x, z.cross(x), z).finished().transpose();
-}
-
-/// Also of an inverted A, whose orthogonal factor is a reflection.
-Mat3 orthogonal_factor(const Mat3& A) {
-  const auto [U, d, V] = signed_svd(A);
-  return U * Vec3(1, 1, d[2] < 0 ? -1 : 1).asDiagonal() * V.transpose();
-}
 
 bool is_nearly_parallelepiped(const ElementPoints& x) {
   constexpr double kOfEdge = 1e-3;
@@ -42,12 +31,6 @@ Mat3 jacobian_at_corner(const ElementPoints& x) {
   Mat3 J;
   for (int d = 0; d < 3; ++d) J.col(d) = (x.row(kEdgeNeighbour[0][d]) - x.row(0)).transpose() / 2;
   return J;
-}
-
-/// K_ab of strains that are constant: volume [ mu (g_a.g_b I + g_b g_a^T) + lambda g_a g_b^T ].
-Mat3 stiffness_block(const Vec3& g_a, const Vec3& g_b, double volume, Lame lame) {
-  return volume *
-         (lame.mu * (g_a.dot(g_b) * Mat3::Identity() + g_b * g_a.transpose()) + lame.lambda * g_a * g_b.transpose());
 }
 
 /// K_ab of a cube, integrated by hand, as SOFA's HexahedralFEMForceField has it. J: 2 / edge along each axis. For boxes

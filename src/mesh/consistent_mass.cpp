@@ -47,6 +47,39 @@ ConsistentMass::ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahe
   row_sums_ = M_ * Eigen::VectorXd::Ones(x.rows());
 }
 
+template <std::size_t N>
+void ConsistentMass::set_faces(int num_nodes, std::span<const std::array<int, N>> faces,
+                               std::span<const double> masses) {
+  require_count("ConsistentMass", "masses", std::ssize(masses), std::ssize(faces));
+  constexpr double kOfCorner = 1.0 / (2 * N), kOfEdge = kOfCorner / 2;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t e = 0; e < faces.size(); ++e) {
+    require_nodes("ConsistentMass", faces[e], num_nodes);
+    for (std::size_t a = 0; a < N; ++a) {
+      const int from = faces[e][a], to = faces[e][(a + 1) % N];
+      entries.emplace_back(from, from, kOfCorner * masses[e]);
+      entries.emplace_back(from, to, kOfEdge * masses[e]);
+      entries.emplace_back(to, from, kOfEdge * masses[e]);
+    }
+  }
+  M_.resize(num_nodes, num_nodes);
+  M_.setFromTriplets(entries.begin(), entries.end());
+  row_sums_ = M_ * Eigen::VectorXd::Ones(num_nodes);
+}
+
+ConsistentMass ConsistentMass::of_faces(int num_nodes, std::span<const Quad> quads, std::span<const double> masses) {
+  ConsistentMass mass;
+  mass.set_faces<4>(num_nodes, quads, masses);
+  return mass;
+}
+
+ConsistentMass ConsistentMass::of_faces(int num_nodes, std::span<const Triangle> triangles,
+                                        std::span<const double> masses) {
+  ConsistentMass mass;
+  mass.set_faces<3>(num_nodes, triangles, masses);
+  return mass;
+}
+
 void ConsistentMass::add_product(double factor, ConstPoints dx, Points df) const {
   require_rows("ConsistentMass::add_product", "dx", dx, M_.rows());
   require_rows("ConsistentMass::add_product", "df", df, M_.rows());

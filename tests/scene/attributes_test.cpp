@@ -79,7 +79,7 @@ class ExampleScenes : public testing::Test {
 
   std::string scene_with(const Description& component) {
     const auto example =
-        std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
+        std::ranges::find(attributes::kExamples, attributes::title_of(component), &attributes::Example::class_name);
     const std::string lines = example == attributes::kExamples.end() ? "<" + std::string(component.class_name) + "/>"
                                                                      : std::string(example->lines);
     return support::pasted(std::string(attributes::kExampleScene), lines, category_of_);

@@ -198,6 +198,35 @@ TEST(InteractiveCamera, TurnsByItsOrientation) {
             "test.scn:1: error: InteractiveCamera.orientation: is 0 0 0 0, the zero quaternion");
 }
 
+// A subset is the barycentric mapping of points that are nodes.
+TEST(SubsetMapping, FollowsAndPushesItsNodes) {
+  const auto with = [](const std::string& mapping, const std::string& solver) {
+    std::string text = skewed(mapping +
+                                  "<UniformMass totalMass='3'/><ConstantForceField forces='1 2 3  0 1 0'/>"
+                                  "<RestShapeSpringsForceField stiffness='70' points='1'/>",
+                              solver);
+    const std::string points = ".5 .4 2.4  .3 .7 1.2";
+    return text.replace(text.find(points), points.size(), "1 1 3  0 .9 1.1");
+  };
+  const std::string direct = "<SparseLDLSolver/>",
+                    iterative = "<CGLinearSolver iterations='300' tolerance='1e-15' threshold='1e-30'/>";
+  const PointArray expected = after(with("<BarycentricMapping/>", direct), 10);
+  EXPECT_TRUE(support::agrees(after(with("<SubsetMapping/>", direct), 10), expected, 1e-12));
+  EXPECT_TRUE(support::agrees(after(with("<SubsetMapping indices='14 7'/>", direct), 10), expected, 1e-12));
+  EXPECT_TRUE(support::agrees(after(with("<SubsetMapping indices='14 7'/>", iterative), 10), expected, 1e-9));
+  EXPECT_EQ(errors_of(skewed("<SubsetMapping/>")),
+            "test.scn:1: error: SubsetMapping.radius: no node of the followed state lies within 1e-05 m of node 0");
+  EXPECT_EQ(errors_of(skewed("<SubsetMapping indices='1 2 3'/>")),
+            "test.scn:1: error: SubsetMapping.indices: 3 numbers given for 2 nodes, must be as many");
+}
+
+TEST(OglModel, TakesThePointsOfTheStateThatItFollows) {
+  scene::Scene scene =
+      read_and_init(skewed("<IdentityMapping input='@../nodes' output='@copy'/><OglModel name='copy' quads='0 1 2 3'/>"
+                           "<BarycentricMapping/>"));
+  EXPECT_EQ(at<scene::VisualModel>(scene, "skin/copy").points(), nodes(scene));
+}
+
 TEST(Mapping, RefusesWhatDoesNotFit) {
   EXPECT_EQ(errors_of(skewed("<IdentityMapping/>")),
             "test.scn:1: error: IdentityMapping: 2 nodes follow 16, must be as many");

@@ -89,6 +89,48 @@ TEST(MeshMatrixMass, CouplesNodesUnlessLumped) {
 }
 
 // The coupled mass enters the operator: (M - h^2 K) dv = h f on a free box.
+// 8/27 of a hexahedron's mass between every two of its corners.
+TEST(HexahedronFEMForceFieldAndMass, CouplesAllCornersAlike) {
+  for (const bool is_lumped : {false, true}) {
+    scene::Scene scene = support::read_and_init(
+        support::in_root("gravity='0 0 -2'",
+                         "<RegularGridTopology n='3 2 2' max='2 3 0.5'/><MechanicalObject name='nodes'/>"
+                         "<HexahedronFEMForceFieldAndMass name='own' density='4' lumpedMass='" +
+                             std::string(is_lumped ? "true" : "false") + "'/>"));
+    auto& mass = dynamic_cast<scene::MassMatrix&>(support::at<scene::ForceField>(scene, "own"));
+    PointArray dx = PointArray::Zero(12, 3), df = PointArray::Zero(12, 3), weight = df;
+    dx(0, 1) = 1;
+    mass.add_product(3, dx, df);
+    const double entry = 8.0 / 27 * 6;  // 4 kg/m^3, 1 x 3 x 0.5 m^3
+    EXPECT_NEAR(df(0, 1), 3 * entry * (is_lumped ? 8 : 1), 1e-12);
+    EXPECT_NEAR(df(1, 1), is_lumped ? 0 : 3 * entry, 1e-12);
+    EXPECT_EQ(df(2, 1), 0);  // of the other hexahedron
+    mass.add_gravity(Vec3(0, 0, -2), weight);
+    EXPECT_NEAR(weight.col(2).sum(), -2 * 12, 1e-12);
+    BlockMatrix A(12);
+    mass.add_blocks(3, A);
+    for (const BlockMatrix::Entry& block : A.row(1))
+      if (block.column == 0) EXPECT_NEAR(block.block(1, 1), 3 * entry, 1e-12);
+    EXPECT_NEAR(mass.kinetic_energy(PointArray::Ones(12, 3)), 0.5 * 3 * 2 * 64 * entry, 1e-10);
+  }
+}
+
+TEST(Mass, IsNeededUnlessTheSceneIsReadAsSofa) {
+  const std::string text =
+      support::in_root("gravity='0 0 -2'",
+                       "<RegularGridTopology/><MechanicalObject name='nodes'/><HexahedronFEMForceField/>"
+                       "<FixedProjectiveConstraint indices='0-3'/>");
+  EXPECT_EQ(support::errors_of(text),
+            "test.scn:1: error: EulerImplicitSolver: no mass on MechanicalObject 'nodes' of its node and below");
+  scene::PluginLoader& loader = support::plugins();
+  scene::Scene scene =
+      scene::read_scene_text(text, "test.scn", support::factory(), loader, scene::Grammar::kSofaCompatible);
+  scene.init();
+  const PointArray start = support::nodes(scene);
+  support::run(scene, 3);
+  EXPECT_TRUE(support::agrees(support::nodes(scene), start, 1e-15));
+}
+
 TEST(MeshMatrixMass, EntersTheSystem) {
   for (const std::string solver :
        {"<SparseLDLSolver/>", "<CGLinearSolver iterations='99' tolerance='1e-14' threshold='0'/>"}) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <array>
 #include <span>
 
 #include "hexaplast/base/block_matrix.hpp"
@@ -23,6 +24,11 @@ class ConsistentMass {
   /// other sizes.
   ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahedra, std::span<const double> masses);
 
+  /// Of a membrane, as SOFA's MeshMatrixMass has it: a face of mass m gives each corner m/8 and each of its edges m/16
+  /// of quads, m/6 and m/12 of triangles. For triangles this is the finite element matrix. Sizes as above.
+  static ConsistentMass of_faces(int num_nodes, std::span<const Quad> quads, std::span<const double> masses);
+  static ConsistentMass of_faces(int num_nodes, std::span<const Triangle> triangles, std::span<const double> masses);
+
   void add_product(double factor, ConstPoints dx, Points df) const;  ///< df += factor M dx
   void add_blocks(double factor, BlockMatrix& A) const;              ///< A += factor M
 
@@ -30,6 +36,9 @@ class ConsistentMass {
   const Eigen::VectorXd& row_sums() const { return row_sums_; }
 
  private:
+  template <std::size_t N>
+  void set_faces(int num_nodes, std::span<const std::array<int, N>> faces, std::span<const double> masses);
+
   Eigen::SparseMatrix<double> M_;
   Eigen::VectorXd row_sums_;
 };

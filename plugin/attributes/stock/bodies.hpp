@@ -3,6 +3,7 @@
 
 #include "attributes/rows.hpp"
 #include "attributes/stock/ignored.hpp"
+#include "attributes/stock/masses.hpp"
 
 /// SOFA's elastic bodies. See stock.hpp.
 namespace hexaplast::attributes {
@@ -81,5 +82,46 @@ inline const Description kHexahedralFEMForceField{
         "matrix agree.",
     .templates = kVec3Templates,
     .attributes = kHexahedralFEMAttributes};
+
+/// What the two have that are their own mass.
+inline const std::vector<Attribute> kOwnMassAttributes = {
+    {.name = "density",
+     .type = Type::kReal,
+     .initial = "1",
+     .unit = "kg/m^3",
+     .range = kPositive,
+     .help = "Mass per volume; the volume is the product of the edges at corner 0."},
+    {.name = "lumpedMass",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Whether each row of the mass matrix is summed on the diagonal."},
+    kMassRayleigh,
+    kSeparateGravity,
+    ignored_attribute("massMatrices", "Ignored here: computed."),
+    ignored_attribute("totalMass", "Ignored here: computed."),
+    ignored_attribute("particleMasses", "Ignored here: computed."),
+    ignored_attribute("lumpedMasses", "Ignored here: computed."),
+};
+inline const std::vector<Attribute> kHexahedronFEMAndMassAttributes =
+    joined(kHexahedronFEMAttributes, kOwnMassAttributes);
+inline const Description kHexahedronFEMForceFieldAndMass{
+    .class_name = "HexahedronFEMForceFieldAndMass",
+    .category = "ForceField",
+    .help =
+        "SOFA's HexahedronFEMForceField with a mass, and its numbers: every two corners of a hexahedron have the same "
+        "entry in the mass matrix, 8/27 of its mass. A body that moves as a whole has the inertia of 19 times its "
+        "mass, and its weight. HexahedronFEMForceField with a DiagonalMass has the inertia of its mass.",
+    .templates = kVec3Templates,
+    .attributes = kHexahedronFEMAndMassAttributes};
+inline const std::vector<Attribute> kHexahedralFEMAndMassAttributes =
+    joined(kHexahedralFEMAttributes, kOwnMassAttributes);
+inline const Description kHexahedralFEMForceFieldAndMass{
+    .class_name = "HexahedralFEMForceFieldAndMass",
+    .category = "ForceField",
+    .help =
+        "SOFA's HexahedralFEMForceField with the mass of HexahedronFEMForceFieldAndMass. Where SOFA assembles its "
+        "matrices they have the diagonal alone; here products and matrix agree.",
+    .templates = kVec3Templates,
+    .attributes = kHexahedralFEMAndMassAttributes};
 
 }  // namespace hexaplast::attributes

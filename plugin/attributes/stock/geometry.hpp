@@ -152,6 +152,73 @@ inline constexpr Description kRegularGridTopology{.class_name = "RegularGridTopo
                                                       "on each face.",
                                                   .attributes = kRegularGridTopologyAttributes};
 
+inline constexpr Attribute kRoundGridAttributes[] = {
+    {.name = "n",
+     .type = Type::kIntegers,
+     .initial = "2 2 2",
+     .range = {.min = 2, .max = 2147483646},
+     .help = "Nodes (not cells) in each direction, the third along the axis."},
+    {.name = "nx",
+     .type = Type::kInteger,
+     .range = {.min = 2, .max = 2147483646},
+     .help = "Instead of the first of n."},
+    {.name = "ny",
+     .type = Type::kInteger,
+     .range = {.min = 2, .max = 2147483646},
+     .help = "Instead of the second of n."},
+    {.name = "nz",
+     .type = Type::kInteger,
+     .range = {.min = 2, .max = 2147483646},
+     .help = "Instead of the third of n."},
+    {.name = "axis", .type = Type::kVector3, .initial = "0 0 1", .help = "Direction of the axis, of any length."},
+    {.name = "radius", .type = Type::kReal, .initial = "1", .unit = "m", .range = kPositive, .help = "Outer radius."},
+    {.name = "position",
+     .type = Type::kVectors3,
+     .unit = "m",
+     .aliases = "points",
+     .access = Access::kOutput,
+     .help = "Nodes: i + nx (j + ny k)."},
+    {.name = "hexahedra",
+     .type = Type::kHexahedra,
+     .aliases = "hexas",
+     .access = Access::kOutput,
+     .help = "Cells, x fastest."},
+    kTopologyQuads,
+    kTopologyTriangles,
+    kTopologyEdges,
+    ignored_attribute("computeHexaList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computeQuadList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computeTriangleList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computeEdgeList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("computePointList", "Ignored here: what is asked for is computed."),
+    ignored_attribute("createTexCoords", "Visual: ignored here."),
+    visual_attribute("drawEdges"),
+    visual_attribute("drawTriangles"),
+    visual_attribute("drawQuads"),
+    visual_attribute("drawTetrahedra"),
+    visual_attribute("drawHexahedra"),
+};
+inline constexpr Attribute kCylinderAttributes[] = {
+    {.name = "center", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Where the axis begins."},
+    {.name = "length", .type = Type::kReal, .initial = "1", .unit = "m", .range = kPositive, .help = "Along the axis."},
+};
+inline constexpr auto kCylinderGridTopologyAttributes = joined(kRoundGridAttributes, kCylinderAttributes);
+inline constexpr Description kCylinderGridTopology{
+    .class_name = "CylinderGridTopology",
+    .category = "Topology",
+    .help = "A grid in a cylinder: each square of nodes around the axis is a circle.",
+    .attributes = kCylinderGridTopologyAttributes};
+inline constexpr Attribute kBallAttributes[] = {
+    {.name = "center", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Centre."},
+};
+inline constexpr auto kSphereGridTopologyAttributes = joined(kRoundGridAttributes, kBallAttributes);
+inline constexpr Description kSphereGridTopology{.class_name = "SphereGridTopology",
+                                                 .category = "Topology",
+                                                 .help =
+                                                     "A grid in a ball: each cube of nodes around the centre is a "
+                                                     "sphere.",
+                                                 .attributes = kSphereGridTopologyAttributes};
+
 inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
      .type = Type::kText,

@@ -57,4 +57,35 @@ inline constexpr Description kIdentityMapping{.class_name = "IdentityMapping",
                                               .templates = "Vec3,Vec3 Vec3d,Vec3d",
                                               .attributes = kIdentityMappingAttributes};
 
+inline constexpr Attribute kSubsetMappingAttributes[] = {
+    kMappingInput,
+    kMappingOutput,
+    {.name = "indices",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "The node that each of the mapped nodes is; default: the nearest one at the beginning."},
+    {.name = "radius",
+     .type = Type::kReal,
+     .initial = "1e-5",
+     .unit = "m",
+     .range = kPositive,
+     .help = "How near, where no indices are given."},
+    {.name = "ignoreNotFound",
+     .type = Type::kWord,
+     .initial = "false",
+     .words = "false 0",
+     .help = "Only false here: each mapped node must be found."},
+    ignored_attribute("handleTopologyChange", "Ignored here: nodes keep their numbers."),
+    ignored_attribute("resizeToModel", "Ignored here: the mapped state has as many nodes as it has."),
+    ignored_attribute("topology", "Ignored here: nodes keep their numbers."),
+    ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
+    ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),
+    ignored_attribute("mapConstraints", "Ignored here: there are no Lagrangian constraints."),
+};
+inline constexpr Description kSubsetMapping{.class_name = "SubsetMapping",
+                                            .category = "Mapping",
+                                            .help = "A state whose nodes are some of those of the one it follows.",
+                                            .templates = "Vec3,Vec3 Vec3d,Vec3d",
+                                            .attributes = kSubsetMappingAttributes};
+
 }  // namespace hexaplast::attributes

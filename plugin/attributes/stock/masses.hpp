@@ -117,7 +117,9 @@ inline constexpr Description kMeshMatrixMass{
     .help =
         "The finite element mass matrix of the hexahedra. SOFA couples the nodes along edges alone (a twentieth of a "
         "hexahedron's mass at each node, a fortieth on each edge), which lets some motions have a negative energy; "
-        "here every two nodes of a hexahedron are coupled, with the same total. Lumped, the two are equal.",
+        "here every two nodes of a hexahedron are coupled, with the same total. Lumped, the two are equal. Of a "
+        "topology "
+        "without hexahedra its quads or triangles have the mass, by area, with SOFA's matrix.",
     .templates = "Vec3 Vec3d Vec3,Vec3 Vec3d,Vec3d",
     .attributes = kMeshMatrixMassAttributes};
 

@@ -116,7 +116,7 @@ bool has_table(const Description& component) {
 }
 
 std::string section(const Description& component) {
-  std::string text = fmt::format("\n### {}\n\n{}\n", component.class_name, component.help);
+  std::string text = fmt::format("\n### {}\n\n{}\n", attributes::title_of(component), component.help);
   if (!component.templates.empty()) {
     std::string templates;
     for (const std::string_view name : scene::split_words(component.templates))
@@ -126,7 +126,8 @@ std::string section(const Description& component) {
   if (has_table(component)) text += fmt::format("\n{}", attribute_table(component.attributes));
   text += ignored_attributes(component.attributes);
 
-  const auto example = std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
+  const std::string title = attributes::title_of(component);
+  const auto example = std::ranges::find(attributes::kExamples, title, &attributes::Example::class_name);
   text += fmt::format("\n```xml\n{}\n```\n", example == attributes::kExamples.end()
                                                  ? fmt::format("<{}/>", component.class_name)
                                                  : std::string(example->lines));

@@ -70,6 +70,7 @@ std::string_view role_of(const Description& component) {
 
 Json json_of(const Description& component) {
   Json json = {{"name", component.class_name}, {"category", component.category}, {"help", component.help}};
+  if (!component.variant.empty()) json["variant"] = component.variant;
   json["has_effect"] = !component.takes_anything;
   json["role"] = role_of(component);
   json["templates"] = words(component.templates);

@@ -85,8 +85,7 @@ Findings look_at(scene::Scene& scene) {
   }
 
   for (const scene::SceneBody& body : scene::bodies_of(scene)) {
-    std::vector<scene::Mass*> masses = scene.root().all<scene::Mass>();
-    std::erase_if(masses, [&](const scene::Mass* mass) { return !scene::acts_on(*mass, *body.state); });
+    const std::vector<scene::MassMatrix*> masses = scene::masses_of(scene.root(), *body.state);
     const ModelCheck& model =
         found.bodies
             .emplace_back(Findings::Body{
