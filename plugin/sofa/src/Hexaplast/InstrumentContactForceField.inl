@@ -219,25 +219,25 @@ void InstrumentContactForceField<TDataTypes>::addPartForce(SReal, ConstPoints x,
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::addStiffnessProduct(double factor, ConstPoints dx, Points df) const
 {
-    m_instrument->contact().add_stiffness_product(factor, dx, df);
+    m_instrument->contact().terms().add_stiffness_product(factor, dx, df);
 }
 
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::addStiffnessBlocks(double factor, BlockMatrix& A) const
 {
-    m_instrument->contact().add_stiffness_blocks(factor, A);
+    m_instrument->contact().terms().add_stiffness_blocks(factor, A);
 }
 
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::addDampingProduct(double factor, ConstPoints dx, Points df) const
 {
-    m_instrument->contact().add_damping_product(factor, dx, df);
+    m_instrument->contact().terms().add_damping_product(factor, dx, df);
 }
 
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::addDampingBlocks(double factor, BlockMatrix& A) const
 {
-    m_instrument->contact().add_damping_blocks(factor, A);
+    m_instrument->contact().terms().add_damping_blocks(factor, A);
 }
 
 }  // namespace hexaplast::sofa_plugin
