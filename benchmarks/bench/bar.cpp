@@ -65,20 +65,35 @@ Bar::Bar(const BarSettings& settings)
       v_(PointArray::Zero(x_.rows(), 3)) {
   for (int n = 0; n < num_nodes(); ++n)
     if (x_(n, 2) == 0) fixed_.push_back(n);
+  if (!settings.is_pressed) return;
+  const std::array<int, 3> cells = cells_for(settings.size);
+  const double h = kBarLength / cells[2], width = cells[0] * h, stiffness = 30 * 5000 / h;
+  const Vec3 size(0.02, 1, 2 * kBarLength / 3);
+  plate_.emplace(Solid::box(size),
+                 ContactSettings{.stiffness = stiffness, .tangential_stiffness = stiffness, .friction = 0.3},
+                 SurfaceSamples::on(body_.mesh(), {}, h / 2, 2));
+  plate_pose_.position = {width + size.x() / 2 - 1e-3 * h, width / 2, kBarLength - 0.4 * size.z()};
 }
 
 Bar::Step Bar::step(LinearSolver& solver) {
   Step done;
   const auto begin = std::chrono::steady_clock::now();
+  if (plate_) plate_->begin_step(x_, v_, kBarDt, plate_pose_, plate_pose_);
   done.solve = euler_.step(*this, solver, 0, kBarDt, x_, v_);
+  if (plate_) plate_->end_step(x_, v_);
   done.flow = body_.flow(x_, kBarDt);
   done.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   ++num_steps_;
+  if (plate_) {
+    done.contacts = plate_->num_touching();
+    done.slipping = plate_->num_slipping();
+  }
   return done;
 }
 
 PointArray Bar::increment(LinearSolver& solver) {
   PointArray x = x_, v = v_;
+  if (plate_) plate_->begin_step(x_, v_, kBarDt, plate_pose_, plate_pose_);
   euler_.step(*this, solver, 0, kBarDt, x, v);
   return v - v_;
 }
@@ -98,27 +113,51 @@ void Bar::place(const PointArray& x, const PointArray& v) {
   v_ = v;
 }
 
-void Bar::compute_force(double, ConstPoints x, ConstPoints, Points f) {
+void Bar::compute_force(double, ConstPoints x, ConstPoints v, Points f) {
   body_.linearize(x);
   f.setZero();
   add_gravity(masses_, gravity(), f);
   body_.add_force(f);
+  if (plate_) plate_->terms().add_force(x, v, f);
 }
 
 void Bar::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
   if (factors.mass != 0) df += factors.mass * masses_.asDiagonal() * dx;
-  if (factors.stiffness != 0) body_.add_stiffness_product(factors.stiffness, dx, df);
+  if (factors.stiffness == 0) return;
+  body_.add_stiffness_product(factors.stiffness, dx, df);
+  if (plate_) plate_->terms().add_stiffness_product(factors.stiffness, dx, df);
 }
 
 void Bar::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
   for (int n = 0; n < num_nodes(); ++n) A.add(n, n, factors.mass * masses_[n] * Mat3::Identity());
   body_.add_stiffness_blocks(factors.stiffness, A);
+  if (plate_) plate_->terms().add_stiffness_blocks(factors.stiffness, A);
 }
 
 bool Bar::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
   system.diagonal.colwise() += factors.mass * masses_;
   body_.describe(factors.stiffness, system);
+  if (plate_ && plate_->num_touching() > 0) {
+    terms_.terms = &plate_->terms();
+    terms_.factor = factors.stiffness;
+    system.others.emplace_back(&terms_);
+  }
   return true;
+}
+
+bool Bar::release(double, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
+                  Points product) {
+  if (!plate_) return false;
+  const auto add = [&](double sign) {
+    released_.setZero(x.rows(), 3);
+    plate_->terms().add_force(x, v, released_);
+    force += sign * released_;
+    plate_->terms().add_stiffness_product(sign, v, product);
+  };
+  add(-1);
+  const bool has_released = plate_->release(x_end, v_end);
+  add(1);
+  return has_released;
 }
 
 void Bar::project(Points field) const {

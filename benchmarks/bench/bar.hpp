@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hexaplast/body.hpp"
+#include "hexaplast/contact/instrument_contact.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
 
 namespace hexaplast::bench {
@@ -24,6 +26,8 @@ struct BarSettings {
   Precision precision = Precision::kDouble;
   double poisson_ratio = 0.45;
   Settings element = published_element();  ///< its form; the precision is the one above
+  bool is_pressed = false;  ///< gravity leans it on a plate along two thirds of it, with friction: about 1000 contacts
+                            ///< of 10 thousand hexahedra
 };
 
 inline constexpr double kBarLength = 0.2;  ///< [m]
@@ -43,6 +47,7 @@ class Bar final : public MechanicalSystem {
     double ms = 0;  ///< wall time of everything: forces, solve, plastic step
     SolveReport solve;
     FlowReport flow;
+    int contacts = 0, slipping = 0;
   };
   Step step(LinearSolver& solver);
 
@@ -71,14 +76,27 @@ class Bar final : public MechanicalSystem {
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
   bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
+  bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
+               Points product) override;
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;
 
  private:
+  class Terms final : public NodalOperator {
+   public:
+    void add_product(ConstPoints p, Points Fp) const override { terms->add_stiffness_product(factor, p, Fp); }
+    const ContactTerms* terms = nullptr;
+    double factor = 0;
+  };
+
   Body body_;
   Eigen::VectorXd masses_;  // [kg]
   std::vector<int> fixed_;  // nodes
   PointArray x_, v_;
+  std::optional<InstrumentContact> plate_;
+  Pose plate_pose_;
+  mutable Terms terms_;
+  PointArray released_;
   long num_steps_ = 0;
   ImplicitEuler euler_{EulerSettings{}};
 };

@@ -53,6 +53,8 @@ constexpr double kPoissonRatio = 0.45, kNearlyIncompressible = 0.49;
 
 constexpr const char* kOnePercentTarget = "1 %";
 constexpr const char* kTightTarget = "1e-6";
+constexpr const char* kContactTarget = "residual 1 %";
+constexpr double kContactTolerance = 0.01;
 
 /// Bytes that the program has allocated and not returned.
 double bytes_in_use() {
@@ -151,10 +153,12 @@ class SizeRun {
       }
     }
     measure_forms();
+    measure_contact();
     peer_->time();
     for (std::size_t k = 0; k < outcome_.records.size(); ++k) {
       Record& record = outcome_.records[k];
-      if (record.poisson_ratio == kPoissonRatio)  // where its iterations were counted
+      if (record.poisson_ratio == kPoissonRatio &&
+          record.target != kContactTarget)  // where its iterations were counted
         record.ratio_to_dense_peer = peer_->ms(solver_of_[k]) * record.hex_per_ms / record.size;
     }
     for (std::string& failure : differing_hashes(outcome_.records)) outcome_.failures.push_back(std::move(failure));
@@ -163,7 +167,20 @@ class SizeRun {
 
  private:
   BarSettings settings(Mode mode, Precision precision) const {
-    return {size_, mode, precision, poisson_ratio_, element_};
+    return {size_, mode, precision, poisson_ratio_, element_, is_pressed_};
+  }
+
+  /// The default element that flows, free and on a plate, with one solver.
+  void measure_contact() {
+    element_ = {};
+    poisson_ratio_ = kPoissonRatio;
+    for (const bool is_pressed : {false, true}) {
+      is_pressed_ = is_pressed;
+      for (const int threads : options_.threads)
+        measure_group(Mode::kPlastic, Precision::kMixed, threads,
+                      {{"multigrid", kContactTarget, 0, kContactTolerance}});
+    }
+    is_pressed_ = false;
   }
 
   /// The default element and faster ones, elastic, in mixed precision: as many iterations as the published one, and to
@@ -267,7 +284,7 @@ class SizeRun {
     const StepTimes times(std::move(ms));
     Record record;
     record.size = bar.num_elements();
-    record.shape = "box";
+    record.shape = is_pressed_ ? "box on a plate" : "box";
     record.element = element_name(element_);
     record.poisson_ratio = poisson_ratio_;
     record.mode = name(mode);
@@ -318,6 +335,7 @@ class SizeRun {
   int size_;
   Settings element_ = published_element();
   double poisson_ratio_ = kPoissonRatio;
+  bool is_pressed_ = false;
   Bar elastic_;  // a few steps on its way; the reference of the others
   std::optional<Peer> peer_;
   PointArray exact_;  // [m/s] its next velocity increment

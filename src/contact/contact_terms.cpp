@@ -11,7 +11,7 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kWrongFriction = 0.01;  // of mu N, from which the step is solved again
+constexpr double kWrongFriction = 0.05;  // of all mu N, from which the step is solved again
 
 void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
   for (int a = 0; a < term.num_first; ++a) f.first.row(term.nodes[a]) += term.weights[a] * force.transpose();
@@ -45,24 +45,17 @@ void ContactTerm::set_friction(double tangential_stiffness, double coefficient, 
 
 // With the expected displacement in place of u, what begins to slip would feel mu N |u| / |u_p|: far too much where it
 // accelerates.
-bool ContactTerm::correct_friction(const Vec3& r, const Vec3& change) {
-  if (limit == 0) return false;
-  const double before = limit;
+double ContactTerm::correct_friction(const Vec3& r, const Vec3& change) {
+  if (limit == 0) return 0;
+  const Vec3 before = tangential_force(r);
   // the depth at which it would arrive freely is no measure of what holds it up
   if (is_new) limit = friction * normal_force(r, change);
   const Vec3 u = displacement(r);
   const double size = u.norm();
-  const bool is_beyond = stick * size > limit;
-  if (slip.isZero(0)) {
-    const double wanted = std::min(stick * size, limit);
-    if (std::abs(tangential * size - wanted) <= kWrongFriction * limit) return false;
-  } else if (is_beyond && slip.dot(u) > 0) {
-    return std::abs(limit - before) > kWrongFriction * before;
-  }
-  slips = is_beyond && slip.dot(u) >= 0;  // what would turn back sticks
+  slips = stick * size > limit && slip.dot(u) >= 0;  // what would turn back sticks
   tangential = slips ? limit / size : stick;
   slip = slips ? Vec3(u / size) : Vec3::Zero();
-  return true;
+  return (tangential_force(r) - before).norm();
 }
 
 int ContactTerms::num_slipping() const { return static_cast<int>(std::ranges::count_if(terms, &ContactTerm::slips)); }
@@ -104,10 +97,17 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
 bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
   const std::size_t before = terms.size();
   std::erase_if(terms, [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < 0; });
-  bool is_corrected = false;
-  for (ContactTerm& term : terms)
-    if (term.friction > 0) is_corrected = term.correct_friction(term.at(x), term.at(v)) || is_corrected;
-  return is_corrected || terms.size() < before;
+  const bool has_released = terms.size() < before;
+  double wrong = 0, all = 0;
+  corrected_ = terms;
+  for (ContactTerm& term : corrected_) {
+    if (term.friction == 0) continue;
+    wrong += term.correct_friction(term.at(x), term.at(v));
+    all += term.limit;
+  }
+  if (!has_released && wrong <= kWrongFriction * all) return false;
+  std::swap(terms, corrected_);
+  return true;
 }
 
 }  // namespace hexaplast

@@ -45,8 +45,13 @@ struct ContactTerm {
   Vec3 anchor = Vec3::Zero();    ///< [m]
   double stiffness = 0;          ///< k A [N/m]
   double damping = 0;            ///< c A [N s/m]
-  double tangential = 0;         ///< [N/m] k_t A, or mu N / |u_p|
+  double tangential = 0;         ///< [N/m] k_t A, or mu N / |u|
+  double stick = 0;              ///< k_t A [N/m]
+  double friction = 0;           ///< mu
+  double limit = 0;              ///< mu N [N]
+  Vec3 slip = Vec3::Zero();      ///< direction in which mu N acts against the motion; 0: the force is the spring's
   bool slips = false;
+  bool is_new = false;  ///< N is the one that is expected, not that of a step before
 
   void add_node(int node, double weight) {
     nodes[num_nodes] = node;
@@ -89,9 +94,8 @@ struct ContactTerm {
   /// step before, 0 for a new contact.
   void set_friction(double tangential_stiffness, double coefficient, double N, const Vec3& expected);
 
-  /// Corrects it where the force is not what the displacement at the end of the step stands for. Returns whether it was
-  /// wrong.
-  bool correct_friction(const Vec3& r, const Vec3& change);
+  /// Sets it to what the displacement at the end of the step stands for. Returns by how much the force changes [N].
+  double correct_friction(const Vec3& r, const Vec3& change);
 };
 
 /// What acts on the nodes by the contacts of one step.
@@ -118,6 +122,8 @@ class ContactTerms {
  private:
   template <class Block>
   void add_blocks(BlockMatrix& A, std::array<int, 2> first_nodes, const Block& block_of) const;
+
+  std::vector<ContactTerm> corrected_;  // scratch
 };
 
 }  // namespace hexaplast
