@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostIterations = 200;   // of one row
 constexpr double kRegularised = 1e-8;  // of the mean of the diagonal, for rows that depend on one another
-constexpr double kNegligible = 1e-3;   // of the energy norm of a start, that a solution adds to it
+constexpr double kNegligible = 0.03;   // of the energy norm of a start, that a solution adds to it
 constexpr double kOfFarInverse = 0.2;  // of the error allowed, where M is far from A: it sees less of smooth errors
 constexpr int kColumns = 8;            // of W, that are multiplied at once
 
@@ -120,7 +120,9 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   Eigen::MatrixXd G(num_rows, num_rows), K(num_rows, num_rows);
   parallel_for((num_rows + kColumns - 1) / kColumns, [&](int part) {
     const int first = kColumns * part, count = std::min(kColumns, num_rows - first);
-    K.middleCols(first, count).noalias() = -x_.transpose() * r_.middleCols(first, count);
+    // K is symmetric: its lower half
+    K.block(first, first, num_rows - first, count).noalias() =
+        -x_.rightCols(num_rows - first).transpose() * r_.middleCols(first, count);
     for (int j = first; j < first + count; ++j) {
       G.col(j).setZero();
       for (const auto& [node, direction] : rows[j]) G.col(j) += x_.middleRows(3 * node, 3).transpose() * direction;
@@ -137,11 +139,10 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
 
 // Rows may depend on one another, and then so may their solutions.
 void Compliance::factorise(const Eigen::MatrixXd& K) {
-  const Eigen::MatrixXd symmetric = 0.5 * (K + K.transpose());
-  energy_ = symmetric.diagonal();
+  energy_ = K.diagonal();
   const double mean = energy_.mean();
   for (double share = kRegularised; share < 1e-2; share *= 10) {
-    Eigen::MatrixXd regularised = symmetric;
+    Eigen::MatrixXd regularised = K;
     regularised.diagonal().array() += mean > 0 ? share * mean : 1;
     factor_.compute(regularised);
     if (factor_.info() == Eigen::Success) return;
