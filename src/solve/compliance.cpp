@@ -12,13 +12,13 @@
 namespace hexaplast {
 namespace {
 
-constexpr int kMostIterations = 200;   // of one row
+constexpr int kMostPerRow = 200;       // of one row
 constexpr double kRegularised = 1e-8;  // of the mean of the diagonal, for rows that depend on one another
-constexpr double kNegligible = 1e-3;   // of the energy norm of a start, that a solution adds to it
+constexpr double kNegligible = 0.03;   // of the energy norm of a start, that a solution adds to it
 constexpr double kOfFarInverse = 0.2;  // of the error allowed, where M is far from A: it sees less of smooth errors
 constexpr int kColumns = 8;            // of W, that are multiplied at once
 
-Eigen::Map<PointArray> field(Eigen::MatrixXd& columns, int column) {
+Eigen::Map<PointArray> field_of(Eigen::MatrixXd& columns, int column) {
   return {columns.col(column).data(), columns.rows() / 3, 3};
 }
 
@@ -52,10 +52,10 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
     for (const auto& [node, direction] : rows[j]) {
       if (node < 0 || node >= A.num_nodes())
         throw InputError(fmt::format("Compliance: node {} of row {} must lie in [0, {})", node, j, A.num_nodes()));
-      field(b_, j).row(node) += direction.transpose();
+      field_of(b_, j).row(node) += direction.transpose();
     }
   const int num_solvers = num_threads();
-  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMostIterations, preconditioner_);
+  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMostPerRow, preconditioner_);
   bool is_parallel = true, couples = false;
   double error = energy_error_;
   for (int k = 0; k < num_solvers && is_parallel; ++k) {
@@ -65,7 +65,7 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
     is_parallel = prepared.is_concurrent;
   }
   if (couples)
-    for (int j = 0; j < num_rows; ++j) A.project(field(b_, j));
+    for (int j = 0; j < num_rows; ++j) A.project(field_of(b_, j));
 
   // each begins with the nearest combination of the solutions before
   const bool has_previous = x_.cols() > 0 && x_.rows() == size;
@@ -88,7 +88,7 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   std::vector<std::exception_ptr> failures(static_cast<std::size_t>(num_rows));
   const auto solve = [&](PreconditionedConjugateGradients& solver, int j) {
     try {
-      auto x = field(x_, j);
+      auto x = field_of(x_, j);
       x.setZero();
       bool has_start = false;
       for (int i = 0; has_previous && i < static_cast<int>(previous_.cols()); ++i) {
@@ -96,7 +96,7 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
         x_.col(j) += shares(i, j) * previous_.col(i);
         has_start = true;
       }
-      iterations[j] = solver.approximate(field(b_, j), error, has_start, x, field(r_, j));
+      iterations[j] = solver.approximate(field_of(b_, j), error, has_start, x, field_of(r_, j));
     } catch (...) {
       failures[j] = std::current_exception();
     }
@@ -120,7 +120,9 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   Eigen::MatrixXd G(num_rows, num_rows), K(num_rows, num_rows);
   parallel_for((num_rows + kColumns - 1) / kColumns, [&](int part) {
     const int first = kColumns * part, count = std::min(kColumns, num_rows - first);
-    K.middleCols(first, count).noalias() = -x_.transpose() * r_.middleCols(first, count);
+    // K is symmetric: its lower half
+    K.block(first, first, num_rows - first, count).noalias() =
+        -x_.rightCols(num_rows - first).transpose() * r_.middleCols(first, count);
     for (int j = first; j < first + count; ++j) {
       G.col(j).setZero();
       for (const auto& [node, direction] : rows[j]) G.col(j) += x_.middleRows(3 * node, 3).transpose() * direction;
@@ -137,11 +139,10 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
 
 // Rows may depend on one another, and then so may their solutions.
 void Compliance::factorise(const Eigen::MatrixXd& K) {
-  const Eigen::MatrixXd symmetric = 0.5 * (K + K.transpose());
-  energy_ = symmetric.diagonal();
+  energy_ = K.diagonal();
   const double mean = energy_.mean();
   for (double share = kRegularised; share < 1e-2; share *= 10) {
-    Eigen::MatrixXd regularised = symmetric;
+    Eigen::MatrixXd regularised = K;
     regularised.diagonal().array() += mean > 0 ? share * mean : 1;
     factor_.compute(regularised);
     if (factor_.info() == Eigen::Success) return;

@@ -3,6 +3,8 @@
 // of the graph what acts beside it.
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/behavior/BaseMass.h>
+#include <sofa/linearalgebra/SparseMatrix.h>
+#include <sofa/simulation/mechanicalvisitor/MechanicalGetConstraintJacobianVisitor.h>
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -228,6 +230,76 @@ TEST_F(MultigridSolver, FollowsTheOneStateThatFollowsNoOther) {
   EXPECT_NE(said().find("there must be one independent MechanicalObject"), std::string::npos) << said();
   solver->reset();
   EXPECT_FALSE(solver->isComponentStateInvalid()) << "the step that was lost is forgotten";
+}
+
+/// Multipliers, as a solver of constraints passes them on.
+struct Multipliers final : sofa::linearalgebra::BaseVector {
+  SReal element(long i) const override { return i == 1 ? 2.0 : i == 4 ? -0.5 : 0; }
+};
+
+// Of five constraints two act on this body.
+TEST_F(MultigridSolver, GivesComplianceAndMotionToConstraintCorrections) {
+  const auto fill = [](sofa::linearalgebra::BaseMatrix& J) {
+    for (int axis = 0; axis < 3; ++axis) J.add(1, 3 * 9 + axis, 0.3 - axis);
+    J.add(4, 3 * 9, 1);
+    J.add(4, 3 * 20 + 2, -0.7);
+  };
+  sofa::linearalgebra::SparseMatrix<SReal> J;
+  J.resize(5, 3 * mesh.num_nodes());
+  fill(J);
+  Eigen::Matrix2d W;
+  PointArray motion = PointArray::Zero(mesh.num_nodes(), 3), force = motion, load = motion;
+  for (const auto& [i, line] : J) {
+    load.setZero();
+    for (const auto& [column, value] : line) load(column / 3, column % 3) = value;
+    view(*nodes.write(1)->beginEdit()) = load;
+    const PointArray x = expected();
+    motion += Multipliers().element(i) * x;
+    force += Multipliers().element(i) * load;
+    for (const auto& [j, other] : J) {
+      W(i / 3, j / 3) = 0;
+      for (const auto& [column, value] : other) W(i / 3, j / 3) += value * x(column / 3, column % 3);
+    }
+  }
+
+  solve({{"tolerance", "1e-9"}});
+  auto& asked = dynamic_cast<MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>&>(*solver);
+  auto& system = *asked.getLinearSystem();
+  system.matrix.mparams.setMFactor(1);
+  system.matrix.mparams.setBFactor(kDampingFactor);
+  system.matrix.mparams.setKFactor(kStiffnessFactor);
+  const auto agrees = [&](const DenseMatrix& found, double factor, double on_diagonal) {
+    Eigen::Matrix2d of_rows;
+    of_rows << found.values(1, 1), found.values(1, 4), found.values(4, 1), found.values(4, 4);
+    EXPECT_LE((of_rows - factor * W - on_diagonal * Eigen::Matrix2d::Identity()).norm(), 0.01 * factor * W.norm());
+    EXPECT_NEAR(found.values.norm(), of_rows.norm(), 1e-12 * of_rows.norm()) << "the other constraints are not ours";
+  };
+  DenseMatrix found(5), of_generic(5);
+  EXPECT_TRUE(asked.addJMInvJt(&found, &J, 0.02)) << said();
+  agrees(found, 0.02, 0);
+
+  // LinearSolverConstraintCorrection goes on with a force
+  view(*nodes.write(1)->beginEdit()) = force;
+  asked.solve(system.matrix, *system.getSolutionVector(), *system.getRHSVector());
+  EXPECT_TRUE(support::agrees(PointArray(view(nodes.read(0)->getValue())), motion, 1e-3)) << said();
+
+  // GenericConstraintCorrection with multipliers
+  using Visitor = sofa::simulation::mechanicalvisitor::MechanicalGetConstraintJacobianVisitor;
+  Visitor::constraints() = fill;
+  sofa::core::ConstraintParams cparams;
+  cparams.setLambda(sofa::core::MultiVecDerivId(5));
+  EXPECT_TRUE(asked.buildComplianceMatrix(&cparams, &of_generic, 0.02, 7)) << said();
+  agrees(of_generic, 0.02, 7);
+  const Multipliers multipliers;
+  asked.applyConstraintForce(&cparams, sofa::core::MultiVecDerivId(6), &multipliers);
+  EXPECT_TRUE(support::agrees(PointArray(view(nodes.read(6)->getValue())), motion, 1e-3)) << said();
+  EXPECT_TRUE(support::agrees(PointArray(view(nodes.read(5)->getValue())), force, 1e-12));
+  Visitor::constraints() = nullptr;
+
+  J.resize(5, 3);
+  J.add(1, 0, 1);
+  EXPECT_FALSE(asked.addJMInvJt(&found, &J, 0.02));
+  EXPECT_NE(said().find("is not that of its MechanicalObject"), std::string::npos) << said();
 }
 
 TEST_F(MultigridSolver, RefusesBadValues) {

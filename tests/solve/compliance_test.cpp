@@ -17,12 +17,12 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kDt = 0.01;
+constexpr double kStepOfSlab = 0.01;
 
 /// M + dt^2 stiffness of a slab of 1,024 hexahedra that is held at x = 0, with a spring beside it where it has one.
-class Slab final : public LinearSystem {
+class HeldSlab final : public LinearSystem {
  public:
-  Slab(double young_modulus, Precision precision)
+  HeldSlab(double young_modulus, Precision precision)
       : mesh(regular_grid({16, 16, 4}, Vec3::Zero(), {0.16, 0.16, 0.04})),
         body(mesh, {Material{.young_modulus = young_modulus, .poisson_ratio = 0.45}}, settings(precision)),
         diagonal(PointArray::Constant(mesh.num_nodes(), 3, 1e-3)) {
@@ -39,13 +39,13 @@ class Slab final : public LinearSystem {
   int num_nodes() const override { return mesh.num_nodes(); }
   void apply(ConstPoints p, Points Ap) const override {
     Ap = diagonal.cwiseProduct(p);
-    body.add_stiffness_product(-kDt * kDt, p, Ap);
+    body.add_stiffness_product(-kStepOfSlab * kStepOfSlab, p, Ap);
     if (spring.stiffness > 0) spring.add_product(p, Ap);
     project(Ap);
   }
   void assemble(BlockMatrix& A) const override {
     for (int n = 0; n < num_nodes(); ++n) A.add(n, n, Mat3(diagonal.row(n).asDiagonal()));
-    body.add_stiffness_blocks(-kDt * kDt, A);
+    body.add_stiffness_blocks(-kStepOfSlab * kStepOfSlab, A);
     A.add(spring.node, spring.node, spring.stiffness * Mat3::Identity());
     for (const int n : held)
       for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
@@ -55,7 +55,7 @@ class Slab final : public LinearSystem {
     system.diagonal_version = 0;
     system.free.setOnes(num_nodes(), 3);
     for (const int n : held) system.free.row(n).setZero();
-    body.describe(-kDt * kDt, system);
+    body.describe(-kStepOfSlab * kStepOfSlab, system);
     if (spring.stiffness > 0) system.others.push_back(&spring);
     return true;
   }
@@ -77,7 +77,7 @@ class Slab final : public LinearSystem {
 };
 
 /// Contacts in faces of the top, moved by a share of an edge: a normal and two tangents each, over four nodes.
-std::vector<ConstraintRow> contacts(const Slab& slab, int count, double share, unsigned seed = 3) {
+std::vector<ConstraintRow> contacts(const HeldSlab& slab, int count, double share, unsigned seed = 3) {
   support::Random random(seed);
   std::vector<ConstraintRow> rows;
   for (int k = 0; k < count; ++k) {
@@ -96,7 +96,7 @@ std::vector<ConstraintRow> contacts(const Slab& slab, int count, double share, u
   return rows;
 }
 
-PointArray transposed(const Slab& slab, const std::vector<ConstraintRow>& rows, const Eigen::VectorXd& lambda) {
+PointArray transposed(const HeldSlab& slab, const std::vector<ConstraintRow>& rows, const Eigen::VectorXd& lambda) {
   PointArray f = PointArray::Zero(slab.num_nodes(), 3);
   for (std::size_t j = 0; j < rows.size(); ++j)
     for (const auto& [node, direction] : rows[j])
@@ -104,7 +104,7 @@ PointArray transposed(const Slab& slab, const std::vector<ConstraintRow>& rows, 
   return f;
 }
 
-Eigen::MatrixXd factorised(const Slab& slab, const std::vector<ConstraintRow>& rows) {
+Eigen::MatrixXd factorised(const HeldSlab& slab, const std::vector<ConstraintRow>& rows) {
   CholeskySolver cholesky;
   cholesky.setup(slab);
   const auto count = static_cast<Eigen::Index>(rows.size());
@@ -120,7 +120,7 @@ Eigen::MatrixXd factorised(const Slab& slab, const std::vector<ConstraintRow>& r
   return W;
 }
 
-struct Case {
+struct SystemCase {
   const char* name;
   double young_modulus;
   Precision precision;
@@ -128,10 +128,10 @@ struct Case {
   double spring;
 };
 
-class ComplianceOf : public testing::TestWithParam<Case> {};
+class ComplianceOf : public testing::TestWithParam<SystemCase> {};
 
 TEST_P(ComplianceOf, ContactsIsThatOfAFactorisation) {
-  Slab slab(GetParam().young_modulus, GetParam().precision);
+  HeldSlab slab(GetParam().young_modulus, GetParam().precision);
   slab.spring.stiffness = GetParam().spring;
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance(GetParam().preconditioner);
@@ -152,15 +152,15 @@ TEST_P(ComplianceOf, ContactsIsThatOfAFactorisation) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Systems, ComplianceOf,
-                         testing::Values(Case{"stiff", 2e5, Precision::kDouble, Preconditioner::kAuto, 0},
-                                         Case{"mixed", 2e5, Precision::kMixed, Preconditioner::kAuto, 0},
-                                         Case{"soft", 500, Precision::kDouble, Preconditioner::kAuto, 0},
-                                         Case{"diagonal", 2e4, Precision::kDouble, Preconditioner::kDiagonal, 0},
-                                         Case{"spring", 2e5, Precision::kMixed, Preconditioner::kAuto, 5}),
+                         testing::Values(SystemCase{"stiff", 2e5, Precision::kDouble, Preconditioner::kAuto, 0},
+                                         SystemCase{"mixed", 2e5, Precision::kMixed, Preconditioner::kAuto, 0},
+                                         SystemCase{"soft", 500, Precision::kDouble, Preconditioner::kAuto, 0},
+                                         SystemCase{"diagonal", 2e4, Precision::kDouble, Preconditioner::kDiagonal, 0},
+                                         SystemCase{"spring", 2e5, Precision::kMixed, Preconditioner::kAuto, 5}),
                          [](const auto& each) { return std::string(each.param.name); });
 
 TEST(Compliance, BeginsTheMotionOfMultipliersNearIt) {
-  const Slab slab(2e5, Precision::kDouble);
+  const HeldSlab slab(2e5, Precision::kDouble);
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance;
   const Eigen::MatrixXd W = compliance.find(slab, rows);
@@ -188,7 +188,7 @@ TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
   Eigen::MatrixXd found[2];
   for (int k = 0; k < 2; ++k) {
     set_num_threads(k == 0 ? 1 : 3);
-    const Slab slab(2e5, Precision::kMixed);
+    const HeldSlab slab(2e5, Precision::kMixed);
     Compliance compliance;
     compliance.find(slab, contacts(slab, 7, 0.2));
     found[k] = compliance.find(slab, contacts(slab, 7, 0.25));
@@ -199,7 +199,7 @@ TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
 
 // As points of a mesh against several triangles each: more rows at a node than it has directions, nearly alike.
 TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
-  Slab slab(2e5, Precision::kMixed);
+  HeldSlab slab(2e5, Precision::kMixed);
   support::Random random(9);
   Compliance compliance;
   std::vector<ConstraintRow> rows;
@@ -217,7 +217,7 @@ TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
 }
 
 TEST(Compliance, RowsMayBeManyNoneDependentOrHeld) {
-  const Slab slab(2e5, Precision::kDouble);
+  const HeldSlab slab(2e5, Precision::kDouble);
   Compliance compliance;
   EXPECT_EQ(compliance.find(slab, {}).size(), 0);
   std::vector<ConstraintRow> rows = contacts(slab, 4, 0.2);

@@ -98,6 +98,7 @@ class DenseMatrix final : public sofa::linearalgebra::BaseMatrix {
  public:
   explicit DenseMatrix(int size) : values(Eigen::MatrixXd::Zero(size, size)) {}
   void add(int row, int column, SReal value) override { values(row, column) += value; }
+  long rowSize() const override { return values.rows(); }
 
   Eigen::MatrixXd values;
 };

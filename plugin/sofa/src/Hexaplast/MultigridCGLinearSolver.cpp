@@ -321,7 +321,16 @@ public:
         if (!attempt(*this, make)) m_solver.reset();
         reset();
     }
-    void reinit() override { init(); }
+    void bwdInit() override
+    {
+        Inherit::bwdInit();
+        attempt(*this, [&] { refuseUnbuiltConstraints(); });
+    }
+    void reinit() override
+    {
+        init();
+        attempt(*this, [&] { refuseUnbuiltConstraints(); });
+    }
 
     // A step that was lost is forgotten, Data that were refused are not.
     void reset() override
@@ -329,6 +338,7 @@ public:
         if (m_solver) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
         m_compliance.reset();
         m_knowsCompliance = false;
+        if (m_solver) attempt(*this, [&] { refuseUnbuiltConstraints(); });
     }
 
     /// SOFA has set up another matrix.
@@ -413,17 +423,6 @@ public:
                 });
     }
 
-    void init_partial_solve() override
-    {
-        attempt(*this,
-                []()
-                {
-                    throw InputError(
-                        "does not solve for single constraints, as unbuilt constraint solvers do: "
-                        "BlockGaussSeidelConstraintSolver asks for all of them at once");
-                });
-    }
-
 protected:
     MultigridCGLinearSolver()
         : d_preconditioner(
@@ -434,6 +433,25 @@ protected:
     }
 
 private:
+    /// Solvers of constraints that ask for one constraint after the other need the entries of a factorised matrix. SOFA
+    /// would go on without, and crash.
+    void refuseUnbuiltConstraints()
+    {
+        const auto find = [](BaseContext* context, BaseContext::SearchDirection where, const std::string& name)
+        {
+            std::vector<SofaComponent*> components;
+            context->get<SofaComponent>(&components, where);
+            return std::find_if(components.begin(), components.end(),
+                                [&](const SofaComponent* component)
+                                { return component->getClassName() == name; }) != components.end();
+        };
+        if (find(getContext(), BaseContext::Local, "LinearSolverConstraintCorrection") &&
+            find(getContext()->getRootContext(), BaseContext::SearchDown, "UnbuiltGaussSeidelConstraintSolver"))
+            throw InputError(
+                "UnbuiltGaussSeidelConstraintSolver asks for single constraints, for which a matrix must be there: "
+                "use BlockGaussSeidelConstraintSolver");
+    }
+
     /// The one state below that follows no other.
     MechanicalState& onlyState()
     {

@@ -10,6 +10,8 @@ class BaseMatrix {
  public:
   virtual ~BaseMatrix() = default;
   virtual void add(int row, int column, SReal value) = 0;
+  virtual long rowSize() const { return 0; }
+  virtual long colSize() const { return 0; }
 };
 
 }  // namespace sofa::linearalgebra

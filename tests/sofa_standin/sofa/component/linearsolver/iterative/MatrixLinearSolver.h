@@ -3,6 +3,9 @@
 #pragma once
 
 #include <sofa/core/BaseMapping.h>
+#include <sofa/core/ConstraintParams.h>
+#include <sofa/linearalgebra/BaseMatrix.h>
+#include <sofa/linearalgebra/BaseVector.h>
 #include <sofa/simulation/MechanicalOperations.h>
 
 namespace sofa::component::linearsolver {
@@ -20,6 +23,18 @@ class GraphScatteredVector {
 struct GraphScatteredMatrix {
   core::MechanicalParams mparams;
   simulation::common::MechanicalOperations* parent = nullptr;
+};
+
+/// The matrix, the solution and the right-hand side of the latest step.
+template <class Matrix, class Vector>
+class LinearSystem {
+ public:
+  Matrix* getSystemMatrix() { return &matrix; }
+  Vector* getSolutionVector() { return &solution; }
+  Vector* getRHSVector() { return &rhs; }
+
+  Matrix matrix;
+  Vector solution{0}, rhs{1};
 };
 
 template <class Matrix, class Vector>
@@ -40,6 +55,18 @@ class MatrixLinearSolver : public core::objectmodel::BaseComponent {
   };
 
   virtual void solve(Matrix& A, Vector& x, Vector& b) = 0;
+  virtual void invert(Matrix&) {}
+  virtual bool addJMInvJt(linearalgebra::BaseMatrix*, linearalgebra::BaseMatrix*, SReal) { return false; }
+  virtual bool buildComplianceMatrix(const core::ConstraintParams*, linearalgebra::BaseMatrix*, SReal, SReal) {
+    return false;
+  }
+  virtual void applyConstraintForce(const core::ConstraintParams*, core::MultiVecDerivId,
+                                    const linearalgebra::BaseVector*) {}
+
+  LinearSystem<Matrix, Vector>* getLinearSystem() const { return &system_; }
+
+ private:
+  mutable LinearSystem<Matrix, Vector> system_;
 };
 
 }  // namespace sofa::component::linearsolver
