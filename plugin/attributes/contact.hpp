@@ -73,6 +73,13 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "orientations",
      .type = Type::kReals,
      .help = "Orientation at each key time: quaternions x y z w. In between it turns steadily. Default: not turned."},
+    {.name = "rigid",
+     .type = Type::kLink,
+     .help =
+         "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node, one of which is the "
+         "frame of the instrument. It leads the instrument, and the body does not push it. Within a step the "
+         "instrument moves on with the velocity of the frame."},
+    {.name = "rigidIndex", .type = Type::kInteger, .initial = "0", .range = kIndex, .help = "Which of the frames."},
     {.name = "contactStiffness",
      .type = Type::kReal,
      .unit = "Pa/m",

@@ -29,6 +29,8 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     if (!body_field_) reject("no body on its state: contact is that of a body's surface");
     for (const scene::Mapping* mapping : node().root().all<scene::Mapping>())
       if (mapping->output() == state_) reject("its state follows another one: must be one that an integrator moves");
+    leading_ = leading();
+    frame_ = integer("rigidIndex");
     integrator_ = node().nearest<scene::OdeSolver>();
     if (!integrator_ || integrator_->class_name() != "EulerImplicitSolver")
       reject("needs an EulerImplicitSolver in its node or above");
@@ -48,8 +50,12 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
 
   void begin_step() override {
     const scene::Clock& clock = node().clock();
-    instrument_->begin_step(clock.time, clock.dt, integrator_->real("rayleighStiffness"), state_->positions(),
-                            state_->velocities());
+    const double rayleigh_stiffness = integrator_->real("rayleighStiffness");
+    if (leading_)
+      instrument_->begin_step(pose_after(0), pose_after(clock.dt), clock.dt, rayleigh_stiffness, state_->positions(),
+                              state_->velocities());
+    else
+      instrument_->begin_step(clock.time, clock.dt, rayleigh_stiffness, state_->positions(), state_->velocities());
   }
   void end_step(double) override { instrument_->end_step(state_->positions(), state_->velocities()); }
   void reset() override { instrument_->reset(); }
@@ -82,13 +88,13 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   bool is_one_sided() const override { return true; }
   bool release(ConstPoints x_end, ConstPoints v_end) override { return instrument_->contact().release(x_end, v_end); }
 
-  std::optional<Vec3> place(double time) const override { return instrument_->pose_at(time).position; }
+  std::optional<Vec3> place(double time) const override { return present_pose(time).position; }
   std::optional<scene::ContactEnergy> contact_energy() const override {
     const InstrumentContact& contact = instrument_->contact();
     return scene::ContactEnergy{contact.work(), contact.energy(), contact.friction_loss()};
   }
   std::vector<Triangle> shape_triangles() const override { return shape_.triangles; }
-  PointArray shape_points(double time) const override { return shape_.at(instrument_->pose_at(time)); }
+  PointArray shape_points(double time) const override { return shape_.at(present_pose(time)); }
 
   void provide(scene::Data& output) override {
     if (!instrument_) return;
@@ -103,12 +109,36 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   }
 
  private:
+  scene::RigidState* leading() {
+    scene::Object* target = find_data("rigid")->target();
+    if (!target) return nullptr;
+    scene::State* state = dynamic_cast<scene::State*>(target);
+    if (const auto* holder = dynamic_cast<scene::Node*>(target)) state = holder->local<scene::State>();
+    auto* frames = dynamic_cast<scene::RigidState*>(state);
+    if (!frames)
+      reject("rigid",
+             fmt::format("leads to {} '{}', must lead to a MechanicalObject of rigid frames (template Rigid3d)",
+                         target->class_name(), target->name()));
+    if (frames->stage() != Stage::kReady) throw scene::DependencyFailure();
+    if (integer("rigidIndex") >= frames->num_frames())
+      reject("rigidIndex", fmt::format("{} must lie in [0, {})", integer("rigidIndex"), frames->num_frames()));
+    return frames;
+  }
+
+  /// Of the frame that leads, if it keeps its velocity so long [s].
+  Pose pose_after(double duration) const {
+    PointArray x = leading_->positions().middleRows(2 * frame_, 2);
+    x += duration * leading_->velocities().middleRows(2 * frame_, 2);
+    return {x.row(0).transpose(), scene::turned(leading_->orientations()[frame_], x.row(1).transpose())};
+  }
+
   parts::InstrumentOptions options() {
     parts::InstrumentOptions options{.shape = text("shape"),
                                      .radius = real_if_given("radius"),
                                      .length = real_if_given("length"),
                                      .surface_positions = vectors3("surfacePositions"),
                                      .skin_positions = vectors3("skinPositions"),
+                                     .is_led = leading_ != nullptr,
                                      .key_times = reals("keyTimes"),
                                      .positions = vectors3("positions"),
                                      .orientations = reals("orientations"),
@@ -125,9 +155,14 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     return options;
   }
 
+  /// That of a frame that leads is known at the present time only.
+  Pose present_pose(double time) const { return leading_ ? pose_after(0) : instrument_->pose_at(time); }
+
   scene::MechanicalState* state_ = nullptr;
   scene::ForceField* body_field_ = nullptr;  // that has the body
   scene::OdeSolver* integrator_ = nullptr;
+  scene::RigidState* leading_ = nullptr;  // null: it moves along its path
+  int frame_ = 0;                         // that leads
   std::optional<parts::Instrument> instrument_;
   parts::InstrumentShape shape_;
 };

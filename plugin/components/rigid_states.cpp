@@ -97,7 +97,9 @@ class RigidObject final : public scene::RigidState {
     if (are_points)
       return take_points(
           Eigen::Map<const PointArray>(numbers.data(), static_cast<Eigen::Index>(numbers.size() / 3), 3));
-    if (numbers.size() <= 7 && has_topology)
+    // one frame that is given counts unless the topology stands beside it, as in SOFA
+    const bool asks_above = numbers.empty() || is_given("topology");
+    if (numbers.size() <= 7 && has_topology && (asks_above || node().local<scene::Topology>()))
       if (const PointArray& points = linked<scene::Topology>("topology").positions(); points.rows() > 0)
         return take_points(points);
     if (numbers.size() % 7 != 0)

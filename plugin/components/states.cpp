@@ -62,7 +62,9 @@ class MechanicalObject final : public scene::MechanicalState {
  private:
   PointArray given_positions() {
     const PointArray own = vectors3("position");
-    const bool has_topology = is_given("topology") || node().nearest<scene::Topology>();
+    // one node that is given counts unless the topology stands beside it, as in SOFA
+    const bool has_topology = is_given("topology") || node().local<scene::Topology>() ||
+                              (own.rows() == 0 && node().nearest<scene::Topology>());
     if (own.rows() > 1 || !has_topology) return own;
     const PointArray& nodes = linked<scene::Topology>("topology").positions();
     return nodes.rows() > 0 ? nodes : own;

@@ -20,6 +20,11 @@ constexpr double kPerRadius = 0.5;  // distance of samples, in smallest radii of
 
 /// The number of keys that a path has, one of which is there always.
 void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
+  if (options.is_led) {
+    if (!options.key_times.empty() || options.positions.rows() > 0 || !options.orientations.empty())
+      ranges.add({"key_times", "a path is given besides a rigid frame that leads: only one of them can"});
+    return;
+  }
   ranges.collect([&] {
     check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
   });
@@ -134,8 +139,13 @@ Pose Instrument::pose_at(double time) const {
 }
 
 void Instrument::begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v) {
+  begin_step(pose_at(time), pose_at(time + dt), dt, rayleigh_stiffness, x, v);
+}
+
+void Instrument::begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x,
+                            ConstPoints v) {
   rayleigh_stiffness_ = rayleigh_stiffness;
-  contact_->begin_step(x, v, dt, pose_at(time), pose_at(time + dt));
+  contact_->begin_step(x, v, dt, from, to);
 }
 
 void Instrument::surface_changed() { contact_->set_samples(samples_of(contact_->solid())); }

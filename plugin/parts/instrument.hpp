@@ -24,6 +24,7 @@ struct InstrumentOptions {
   PointArray skin_positions = PointArray(0, 3);  ///< [m] of a surface that is embedded in the body and touched in place
                                                  ///< of its faces
   std::vector<Triangle> skin_triangles = {};     ///< empty: the body's own faces are touched
+  bool is_led = false;                           ///< by a host that tells its poses; there is no path then
   std::vector<double> key_times = {};            ///< [s] of its path, ascending
   PointArray positions = PointArray(0, 3);       ///< [m] one row per key time
   std::vector<double> orientations = {};         ///< quaternions x y z w, one per key time, or none
@@ -53,6 +54,9 @@ class Instrument {
   /// Finds the contacts of a step from `time` that lasts dt [s]. rayleigh_stiffness [s]: that of the time integrator,
   /// which does not act on contact.
   void begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
+
+  /// The same for one that is led: its poses at the beginning and at the end of the step.
+  void begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
   void end_step(ConstPoints x, ConstPoints v) { contact_->end_step(x, v); }
 
   /// After hexahedra of the body have gone.
@@ -70,7 +74,7 @@ class Instrument {
   /// To be given for this force field to the system matrix: it takes back what the integrator adds.
   double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
 
-  Pose pose_at(double time) const;
+  Pose pose_at(double time) const;  ///< along its path
 
  private:
   SurfaceSamples samples_of(const Solid& solid);

@@ -70,12 +70,15 @@ std::vector<MassMatrix*> masses_of(const Node& node, const State& state) {
   return masses;
 }
 
-Eigen::Quaterniond RigidState::orientation_at(int frame, ConstPoints x) {
-  const Vec3 half = x.row(2 * frame + 1).transpose() / 2;
+Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vec3& by) {
+  const Vec3 half = by / 2;
   const double angle = half.norm();
   const double sinc = angle > 0 ? std::sin(angle) / angle : 1;
-  const Eigen::Quaterniond turn(std::cos(angle), sinc * half.x(), sinc * half.y(), sinc * half.z());
-  return turn * orientations()[frame];
+  return Eigen::Quaterniond(std::cos(angle), sinc * half.x(), sinc * half.y(), sinc * half.z()) * orientation;
+}
+
+Eigen::Quaterniond RigidState::orientation_at(int frame, ConstPoints x) {
+  return turned(orientations()[frame], x.row(2 * frame + 1).transpose());
 }
 
 void RigidState::settle() {

@@ -88,6 +88,9 @@ class RigidState : public State {
   void settle() override;
 };
 
+/// An orientation, turned by a rotation vector [rad] in the axes of the world.
+Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vec3& by);
+
 /// The mass matrix M of a state.
 class MassMatrix {
  public:

@@ -41,6 +41,7 @@ constexpr Description bookkeeping_component(std::string_view class_name) {
 /// something that will not happen. Bookkeeping: nothing is lost, nothing is said.
 inline constexpr Description kIgnoredComponents[] = {
     visual_component("VisualModel"),
+    visual_component("VisualModelOBJExporter"),
     visual_component("VisualMesh"),
     visual_component("VisualPointCloud"),
     visual_component("VisualGrid"),

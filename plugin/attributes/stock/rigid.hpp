@@ -17,7 +17,8 @@ inline constexpr Attribute kRigidObjectAttributes[] = {
      .type = Type::kReals,
      .access = Access::kState,
      .help = "Seven numbers for each frame: its origin [m], then its orientation, a unit quaternion x y z w. Points of "
-             "the topology, not turned, where none is given or a link leads to points."},
+             "the topology, not turned, where none is given, where one is given beside a topology in the same node, or "
+             "where a link leads to points."},
     {.name = "velocity",
      .type = Type::kVectors3,
      .access = Access::kState,
