@@ -99,8 +99,8 @@ class InstrumentContact {
   double depth() const { return depth_; }
   double energy() const { return energy_; }
 
-  /// [J] What the instrument has done by its motion, and what friction has taken, so far. What is left of the work after
-  /// friction and the energy of the springs is what the body has received, or damping.
+  /// [J] What the instrument has done by its motion, and what friction has taken, so far. What is left of the work
+  /// after friction and the energy of the springs is what the body has received, or damping.
   double work() const { return work_; }
   double friction_loss() const { return friction_loss_; }
 
