@@ -22,7 +22,8 @@ FAR_ACROSS, FAR_UP = [6, 7.5, 9.5, 12.5, 17, 23.5, 33, 45, 60], [0, 10, 15.5, 19
 MESHES = {"coarse": ([n for n in range(6)] + FAR_ACROSS, FAR_UP + [n for n in range(27, 31)]),
           "fine": ([n / 2 for n in range(11)] + FAR_ACROSS, FAR_UP + [n / 2 for n in range(54, 61)])}
 TOOL_CELLS, TOOL_WIDTH = 40, 8e-3
-CASES = [("coarse", "linear"), ("coarse", "neoHooke"), ("coarse", "stVenantKirchhoff"), ("fine", "stVenantKirchhoff")]
+CASES = [("coarse", "linear"), ("coarse", "neoHooke"), ("coarse", "stVenantKirchhoff"), ("fine", "linear"),
+         ("fine", "stVenantKirchhoff")]
 DEPTHS = [0.25, 0.5, 1.0]  # mm
 
 

@@ -211,6 +211,33 @@ TEST(InstrumentChecks, ToolsOfShippedScenesDoNotSinkIn) {
   EXPECT_LT(deepest("slope", 340, {"block/plate"}), 0.01);
 }
 
+// What files and pictures show is the shape that touches: closed, seen from outside, with its volume, where it is.
+TEST(InstrumentChecks, ShapesAreThoseThatTouch) {
+  constexpr double pi = std::numbers::pi;
+  for (const auto& [shape, volume] : {std::pair<std::string, double>{"sphere", 4 * pi / 3 * 8},
+                                      {"capsule", 4 * pi / 3 * 8 + pi * 4 * 5},
+                                      {"cylinder", pi * 4 * 5},
+                                      {"box", 24}}) {
+    scene::Scene scene =
+        read_and_init(block("<InstrumentContactForceField name='tool' shape='" + shape +
+                            "' radius='2' length='5' size='2 3 4' keyTimes='0 1' positions='0 0 9  4 0 9' "
+                            "orientations='0 0 0 1  .5 .5 .5 .5'/>"));
+    const auto& tool = dynamic_cast<scene::Instrument&>(at<scene::Component>(scene, "tool"));
+    const PointArray points = tool.shape_points(1);
+    double sum = 0;
+    for (const auto& [a, b, c] : tool.shape_triangles())
+      sum += Vec3(points.row(a)).dot(Vec3(points.row(b)).cross(Vec3(points.row(c)))) / 6;
+    EXPECT_NEAR(sum, volume, 0.02 * volume) << shape;
+    const Vec3 size = points.colwise().maxCoeff() - points.colwise().minCoeff(),
+               middle = (points.colwise().maxCoeff() + points.colwise().minCoeff()) / 2;
+    EXPECT_LT((middle - Vec3(4, 0, 9)).norm(), 1e-9) << shape;
+    // a third of a turn: z becomes x, x becomes y, y becomes z
+    if (shape == "box") {
+      EXPECT_LT((size - Vec3(4, 2, 3)).norm(), 1e-9);
+    }
+  }
+}
+
 // A ball that presses, strokes and leaves: what it did went into the springs of contact, into friction, or into the
 // body.
 TEST(InstrumentChecks, TheEnergyOfContactCloses) {
