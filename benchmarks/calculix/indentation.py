@@ -4,12 +4,12 @@
 
     benchmarks/calculix/indentation.py > tests/data/calculix/indentation.json
 
-A quarter of a block of 120 x 120 x 30 mm, E = 10 kPa, Poisson's ratio .3: the planes x = 0 and y = 0 are of symmetry, the bottom is held, the
-sides are free. A ball with a radius of 20 mm comes down on the middle of the top. Cells grow away from it: `across` and
-`up` are the places of the nodes along x or y and along z [mm], of a coarse mesh and of one with half the edge where the
-ball touches. The ball is a grid of stiff elements whose nodes lie on
-the sphere and are all prescribed; contact is face to face, hard but for a penalty of `penalty` Pa/m. `law`:
-linear elasticity and small displacements, or one of two laws of large strain with the same constants. `force`: on the whole ball, four times that of the quarter.
+A quarter of a block of 120 x 120 x 30 mm, E = 10 kPa, Poisson's ratio .3: the planes x = 0 and y = 0 are of symmetry, the
+bottom is held, the sides are free. A ball with a radius of 20 mm comes down on the middle of the top. Cells grow away
+from it: `across` and `up` are the places of the nodes along x or y and along z [mm], of a coarse mesh and of one with
+half the edge where the ball touches. The ball is a grid of elements whose nodes lie on the sphere and are all prescribed;
+contact is face to face, hard but for a penalty of `penalty` Pa/m. `law`: linear elasticity and small displacements, or
+one of two laws of large strain with the same constants. `force`: on the whole ball, four times that of the quarter.
 """
 import itertools
 import json

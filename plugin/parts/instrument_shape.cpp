@@ -7,8 +7,8 @@
 namespace hexaplast::parts {
 namespace {
 
-constexpr int kAround = 32;      // corners of a circle
-constexpr int kQuarter = 8;      // edges from the equator of a ball to a pole
+constexpr int kAround = 32;  // corners of a circle
+constexpr int kQuarter = 8;  // edges from the equator of a ball to a pole
 constexpr double kPi = std::numbers::pi;
 
 /// A place of a profile: at this distance from the z axis, at this height.
@@ -62,8 +62,8 @@ InstrumentShape box(const Vec3& size) {
   shape.points.resize(8, 3);
   for (int corner = 0; corner < 8; ++corner)
     for (int axis = 0; axis < 3; ++axis) shape.points(corner, axis) = ((corner >> axis & 1) - 0.5) * size[axis];
-  for (const auto& [a, b, c, d] : std::vector<Quad>{
-           {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+  for (const auto& [a, b, c, d] :
+       std::vector<Quad>{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
     shape.triangles.push_back({a, b, c});
     shape.triangles.push_back({a, c, d});
   }

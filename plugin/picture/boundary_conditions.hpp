@@ -15,7 +15,7 @@ struct Instrument {
   std::vector<int> nodes;  ///< on which it acts
   PointArray forces;       ///< [N] on them, one row each
 
-  PointArray shape_points = PointArray(0, 3);    ///< [m] of its surface; empty: it has no shape
+  PointArray shape_points = PointArray(0, 3);  ///< [m] of its surface; empty: it has no shape
   std::vector<Triangle> shape_triangles = {};  ///< of these points, counter-clockwise seen from outside
 
   /// [N] on the body.
@@ -24,8 +24,9 @@ struct Instrument {
 
 /// What holds and loads a body at a moment, but for its weight.
 struct BoundaryConditions {
-  std::vector<unsigned char> fixed;     ///< per node: 1 where all directions are fixed or prescribed; empty: none
-  PointArray loads = PointArray(0, 3);  ///< [N] external forces, those of instruments included: num_nodes x 3; empty: none
+  std::vector<unsigned char> fixed;  ///< per node: 1 where all directions are fixed or prescribed; empty: none
+  PointArray loads =
+      PointArray(0, 3);  ///< [N] external forces, those of instruments included: num_nodes x 3; empty: none
   std::vector<Instrument> instruments;
 };
 

@@ -63,8 +63,8 @@ class Camera {
 
  private:
   std::optional<Viewpoint::Eye> eye_;
-  Eigen::Vector3f right_, up_, towards_;  // unit vectors
-  Eigen::AlignedBox3f seen_;              // [m] along these three
+  Eigen::Vector3f right_, up_, towards_;                         // unit vectors
+  Eigen::AlignedBox3f seen_;                                     // [m] along these three
   float front_depth_ = -std::numeric_limits<float>::infinity();  // [m] along `towards`, of all that is drawn
   float back_depth_ = std::numeric_limits<float>::infinity();
   std::optional<Plane> front_;

@@ -44,8 +44,8 @@ int time_decimals(double dt);
 /// Collects states of a run and shows them: the smooth-shaded surface of the hexahedra with their edges, or the
 /// embedded surfaces that are embedded in them, coloured by a quantity. Values of hexahedra are averaged at nodes and
 /// blended between them. Fixed nodes are dots, instruments their shapes, or rings if they have none, and all
-/// forces arrows. All pictures share one camera, fitted to every state collected, one colour scale and one length of arrows per newton; that is why states
-/// are kept (in single precision, surface only) until the run is over.
+/// forces arrows. All pictures share one camera, fitted to every state collected, one colour scale and one length of
+/// arrows per newton; that is why states are kept (in single precision, surface only) until the run is over.
 class Gallery {
  public:
   /// title: shown in every picture. time_decimals: of the time stamps. The mesh must outlive the gallery. Throws
@@ -179,7 +179,7 @@ class Gallery {
   std::shared_ptr<const Boundary> original_, current_;
   std::vector<std::shared_ptr<const Surface>> current_embedded_surfaces_;
   std::map<int, std::shared_ptr<const Surface>> tools_;  // by the number of the instrument, as it was last
-  std::vector<unsigned char> current_alive_;  // that current_ belongs to; empty: all
+  std::vector<unsigned char> current_alive_;             // that current_ belongs to; empty: all
   std::vector<State> states_;
 };
 

@@ -419,9 +419,10 @@ std::vector<Key> Gallery::keys_of_forces(const State& state, const Camera& camer
   if (!state.tools.empty()) {
     const bool shows_force = staging_.shows_loads && strongest.tool > 0;
     const bool has_shapes = std::ranges::all_of(state.tools, [](const Tool& tool) { return tool.surface != nullptr; });
-    keys.push_back({has_shapes ? Key::Mark::kShape : Key::Mark::kRing,
-                    shows_force ? fmt::format("instrument, force up to {}", with_unit(strongest.tool, "N")) : "instrument",
-                    kSteel});
+    keys.push_back(
+        {has_shapes ? Key::Mark::kShape : Key::Mark::kRing,
+         shows_force ? fmt::format("instrument, force up to {}", with_unit(strongest.tool, "N")) : "instrument",
+         kSteel});
   }
   if (!staging_.gravity.isZero(0)) {
     const Vector3f down = staging_.gravity.normalized().cast<float>();

@@ -17,7 +17,8 @@ constexpr int kTool = -1, kShape = -2;  // in place of a node
 void write_instruments(const std::filesystem::path& file, std::span<const Instrument> instruments,
                        ConstPoints positions) {
   std::size_t num_points = 0;
-  for (const Instrument& instrument : instruments) num_points += 1 + instrument.nodes.size() + static_cast<std::size_t>(instrument.shape_points.rows());
+  for (const Instrument& instrument : instruments)
+    num_points += 1 + instrument.nodes.size() + static_cast<std::size_t>(instrument.shape_points.rows());
   PointArray points(static_cast<Eigen::Index>(num_points), 3), force = points;
   std::vector<std::int32_t> ids, nodes, connectivity;
 

@@ -242,6 +242,27 @@ TEST(InstrumentFile, HasTheToolAndWhatItHolds) {
   EXPECT_EQ(back[0].place, instrument.place);
 }
 
+TEST(InstrumentFile, HasTheSurfaceOfTheTool) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  std::vector<output::Instrument> instruments(2, support::some_conditions(body).instruments[0]);
+  for (int k = 0; k < 2; ++k) {
+    instruments[k].id = k;
+    instruments[k].shape_points = PointArray::Random(4 + k, 3);
+    instruments[k].shape_triangles = {{0, 1, 2}, {3 + k, 1, 0}};
+  }
+  output::write_instruments(scratch / "shapes.vtu", instruments, body.mesh().positions());
+  EXPECT_EQ(read_with_meshio(scratch, scratch / "shapes.vtu", {"kinds"}).at("kinds"),
+            "vertex line triangle vertex line triangle");
+  const std::vector<output::Instrument> back = output::read_instruments(scratch / "shapes.vtu");
+  ASSERT_EQ(back.size(), 2u);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_EQ(back[k].nodes, instruments[k].nodes);
+    EXPECT_EQ(back[k].shape_points, instruments[k].shape_points);
+    EXPECT_EQ(back[k].shape_triangles, instruments[k].shape_triangles);
+  }
+}
+
 TEST(InstrumentFile, IsRefusedWhereItMakesNoSense) {
   const Scratch scratch;
   Body body = support::yielding_block();

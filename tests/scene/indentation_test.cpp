@@ -41,7 +41,7 @@ std::vector<double> refined(const Json& coarse, int parts) {
 /// A quarter of the block with planes of symmetry, held at its bottom, and a ball that comes down by each depth [m] and
 /// stays there for a while. Steps of .1 s are longer than a period of the block: every stay ends at rest.
 struct Indentation {
-  static constexpr double kStep = 0.1;        // [s]
+  static constexpr double kStep = 0.1;         // [s]
   static constexpr int kDown = 5, kStay = 15;  // steps
 
   Indentation(int parts, double poisson_ratio, const std::vector<double>& depths, double stiffness) {
@@ -109,31 +109,27 @@ int refinement() {
   return given ? std::atoi(given) : 1;
 }
 
-// On the coarse mesh, or with each of its edges in HEXAPLAST_REFINEMENT parts; the fine reference stands for the
-// solution.
+// On the coarse mesh, or with each of its edges in HEXAPLAST_REFINEMENT parts.
 TEST(Indentation, AgreesWithCalculixAndHertz) {
   const int parts = refinement();
-  for (const double nu : {0.3, 0.45}) {
-    const std::vector<double> depths = {0.25e-3, 0.5e-3, 1e-3};
-    const Indentation ours(parts, nu, depths, reference()["penalty"]);
-    const Json* finest = nullptr;
-    for (const Json& row : reference()["cases"])
-      if (row["poisson_ratio"] == nu) finest = &row;
-    for (std::size_t d = 0; d < depths.size(); ++d) {
-      const double by_hertz = hertz(depths[d], reference()["young_modulus"], nu, reference()["radius"], thickness());
-      std::cout << fmt::format("nu {} depth {:.2f} mm refinement {}: {:.5f} N, Hertz {:.5f}", nu, 1e3 * depths[d], parts,
-                               ours.forces[d], by_hertz);
-      // a paraboloid, and small strains: with depth the ball is another shape
-      if (d < 2) {
-        EXPECT_NEAR(ours.forces[d], by_hertz, 0.05 * by_hertz) << nu << " " << depths[d];
+  const double E = reference()["young_modulus"], nu = reference()["poisson_ratio"], radius = reference()["radius"];
+  const std::vector<double> depths = {0.25e-3, 0.5e-3, 1e-3};
+  const Indentation ours(parts, nu, depths, reference()["penalty"]);
+  for (std::size_t d = 0; d < depths.size(); ++d) {
+    const double by_hertz = hertz(depths[d], E, nu, radius, thickness());
+    std::cout << fmt::format("depth {:.2f} mm, refinement {}: {:.5f} N, Hertz {:.5f}", 1e3 * depths[d], parts,
+                             ours.forces[d], by_hertz);
+    EXPECT_NEAR(ours.forces[d], by_hertz, 0.05 * by_hertz) << depths[d];
+    for (const Json& row : reference()["cases"]) {
+      const double by_calculix = row["force"][d];
+      const std::string law = row["law"], mesh = row["mesh"];
+      std::cout << fmt::format(", {} {} {:.5f}", mesh, law, by_calculix);
+      // St. Venant-Kirchhoff's law is softer under pressure than the others
+      if (parts == 1 && law != "stVenantKirchhoff") {
+        EXPECT_NEAR(ours.forces[d], by_calculix, 0.05 * by_calculix) << depths[d] << " " << law;
       }
-      if (finest) {
-        const double by_calculix = (*finest)["force"][d];
-        std::cout << fmt::format(", CalculiX {:.5f}", by_calculix);
-        EXPECT_NEAR(ours.forces[d], by_calculix, 0.05 * by_calculix) << nu << " " << depths[d];
-      }
-      std::cout << "\n";
     }
+    std::cout << "\n";
   }
 }
 

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "hexaplast/body.hpp"
-#include "support/random.hpp"
 #include "scene/visuals.hpp"
+#include "support/random.hpp"
 #include "support/scene.hpp"
 
 namespace {
@@ -52,10 +52,11 @@ scene::Scene shipped(const std::string& name, const std::vector<std::string>& as
 TEST(InstrumentChecks, APlateFeelsNoShear) {
   std::string top;
   for (int n = 3 * 49; n < 4 * 49; ++n) top += std::to_string(n) + " ";
-  scene::Scene scene = read_and_init(
-      block("<ConstantForceField indices='" + top + "' totalForce='4 0 0'/>"
-            "<InstrumentContactForceField name='plate' shape='box' size='.2 .2 .02' keyTimes='1 1.5' "
-            "positions='.03 .03 .05  .03 .03 .038'/>"));
+  scene::Scene scene =
+      read_and_init(block("<ConstantForceField indices='" + top +
+                          "' totalForce='4 0 0'/>"
+                          "<InstrumentContactForceField name='plate' shape='box' size='.2 .2 .02' keyTimes='1 1.5' "
+                          "positions='.03 .03 .05  .03 .03 .038'/>"));
   support::run(scene, 300);
   const PointArray& x = nodes(scene);
   EXPECT_GT(x.bottomRows(49).col(0).mean() - 0.03, 0.5 * 0.028) << "sheared by a half";
@@ -79,10 +80,10 @@ TEST(InstrumentChecks, ABodyRestsOnAPlate) {
 
 /// Force on a ball that presses 4 mm and strokes 5 mm, every .05 s.
 std::vector<Vec3> stroke(int finer, double dt) {
-  scene::Scene scene = read_and_init(
-      block("<InstrumentContactForceField name='ball' radius='.03' friction='.3' keyTimes='.1 .4 .9' "
-            "positions='.0275 .03 .061  .0275 .03 .056  .0325 .03 .056'/>",
-            finer, dt));
+  scene::Scene scene =
+      read_and_init(block("<InstrumentContactForceField name='ball' radius='.03' friction='.3' keyTimes='.1 .4 .9' "
+                          "positions='.0275 .03 .061  .0275 .03 .056  .0325 .03 .056'/>",
+                          finer, dt));
   std::vector<Vec3> forces;
   const int between = static_cast<int>(std::lround(0.05 / dt));
   for (int k = 0; k < 20; ++k) {
@@ -132,8 +133,8 @@ TEST(InstrumentChecks, ANeedleDoesNotPassBetweenNodes) {
 TEST(InstrumentChecks, BallsArePushedOutOfCornersEdgesAndFaces) {
   const double r = 0.006;
   for (const Vec3& place : {Vec3(0.06, 0.06, 0.03), Vec3(0.06, 0.031, 0.03), Vec3(0.033, 0.031, 0.03)}) {
-    const Vec3 outwards = Vec3(place.x() == 0.06, place.y() == 0.06, 1).normalized(),
-               from = place + 10 * r * outwards, to = place + 0.8 * r * outwards;
+    const Vec3 outwards = Vec3(place.x() == 0.06, place.y() == 0.06, 1).normalized(), from = place + 10 * r * outwards,
+               to = place + 0.8 * r * outwards;
     scene::Scene scene = read_and_init(block(fmt::format(
         "<InstrumentContactForceField name='ball' radius='{}' keyTimes='0 .046' positions='{} {} {}  {} {} {}'/>", r,
         from.x(), from.y(), from.z(), to.x(), to.y(), to.z())));
@@ -152,10 +153,9 @@ TEST(InstrumentChecks, BodiesRecoverFromRandomPokes) {
   for (int k = 0; k < num_pokes; ++k) {
     const char* shapes[] = {"sphere", "capsule", "cylinder", "box"};
     const double radius = random.uniform(0.002, 0.012);
-    const std::string shape = fmt::format("shape='{}' radius='{}' length='{}' size='{} {} {}'",
-                                          shapes[static_cast<int>(random.uniform(0, 4))], radius,
-                                          random.uniform(0.005, 0.04), 2 * radius, random.uniform(0.005, 0.04),
-                                          random.uniform(0.005, 0.04));
+    const std::string shape = fmt::format(
+        "shape='{}' radius='{}' length='{}' size='{} {} {}'", shapes[static_cast<int>(random.uniform(0, 4))], radius,
+        random.uniform(0.005, 0.04), 2 * radius, random.uniform(0.005, 0.04), random.uniform(0.005, 0.04));
     // towards a place within the upper third or just above it, at up to five radii in a step
     const Vec3 to(random.uniform(0, 0.06), random.uniform(0, 0.06), random.uniform(0.02, 0.035));
     Vec3 direction = random.direction();
@@ -211,7 +211,35 @@ TEST(InstrumentChecks, ToolsOfShippedScenesDoNotSinkIn) {
   EXPECT_LT(deepest("slope", 340, {"block/plate"}), 0.01);
 }
 
-// A ball that presses, strokes and leaves: what it did went into the springs of contact, into friction, or into the body.
+// What files and pictures show is the shape that touches: closed, seen from outside, with its volume, where it is.
+TEST(InstrumentChecks, ShapesAreThoseThatTouch) {
+  constexpr double pi = std::numbers::pi;
+  for (const auto& [shape, volume] : {std::pair<std::string, double>{"sphere", 4 * pi / 3 * 8},
+                                      {"capsule", 4 * pi / 3 * 8 + pi * 4 * 5},
+                                      {"cylinder", pi * 4 * 5},
+                                      {"box", 24}}) {
+    scene::Scene scene =
+        read_and_init(block("<InstrumentContactForceField name='tool' shape='" + shape +
+                            "' radius='2' length='5' size='2 3 4' keyTimes='0 1' positions='0 0 9  4 0 9' "
+                            "orientations='0 0 0 1  .5 .5 .5 .5'/>"));
+    const auto& tool = dynamic_cast<scene::Instrument&>(at<scene::Component>(scene, "tool"));
+    const PointArray points = tool.shape_points(1);
+    double sum = 0;
+    for (const auto& [a, b, c] : tool.shape_triangles())
+      sum += Vec3(points.row(a)).dot(Vec3(points.row(b)).cross(Vec3(points.row(c)))) / 6;
+    EXPECT_NEAR(sum, volume, 0.02 * volume) << shape;
+    const Vec3 size = points.colwise().maxCoeff() - points.colwise().minCoeff(),
+               middle = (points.colwise().maxCoeff() + points.colwise().minCoeff()) / 2;
+    EXPECT_LT((middle - Vec3(4, 0, 9)).norm(), 1e-9) << shape;
+    // a third of a turn: z becomes x, x becomes y, y becomes z
+    if (shape == "box") {
+      EXPECT_LT((size - Vec3(4, 2, 3)).norm(), 1e-9);
+    }
+  }
+}
+
+// A ball that presses, strokes and leaves: what it did went into the springs of contact, into friction, or into the
+// body.
 TEST(InstrumentChecks, TheEnergyOfContactCloses) {
   scene::Scene scene = read_and_init(
       block("<InstrumentContactForceField name='ball' radius='.015' friction='.3' keyTimes='.1 .4 .9 1.2' "
@@ -225,10 +253,11 @@ TEST(InstrumentChecks, TheEnergyOfContactCloses) {
     const scene::ContactEnergy energy = *ball.contact_energy();
     const EnergyBalance& balance = *integrator.energy_balance();
     const double unexplained = energy.work - energy.stored - energy.friction_loss - balance.load_work;
-    std::cout << fmt::format("work {:.4g} J: contact {:.4g}, friction {:.4g}, body {:.4g} (elastic {:.4g}); {:.2g} % "
-                             "unexplained, balance of the body {:.2g} %\n",
-                             energy.work, energy.stored, energy.friction_loss, balance.load_work, balance.elastic,
-                             100 * unexplained / energy.work, 100 * balance.error() / energy.work);
+    std::cout << fmt::format(
+        "work {:.4g} J: contact {:.4g}, friction {:.4g}, body {:.4g} (elastic {:.4g}); {:.2g} % "
+        "unexplained, balance of the body {:.2g} %\n",
+        energy.work, energy.stored, energy.friction_loss, balance.load_work, balance.elastic,
+        100 * unexplained / energy.work, 100 * balance.error() / energy.work);
     EXPECT_LT(std::abs(unexplained), 0.02 * energy.work);
     EXPECT_LT(std::abs(balance.error()), 0.02 * energy.work);
     EXPECT_GE(energy.stored, 0);
@@ -251,8 +280,8 @@ TEST(ForcepsFat, HoldsOrSlipsByFriction) {
   };
   const auto [held, left] = lifted({});
   const auto [slipped, left_then] = lifted({"strip/left.friction=.3", "strip/right.friction=.3"});
-  std::cout << fmt::format("lifted: {:.2f} mm, {:.2f} mm left; slipping: {:.2f} mm, {:.2f} mm\n", 1e3 * held, 1e3 * left,
-                           1e3 * slipped, 1e3 * left_then);
+  std::cout << fmt::format("lifted: {:.2f} mm, {:.2f} mm left; slipping: {:.2f} mm, {:.2f} mm\n", 1e3 * held,
+                           1e3 * left, 1e3 * slipped, 1e3 * left_then);
   EXPECT_GT(held, 0.012);
   EXPECT_GT(left, 0.003);
   EXPECT_LT(slipped, 0.4 * held);
@@ -281,7 +310,9 @@ TEST(Slope, LetsGoAtTheAngleOfFriction) {
 
   const auto slides = slide({}, 1.8);
   const double onset = 0.1 + 1.5 * std::atan(0.36) / (25 * kDegree);
-  const auto place_at = [&](double time) { return slides[static_cast<std::size_t>(std::lround(time / 0.005)) - 1].second; };
+  const auto place_at = [&](double time) {
+    return slides[static_cast<std::size_t>(std::lround(time / 0.005)) - 1].second;
+  };
   EXPECT_LT(std::abs(place_at(onset - 0.05) - slides.front().second), 0.002);
   // after the onset: g (sin a - mu cos a), with the plate at its end from 1.6 s on
   const double angle = 25 * kDegree, h = 0.05,

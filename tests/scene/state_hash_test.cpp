@@ -41,7 +41,7 @@ constexpr PinnedScene kScenes[] = {
     {"fatty_tissue", 25},            {"fold", 40},
     {"forceps_fat", 60},             {"liver_cage", 30},
     {"liver_tumour", 40},            {"peritoneum_tear", 32},
-    {"probe_liver", 50},             {"slope", 290, Comes::kElastic},
+    {"probe_liver", 50},             {"slope", 110, Comes::kElastic},
     {"two_organs", 110},             {"vessel_mobilise", 80, Comes::kToTear},
 };
 
