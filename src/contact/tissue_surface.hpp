@@ -31,7 +31,7 @@ class TissueSurface {
     int hexahedron = -1;
     CornerWeights weights = CornerWeights::Zero();  ///< of its corners, for the point
     int face = -1;
-    double distance = 0;  ///< [m] from the surface, negative inside
+    double distance = 0;          ///< [m] from the surface, negative inside
     Vec3 normal = Vec3::UnitZ();  ///< of length 1: the direction in which the distance grows
   };
 

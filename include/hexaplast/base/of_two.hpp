@@ -9,8 +9,7 @@ namespace hexaplast {
 template <class Field>
 struct OfTwo {
   template <class Same>
-    requires std::convertible_to<Same&&, Field>
-  OfTwo(Same&& both) : first(both), second(both) {}
+  requires std::convertible_to<Same&&, Field> OfTwo(Same&& both) : first(both), second(both) {}
   template <class First, class Second>
   OfTwo(First&& of_first, Second&& of_second) : first(of_first), second(of_second) {}
 

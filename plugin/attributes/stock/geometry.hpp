@@ -14,8 +14,9 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
      .type = Type::kVectors3,
      .unit = "m",
      .access = Access::kState,
-     .help = "Nodes. Those of the topology where none is given, or one beside a topology in the same node. A link gives "
-             "the first positions, and is not followed later."},
+     .help =
+         "Nodes. Those of the topology where none is given, or one beside a topology in the same node. A link gives "
+         "the first positions, and is not followed later."},
     {.name = "velocity", .type = Type::kVectors3, .unit = "m/s", .access = Access::kState, .help = "Default: at rest."},
     {.name = "rest_position",
      .type = Type::kVectors3,
