@@ -127,9 +127,10 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
 
   /// Of the frame that leads, if it keeps its velocity so long [s].
   Pose pose_after(double duration) const {
-    PointArray x = leading_->positions().middleRows(2 * frame_, 2);
-    x += duration * leading_->velocities().middleRows(2 * frame_, 2);
-    return {x.row(0).transpose(), scene::turned(leading_->orientations()[frame_], x.row(1).transpose())};
+    const auto x = leading_->positions().middleRows(2 * frame_, 2),
+               v = leading_->velocities().middleRows(2 * frame_, 2);
+    const Pose now{x.row(0).transpose(), scene::turned(leading_->orientations()[frame_], x.row(1).transpose())};
+    return parts::moved(now, v.row(0).transpose(), v.row(1).transpose(), duration);
   }
 
   parts::InstrumentOptions options() {

@@ -84,6 +84,12 @@ void check(const InstrumentOptions& options) {
 
 }  // namespace
 
+Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity, double duration) {
+  const double angle = duration * angular_velocity.norm();
+  const Eigen::AngleAxisd turn(angle, angle > 0 ? Vec3(angular_velocity.normalized()) : Vec3::UnitZ());
+  return {pose.position + duration * velocity, Eigen::Quaterniond(turn) * pose.orientation};
+}
+
 Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body) { set_options(std::move(options)); }
 
 void Instrument::set_options(InstrumentOptions options) {

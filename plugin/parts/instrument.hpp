@@ -38,6 +38,9 @@ struct InstrumentOptions {
 inline constexpr std::array<std::string_view, 5> kInstrumentShapes = {"sphere", "capsule", "cylinder", "box",
                                                                       "surface"};
 
+/// Where a pose leads that keeps its velocities [m/s, rad/s] for a duration [s].
+Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity, double duration);
+
 /// A rigid instrument that moves along a path and touches a body. Fields are num_nodes x 3.
 class Instrument {
  public:

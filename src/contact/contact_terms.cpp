@@ -11,7 +11,8 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kWrongFriction = 0.05;  // of all mu N, from which the step is solved again
+constexpr double kWrongFriction = 0.01;     // of mu N, from which the friction of a contact is corrected
+constexpr double kAllWrongFriction = 0.05;  // of all mu N, from which the step is solved again for it
 
 void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
   for (int a = 0; a < term.num_first; ++a) f.first.row(term.nodes[a]) += term.weights[a] * force.transpose();
@@ -47,12 +48,19 @@ void ContactTerm::set_friction(double tangential_stiffness, double coefficient, 
 // accelerates.
 double ContactTerm::correct_friction(const Vec3& r, const Vec3& change) {
   if (limit == 0) return 0;
+  const double limit_before = limit;
   const Vec3 before = tangential_force(r);
   // the depth at which it would arrive freely is no measure of what holds it up
   if (is_new) limit = friction * normal_force(r, change);
   const Vec3 u = displacement(r);
   const double size = u.norm();
-  slips = stick * size > limit && slip.dot(u) >= 0;  // what would turn back sticks
+  const bool is_beyond = stick * size > limit;
+  // as it is where it is right: at the limit itself, rounding must not decide
+  const bool is_right = slip.isZero(0)
+                            ? std::abs(tangential * size - std::min(stick * size, limit)) <= kWrongFriction * limit
+                            : is_beyond && slip.dot(u) > 0;
+  if (is_right) return std::abs(limit - limit_before);
+  slips = is_beyond && slip.dot(u) >= 0;  // what would turn back sticks
   tangential = slips ? limit / size : stick;
   slip = slips ? Vec3(u / size) : Vec3::Zero();
   return (tangential_force(r) - before).norm();
@@ -105,7 +113,7 @@ bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>
     wrong += term.correct_friction(term.at(x), term.at(v));
     all += term.limit;
   }
-  if (!has_released && wrong <= kWrongFriction * all) return false;
+  if (!has_released && wrong <= kAllWrongFriction * all) return false;
   std::swap(terms, corrected_);
   return true;
 }

@@ -155,7 +155,7 @@ TEST(TissueContactForceField, DoesNotMissWhatIsFast) {
     scene::Scene scene = read_and_init(stack.text());
     at<scene::MechanicalState>(scene, "upper/state").velocities().col(2).setConstant(-speed);
     int touched = 0;
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < 40; ++k) {
       scene.step();
       touched += number(scene, "touching") > 0;
       ASSERT_GT(positions(scene, "upper").col(2).mean(), 0.01) << speed << " m/s, step " << k;

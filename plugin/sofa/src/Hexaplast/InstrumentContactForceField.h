@@ -37,6 +37,11 @@ public:
     Data<SReal> d_contactDistance;                     ///< [m] from the shape
     Data<SReal> d_damping;                             ///< [Pa s/m]
     Data<int> d_maxSubdivision;                        ///< parts of the edge of a face, at most
+    sofa::core::objectmodel::SingleLink<InstrumentContactForceField, sofa::core::behavior::BaseMechanicalState,
+                                        sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
+                                            sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
+        l_rigid;                    ///< frames, one of which leads it in place of the path
+    Data<int> d_rigidIndex;         ///< which of them
     Data<sofa::type::Vec3> d_force;                    ///< output [N]: of the body on the instrument
     Data<sofa::type::Vec3> d_torque;                   ///< output [N m]: about the origin of its frame
     Data<SReal> d_depth;                               ///< output [m]: of the deepest point
@@ -76,6 +81,8 @@ private:
     using BodyField = HexahedronElastoplasticFEMForceField<TDataTypes>;
 
     parts::InstrumentOptions options() const;
+    void checkRigid() const;
+    Pose poseAfter(SReal duration) const;  ///< of the frame that leads, if it keeps its velocity so long
     SReal rayleighStiffnessOfIntegrator() const;  ///< of the EulerImplicitSolver above; InputError for any other
     void followSurface();
     void showOutputs();

@@ -38,6 +38,8 @@ InstrumentContactForceField<TDataTypes>::InstrumentContactForceField()
       d_contactDistance(from_table(*this, d_contactDistance, row(kContact, "contactDistance"), "Contact")),
       d_damping(from_table(*this, d_damping, row(kContact, "damping"), "Contact")),
       d_maxSubdivision(from_table(*this, d_maxSubdivision, row(kContact, "maxSubdivision"), "Contact")),
+      l_rigid(this->initLink("rigid", row(kContact, "rigid").help.data())),
+      d_rigidIndex(from_table(*this, d_rigidIndex, row(kContact, "rigidIndex"), "Path")),
       d_force(from_table(*this, d_force, row(kContact, "force"))),
       d_torque(from_table(*this, d_torque, row(kContact, "torque"))),
       d_depth(from_table(*this, d_depth, row(kContact, "depth"))),
@@ -94,6 +96,31 @@ SReal InstrumentContactForceField<TDataTypes>::rayleighStiffnessOfIntegrator() c
 }
 
 template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::checkRigid() const
+{
+    if (!l_rigid) return;
+    if (l_rigid->getCoordDimension() != 7 || l_rigid->getDerivDimension() != 6)
+        throw parts::OptionError("rigid", fmt::format("leads to '{}', must lead to a MechanicalObject of rigid frames "
+                                                      "(template Rigid3d)",
+                                                      l_rigid->getName()));
+    const int index = d_rigidIndex.getValue(), count = static_cast<int>(l_rigid->getSize());
+    if (index < 0 || index >= count)
+        throw parts::OptionError("rigid_index", fmt::format("{} must lie in [0, {})", index, count));
+}
+
+template <class TDataTypes>
+Pose InstrumentContactForceField<TDataTypes>::poseAfter(SReal duration) const
+{
+    const std::size_t index = static_cast<std::size_t>(d_rigidIndex.getValue()), count = l_rigid->getSize();
+    std::vector<SReal> x(7 * count), v(6 * count);
+    l_rigid->copyToBuffer(x.data(), sofa::core::vec_id::read_access::position, static_cast<unsigned int>(x.size()));
+    l_rigid->copyToBuffer(v.data(), sofa::core::vec_id::read_access::velocity, static_cast<unsigned int>(v.size()));
+    const SReal *at = &x[7 * index], *speed = &v[6 * index];
+    const Pose now{Vec3(at[0], at[1], at[2]), Eigen::Quaterniond(at[6], at[3], at[4], at[5]).normalized()};
+    return parts::moved(now, Vec3(speed[0], speed[1], speed[2]), Vec3(speed[3], speed[4], speed[5]), duration);
+}
+
+template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::makePart()
 {
     using sofa::core::objectmodel::BaseContext;
@@ -109,6 +136,7 @@ void InstrumentContactForceField<TDataTypes>::makePart()
     if (this->mstate->getContext()->template get<sofa::core::BaseMapping>(BaseContext::Local))
         throw InputError("its state follows another one: must be one that an integrator moves");
     rayleighStiffnessOfIntegrator();
+    checkRigid();
     m_bodyMade = m_bodyField->timesMade();
     m_numRemoved = m_bodyField->body()->removed().size();
     m_instrument.emplace(options(), *m_bodyField->body());
@@ -142,6 +170,7 @@ parts::InstrumentOptions InstrumentContactForceField<TDataTypes>::options() cons
                                      .surface_triangles = triangles(d_surfaceTriangles.getValue()),
                                      .skin_positions = view(d_skinPositions.getValue()),
                                      .skin_triangles = triangles(d_skinTriangles.getValue()),
+                                     .is_led = l_rigid.get() != nullptr,
                                      .key_times = reals(d_keyTimes.getValue()),
                                      .positions = view(d_positions.getValue()),
                                      .orientations = reals(d_orientations.getValue()),
@@ -178,8 +207,11 @@ void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
 {
     followSurface();
     const SReal ofIntegrator = rayleighStiffnessOfIntegrator();
-    m_instrument->begin_step(time, dt, ofIntegrator, view(this->mstate->readPositions().ref()),
-                             view(this->mstate->readVelocities().ref()));
+    const auto x = view(this->mstate->readPositions().ref()), v = view(this->mstate->readVelocities().ref());
+    if (l_rigid)
+        m_instrument->begin_step(poseAfter(0), poseAfter(dt), dt, ofIntegrator, x, v);
+    else
+        m_instrument->begin_step(time, dt, ofIntegrator, x, v);
     m_ownRayleighStiffness = m_instrument->rayleigh_stiffness();
     this->rayleighStiffness.setValue(m_ownRayleighStiffness);
     m_isSettled = false;

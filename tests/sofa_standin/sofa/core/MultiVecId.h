@@ -13,6 +13,11 @@ class BaseMechanicalState;
 /// The number of a vector that a state keeps beside positions and velocities.
 using VecDerivId = int;
 
+enum class ConstVecId { kPosition, kVelocity };
+namespace vec_id::read_access {
+inline constexpr ConstVecId position = ConstVecId::kPosition, velocity = ConstVecId::kVelocity;
+}
+
 /// The vectors of the same number in all states of a graph.
 class MultiVecDerivId {
  public:

@@ -13,6 +13,9 @@ namespace sofa::core::behavior {
 class BaseMechanicalState : public objectmodel::BaseComponent {
  public:
   virtual Size getSize() const = 0;
+  virtual Size getCoordDimension() const { return 3; }
+  virtual Size getDerivDimension() const { return 3; }
+  virtual void copyToBuffer(SReal* /*to*/, ConstVecId /*from*/, unsigned int /*count*/) const {}
 };
 
 /// Keeps the nodes itself, as SOFA's MechanicalObject does.
