@@ -142,6 +142,7 @@ class RoundGridTopology final : public MadeTopology {
     Vec3 count;
     for (int d = 0; d < 3; ++d) count[d] = static_cast<double>(is_given(kNames[d]) ? integer(kNames[d]) : n[d]) - 1;
     accepted(*this, [&] { parts::check_num_hexahedra("n", count.prod()); });
+    accepted(*this, [&] { parts::check_num_cells("n", (count.array() + 1).prod()); });
     for (int d = 0; d < 3; ++d) grid_.cells[d] = static_cast<int>(count[d]);
     grid_.centre = vector3("center");
     grid_.axis = vector3("axis");

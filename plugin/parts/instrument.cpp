@@ -121,7 +121,7 @@ SurfaceSamples Instrument::samples_of(const Solid& solid) {
           ? SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.max_subdivision)
           : SurfaceSamples::on_skin(body_.mesh(), body_.alive(), options_.skin_positions, options_.skin_triangles,
                                     wanted, options_.max_subdivision);
-  if (samples.spacing > wanted)
+  if (samples.spacing > (1 + 1e-6) * wanted)
     warnings_.push_back(
         {"maxSubdivision",
          fmt::format("samples of the surface are up to {:.3g} m apart; {:.3g} m, half of the instrument's smallest "

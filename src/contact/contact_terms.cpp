@@ -40,8 +40,8 @@ void ContactTerm::set_friction(double tangential_stiffness, double coefficient, 
   is_new = N == 0;
   limit = friction * (is_new ? std::max(-stiffness * gap(expected), 0.0) : N);
   const double size = displacement(expected).norm();
-  slips = stick * size > limit;
-  if (slips) tangential = limit / size;
+  slips = stick * size > limit || limit == 0;  // where u is 0 too, rounding must not decide
+  if (slips) tangential = limit > 0 ? limit / size : 0;
 }
 
 // With the expected displacement in place of u, what begins to slip would feel mu N |u| / |u_p|: far too much where it

@@ -2,7 +2,7 @@
 #include "solve/several_bodies.hpp"
 
 #include <algorithm>
-#include <utility>
+#include <tuple>
 
 #include "hexaplast/base/parallel.hpp"
 
@@ -47,36 +47,31 @@ void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
 const std::vector<NodeGroup>& SeveralBodies::find_groups(const MatrixFreeSystem& system) {
   num_parts_ = system.bodies.size();
   if (parts_.size() < num_parts_) parts_.resize(num_parts_);
-  struct Candidate {
-    NodeGroup group;
-    bool is_held = false;
-    double stiffness = 0;  // mean of a node
-  };
-  std::vector<Candidate> candidates;
+  candidates_.clear();
   for (std::size_t i = 0; i < num_parts_; ++i) {
     const Part& part = parts_[i];
     find_stiffness(system.bodies[i], parts_[i]);
     const NodeGroup group{part.first_node, static_cast<int>(part.stiffness.rows())};
     const auto same = [&](const Candidate& other) { return other.group.first_node == group.first_node; };
-    if (std::ranges::any_of(candidates, same)) continue;
-    candidates.push_back(Candidate{group, group.rows(system.free).minCoeff() == 0, part.stiffness.mean()});
+    if (std::ranges::any_of(candidates_, same)) continue;
+    candidates_.push_back(Candidate{group, group.rows(system.free).minCoeff() == 0, part.stiffness.mean()});
   }
-  std::ranges::stable_sort(candidates, [](const Candidate& a, const Candidate& b) {
-    return std::pair(a.is_held, a.stiffness) < std::pair(b.is_held, b.stiffness);
+  std::ranges::sort(candidates_, {}, [](const Candidate& candidate) {
+    return std::tuple(candidate.is_held, candidate.stiffness, candidate.group.first_node);
   });
   groups_.clear();
   // nodes of no body first: they are the softest
-  std::vector<bool> is_of_body(static_cast<std::size_t>(system.diagonal.rows()), false);
-  for (const Candidate& candidate : candidates)
-    std::fill_n(is_of_body.begin() + candidate.group.first_node, candidate.group.num_nodes, true);
-  for (int n = 0; n < static_cast<int>(is_of_body.size()); ++n) {
-    if (is_of_body[n]) continue;
+  is_of_body_.assign(static_cast<std::size_t>(system.diagonal.rows()), false);
+  for (const Candidate& candidate : candidates_)
+    std::fill_n(is_of_body_.begin() + candidate.group.first_node, candidate.group.num_nodes, true);
+  for (int n = 0; n < static_cast<int>(is_of_body_.size()); ++n) {
+    if (is_of_body_[n]) continue;
     if (!groups_.empty() && groups_.back().first_node + groups_.back().num_nodes == n)
       ++groups_.back().num_nodes;
     else
       groups_.push_back({n, 1});
   }
-  for (const Candidate& candidate : candidates) groups_.push_back(candidate.group);
+  for (const Candidate& candidate : candidates_) groups_.push_back(candidate.group);
   return groups_;
 }
 

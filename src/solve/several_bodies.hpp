@@ -70,6 +70,13 @@ class SeveralBodies final : public NodalPreconditioner {
   Eigen::VectorXd weight_of_rest_, sum_;
   PointArray inverse_;             // of D, where no block has it
   std::vector<NodeBlock> blocks_;  // inverse
+  struct Candidate {
+    NodeGroup group;
+    bool is_held = false;
+    double stiffness = 0;  // mean of a node
+  };
+  std::vector<Candidate> candidates_;  // scratch
+  std::vector<bool> is_of_body_;       // likewise, per node
   std::vector<NodeGroup> groups_;
   std::vector<bool> ties_;  // per group: it is tied to one behind it; empty: no group is
   const MatrixFreeSystem* system_ = nullptr;

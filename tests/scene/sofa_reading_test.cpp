@@ -30,7 +30,7 @@ std::string said_of(const std::string& text) {
 
 TEST(ReadingAsSofa, PhysicsThatIsNotThereIsRefused) {
   for (const char* name :
-       {"TetrahedronFEMForceField", "TriangularFEMForceField", "BeamFEMForceField", "JointSpringForceField",
+       {"TetrahedralCorotationalFEMForceField", "BeamFEMForceField", "JointSpringForceField",
         "TetrahedronHyperelasticityFEMForceField", "BilateralLagrangianConstraint", "AttachProjectiveConstraint",
         "AdaptiveBeamForceFieldAndMass", "TriangularQuadraticSprings", "CentralDifferenceThing2Solver", "Gravity",
         "MultiStepAnimationLoop", "TopologicalChangeProcessor"})

@@ -34,15 +34,24 @@ struct PinnedScene {
 void PrintTo(const PinnedScene& scene, std::ostream* out) { *out << scene.name; }
 
 constexpr PinnedScene kScenes[] = {
-    {"bar_stretch_high", 25}, {"bar_stretch_medium", 25},
-    {"bar_stretch_low", 40},  {"bar_stretch_face", 40},
-    {"bar_twist_high", 25},   {"bar_twist_medium", 25},
-    {"bar_twist_low", 40},    {"cantilever_static", 2, Comes::kElastic},
-    {"fatty_tissue", 25},     {"fold", 40},
-    {"forceps_fat", 60},      {"liver_cage", 30},
-    {"liver_tumour", 40},     {"peritoneum_tear", 32},
-    {"probe_liver", 50},      {"slope", 110, Comes::kElastic},
-    {"two_organs", 110},      {"vessel_mobilise", 80, Comes::kToTear},
+    {"bar_stretch_high", 25},
+    {"bar_stretch_medium", 25},
+    {"bar_stretch_low", 40},
+    {"bar_stretch_face", 40},
+    {"bar_twist_high", 25},
+    {"bar_twist_medium", 25},
+    {"bar_twist_low", 40},
+    {"cantilever_static", 2, Comes::kElastic},
+    {"fatty_tissue", 25},
+    {"fold", 40},
+    {"forceps_fat", 60},
+    {"liver_cage", 30},
+    {"liver_tumour", 40},
+    {"peritoneum_tear", 32},
+    {"probe_liver", 50},
+    {"slope", 110, Comes::kElastic},
+    {"two_organs", 110, Comes::kElastic},
+    {"vessel_mobilise", 80, Comes::kToTear},
 };
 
 const std::string kTable = HEXAPLAST_TEST_DATA "/state_hashes.json";
