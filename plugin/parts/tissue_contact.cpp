@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "parts/tissue_contact.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "attributes/contact.hpp"
@@ -8,6 +10,8 @@
 
 namespace hexaplast::parts {
 namespace {
+
+constexpr double kMostDistance = 0.5;  // of contact, in edges
 
 void check(const TissueContactOptions& options) {
   OptionRanges ranges(attributes::kTissueContactForceField);
@@ -37,9 +41,18 @@ void Tissues::set_options(TissueContactOptions options) {
                                  .friction = options.friction,
                                  .distance = options.contact_distance,
                                  .damping = options.damping};
-  if (has_same_samples) return contact_->set_settings(settings);
-  contact_.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);
-  surface_changed();
+  if (has_same_samples) {
+    contact_->set_settings(settings);
+  } else {
+    contact_.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);
+    surface_changed();
+  }
+  // contact is looked for in the cells around a point
+  if (const double most = kMostDistance * contact_->edge(); most > 0 && options.contact_distance > most)
+    throw OptionError("contact_distance",
+                      fmt::format("= {:.6g}: must be at most {:.3g} m, half of the mean edge of the "
+                                  "surfaces",
+                                  options.contact_distance, most));
 }
 
 void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x,

@@ -124,8 +124,7 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   const bool with_itself = meshes_[0] == meshes_[1];
   const std::array<const ConstPoints*, 2> xs = {&x.first, &x.second}, vs = {&v.first, &v.second};
 
-  double edge = sides_[0]->surface.mean_edge();
-  for (const auto& side : sides_) edge = std::min(edge, side->surface.mean_edge());
+  const double edge = this->edge();
   const Vec3 mean = (v.first.colwise().sum() + v.second.colwise().sum()).transpose() /
                     static_cast<double>(v.first.rows() + v.second.rows());
   const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean));
@@ -256,6 +255,12 @@ void TissueContact::reset() {
   terms_.terms.clear();
   force_.setZero();
   depth_ = energy_ = 0;
+}
+
+double TissueContact::edge() const {
+  double edge = sides_[0]->surface.mean_edge();
+  for (const auto& side : sides_) edge = std::min(edge, side->surface.mean_edge());
+  return edge;
 }
 
 double TissueContact::spacing() const {

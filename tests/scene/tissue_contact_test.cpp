@@ -213,7 +213,7 @@ TEST(TissueContactForceField, RefusesWhatCannotBe) {
   EXPECT_NE(errors_of(two.text()).find("need one EulerImplicitSolver"), std::string::npos) << errors_of(two.text());
   for (const auto& [contact, message] :
        {std::pair("friction='-1'", "friction"), std::pair("contactStiffness='0'", "contactStiffness"),
-        std::pair("maxSubdivision='0'", "maxSubdivision")})
+        std::pair("maxSubdivision='0'", "maxSubdivision"), std::pair("contactDistance='.006'", "contactDistance")})
     EXPECT_NE(errors_of(Stack{.contact = contact}.text()).find(message), std::string::npos) << contact;
   EXPECT_NE(
       errors_of(Stack{.integrator = "<EulerImplicitSolver trapezoidalScheme='true'/>"}.text()).find("trapezoidal"),

@@ -63,6 +63,7 @@ class TissueContact {
 
   int num_touching() const { return static_cast<int>(terms_.terms.size()); }
   int num_slipping() const { return terms_.num_slipping(); }
+  double edge() const;     ///< [m] the smaller one of the mean edges of the two surfaces; 0: there is none
   double spacing() const;  ///< [m] the largest distance between neighbouring samples
 
   /// [N] On the first body, [m] the deepest place of a sample, [J] in the springs, at the end of the latest step. Of
