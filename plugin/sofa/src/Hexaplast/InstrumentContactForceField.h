@@ -40,13 +40,13 @@ public:
     sofa::core::objectmodel::SingleLink<InstrumentContactForceField, sofa::core::behavior::BaseMechanicalState,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_rigid;                    ///< frames, one of which leads it in place of the path
-    Data<int> d_rigidIndex;         ///< which of them
-    Data<sofa::type::Vec3> d_force;                    ///< output [N]: of the body on the instrument
-    Data<sofa::type::Vec3> d_torque;                   ///< output [N m]: about the origin of its frame
-    Data<SReal> d_depth;                               ///< output [m]: of the deepest point
-    Data<int> d_touching;                              ///< output: number of points that touch
-    Data<int> d_slipping;                              ///< output: how many of these slip
+        l_rigid;                      ///< frames, one of which leads it in place of the path
+    Data<int> d_rigidIndex;           ///< which of them
+    Data<sofa::type::Vec3> d_force;   ///< output [N]: of the body on the instrument
+    Data<sofa::type::Vec3> d_torque;  ///< output [N m]: about the origin of its frame
+    Data<SReal> d_depth;              ///< output [m]: of the deepest point
+    Data<int> d_touching;             ///< output: number of points that touch
+    Data<int> d_slipping;             ///< output: how many of these slip
 
     void init() override;
     void bwdInit() override;
@@ -82,7 +82,7 @@ private:
 
     parts::InstrumentOptions options() const;
     void checkRigid() const;
-    Pose poseAfter(SReal duration) const;  ///< of the frame that leads, if it keeps its velocity so long
+    Pose poseAfter(SReal duration) const;         ///< of the frame that leads, if it keeps its velocity so long
     SReal rayleighStiffnessOfIntegrator() const;  ///< of the EulerImplicitSolver above; InputError for any other
     void followSurface();
     void showOutputs();
