@@ -57,9 +57,8 @@ struct TissueContact::Side {
 
   struct Found {
     std::optional<TissueSurface::Place> place;
-    Vec3 difference = Vec3::Zero();  // r [m] there
-    Vec3 displacement = Vec3::Zero();
-    Vec3 expected = Vec3::Zero();
+    Vec3 difference = Vec3::Zero();    // of the sample from the place of the other body [m], where it was found
+    Vec3 displacement = Vec3::Zero();  // of the sample from its anchor [m]
   };
   std::vector<Found> found;
 
