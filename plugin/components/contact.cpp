@@ -59,13 +59,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   }
   void end_step(double) override { instrument_->end_step(state_->positions(), state_->velocities()); }
   void reset() override { instrument_->reset(); }
-  void serialize(Archive& archive) override {
-    if (archive.reads()) instrument_->surface_changed();
-    instrument_->serialize(archive);
-  }
-  void hexahedra_removed(const scene::ForceField& field, std::span<const int>) override {
-    if (&field == body_field_) instrument_->surface_changed();
-  }
+  void serialize(Archive& archive) override { instrument_->serialize(archive); }
 
   void add_force(double, ConstPoints x, ConstPoints v, Points f) override { instrument_->add_force(x, v, f); }
   void add_load(double, ConstPoints x, ConstPoints v, Points f) const override {

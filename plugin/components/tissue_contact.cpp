@@ -58,15 +58,9 @@ class TissueContactForceField final : public scene::InteractionForceField {
   void begin_step() override {
     tissues_->begin_step(node().clock().dt, integrator_->real("rayleighStiffness"), positions(), velocities());
   }
-  void end_step(double) override { tissues_->contact().end_step(positions(), velocities()); }
+  void end_step(double) override { tissues_->end_step(positions(), velocities()); }
   void reset() override { tissues_->reset(); }
-  void serialize(Archive& archive) override {
-    if (archive.reads()) tissues_->surface_changed();
-    tissues_->contact().serialize(archive);
-  }
-  void hexahedra_removed(const scene::ForceField& field, std::span<const int>) override {
-    if (&field == body_fields_[0] || &field == body_fields_[1]) tissues_->surface_changed();
-  }
+  void serialize(Archive& archive) override { tissues_->serialize(archive); }
 
   void add_force(double, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
     tissues_->add_force(x, v, f);

@@ -108,26 +108,34 @@ void Instrument::set_options(InstrumentOptions options) {
                                  .friction = options_.friction,
                                  .distance = options_.contact_distance,
                                  .damping = options_.damping};
-  if (has_same_shape)
+  if (has_same_shape) {
     contact_->set_settings(settings);
-  else
-    contact_.emplace(solid, settings, samples_of(solid));
-}
-
-SurfaceSamples Instrument::samples_of(const Solid& solid) {
+    return;
+  }
+  SurfaceSamples samples = samples_of(solid);
   const double wanted = kPerRadius * solid.smallest_radius();
-  const SurfaceSamples samples =
-      options_.skin_triangles.empty()
-          ? SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.max_subdivision)
-          : SurfaceSamples::on_skin(body_.mesh(), body_.alive(), options_.skin_positions, options_.skin_triangles,
-                                    wanted, options_.max_subdivision);
   if (samples.spacing > (1 + 1e-6) * wanted)
     warnings_.push_back(
         {"maxSubdivision",
          fmt::format("samples of the surface are up to {:.3g} m apart; {:.3g} m, half of the instrument's smallest "
                      "radius, would be needed so that nothing of it slips between them",
                      samples.spacing, wanted)});
-  return samples;
+  num_removed_ = body_.removed().size();
+  contact_.emplace(solid, settings, std::move(samples));
+}
+
+SurfaceSamples Instrument::samples_of(const Solid& solid) const {
+  const double wanted = kPerRadius * solid.smallest_radius();
+  if (options_.skin_triangles.empty())
+    return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.max_subdivision);
+  return SurfaceSamples::on_skin(body_.mesh(), body_.alive(), options_.skin_positions, options_.skin_triangles, wanted,
+                                 options_.max_subdivision);
+}
+
+void Instrument::follow_surface() {
+  if (body_.removed().size() == num_removed_) return;
+  num_removed_ = body_.removed().size();
+  contact_->set_samples(samples_of(contact_->solid()));
 }
 
 Pose Instrument::pose_at(double time) const {
@@ -150,15 +158,23 @@ void Instrument::begin_step(double time, double dt, double rayleigh_stiffness, C
 
 void Instrument::begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x,
                             ConstPoints v) {
+  follow_surface();
   rayleigh_stiffness_ = rayleigh_stiffness;
   contact_->begin_step(x, v, dt, from, to);
 }
 
-void Instrument::surface_changed() { contact_->set_samples(samples_of(contact_->solid())); }
-
 void Instrument::reset() {
   contact_->reset();
-  surface_changed();
+  follow_surface();
+}
+
+void Instrument::serialize(Archive& archive) {
+  if (archive.reads()) {  // as many may have gone, and others
+    num_removed_ = body_.removed().size();
+    contact_->set_samples(samples_of(contact_->solid()));
+  }
+  follow_surface();
+  contact_->serialize(archive);
 }
 
 void Instrument::add_force(ConstPoints x, ConstPoints v, Points f) const {

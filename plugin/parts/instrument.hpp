@@ -62,11 +62,8 @@ class Instrument {
   void begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
   void end_step(ConstPoints x, ConstPoints v) { contact_->end_step(x, v); }
 
-  /// After hexahedra of the body have gone.
-  void surface_changed();
-
   void reset();
-  void serialize(Archive& archive) { contact_->serialize(archive); }
+  void serialize(Archive& archive);
 
   /// f += forces [N] of the present step, without what the integrator adds by its Rayleigh stiffness.
   void add_force(ConstPoints x, ConstPoints v, Points f) const;
@@ -80,9 +77,11 @@ class Instrument {
   Pose pose_at(double time) const;  ///< along its path
 
  private:
-  SurfaceSamples samples_of(const Solid& solid);
+  SurfaceSamples samples_of(const Solid& solid) const;
+  void follow_surface();  // where hexahedra have gone since the last call
 
   const Body& body_;
+  std::size_t num_removed_ = 0;
   InstrumentOptions options_;
   std::optional<InstrumentContact> contact_;
   double rayleigh_stiffness_ = 0;

@@ -32,8 +32,6 @@ Tissues::Tissues(TissueContactOptions options, const Body& first, const Body& se
 
 void Tissues::set_options(TissueContactOptions options) {
   check(options);
-  const bool has_same_samples = contact_ && options.max_subdivision == options_.max_subdivision;
-  options_ = options;
   const double stiffness = options.contact_stiffness.value_or(
       std::min(default_contact_stiffness(*bodies_[0]), default_contact_stiffness(*bodies_[1])));
   const ContactSettings settings{.stiffness = stiffness,
@@ -41,29 +39,51 @@ void Tissues::set_options(TissueContactOptions options) {
                                  .friction = options.friction,
                                  .distance = options.contact_distance,
                                  .damping = options.damping};
-  if (has_same_samples) {
-    contact_->set_settings(settings);
-  } else {
-    contact_.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);
-    surface_changed();
+  std::optional<TissueContact> other;
+  if (!contact_ || options.max_subdivision != options_.max_subdivision) {
+    other.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);
+    set_surface(*other);
   }
   // contact is looked for in the cells around a point
-  if (const double most = kMostDistance * contact_->edge(); most > 0 && options.contact_distance > most)
+  if (const double most = kMostDistance * (other ? *other : *contact_).edge();
+      most > 0 && options.contact_distance > most)
     throw OptionError("contact_distance",
-                      fmt::format("= {:.6g}: must be at most {:.3g} m, half of the mean edge of the "
-                                  "surfaces",
+                      fmt::format("= {:.6g}: must be at most {:.3g} m, half of the mean edge of the surfaces",
                                   options.contact_distance, most));
+  options_ = options;
+  if (other) {
+    contact_ = std::move(other);
+    num_removed_ = num_removed();
+  } else {
+    contact_->set_settings(settings);
+  }
+}
+
+void Tissues::follow_surface() {
+  if (num_removed() == num_removed_) return;
+  num_removed_ = num_removed();
+  set_surface(*contact_);
 }
 
 void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x,
                          const OfTwo<ConstPoints>& v) {
+  follow_surface();
   rayleigh_stiffness_ = rayleigh_stiffness;
   contact_->begin_step(x, v, dt);
 }
 
 void Tissues::reset() {
   contact_->reset();
-  surface_changed();
+  follow_surface();
+}
+
+void Tissues::serialize(Archive& archive) {
+  if (archive.reads()) {  // as many may have gone, and others
+    num_removed_ = num_removed();
+    set_surface(*contact_);
+  }
+  follow_surface();
+  contact_->serialize(archive);
 }
 
 void Tissues::add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const {

@@ -34,10 +34,10 @@ class Tissues {
   /// contact.
   void begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
-  /// After hexahedra of a body have gone.
-  void surface_changed() { contact_->set_alive(bodies_[0]->alive(), bodies_[1]->alive()); }
+  void end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { contact_->end_step(x, v); }
 
   void reset();
+  void serialize(Archive& archive);
 
   /// f += forces [N] of the present step, without what the integrator adds by its Rayleigh stiffness.
   void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const;
@@ -49,7 +49,14 @@ class Tissues {
   double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
 
  private:
+  void set_surface(TissueContact& contact) const { contact.set_alive(bodies_[0]->alive(), bodies_[1]->alive()); }
+  std::array<std::size_t, 2> num_removed() const {
+    return {bodies_[0]->removed().size(), bodies_[1]->removed().size()};
+  }
+  void follow_surface();  // where hexahedra have gone since the last call
+
   std::array<const Body*, 2> bodies_;
+  std::array<std::size_t, 2> num_removed_ = {};
   TissueContactOptions options_;
   std::optional<TissueContact> contact_;
   double rayleigh_stiffness_ = 0;

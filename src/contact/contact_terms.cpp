@@ -11,8 +11,8 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kWrongFriction = 0.01;     // of mu N, from which the friction of a contact is corrected
-constexpr double kAllWrongFriction = 0.05;  // of all mu N, from which the step is solved again for it
+constexpr double kWrongFriction = 0.01;    // of mu N, from which the friction of a contact is corrected
+constexpr double kAllWrongFriction = 0.1;  // of all mu N, from which the step is solved again for it
 
 void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
   for (int a = 0; a < term.num_first; ++a) f.first.row(term.nodes[a]) += term.weights[a] * force.transpose();
@@ -37,33 +37,26 @@ void ContactSettings::require_valid(const char* whose) const {
 void ContactTerm::set_friction(double tangential_stiffness, double coefficient, double N, const Vec3& expected) {
   stick = tangential = tangential_stiffness;
   friction = coefficient;
-  is_new = N == 0;
-  limit = friction * (is_new ? std::max(-stiffness * gap(expected), 0.0) : N);
-  const double size = displacement(expected).norm();
+  limit = friction * (N > 0 ? N : std::max(-stiffness * gap(expected), 0.0));
+  const Vec3 u = displacement(expected);
+  const double size = u.norm();
   slips = stick * size > limit || limit == 0;  // where u is 0 too, rounding must not decide
-  if (slips) tangential = limit > 0 ? limit / size : 0;
+  if (!slips) return;
+  tangential = limit > 0 ? limit / size : 0;
+  if (limit > 0) slip = u / size;
 }
 
-// With the expected displacement in place of u, what begins to slip would feel mu N |u| / |u_p|: far too much where it
-// accelerates.
 double ContactTerm::correct_friction(const Vec3& r, const Vec3& change) {
-  if (limit == 0) return 0;
-  const double limit_before = limit;
-  const Vec3 before = tangential_force(r);
-  // the depth at which it would arrive freely is no measure of what holds it up
-  if (is_new) limit = friction * normal_force(r, change);
-  const Vec3 u = displacement(r);
+  const Vec3 u = displacement(r), before = tangential_force(r);
+  limit = friction * std::max(normal_force(r, change), 0.0);
   const double size = u.norm();
   const bool is_beyond = stick * size > limit;
-  // as it is where it is right: at the limit itself, rounding must not decide
-  const bool is_right = slip.isZero(0)
-                            ? std::abs(tangential * size - std::min(stick * size, limit)) <= kWrongFriction * limit
-                            : is_beyond && slip.dot(u) > 0;
-  if (is_right) return std::abs(limit - limit_before);
-  slips = is_beyond && slip.dot(u) >= 0;  // what would turn back sticks
+  const double wrong = (before + (is_beyond ? limit / size : stick) * u).norm();
+  if (wrong <= kWrongFriction * limit) return wrong;  // at the limit itself, rounding must not decide
+  slips = is_beyond && slip.dot(u) >= 0;              // what would turn back sticks
   tangential = slips ? limit / size : stick;
   slip = slips ? Vec3(u / size) : Vec3::Zero();
-  return (tangential_force(r) - before).norm();
+  return wrong;
 }
 
 int ContactTerms::num_slipping() const { return static_cast<int>(std::ranges::count_if(terms, &ContactTerm::slips)); }
@@ -105,7 +98,7 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
 bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
   const std::size_t before = terms.size();
   std::erase_if(terms, [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < 0; });
-  const bool has_released = terms.size() < before;
+  if (terms.size() < before) return true;  // where some pulled, the others do not feel what they will
   double wrong = 0, all = 0;
   corrected_ = terms;
   for (ContactTerm& term : corrected_) {
@@ -113,7 +106,7 @@ bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>
     wrong += term.correct_friction(term.at(x), term.at(v));
     all += term.limit;
   }
-  if (!has_released && wrong <= kAllWrongFriction * all) return false;
+  if (wrong <= kAllWrongFriction * all) return false;
   std::swap(terms, corrected_);
   return true;
 }

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kFarthestPerLook = 0.5;  // of the smallest radius that a sample may move against the instrument
 constexpr int kMostLooks = 64;            // within a step
+constexpr double kOnTheSameSide = 0.7;    // cosine, from which a surface that turned is the one that was touched
 
 }  // namespace
 
@@ -53,17 +54,19 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     // against the instrument, in its own frame
     const Vec3 from = begin.to_own(p), to = end.to_own(expected);
     const double way = (to - from).norm();
-    if (std::min(from.norm(), to.norm()) > near + way) return;
+    if (!(std::min(from.norm(), to.norm()) <= near + way)) return;
 
     // the first look that finds it within: it cannot be past the middle of the instrument yet
     const int looks = static_cast<int>(
         std::clamp(std::ceil(way / (kFarthestPerLook * solid_.smallest_radius())), 1.0, double{kMostLooks}));
-    double before = solid_.distance(from).value;
-    const bool touched = before < distance;  // it stays a contact until it would pull
+    const SignedDistance at_begin = solid_.distance(from);
+    double before = at_begin.value;
+    const bool touched = before < distance;
     for (int k = 1; k <= looks; ++k) {
       const Vec3 at = from + static_cast<double>(k) / looks * (to - from);
       const SignedDistance now = solid_.distance(at);
-      if (now.value >= distance && !touched) {
+      // what touched stays a contact until it would pull, unless it slid over an edge
+      if (now.value >= distance && !(touched && now.normal.dot(at_begin.normal) > kOnTheSameSide)) {
         before = now.value;
         continue;
       }

@@ -113,11 +113,11 @@ class SurfaceShape final : public Solid::Shape {
   }
 
   SignedDistance distance(const Vec3& point) const override {
-    int nearest = -1;
+    int nearest = 0;
     TrianglePlace best;
     tree_.for_each_nearer(point, [&](int t) {
       const TrianglePlace found = nearest_place(triangles_[t].corners, point);
-      if (nearest < 0 || found.squared < best.squared) {
+      if (found.squared < best.squared) {
         best = found;
         nearest = t;
       }

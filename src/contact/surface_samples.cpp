@@ -25,11 +25,6 @@ struct Patch {
                along_v = (1 - mid_u) * (corners[3] - corners[0]) + mid_u * (corners[2] - corners[1]);
     return along_u.cross(along_v).norm() * du * dv;
   }
-  double longest_edge() const {
-    double longest = 0;
-    for (int a = 0; a < 4; ++a) longest = std::max(longest, (corners[(a + 1) % 4] - corners[a]).norm());
-    return longest;
-  }
 };
 
 void check(double wanted, int most) {
@@ -62,12 +57,15 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
   check(wanted, most);
   const std::vector<Quad> faces = mesh.boundary_faces(alive);
   std::vector<Patch> patches;
-  double longest = 0;
   for (const Quad& face : faces) {
     Patch& patch = patches.emplace_back();
     for (int a = 0; a < 4; ++a) patch.corners[a] = mesh.positions().row(face[a]).transpose();
-    longest = std::max(longest, patch.longest_edge());
   }
+  // also of edges inside, so that samples stay the same when hexahedra go
+  double longest = 0;
+  for (const Hexahedron& nodes : mesh.hexahedra())
+    for (const auto& [a, b] : kEdges)
+      longest = std::max(longest, (mesh.positions().row(nodes[a]) - mesh.positions().row(nodes[b])).norm());
   // the same on every face, so that neighbours have their points in common
   const int parts = parts_of(longest, wanted, most);
 
@@ -115,8 +113,7 @@ SurfaceSamples SurfaceSamples::on_skin(const HexMesh& mesh, std::span<const unsi
   found.spacing = longest / parts;
   std::map<Shares<3>, std::size_t> known;
   std::vector<Vec3> points;
-  std::vector<double> areas;
-  std::vector<std::size_t> of_triangle;  // its points, triangle by triangle
+  std::vector<std::pair<std::size_t, double>> of_triangle;  // its points and their areas, triangle by triangle
   for (const Triangle& triangle : triangles) {
     const auto corner = [&](int a) { return Vec3(skin.row(triangle[a]).transpose()); };
     const double area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
@@ -126,28 +123,31 @@ SurfaceSamples SurfaceSamples::on_skin(const HexMesh& mesh, std::span<const unsi
         const auto [at, is_new] = known.emplace(key_of(triangle, shares), points.size());
         if (is_new) {
           points.push_back((shares[0] * corner(0) + shares[1] * corner(1) + shares[2] * corner(2)) / parts);
-          areas.push_back(0);
         }
         // thirds of the small triangles around it: one at a corner, three on an edge, six inside
         const auto num_corners = std::ranges::count(shares, 0);
         const int around = num_corners == 2 ? 1 : num_corners == 1 ? 3 : 6;
-        areas[at->second] += area * around / (3.0 * parts * parts);
-        of_triangle.push_back(at->second);
+        of_triangle.emplace_back(at->second, area * around / (3.0 * parts * parts));
       }
   }
 
   PointArray places(static_cast<Eigen::Index>(points.size()), 3);
   for (std::size_t k = 0; k < points.size(); ++k) places.row(static_cast<Eigen::Index>(k)) = points[k].transpose();
   const Embedding embedding(mesh.positions(), mesh.hexahedra(), places);
-  // as long as one of its triangles is there
-  std::vector<unsigned char> is_left(points.size(), alive.empty());
+  // of the triangles that are there, as long as one is
+  std::vector<double> areas(points.size(), 0);
+  std::vector<unsigned char> is_left(points.size(), 0);
   const std::size_t per_triangle = triangles.empty() ? 1 : of_triangle.size() / triangles.size();
-  for (std::size_t first = 0; !alive.empty() && first < of_triangle.size(); first += per_triangle) {
-    const std::span<const std::size_t> own(of_triangle.data() + first, per_triangle);
-    const bool is_there = std::ranges::all_of(
-        own, [&](std::size_t k) { return alive[embedding.hexahedron_of(static_cast<int>(k))] != 0; });
-    if (is_there)
-      for (const std::size_t k : own) is_left[k] = 1;
+  for (std::size_t first = 0; first < of_triangle.size(); first += per_triangle) {
+    const std::span own(of_triangle.data() + first, per_triangle);
+    const bool is_there = alive.empty() || std::ranges::all_of(own, [&](const auto& point) {
+                            return alive[embedding.hexahedron_of(static_cast<int>(point.first))] != 0;
+                          });
+    if (!is_there) continue;
+    for (const auto& point : own) {
+      is_left[point.first] = 1;
+      areas[point.first] += point.second;
+    }
   }
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (!is_left[k]) continue;

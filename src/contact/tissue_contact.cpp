@@ -93,9 +93,9 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
   for (int from = 0; from < (with_itself ? 1 : 2); ++from) {
     const int to = 1 - from;
     TissueSurface surface(*meshes_[to], alive[to], with_itself);
-    // without hexahedra nothing touches
-    const double wanted = surface.mean_edge() > 0 ? kPerEdge * surface.mean_edge() : 1;
-    SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted, most_parts_);
+    // as at first, so that samples stay the same when hexahedra go; without hexahedra nothing touches
+    if (sides_.empty()) wanted_[from] = surface.mean_edge() > 0 ? kPerEdge * surface.mean_edge() : 1;
+    SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted_[from], most_parts_);
     auto side = std::make_unique<Side>(Side{from, to, std::move(samples), std::move(surface), {}, {}});
     side->states.resize(side->samples.samples.size());
     if (!sides_.empty()) {
@@ -128,8 +128,9 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
                     static_cast<double>(v.first.rows() + v.second.rows());
   const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean));
   const int looks =
-      edge > 0 ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMostTissueLooks}))
-               : 1;
+      edge > 0 && way > 0
+          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMostTissueLooks}))
+          : 1;
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
   for (int look = 1; look <= looks; ++look) {
@@ -153,7 +154,16 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
         if (!found.place) return;
         const HexMesh& mesh = *meshes_[side.to];
         found.difference = p - point_of(others, mesh.hexahedra()[found.place->hexahedron], found.place->weights);
-        if (touched) found.displacement = p - point_of(others, mesh.hexahedra()[state.hexahedron], state.anchor);
+        if (touched) {
+          found.displacement = p - point_of(others, mesh.hexahedra()[state.hexahedron], state.anchor);
+          return;
+        }
+        // it stuck from when it touched, in this look at the earliest
+        const Vec3 change = h / looks *
+                            (sample.at(*vs[side.from]) -
+                             point_of(*vs[side.to], mesh.hexahedra()[found.place->hexahedron], found.place->weights));
+        const double depth = settings_.distance - found.place->distance, approach = -found.place->normal.dot(change);
+        found.displacement = (approach > depth ? depth / approach : 1) * change;
       });
     }
   }
@@ -242,9 +252,7 @@ void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
     Hexahedron corners;
     std::copy_n(term.nodes.begin() + begin, kCorners, corners.begin());
     const ElementPoints there = gather(others, corners);
-    const CornerWeights weights = weights_beyond(there, nearest_place(there, at, side.surface.mean_edge()).s, at);
-    if (!weights.allFinite()) continue;
-    state.anchor = weights;
+    state.anchor = weights_beyond(there, nearest_place(there, at, side.surface.mean_edge()).s, at);
     state.hexahedron = side.found[i].place->hexahedron;
   }
 }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kWithin = 1e-9;       // of a hexahedron's size: a point this near to it lies in it
 constexpr double kNoDirection = 1e-6;  // of an edge: nearer to the surface than this, its own normal is taken
+constexpr double kSameSide = 0.7;      // cosine, from which a surface that turned is the one that was touched
 constexpr int kNearCells = 2;          // a body does not touch itself within
 constexpr int kMostCells = 128;        // of the grid along an axis
 constexpr int kMostWalks = 200;
@@ -156,7 +157,7 @@ std::array<Vec3, 3> TissueSurface::triangle_of(ConstPoints x, const Quad& face, 
 }
 
 TissueSurface::Nearest TissueSurface::nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) {
-  Nearest nearest;
+  Nearest nearest = {.face = index, .place = {}, .triangle = 0};
   for (int k = 0; k < 4; ++k) {
     const TrianglePlace place = nearest_place(triangle_of(x, face, k), p);
     if (place.squared < nearest.place.squared) nearest = {.face = index, .place = place, .triangle = k};
@@ -191,6 +192,12 @@ TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p) const {
   return nearest;
 }
 
+/// Of the whole face, outwards.
+Vec3 TissueSurface::normal_of(int face) const {
+  const auto corner = [&](int k) -> Vec3 { return x_->row(faces_[face][k]).transpose(); };
+  return (corner(2) - corner(0)).cross(corner(3) - corner(1)).normalized();
+}
+
 TissueSurface::Place TissueSurface::place_at(const Nearest& nearest, const Vec3& p, bool is_inside) const {
   Place place;
   place.face = nearest.face;
@@ -199,8 +206,10 @@ TissueSurface::Place TissueSurface::place_at(const Nearest& nearest, const Vec3&
   const auto [a, b, c] = triangle_of(*x_, faces_[nearest.face], nearest.triangle);
   const Vec3 across = (b - a).cross(c - a);
   const bool is_on_face = nearest.place.feature == TrianglePlace::kFace || distance < kNoDirection * mean_edge_;
-  place.normal =
-      is_on_face && across.norm() > 0 ? Vec3(across.normalized()) : Vec3((p - nearest.place.place) / place.distance);
+  if (is_on_face)
+    place.normal = across.norm() > 0 ? Vec3(across.normalized()) : normal_of(nearest.face);
+  else
+    place.normal = (p - nearest.place.place) / place.distance;
   return place;
 }
 
@@ -237,10 +246,12 @@ std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, int face,
     place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p);
     return place;
   }
+  const int followed = face;
   if (face < 0) face = in_front.face;
   if (face < 0) return std::nullopt;
   Place place = place_at(walk(face, p), p, false);
   if (!(place.distance < reach)) return std::nullopt;
+  if (followed >= 0 && !(place.normal.dot(normal_of(followed)) > kSameSide)) return std::nullopt;
   place.hexahedron = owner_[place.face];
   if (!own.empty() && is_near(place.hexahedron, own)) return std::nullopt;
   const ElementPoints corners = gather(*x_, mesh_->hexahedra()[place.hexahedron]);

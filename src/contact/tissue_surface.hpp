@@ -55,6 +55,7 @@ class TissueSurface {
   static Nearest nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p);
   Nearest nearest_initially(const Vec3& p) const;
   Nearest walk(int face, const Vec3& p) const;
+  Vec3 normal_of(int face) const;
   Place place_at(const Nearest& nearest, const Vec3& p, bool is_inside) const;
 
   const HexMesh* mesh_;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kExact = 1e-15;        // of its size, and in reference coordinates: as exact as doubles are
 constexpr double kShortestStep = 1e-6;  // share of a Gauss-Newton step
+constexpr double kFarthestBeyond = 6;   // in reference coordinates: three edges from a sound hexahedron
 constexpr int kMostIterations = 60;     // inside a sound hexahedron less than ten are needed
 
 }  // namespace
@@ -64,7 +65,8 @@ CornerWeights weights_beyond(const ElementPoints& x, const Vec3& s, const Vec3& 
   const ElementPoints dN = shape_derivatives(s);
   const CornerWeights N = shape_functions(s);
   const Mat3 J = x.transpose() * dN;
-  return N + dN * (J.inverse() * (p - x.transpose() * N));
+  const Vec3 ds = J.inverse() * (p - x.transpose() * N);
+  return ds.cwiseAbs().maxCoeff() <= kFarthestBeyond ? CornerWeights(N + dN * ds) : N;
 }
 
 // The regions of a point around a triangle a b c, after Ericson (2005).

@@ -19,12 +19,6 @@ double stable_phase_per_step(const EulerSettings& settings, double dt) {
   return std::sqrt((4 + 2 * dt * settings.rayleigh_mass * t) / stiffness_share);  //                           eq. 49
 }
 
-namespace {
-
-constexpr int kMostReleases = 2;  // of a step
-
-}  // namespace
-
 SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x,
                                 Points v) {
   require_rows("ImplicitEuler::step", "x", x, system.num_nodes());

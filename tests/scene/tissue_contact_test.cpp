@@ -90,6 +90,37 @@ TEST(TissueContactForceField, ABlockOnABlockSticksOrSlides) {
   }
 }
 
+// So does one that slides with friction over the samples of a longer one, at up to .7 m/s: m (g sin a - mu g cos a),
+// and no step has much more than mu N.
+TEST(TissueContactForceField, ABlockSlidesOnABlockWithFriction) {
+  for (const double friction : {0.1, 0.3}) {
+    const double h = 0.002, a = 20 * std::numbers::pi / 180, down = 9.81 * std::sin(a), into = 9.81 * std::cos(a);
+    const auto body = [](const std::string& name, const std::string& grid) {
+      return "<Node name='" + name + "'><RegularGridTopology " + grid +
+             "/><MechanicalObject name='state'/><UniformMass totalMass='.02'/>"
+             "<HexahedronElastoplasticFEMForceField youngModulus='1e6' poissonRatio='.3'/>";
+    };
+    scene::Scene scene = read_and_init(
+        "<Node dt='" + std::to_string(h) + "' gravity='" + std::to_string(down) + " 0 " + std::to_string(-into) +
+        "'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><TissueContactForceField name='contact' "
+        "object1='@lower/state' object2='@upper/state' friction='" +
+        std::to_string(friction) + "'/>" + body("lower", "n='21 5 2' max='.2 .04 .01'") +
+        "<FixedProjectiveConstraint indices='0-104'/></Node>" +
+        body("upper", "n='3 3 2' min='.0013 .013 .01' max='.0213 .033 .02'") + "</Node></Node>");
+    const auto speed = [&] { return at<scene::MechanicalState>(scene, "upper/state").velocities().col(0).mean(); };
+    support::run(scene, 50);
+    const double before = speed();
+    const std::vector<double>& force = at<scene::Component>(scene, "contact").reals("force");
+    double most = 0;
+    for (int step = 0; step < 100; ++step) {
+      support::run(scene, 1);
+      most = std::max(most, force[0] / (friction * -force[2]));
+    }
+    EXPECT_NEAR(down - (speed() - before) / (100 * h), friction * into, 0.005 * friction * into);
+    EXPECT_LT(most, 1.2);
+  }
+}
+
 // The same whichever way the system is solved, for any number of threads the same bits, and it turns with the scene.
 TEST(TissueContactForceField, DoesNotDependOnTheSolver) {
   Stack stack;

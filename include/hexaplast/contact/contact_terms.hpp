@@ -23,13 +23,12 @@ struct ContactSettings {
 };
 
 /// One contact in one step: springs and a damper on r = sum_a w_a x_a, a point of the first body, less one of the
-/// second body where there is one. Its forces are linear in x and v.                              theory.md eq. C1, C2,
-/// C6
+/// second body where there is one. Its forces are linear in x and v.                    theory.md eq. C2, C3, C6
 ///
 ///   g = n.(r - place),                   f_n = -(k A g + c A n.(dr/dt - velocity)) n
 ///   u = (I - n n^T)(r - anchor),         f_t = -tangential (u - (slip.u) slip) - limit slip
 ///
-/// slip is 0 unless the friction was corrected within the step.
+/// slip is 0 where it sticks.
 ///
 /// w_a (f_n + f_t) acts on node a.
 struct ContactTerm {
@@ -45,13 +44,12 @@ struct ContactTerm {
   Vec3 anchor = Vec3::Zero();    ///< [m]
   double stiffness = 0;          ///< k A [N/m]
   double damping = 0;            ///< c A [N s/m]
-  double tangential = 0;         ///< [N/m] k_t A, or mu N / |u|
+  double tangential = 0;         ///< [N/m] k_t A, or mu N / |u| where it slips
   double stick = 0;              ///< k_t A [N/m]
   double friction = 0;           ///< mu
   double limit = 0;              ///< mu N [N]
-  Vec3 slip = Vec3::Zero();      ///< direction in which mu N acts against the motion; 0: the force is the spring's
+  Vec3 slip = Vec3::Zero();      ///< direction of u where it slips: mu N acts against it
   bool slips = false;
-  bool is_new = false;  ///< N is the one that is expected, not that of a step before
 
   void add_node(int node, double weight) {
     nodes[num_nodes] = node;
@@ -94,7 +92,8 @@ struct ContactTerm {
   /// step before, 0 for a new contact.
   void set_friction(double tangential_stiffness, double coefficient, double N, const Vec3& expected);
 
-  /// Sets it to what the displacement at the end of the step stands for. Returns by how much the force changes [N].
+  /// Sets it to what N and the displacement at the end of the step stand for, unless it is that to 1 % of mu N.
+  /// Returns by how much the force differs [N].
   double correct_friction(const Vec3& r, const Vec3& change);
 };
 
@@ -115,8 +114,9 @@ class ContactTerms {
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
 
-  /// Takes out the contacts that would pull at x and v, and corrects the friction of those whose force is not what
-  /// their displacement there stands for. Returns whether there were any: the step is to be solved again.
+  /// Takes out the contacts that would pull at x and v. If there are none, corrects the friction that is not what N and
+  /// the displacements there stand for, if it is more than 10 % of all. Returns whether anything was done: the step is
+  /// to be solved again.
   bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
  private:

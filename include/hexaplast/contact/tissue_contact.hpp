@@ -13,8 +13,7 @@
 
 namespace hexaplast {
 
-/// Contact of the surfaces of two deformable bodies, or of one body with itself.             theory.md eq. C1, C2,
-/// C6-C8
+/// Contact of the surfaces of two deformable bodies, or of one body with itself.        theory.md eq. C1-C4, C6-C8
 ///
 /// Samples of each surface are looked up in the hexahedra of the other one, where it is expected at the end of the
 /// step: each side with half of the stiffness, so that two surfaces that overlap press with k depth. A sample that lies
@@ -78,6 +77,7 @@ class TissueContact {
   std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
   ContactSettings settings_;
   int most_parts_;
+  std::array<double, 2> wanted_ = {};         // [m] between the samples of each surface
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
   ContactTerms terms_;
   std::vector<int> first_sample_;  // per side, in ContactTerm::sample

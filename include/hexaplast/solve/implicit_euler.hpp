@@ -79,10 +79,12 @@ double stable_phase_per_step(const EulerSettings& settings, double dt);
 ///
 /// first_order:  (M - a h K) v = f  (both projected),  x += h v
 ///
-/// One linear solve per step, no iteration on the nonlinearity; up to two more where forces are released
+/// One linear solve per step, no iteration on the nonlinearity; more of them where forces are released
 /// (MechanicalSystem::release).
 class ImplicitEuler {
  public:
+  static constexpr int kMostReleases = 4;  ///< of a step
+
   explicit ImplicitEuler(EulerSettings settings) : settings_(settings) {}
 
   /// Advances x [m] and v [m/s] by dt [s]. Throws NumericalError naming the first node that left the finite numbers,
