@@ -81,6 +81,9 @@ inline constexpr std::array kExamples = {
     Example{"SparseGridRamificationTopology",
             R"xml(<SparseGridRamificationTopology name="cage" fileTopology="organ.obj" n="3 3 7"
     nbVirtualFinerLevels="2" finestConnectivity="false"/>)xml"},
+    Example{"SparseGridMultipleTopology",
+            R"xml(<SparseGridMultipleTopology name="cage" fileTopologies="organ.obj core.obj" n="4 4 13"
+    stiffnessCoefs="1 5" finestConnectivity="false"/>)xml"},
     Example{"QuadSetTopologyContainer", R"xml(<Node name="skin">
   <QuadSetTopologyContainer name="quads"/>
   <Hexa2QuadTopologicalMapping input="@../grid" output="@quads"/>

@@ -314,6 +314,40 @@ inline constexpr Description kSparseGridRamificationTopology{
         "fine cell decides how full such a hexahedron is, here all of them do.",
     .attributes = kSparseGridRamificationTopologyAttributes};
 
+inline constexpr Attribute kSeveralSurfacesAttributes[] = {
+    kConnectivityAttribute[0],
+    {.name = "fileTopologies",
+     .type = Type::kText,
+     .help = "The surfaces: mesh files as of fileTopology, separated by blanks. Later ones over earlier ones. In "
+             "fileTopology stands the one whose edges finestConnectivity looks at."},
+    {.name = "stiffnessCoefs",
+     .type = Type::kReals,
+     .range = kPositive,
+     .help = "Factor of the stiffness of the cells that each surface encloses; default: 1. A cell that it passes "
+             "through gets the mean of this and of what it had before, at first 0. In single precision, as in SOFA."},
+    {.name = "massCoefs",
+     .type = Type::kReals,
+     .range = kPositive,
+     .help = "The like for the masses of HexahedronFEMForceFieldAndMass. Other masses are not changed, as in SOFA."},
+    {.name = "erasePreviousCoef",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Cells that a surface passes through get its factor, and no mean."},
+    {.name = "computeRamifications",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Without nbVirtualFinerLevels: whether finestConnectivity is looked at."},
+};
+inline constexpr auto kSparseGridMultipleTopologyAttributes =
+    joined(kSparseGridTopologyAttributes, kSeveralSurfacesAttributes);
+inline constexpr Description kSparseGridMultipleTopology{
+    .class_name = "SparseGridMultipleTopology",
+    .category = "Topology",
+    .help =
+        "A SparseGridRamificationTopology around several surfaces, each with a factor of the stiffness: parts of "
+        "a body, or what is embedded in it.",
+    .attributes = kSparseGridMultipleTopologyAttributes};
+
 inline constexpr Attribute kMeshTopologyAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,
