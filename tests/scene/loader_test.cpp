@@ -236,6 +236,30 @@ TEST(SparseGrid, SaysWhatIsWrong) {
   EXPECT_NE(errors_of("<Node>" + kOrgan + "nbVirtualFinerLevels='11'/></Node>"), "");
 }
 
+TEST(MeshSTLLoader, LoadsTheSurfaceThatOthersLoadToo) {
+  const auto loaded = [](const std::string& loader) {
+    scene::Scene scene = read_and_init("<Node>" + loader + "<MeshTopology name='skin' src='@loader'/></Node>");
+    return std::tuple(PointArray(at<scene::Topology>(scene, "skin").positions()),
+                      at<scene::Topology>(scene, "skin").triangles());
+  };
+  const auto [x, triangles] = loaded("<MeshSTLLoader name='loader' filename='" + kFolder +
+                                     "organ_binary.stl' scale3d='2 1 1' translation='0 0 1'/>");
+  EXPECT_EQ(triangles.size(), 12u);
+  EXPECT_NEAR(x.col(0).maxCoeff(), 0.2, 1e-7);
+  EXPECT_NEAR(x.col(2).minCoeff(), 1, 1e-7);
+  EXPECT_EQ(std::get<1>(loaded("<MeshSTLLoader name='loader' filename='" + kFolder + "organ_ascii.stl'/>")), triangles);
+  EXPECT_EQ(errors_of("<Node><MeshSTLLoader filename='" + kFolder + "organ_ascii.stl' headerSize='79'/></Node>"),
+            "test.scn:1: error: MeshSTLLoader.headerSize: must be 80, as the format has it");
+
+  // and cages around it are those of the same box in another format
+  const auto cage = [](const std::string& file) {
+    scene::Scene scene =
+        read_and_init("<Node><SparseGridTopology name='cage' n='4 4 6' fileTopology='" + kFolder + file + "'/></Node>");
+    return at<scene::Topology>(scene, "cage").hexahedra();
+  };
+  EXPECT_EQ(cage("organ_ascii.stl"), cage("organ.obj"));
+}
+
 // The middle column of the cells above, of which a core passes through three of five; it encloses none.
 TEST(SparseGridMultiple, BlendsTheStiffnessOfItsSurfaces) {
   const std::string two = "fileTopologies='" + kFolder + "organ.obj " + kFolder + "core.obj' ";

@@ -45,7 +45,10 @@ struct VtuGrid {
 
   /// As XML with raw appended binary, little-endian, 64-bit headers. Throws OutputError.
   void write(const std::filesystem::path& file) const;
-  std::string text() const;  ///< as XML alone: numbers with as many digits as it takes to read them back
+
+  /// As XML alone: numbers with as many digits as it takes to read them back, in a form that SOFA's MeshVTKLoader reads
+  /// too, as long as cell data are not of 8 bits.
+  std::string text() const;
 };
 
 }  // namespace hexaplast

@@ -224,8 +224,8 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
      .type = Type::kText,
      .aliases = "filename",
-     .help = "The surface: the triangles and quads of a mesh file, .obj, .vtk, .vtu, .msh or .inp; a relative path "
-             "counts from the scene file that names it. SOFA reads .obj of these."},
+     .help = "The surface: the triangles and quads of a mesh file, .obj, .stl, .vtk, .vtu, .msh or .inp; a relative "
+             "path counts from the scene file that names it. SOFA reads .obj of these."},
     {.name = "n",
      .type = Type::kIntegers,
      .initial = "2 2 2",
@@ -493,5 +493,26 @@ inline constexpr Description kMeshOBJLoader{.class_name = "MeshOBJLoader",
                                             .category = "MeshLoader",
                                             .help = "Reads the vertices, lines and faces of .obj files.",
                                             .attributes = kMeshLoaderAttributes};
+inline constexpr Attribute kStlAttributes[] = {
+    {.name = "headerSize",
+     .type = Type::kInteger,
+     .initial = "80",
+     .range = kIndex,
+     .help = "Of binary files, in bytes: 80, as the format has it."},
+    ignored_attribute("forceBinary", "Ignored here: the size of a file tells whether it is binary."),
+    ignored_attribute("mergePositionUsingMap", "Ignored here: corners in one place are always one node."),
+};
+inline constexpr auto kStlLoaderAttributes = [] {
+  std::array<Attribute, kMeshLoaderAttributes.size() + std::size(kStlAttributes)> all;
+  std::ranges::copy(kStlAttributes, std::ranges::copy(kMeshLoaderAttributes, all.begin()).out);
+  return all;
+}();
+inline constexpr Description kMeshSTLLoader{
+    .class_name = "MeshSTLLoader",
+    .category = "MeshLoader",
+    .help =
+        "Reads the triangles of .stl files, text or binary. Corners in exactly one place are one node. Triangles "
+        "with two corners in one place are left out, with a warning.",
+    .attributes = kStlLoaderAttributes};
 
 }  // namespace hexaplast::attributes
