@@ -45,6 +45,14 @@ std::string xml_of(const VtuGrid& grid, const Groups& groups, const Describe& de
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "  <UnstructuredGrid>\n";
+  if (!grid.field_data.empty()) {
+    xml += "    <FieldData>\n";
+    for (const VtuNumber& number : grid.field_data)
+      xml += fmt::format(
+          "      <DataArray type=\"Int32\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n",
+          escaped(number.name), number.value);
+    xml += "    </FieldData>\n";
+  }
   xml +=
       fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", grid.points.size() / 3, grid.ends.size());
   xml += "      <Points>\n" + all(groups[0]) + "      </Points>\n";
