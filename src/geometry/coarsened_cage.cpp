@@ -31,7 +31,9 @@ void add_once(std::vector<int>& parts, int part) {
   if (std::ranges::find(parts, part) == parts.end()) parts.push_back(part);
 }
 
-/// Where the edges of a surface pass through faces of a grid.
+/// Where the edges of a surface pass through faces of a grid. As in SOFA, a face of the surface has the edges from each
+/// corner to the next, without that from the last to the first, and an edge reaches as far beyond its first corner as
+/// it is long.
 class Crossings {
  public:
   Crossings(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads) {
@@ -43,8 +45,10 @@ class Crossings {
   bool pass(const Vec3& corner, const Vec3& size, int d) const {
     return std::ranges::any_of(edges_, [&](const auto& edge) {
       const auto& [from, to] = edge;
-      if ((from[d] - corner[d]) * (to[d] - corner[d]) > 0 || from[d] == to[d]) return false;
-      const Vec3 point = from + (corner[d] - from[d]) / (to[d] - from[d]) * (to - from);
+      if (from[d] == to[d]) return false;
+      const double share = (corner[d] - from[d]) / (to[d] - from[d]);
+      if (std::abs(share) > 1) return false;
+      const Vec3 point = from + share * (to - from);
       for (const int other : {(d + 1) % 3, (d + 2) % 3})
         if (point[other] < corner[other] || point[other] > corner[other] + size[other]) return false;
       return true;
@@ -54,8 +58,8 @@ class Crossings {
  private:
   template <std::size_t N>
   void add(ConstPoints x, const std::array<int, N>& face) {
-    for (std::size_t i = 0; i < N; ++i)
-      edges_.push_back({x.row(face[i]).transpose(), x.row(face[(i + 1) % N]).transpose()});
+    for (std::size_t i = 0; i + 1 < N; ++i)
+      edges_.push_back({x.row(face[i]).transpose(), x.row(face[i + 1]).transpose()});
   }
 
   std::vector<std::pair<Vec3, Vec3>> edges_;

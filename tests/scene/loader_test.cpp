@@ -260,6 +260,22 @@ TEST(MeshSTLLoader, LoadsTheSurfaceThatOthersLoadToo) {
   EXPECT_EQ(cage("organ_ascii.stl"), cage("organ.obj"));
 }
 
+// As many nodes as SOFA v26.06 finds around the shipped liver.
+TEST(SparseGridRamification, HasTheNodesOfSofa) {
+  struct Case {
+    std::string n, levels, connectivity;
+    int num_nodes;
+  };
+  for (const Case& c :
+       {Case{"8 5 6", "1", "true", 207}, Case{"8 5 6", "1", "false", 198}, Case{"7 4 5", "2", "true", 199},
+        Case{"7 4 5", "2", "false", 131}, Case{"12 6 8", "0", "true", 415}, Case{"12 6 8", "0", "false", 409}}) {
+    scene::Scene scene = read_and_init("<Node><SparseGridRamificationTopology name='cage' fileTopology='" + kFolder +
+                                       "../../../scenes/mesh/liver.obj' n='" + c.n + "' nbVirtualFinerLevels='" +
+                                       c.levels + "' finestConnectivity='" + c.connectivity + "'/></Node>");
+    EXPECT_EQ(at<scene::Topology>(scene, "cage").positions().rows(), c.num_nodes) << c.n << " " << c.connectivity;
+  }
+}
+
 // The middle column of the cells above, of which a core passes through three of five; it encloses none.
 TEST(SparseGridMultiple, BlendsTheStiffnessOfItsSurfaces) {
   const std::string two = "fileTopologies='" + kFolder + "organ.obj " + kFolder + "core.obj' ";

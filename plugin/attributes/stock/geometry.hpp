@@ -300,7 +300,9 @@ inline constexpr Attribute kConnectivityAttribute[] = {
      .type = Type::kBool,
      .initial = "true",
      .help = "Whether two fine cells that the surface touches are connected only where one of its edges crosses their "
-             "common face; otherwise wherever they share one."},
+             "common face; otherwise wherever they share one. As in SOFA, an edge reaches as far beyond its first "
+             "corner as "
+             "it is long."},
 };
 inline constexpr auto kSparseGridRamificationTopologyAttributes =
     joined(kSparseGridTopologyAttributes, kConnectivityAttribute);
