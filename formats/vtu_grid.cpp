@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstring>
 #include <iterator>
+#include <limits>
 
 #include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/formats/xml.hpp"
@@ -44,6 +45,14 @@ std::string xml_of(const VtuGrid& grid, const Groups& groups, const Describe& de
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "  <UnstructuredGrid>\n";
+  if (!grid.field_data.empty()) {
+    xml += "    <FieldData>\n";
+    for (const VtuNumber& number : grid.field_data)
+      xml += fmt::format(
+          "      <DataArray type=\"Int32\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n",
+          escaped(number.name), number.value);
+    xml += "    </FieldData>\n";
+  }
   xml +=
       fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", grid.points.size() / 3, grid.ends.size());
   xml += "      <Points>\n" + all(groups[0]) + "      </Points>\n";
@@ -72,11 +81,14 @@ class Offsets {
   std::uint64_t rest_ = 0;  // size of the blocks of arrays that have not been described
 };
 
+// The connectivity is on one line, with one blank between two numbers: SOFA's MeshVTKLoader counts its blanks.
 template <class Number>
 std::string numbers_in_text(const VtuArray& array) {
   constexpr int kScalarsPerLine = 8;
-  const auto per_line = static_cast<std::size_t>(array.components > 1 ? array.components : kScalarsPerLine);
   const std::size_t count = array.bytes.size() / sizeof(Number);
+  const auto per_line = array.name == "connectivity"
+                            ? count
+                            : static_cast<std::size_t>(array.components > 1 ? array.components : kScalarsPerLine);
   std::string text;
   for (std::size_t i = 0; i < count; ++i) {
     Number number;
@@ -128,10 +140,16 @@ void VtuGrid::write(const std::filesystem::path& file) const {
 }
 
 std::string VtuGrid::text() const {
-  return xml_of(*this, groups_of(*this),
-                [](const VtuArray& array) {
-                  return fmt::format("format=\"ascii\">\n{}        </DataArray>", text_of(array));
-                }) +
+  Groups groups = groups_of(*this);
+  std::vector<std::int32_t> short_ends;  // all that SOFA's MeshVTKLoader reads
+  if (ends.empty() || ends.back() <= std::numeric_limits<std::int32_t>::max()) {
+    short_ends.assign(ends.begin(), ends.end());
+    groups[1][1] = scalars("Int32", "offsets", short_ends);
+  }
+  // no blanks before the end of an array: see above
+  return xml_of(
+             *this, groups,
+             [](const VtuArray& array) { return fmt::format("format=\"ascii\">\n{}</DataArray>", text_of(array)); }) +
          "</VTKFile>\n";
 }
 

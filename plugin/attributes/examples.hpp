@@ -81,6 +81,9 @@ inline constexpr std::array kExamples = {
     Example{"SparseGridRamificationTopology",
             R"xml(<SparseGridRamificationTopology name="cage" fileTopology="organ.obj" n="3 3 7"
     nbVirtualFinerLevels="2" finestConnectivity="false"/>)xml"},
+    Example{"SparseGridMultipleTopology",
+            R"xml(<SparseGridMultipleTopology name="cage" fileTopologies="organ.obj core.obj" n="4 4 13"
+    stiffnessCoefs="1 5" finestConnectivity="false"/>)xml"},
     Example{"QuadSetTopologyContainer", R"xml(<Node name="skin">
   <QuadSetTopologyContainer name="quads"/>
   <Hexa2QuadTopologicalMapping input="@../grid" output="@quads"/>
@@ -209,6 +212,7 @@ inline constexpr std::array kExamples = {
     Example{"MeshVTKLoader", R"xml(<MeshVTKLoader name="loader" filename="block.vtk" scale3d="1 1 2"/>
 <MeshTopology name="grid" src="@loader"/>)xml"},
     Example{"MeshOBJLoader", R"xml(<MeshOBJLoader name="skin" filename="skin.obj" triangulate="true"/>)xml"},
+    Example{"MeshSTLLoader", R"xml(<MeshSTLLoader name="skin" filename="skin.stl"/>)xml"},
     Example{"MeshMatrixMass", R"xml(<MeshMatrixMass massDensity="1000"/>)xml"},
     Example{"SphereROI", R"xml(<SphereROI name="ball" centers="0.05 0.05 0.2" radii="0.06"/>)xml"},
     Example{"PartialFixedProjectiveConstraint",

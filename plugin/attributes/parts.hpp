@@ -183,6 +183,14 @@ inline constexpr Attribute kRunSettingsAttributes[] = {
      .initial = "25",
      .range = {.min = 1, .max = 1e9},
      .help = "Steps between two saved states."},
+    {.name = "endSections",
+     .type = Type::kWord,
+     .initial = "auto",
+     .words = "auto yes no",
+     .help =
+         "Whether a run records elongation and twist between the end sections of the longest axis of its body. "
+         "auto: if there is one body without instruments, and what fixes, moves or loads its nodes acts on both end "
+         "sections, and otherwise on whole cross sections alone."},
 };
 inline constexpr Description kRunSettings{.class_name = "RunSettings",
                                           .category = "Settings",

@@ -12,8 +12,9 @@ void add_animation_loop(scene::Factory& factory);        // DefaultAnimationLoop
 void add_solvers(scene::Factory& factory);               // EulerImplicitSolver, StaticSolver
 void add_integrators(scene::Factory& factory);           // EulerExplicitSolver and its like, NewmarkImplicitSolver
 void add_linear_solvers(scene::Factory& factory);        // CGLinearSolver, direct solvers, preconditioners
-void add_loaders(scene::Factory& factory);               // MeshGmshLoader, MeshVTKLoader, MeshOBJLoader
+void add_loaders(scene::Factory& factory);               // MeshGmshLoader, MeshVTKLoader and their like
 void add_topologies(scene::Factory& factory);            // RegularGridTopology, MeshTopology and its like
+void add_sparse_grids(scene::Factory& factory);          // SparseGridTopology and its like
 void add_topological_mappings(scene::Factory& factory);  // Hexa2QuadTopologicalMapping and its like
 void add_shapes(scene::Factory& factory);                // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology
 void add_states(scene::Factory& factory);                // MechanicalObject

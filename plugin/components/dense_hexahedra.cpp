@@ -130,7 +130,7 @@ class DenseHexahedronFieldAndMass final : public DenseHexahedronField, public sc
       const auto edge = [&](int to) { return (rest.row(corners[to]) - rest.row(corners[0])).norm(); };
       masses.push_back(density * edge(1) * edge(3) * edge(4));
     }
-    const std::span<const double> fill = topology().fill();
+    const std::span<const double> fill = topology().mass_fill();
     if (matrix() == ElementMatrix::kIntegrated)  // the other one does not ask the grid
       for (std::size_t e = 0; e < fill.size(); ++e) masses[e] *= fill[e];
     mass_ = CornerSumMass(static_cast<int>(rest.rows()), *hexahedra(), masses, boolean("lumpedMass"));

@@ -11,6 +11,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_linear_solvers(factory);
   add_loaders(factory);
   add_topologies(factory);
+  add_sparse_grids(factory);
   add_topological_mappings(factory);
   add_shapes(factory);
   add_states(factory);

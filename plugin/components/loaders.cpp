@@ -46,6 +46,9 @@ class MeshLoader : public scene::Component {
       remark(scene::Severity::kWarning, "filename",
              fmt::format("{} cells are skipped: neither edges, triangles, quads nor hexahedra of first order",
                          mesh_->num_skipped));
+    if (mesh_->num_degenerate > 0)
+      remark(scene::Severity::kWarning, "filename",
+             fmt::format("{} triangles are left out: two of their corners are in one place", mesh_->num_degenerate));
     return *mesh_;
   }
 
@@ -178,6 +181,16 @@ class MeshGmshLoader final : public LabelledMeshLoader {
   scene::Value nothing() const override { return std::vector<std::int64_t>(); }
 };
 
+class MeshSTLLoader final : public MeshLoader {
+ public:
+  MeshSTLLoader() : MeshLoader(attributes::kMeshSTLLoader, read_stl) {}
+
+  void init() override {
+    if (integer("headerSize") != 80) reject("headerSize", "must be 80, as the format has it");
+    MeshLoader::init();
+  }
+};
+
 }  // namespace
 
 void add_loaders(scene::Factory& factory) {
@@ -185,6 +198,7 @@ void add_loaders(scene::Factory& factory) {
   factory.add<MeshGmshLoader>(kMeshGmshLoader);
   factory.add<MeshVTKLoader>(kMeshVTKLoader);
   factory.add(kMeshOBJLoader, [] { return std::make_unique<MeshLoader>(kMeshOBJLoader, read_obj); });
+  factory.add<MeshSTLLoader>(kMeshSTLLoader);
 }
 
 }  // namespace hexaplast::components

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -10,13 +9,10 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
-#include "components/made_topology.hpp"
+#include "components/grid_topology.hpp"
 #include "components/part.hpp"
 #include "components/topological_mapping.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/mesh_import.hpp"
-#include "hexaplast/geometry/cage.hpp"
-#include "hexaplast/geometry/coarsened_cage.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/round_grid.hpp"
 #include "hexaplast/mesh/faces.hpp"
@@ -24,22 +20,6 @@
 
 namespace hexaplast::components {
 namespace {
-
-/// Cells of a grid, as many as n or cellWidth says.
-class GridTopology : public MadeTopology {
- public:
-  using MadeTopology::MadeTopology;
-
- protected:
-  /// In each direction, as reals: their product may be too large for any whole number.
-  Vec3 num_cells(const Vec3& size) {
-    const double width = real("cellWidth");
-    if (width > 0) return (size / width).array().ceil();
-    const std::vector<std::int64_t>& n = integers("n");
-    if (n.size() != 3) reject("n", fmt::format("{} numbers given, must be three", n.size()));
-    return Vec3(static_cast<double>(n[0] - 1), static_cast<double>(n[1] - 1), static_cast<double>(n[2] - 1));
-  }
-};
 
 class RegularGridTopology final : public GridTopology {
  public:
@@ -157,106 +137,6 @@ class RoundGridTopology final : public MadeTopology {
   std::optional<HexMesh> mesh_;
 };
 
-/// SparseGridTopology and SparseGridRamificationTopology, which keeps branches apart.
-class SparseGridTopology final : public GridTopology {
- public:
-  SparseGridTopology(const attributes::Description& description, SeparateParts separate)
-      : GridTopology(description), separate_(separate) {}
-
-  void init() override {
-    cage();
-    if (num_doubled_ > 0)
-      remark(scene::Severity::kNote, {},
-             fmt::format("{} hexahedra lie in one place with others, as they belong to separate branches: points that "
-                         "are embedded there follow the first of them",
-                         num_doubled_));
-    if (cage().num_parts > 1)
-      remark(scene::Severity::kWarning, {}, fmt::format("has {} parts that share no face", cage().num_parts));
-    if (cage().num_hinges > 0)
-      remark(scene::Severity::kWarning, {},
-             fmt::format("hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
-                         cage().num_hinges));
-  }
-
-  const PointArray& positions() override { return cage().mesh.positions(); }
-  const std::vector<Hexahedron>& hexahedra() override { return cage().mesh.hexahedra(); }
-  std::span<const double> fill() override {
-    cage();
-    return fill_;
-  }
-
- private:
-  const Cage& cage() {
-    if (stage() == Stage::kFailed || is_refused_) throw scene::DependencyFailure();
-    if (cage_) return *cage_;
-    is_refused_ = true;  // until it is there: whoever asks again has no more to say
-    const ImportedMesh surface = loaded();
-    const CageGrid grid = given_grid(surface.positions);
-    const int levels = integer("nbVirtualFinerLevels");
-    cage_ = levels > 0 || looks_at_crossings() ? coarsened(surface, grid, levels) : cage_on(surface, grid);
-    is_refused_ = false;
-    return *cage_;
-  }
-
-  Cage cage_on(const ImportedMesh& surface, const CageGrid& grid) {
-    Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, grid,
-                            boolean("onlyInsideCells") ? CageCells::kEnclosed : CageCells::kTouchedOrEnclosed);
-    if (boolean("fillWeighted")) {
-      fill_.assign(cage.mesh.hexahedra().size(), 1);
-      std::fill_n(fill_.begin(), cage.num_touched, kTouchedFill);
-    }
-    return cage;
-  }
-
-  bool looks_at_crossings() { return separate_ == SeparateParts::kOwnHexahedra && boolean("finestConnectivity"); }
-
-  Cage coarsened(const ImportedMesh& surface, const CageGrid& grid, int levels) {
-    if (boolean("onlyInsideCells"))
-      reject("onlyInsideCells", "is not possible with nbVirtualFinerLevels or finestConnectivity");
-    if (real("cellWidth") > 0 && levels > 0)
-      reject("cellWidth", "is not possible with nbVirtualFinerLevels: n is needed");
-    CoarsenedCage cage = coarsened_cage(surface.positions, surface.triangles, surface.quads, grid, levels, separate_,
-                                        boolean("fillWeighted") ? kTouchedFill : 1,
-                                        looks_at_crossings() ? CellsMeet::kWhereCrossed : CellsMeet::kAtFaces);
-    fill_ = std::move(cage.fill);
-    num_doubled_ = cage.num_doubled;
-    return {.mesh = std::move(cage.mesh), .num_parts = 1};
-  }
-
-  ImportedMesh loaded() {
-    const std::string& name = text("fileTopology");
-    if (name.empty()) reject("fileTopology", "is not given, must name a mesh file");
-    const std::filesystem::path file = node().files().input(name, place());
-    try {
-      return read_mesh(file);
-    } catch (const InputError& error) {
-      const bool is_missing = !std::filesystem::exists(file);
-      reject("fileTopology", error.what(), is_missing ? node().files().search.places_of(name) : "");
-    }
-  }
-
-  CageGrid given_grid(ConstPoints surface) {
-    CageGrid grid{.min = vector3("min"), .max = vector3("max")};
-    if (grid.min.isZero(0) && grid.max.isZero(0)) {
-      const Eigen::AlignedBox3d box = box_around(surface);
-      grid.min = box.min();
-      grid.max = box.max();
-    }
-    const Vec3 count = num_cells(grid.max - grid.min);
-    accepted(*this, [&] { parts::check_num_cells("n", count.prod()); });  // of which the surface may meet few
-    for (int d = 0; d < 3; ++d) grid.cells[d] = static_cast<int>(count[d]);
-    return grid;
-  }
-
-  static constexpr double kTouchedFill = 0.5;  // what SOFA takes for every cell that the surface passes through
-
-  SeparateParts separate_;
-  std::optional<Cage> cage_;
-  std::vector<double> fill_;
-  int num_doubled_ = 0;
-  bool is_refused_ = false;
-};
-
 /// MeshTopology and the containers. What the scene gives, or a topological mapping makes.
 class GivenTopology final : public scene::Topology {
  public:
@@ -357,12 +237,6 @@ void add_topologies(scene::Factory& factory) {
   for (const attributes::Description* description :
        {&attributes::kCylinderGridTopology, &attributes::kSphereGridTopology})
     factory.add(*description, [description] { return std::make_unique<RoundGridTopology>(*description); });
-  for (const auto& [description, separate] :
-       {std::pair(&attributes::kSparseGridTopology, SeparateParts::kShareHexahedron),
-        std::pair(&attributes::kSparseGridRamificationTopology, SeparateParts::kOwnHexahedra)})
-    factory.add(*description, [description = description, separate = separate] {
-      return std::make_unique<SparseGridTopology>(*description, separate);
-    });
   for (const attributes::Description* description :
        {&attributes::kMeshTopology, &attributes::kHexahedronSetTopologyContainer,
         &attributes::kTetrahedronSetTopologyContainer, &attributes::kQuadSetTopologyContainer,

@@ -17,9 +17,11 @@ constexpr PanelFrame kFrames[] = {{86, 104, 400, 225}, {590, 104, 400, 225}, {86
 
 void write_plot(const std::filesystem::path& file, const std::filesystem::path& history, const std::string& title,
                 int num_elements) {
-  HistoryView view = view_history(history, history_panels().first(std::size(kFrames)));
-  if (view.panels.size() != std::size(kFrames)) return;  // no state was recorded
-  view.panels.back().quantity += fmt::format(" (of {})", num_elements);
+  HistoryView view = view_history(history, history_panels());
+  if (view.panels.size() < std::size(kFrames)) return;  // no state was recorded
+  view.panels.resize(std::size(kFrames));
+  for (Panel& panel : view.panels)
+    if (panel.quantity == "yielded hexahedra") panel.quantity += fmt::format(" (of {})", num_elements);
 
   SvgText svg;
   svg.words(kFrames[0].left, 46, "start", 20, title, R"( font-weight="bold")");

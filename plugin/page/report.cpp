@@ -75,10 +75,12 @@ std::map<long, std::vector<std::string>> removed_by_step(const fs::path& directo
   return removed;
 }
 
+/// But for rounding.
 bool is_zero(const Panel& panel) {
-  return std::ranges::all_of(panel.series, [](const Series& series) {
-    return std::ranges::all_of(series.curves, [](const Curve& curve) {
-      return std::ranges::all_of(curve.values, [](double value) { return value == 0; });
+  const double rounding = 1e-9 * panel.least_span;
+  return std::ranges::all_of(panel.series, [&](const Series& series) {
+    return std::ranges::all_of(series.curves, [&](const Curve& curve) {
+      return std::ranges::all_of(curve.values, [&](double value) { return std::abs(value) <= rounding; });
     });
   });
 }
@@ -104,8 +106,8 @@ std::vector<HistoryPanel> panels_of(const std::vector<HistoryPanel>& of_probes) 
 
 void add_charts(HtmlPage& page, const fs::path& directory, const std::vector<ProbeRecord>& probes) {
   // nothing is loaded, nothing is torn: nothing to see
-  constexpr std::string_view kShownIfNotZero[] = {"yielded hexahedra", "displacement of loaded nodes",
-                                                  "removed hexahedra"};
+  constexpr std::string_view kShownIfNotZero[] = {"elongation", "twist", "yielded hexahedra",
+                                                  "displacement of loaded nodes", "removed hexahedra"};
   const ProbePanels of_probes(probes);
   HistoryView view = view_history(directory / "history.csv", panels_of(of_probes.panels()), kPageColours);
   if (view.panels.empty()) return;

@@ -24,9 +24,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kHeader =
-    "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
-    "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
-    "world_elongation,world_twist_deg";
+    "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio";
+constexpr std::string_view kPlasticEndsHeader = ",plastic_elongation,plastic_twist_deg",
+                           kWorldEndsHeader = ",world_elongation,world_twist_deg";
+constexpr std::string_view kStepHeader =
+    ",end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms";
 constexpr std::string_view kBalanceHeader =
     ",load_work,support_work,damping_loss,numerical_loss,recovery_work,flow_loss,energy_error";
 constexpr std::string_view kContactHeader = ",instrument_work,contact_energy,friction_loss";
@@ -39,7 +41,9 @@ std::string balance_columns(const EnergyBalance& energy) {
 
 /// The first line of history.csv.
 std::string header_of(const RunPlan& plan) {
-  std::string names = std::string(kHeader).append(plan.has_energy_balance ? kBalanceHeader : "");
+  std::string names(kHeader);
+  names.append(plan.has_ends ? kPlasticEndsHeader : "").append(kStepHeader);
+  names.append(plan.has_ends ? kWorldEndsHeader : "").append(plan.has_energy_balance ? kBalanceHeader : "");
   if (plan.has_energy_balance && plan.has_contact) names += kContactHeader;
   for (const std::string& probe : plan.probes) names += fmt::format(",{}", probe_column(probe));
   return names;
@@ -257,14 +261,20 @@ void Recorder::Files::append_removed(const StepRecord& record) {
 
 std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
   const Measures measures = measurement.measure(positions);
-  std::string row = fmt::format(
-      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}{}", record.step, record.time, record.kinetic_energy,
-      record.energy ? record.energy->elastic : bodies.energy(positions), bodies.dissipated_energy(),
-      measures.world_volume_ratio, measures.material_volume_ratio, measures.plastic_elongation,
-      measures.plastic_twist_deg, mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions),
-      record.flow.yielded, record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
-      record.step_ms, measures.world_elongation, measures.world_twist_deg,
-      plan.has_energy_balance ? balance_columns(*record.energy) : "");
+  const auto between_ends = [&](double elongation, double twist_deg) {
+    return plan.has_ends ? fmt::format(",{},{}", elongation, twist_deg) : "";
+  };
+  std::string row =
+      fmt::format("{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
+                  record.energy ? record.energy->elastic : bodies.energy(positions), bodies.dissipated_energy(),
+                  measures.world_volume_ratio, measures.material_volume_ratio);
+  row += between_ends(measures.plastic_elongation, measures.plastic_twist_deg);
+  row +=
+      fmt::format(",{},{},{},{},{},{},{}", mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions),
+                  record.flow.yielded, record.flow.inverted, bodies.num_removed(), record.solver_iterations,
+                  record.residual, record.step_ms);
+  row += between_ends(measures.world_elongation, measures.world_twist_deg);
+  if (plan.has_energy_balance) row += balance_columns(*record.energy);
   if (plan.has_energy_balance && plan.has_contact)
     row += fmt::format(",{},{},{}", record.instrument_work, record.contact_energy, record.friction_loss);
   for (const double probe : record.probes) row += fmt::format(",{}", probe);
@@ -290,7 +300,8 @@ void Recorder::Files::write_state() {
     write(*instruments, kInstruments,
           [&](const fs::path& file) { write_instruments(file, latest_conditions.instruments, latest_positions); });
   write(meshes, kMesh, [&](const fs::path& file) {
-    write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions, plan.regions);
+    write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions, plan.regions,
+              plan.region_names);
   });
   step_on_disk = latest.step;
 }

@@ -8,7 +8,8 @@
 namespace hexaplast::output {
 
 void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-               ElementFields fields, const BoundaryConditions& conditions, std::span<const int> regions) {
+               ElementFields fields, const BoundaryConditions& conditions, std::span<const int> regions,
+               std::span<const std::string> region_names) {
   const HexMesh& mesh = bodies.mesh();
   const std::span<const unsigned char> alive = bodies.alive();
   const PointArray world = positions;
@@ -61,6 +62,8 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
     grid.cell_data.insert(grid.cell_data.begin() + 2, scalars("Int32", "body", body_of));
   }
   if (!region.empty()) grid.cell_data.push_back(scalars("Int32", "region", region));
+  for (const std::string& name : region_names)
+    grid.field_data.push_back({"region " + name, static_cast<std::int32_t>(grid.field_data.size()) + 1});
   grid.write(file);
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include "picture/bodies.hpp"
 #include "picture/boundary_conditions.hpp"
@@ -17,12 +18,14 @@ namespace hexaplast::output {
 ///   cell data:  id, part, of several bodies also body, stress_norm [Pa], plastic_strain [-], yield_stress [Pa],
 ///               volume_ratio [-], strain [-] (ElementFields), and region where regions are given: the number of the
 ///               hexahedron's region
+///   field data: `region NAME` for each region: its number
 ///
 /// Cells are the hexahedra that are left; points are all nodes, also those that have lost their last hexahedron. `id`
 /// is a cell's number in the mesh that the run began with: it stays the same, whatever has gone. `part` numbers the
 /// connected pieces of this state, in the order of their first nodes, and `body` the bodies (Bodies::all). yield_stress
 /// is infinite where a hexahedron never yields. fields: those of the body at the positions. Throws OutputError.
 void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-               ElementFields fields, const BoundaryConditions& conditions = {}, std::span<const int> regions = {});
+               ElementFields fields, const BoundaryConditions& conditions = {}, std::span<const int> regions = {},
+               std::span<const std::string> region_names = {});
 
 }  // namespace hexaplast::output

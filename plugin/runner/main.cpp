@@ -176,7 +176,7 @@ void add_mesh_export(CLI::App& mesh, MeshExportOptions& options) {
 void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
   CLI::App* command = mesh.add_subcommand("cage", "Lay coarse hexahedra around a surface of triangles or quads");
   command->footer(kExitCodes);
-  command->add_option("surface", options.surface, "Mesh file: .obj, .vtk, .vtu or .msh")
+  command->add_option("surface", options.surface, "Mesh file: .obj, .stl, .vtk, .vtu or .msh")
       ->type_name("SURFACE")
       ->required();
   command->add_option("--cells", options.cells, "Number of cubes along the longest side of the surface's box")
@@ -312,6 +312,7 @@ void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
       ->capture_default_str();
   command->add_flag("--largest-part", options.largest_part,
                     "Leave out hexahedra that are not connected by faces to the largest part");
+  command->add_flag("--ascii", options.ascii, "Write numbers as text, as SOFA's MeshVTKLoader reads them");
   command->add_flag("--surfaces", options.surfaces,
                     "Write a smooth surface around the hexahedra of each label, too: FILE_LABEL.obj");
   command->add_option("--unit", options.unit, "Unit of the coordinates that are written")
@@ -323,14 +324,18 @@ void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
 void add_mesh_info(CLI::App& mesh, MeshInfoOptions& options) {
   CLI::App* command = mesh.add_subcommand("info", "Print what a mesh file holds, its size, volume and shape");
   command->footer(kExitCodes);
-  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj or .inp")->type_name("FILE")->required();
+  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj, .stl or .inp")
+      ->type_name("FILE")
+      ->required();
   command->add_flag("--json", options.json, "As JSON");
 }
 
 void add_mesh_convert(CLI::App& mesh, MeshConvertOptions& options) {
   CLI::App* command = mesh.add_subcommand("convert", "Write the cells of a mesh file in another format");
   command->footer(kExitCodes);
-  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj or .inp")->type_name("FILE")->required();
+  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj, .stl or .inp")
+      ->type_name("FILE")
+      ->required();
   command->add_option("-o,--out", options.out, kMeshFormats)->type_name("FILE")->required();
 }
 

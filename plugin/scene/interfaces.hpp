@@ -43,8 +43,10 @@ class Topology : public Component {
   /// Which nothing deforms by: for what is made of them.
   virtual const std::vector<Tetrahedron>& tetrahedra();
 
-  /// Share of matter in each hexahedron (0, 1]; empty: all are full.
+  /// Factor of the stiffness of each hexahedron > 0, mostly its share of matter; empty: all are full.
   virtual std::span<const double> fill() { return {}; }
+  /// The like for the mass of elements that are their own mass.
+  virtual std::span<const double> mass_fill() { return fill(); }
 };
 
 /// What time integrators move and mappings carry: rows of three numbers. MechanicalState: a row for each node.

@@ -15,17 +15,16 @@ namespace {
 
 constexpr double kTouch = 1e-9;  // of a cell's size: a surface this near to a cell touches it
 
-enum class Kind : unsigned char { kUntouched, kTouched, kOutside };
-
-/// The cells of a grid, and what is known of each.
+/// The cells of a grid, and what is known of each: enclosed, until they are touched or reached.
 class Cells {
  public:
   explicit Cells(const CageGrid& grid)
       : grid_(grid), width_((grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]))) {
-    kind_.assign(static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2], Kind::kUntouched);
+    kind_.assign(static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2], CageCell::kEnclosed);
   }
 
-  Kind& kind(const GridCell& c) { return kind_[index(c)]; }
+  CageCell& kind(const GridCell& c) { return kind_[index(c)]; }
+  std::vector<CageCell> take() { return std::move(kind_); }
   const Vec3& width() const { return width_; }
   bool contains(const GridCell& c) const {
     for (int d = 0; d < 3; ++d)
@@ -75,7 +74,7 @@ class Cells {
 
   CageGrid grid_;
   Vec3 width_;
-  std::vector<Kind> kind_;
+  std::vector<CageCell> kind_;
 };
 
 /// Whether a triangle and the box |p| <= half have a point in common: none of the thirteen axes that can separate the
@@ -101,9 +100,10 @@ void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
   const Vec3 least = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
              most = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]), reach = kTouch * cells.width();
   Cells::for_each_in(cells.cell_at(least - reach), cells.cell_at(most + reach), [&](const GridCell& c) {
-    if (cells.kind(c) == Kind::kTouched) return;
+    if (cells.kind(c) == CageCell::kTouched) return;
     const Vec3 centre = cells.centre(c);
-    if (touches({corners[0] - centre, corners[1] - centre, corners[2] - centre}, half)) cells.kind(c) = Kind::kTouched;
+    if (touches({corners[0] - centre, corners[1] - centre, corners[2] - centre}, half))
+      cells.kind(c) = CageCell::kTouched;
   });
 }
 
@@ -111,8 +111,8 @@ void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
 void mark_outside(const CageGrid& grid, Cells& cells) {
   std::vector<GridCell> waiting;
   const auto reach = [&](const GridCell& c) {
-    if (cells.kind(c) != Kind::kUntouched) return;
-    cells.kind(c) = Kind::kOutside;
+    if (cells.kind(c) != CageCell::kEnclosed) return;
+    cells.kind(c) = CageCell::kOutside;
     waiting.push_back(c);
   };
   cells.for_each([&](const GridCell& c) {
@@ -182,8 +182,8 @@ CageGrid cubes_around(ConstPoints points, int cells) {
   return grid;
 }
 
-Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
-                 CageCells kept) {
+std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
+                                   const CageGrid& grid) {
   if (triangles.empty() && quads.empty()) throw InputError("the surface has neither triangles nor quads");
   require_grid(grid);
   Cells cells(grid);
@@ -206,23 +206,39 @@ Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<c
     mark(face[0], face[2], face[3]);
   }
   mark_outside(grid, cells);
+  return cells.take();
+}
 
+Cage cage_of(std::span<const CageCell> cells, const CageGrid& grid, CageCells kept) {
+  require_grid(grid);
+  const std::size_t num_cells = static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2];
+  if (cells.size() != num_cells) throw InputError(fmt::format("{} cells for a grid of {}", cells.size(), num_cells));
   std::vector<GridCell> chosen;
-  const auto choose = [&](Kind kind) {
-    cells.for_each([&](const GridCell& c) {
-      if (cells.kind(c) == kind) chosen.push_back(c);
-    });
+  std::vector<std::size_t> places;
+  const auto choose = [&](CageCell kind) {
+    for (std::size_t w = 0; w < cells.size(); ++w)
+      if (cells[w] == kind) {
+        places.push_back(w);
+        const std::size_t row = w / grid.cells[0];
+        chosen.push_back({static_cast<int>(w % grid.cells[0]), static_cast<int>(row % grid.cells[1]),
+                          static_cast<int>(row / grid.cells[1])});
+      }
   };
-  if (kept == CageCells::kTouchedOrEnclosed) choose(Kind::kTouched);
+  if (kept == CageCells::kTouchedOrEnclosed) choose(CageCell::kTouched);
   const int num_touched = static_cast<int>(chosen.size());
-  choose(Kind::kUntouched);
+  choose(CageCell::kEnclosed);
   if (chosen.empty()) throw InputError("the surface encloses no cell: it is open, or the cells are too large");
 
-  Cage cage{.mesh = mesh_of(chosen, grid), .num_touched = num_touched};
+  Cage cage{.mesh = mesh_of(chosen, grid), .cells = std::move(places), .num_touched = num_touched};
   const GridConnection connection = connection_of(cage.mesh);
   cage.num_parts = connection.num_parts;
   cage.num_hinges = connection.num_hinges;
   return cage;
+}
+
+Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
+                 CageCells kept) {
+  return cage_of(cells_around(x, triangles, quads, grid), grid, kept);
 }
 
 }  // namespace hexaplast

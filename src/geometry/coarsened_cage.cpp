@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
@@ -30,7 +31,9 @@ void add_once(std::vector<int>& parts, int part) {
   if (std::ranges::find(parts, part) == parts.end()) parts.push_back(part);
 }
 
-/// Where the edges of a surface pass through faces of a grid.
+/// Where the edges of a surface pass through faces of a grid. As in SOFA, a face of the surface has the edges from each
+/// corner to the next, without that from the last to the first, and an edge reaches as far beyond its first corner as
+/// it is long.
 class Crossings {
  public:
   Crossings(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads) {
@@ -42,8 +45,10 @@ class Crossings {
   bool pass(const Vec3& corner, const Vec3& size, int d) const {
     return std::ranges::any_of(edges_, [&](const auto& edge) {
       const auto& [from, to] = edge;
-      if ((from[d] - corner[d]) * (to[d] - corner[d]) > 0 || from[d] == to[d]) return false;
-      const Vec3 point = from + (corner[d] - from[d]) / (to[d] - from[d]) * (to - from);
+      if (from[d] == to[d]) return false;
+      const double share = (corner[d] - from[d]) / (to[d] - from[d]);
+      if (std::abs(share) > 1) return false;
+      const Vec3 point = from + share * (to - from);
       for (const int other : {(d + 1) % 3, (d + 2) % 3})
         if (point[other] < corner[other] || point[other] > corner[other] + size[other]) return false;
       return true;
@@ -53,15 +58,16 @@ class Crossings {
  private:
   template <std::size_t N>
   void add(ConstPoints x, const std::array<int, N>& face) {
-    for (std::size_t i = 0; i < N; ++i)
-      edges_.push_back({x.row(face[i]).transpose(), x.row(face[(i + 1) % N]).transpose()});
+    for (std::size_t i = 0; i + 1 < N; ++i)
+      edges_.push_back({x.row(face[i]).transpose(), x.row(face[i + 1]).transpose()});
   }
 
   std::vector<std::pair<Vec3, Vec3>> edges_;
 };
 
 /// The kept cells of the finest grid. crossings: where touched cells meet; null: at all their faces.
-std::vector<Part> parts_of(const Cage& cage, const CageGrid& grid, double touched_fill, const Crossings* crossings) {
+std::vector<Part> parts_of(const Cage& cage, const CageGrid& grid, std::span<const double> fill,
+                           const Crossings* crossings) {
   const Vec3 spacing = (grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
   std::vector<Part> parts(cage.mesh.hexahedra().size());
   std::map<Cell, int> part_at;
@@ -69,7 +75,7 @@ std::vector<Part> parts_of(const Cage& cage, const CageGrid& grid, double touche
     const Vec3 corner = cage.mesh.positions().row(cage.mesh.hexahedra()[e][0]).transpose();
     for (int d = 0; d < 3; ++d)
       parts[e].cell[d] = static_cast<int>(std::lround((corner[d] - grid.min[d]) / spacing[d]));
-    parts[e].fill = static_cast<int>(e) < cage.num_touched ? touched_fill : 1;
+    parts[e].fill = fill[e];
     part_at[parts[e].cell] = static_cast<int>(e);
   }
   for (const auto& [cell, part] : part_at)
@@ -213,32 +219,50 @@ HexMesh mesh_of(const std::vector<Part>& parts, const Vec3& min, const Vec3& spa
 
 }  // namespace
 
+CageGrid finer(CageGrid grid, int levels) {
+  if (levels < 0 || levels > kMostLevels)
+    throw InputError(fmt::format("{} levels, must lie in [0, {}]", levels, kMostLevels));
+  double count = 1;
+  for (const int cells : grid.cells) count *= std::ldexp(cells, levels);
+  if (count > kMostCageCells)
+    throw InputError(fmt::format("{:g} cells of the finest grid, must be at most {:g}", count, kMostCageCells));
+  for (int& cells : grid.cells) cells <<= levels;
+  return grid;
+}
+
 CoarsenedCage coarsened_cage(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
                              const CageGrid& grid, int levels, SeparateParts separate, double touched_fill,
                              CellsMeet meet) {
-  if (levels < 0 || levels > kMostLevels)
-    throw InputError(fmt::format("{} levels, must lie in [0, {}]", levels, kMostLevels));
-  CageGrid fine = grid;
-  double count = 1;
-  for (int& cells : fine.cells) count *= std::ldexp(cells, levels);
-  if (count > kMostCageCells)
-    throw InputError(fmt::format("{:g} cells of the finest grid, must be at most {:g}", count, kMostCageCells));
-  for (int& cells : fine.cells) cells <<= levels;
+  const CageGrid fine_grid = finer(grid, levels);
+  const Cage fine = cage_around(x, triangles, quads, fine_grid);
+  std::vector<double> fill(fine.mesh.hexahedra().size(), 1);
+  std::fill_n(fill.begin(), fine.num_touched, touched_fill);
+  std::optional<CageCrossings> crossings;
+  if (meet == CellsMeet::kWhereCrossed) crossings.emplace(CageCrossings{x, triangles, quads});
+  return coarsened_cage(fine, fine_grid, fill, levels, separate, crossings);
+}
 
-  const Cage cage = cage_around(x, triangles, quads, fine);
-  const Crossings crossings(x, triangles, quads);
-  std::vector<Part> parts = parts_of(cage, fine, touched_fill, meet == CellsMeet::kWhereCrossed ? &crossings : nullptr);
+CoarsenedCage coarsened_cage(const Cage& fine, const CageGrid& fine_grid, std::span<const double> fill, int levels,
+                             SeparateParts separate, const std::optional<CageCrossings>& crossings) {
+  if (fill.size() != fine.mesh.hexahedra().size())
+    throw InputError(fmt::format("{} values for {} hexahedra", fill.size(), fine.mesh.hexahedra().size()));
+  CageGrid grid = fine_grid;
+  for (int& cells : grid.cells) cells >>= levels;
+
+  std::optional<Crossings> edges;
+  if (crossings) edges.emplace(crossings->x, crossings->triangles, crossings->quads);
+  std::vector<Part> parts = parts_of(fine, fine_grid, fill, edges ? &*edges : nullptr);
   for (int level = 0; level < levels; ++level) parts = coarsened(parts, separate);
-  std::vector<double> fill;
+  std::vector<double> coarse_fill;
   int num_doubled = 0;
   for (std::size_t e = 0; e < parts.size(); ++e) {
-    fill.push_back(parts[e].fill);
+    coarse_fill.push_back(parts[e].fill);
     const bool is_doubled =
         (e > 0 && parts[e - 1].cell == parts[e].cell) || (e + 1 < parts.size() && parts[e + 1].cell == parts[e].cell);
     if (is_doubled) ++num_doubled;
   }
   const Vec3 spacing = (grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
-  return {mesh_of(parts, grid.min, spacing, separate), std::move(fill), num_doubled};
+  return {mesh_of(parts, grid.min, spacing, separate), std::move(coarse_fill), num_doubled};
 }
 
 }  // namespace hexaplast

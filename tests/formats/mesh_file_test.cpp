@@ -34,6 +34,7 @@ std::string content_of(const fs::path& file) {
 
 ImportedMesh parse(const std::string& name, std::string_view content) {
   if (name.ends_with(".obj")) return parse_obj(content, name);
+  if (name.ends_with(".stl")) return parse_stl(content, name);
   if (name.ends_with(".inp")) return parse_abaqus(content, name);
   return name.ends_with(".msh") ? parse_gmsh(content, name) : parse_vtk(content, name);
 }
@@ -63,7 +64,8 @@ TEST(MeshFile, TheEndingOfTheNameTellsTheFormat) {
   }
   expect_the_two_hexahedra(read_mesh(kFolder + "two.inp"));
   EXPECT_EQ(read_mesh(kFolder + "surface.obj").positions.rows(), read_obj(kFolder + "surface.obj").positions.rows());
-  EXPECT_TRUE(refuses<InputError>([] { read_mesh("organ.stl"); }, {"organ.stl", ".msh, .vtk, .vtu, .obj or .inp"}));
+  EXPECT_TRUE(
+      refuses<InputError>([] { read_mesh("organ.ply"); }, {"organ.ply", ".msh, .vtk, .vtu, .obj, .stl or .inp"}));
 }
 
 TEST(MeshFile, HoldsWhatMeshioWrote) {
@@ -183,7 +185,7 @@ TEST(MeshFile, WhatIsNoFileIsRefused) {
   fs::create_directories(folder);
   const fs::path fifo = folder / "pipe.msh";
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
-  for (const auto read : {read_gmsh, read_vtk, read_obj}) {
+  for (const auto read : {read_gmsh, read_vtk, read_obj, read_stl}) {
     EXPECT_TRUE(refuses<InputError>([&] { read(folder / "none.msh"); }, {"none.msh: no such file"}));
     EXPECT_TRUE(refuses<InputError>([&] { read(folder); }, {"is not a file"}));
     EXPECT_TRUE(refuses<InputError>([&] { read(fifo); }, {"is not a file"}));

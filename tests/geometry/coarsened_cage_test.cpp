@@ -89,8 +89,11 @@ TEST(CoarsenedCage, FillIsTheMeanOfTheFineCells) {
 TEST(CoarsenedCage, CellsMeetWhereTheSurfaceCrossesTheirFace) {
   const CageGrid two{.cells = {1, 2, 1}, .min = {0, 0, 0}, .max = {1, 2, 1}};
   Boxes apart;
-  apart.add({.1, .1, .1}, {.9, .9, .9});
-  apart.add({.1, 1.1, .1}, {.9, 1.9, .9});
+  apart.add({.1, .1, .1}, {.9, .4, .9});
+  apart.add({.1, 1.6, .1}, {.9, 1.9, .9});
+  Boxes near;  // edges reach beyond their first corner, as far as they are long
+  near.add({.1, .1, .1}, {.9, .9, .9});
+  near.add({.1, 1.1, .1}, {.9, 1.9, .9});
   Boxes joined;
   joined.add({.1, .1, .1}, {.9, 1.9, .9});
   const auto num_nodes = [&](const Boxes& surface, CellsMeet meet) {
@@ -100,6 +103,7 @@ TEST(CoarsenedCage, CellsMeetWhereTheSurfaceCrossesTheirFace) {
   };
   EXPECT_EQ(num_nodes(apart, CellsMeet::kWhereCrossed), 16);
   EXPECT_EQ(num_nodes(apart, CellsMeet::kAtFaces), 12);
+  EXPECT_EQ(num_nodes(near, CellsMeet::kWhereCrossed), 12);
   EXPECT_EQ(num_nodes(joined, CellsMeet::kWhereCrossed), 12);
 }
 

@@ -112,8 +112,6 @@ TEST(Report, HasTheNumbersOfTheHistory) {
   const std::string page = content(scratch / "run/report.html");
   for (const Expected& expected : {Expected{"elongation", "world", "world_elongation", 100, 0},
                                    {"elongation", "plastic", "plastic_elongation", 100, 0},
-                                   {"twist", "world", "world_twist_deg", 1, 0},
-                                   {"twist", "plastic", "plastic_twist_deg", 1, 0},
                                    {"volume error", "world", "world_volume_ratio", 100, -1},
                                    {"volume error", "plastic", "material_volume_ratio", 100, -1},
                                    {"energy", "elastic", "elastic_energy", 1, 0},
@@ -216,6 +214,26 @@ TEST(Report, ListsRemovedHexahedraByStep) {
   EXPECT_NE(page.find("<th scope=\"row\">step 5</th><td>2</td><td>11 4</td>"), page.npos);
   EXPECT_NE(page.find("<th scope=\"row\">step 7</th><td>1</td><td>2</td>"), page.npos);
   EXPECT_EQ(chart_of(page, "removed hexahedra").at("series")[0].at("curves")[0].at("values").back(), 3);
+}
+
+// Of a bar that is only twisted, and one that is only stretched: 1e-14 degrees are rounding.
+TEST(Report, LeavesOutChartsWithoutContent) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "run");
+  const std::string head =
+      "step,time,yielded,removed,world_elongation,plastic_elongation,world_twist_deg\n0,0,0,0,0,0,0\n";
+  put(scratch / "run/history.csv", head + "1,0.1,0,0,0,0,30\n2,0.2,0,0,0,0,60\n");
+  write_report(scratch / "run", some_run());
+  std::string page = content(scratch / "run/report.html");
+  EXPECT_EQ(chart_of(page, "twist").at("series")[0].at("curves")[0].at("values"), Json({0, 30, 60}));
+  for (const char* absent : {"\"elongation\"", "\"yielded hexahedra\"", "\"removed hexahedra\""})
+    EXPECT_EQ(page.find(absent), page.npos) << absent;
+
+  put(scratch / "run/history.csv", head + "1,0.1,0,0,1e-4,0,1e-14\n2,0.2,0,0,2e-4,0,-2e-14\n");
+  write_report(scratch / "run", some_run());
+  page = content(scratch / "run/report.html");
+  EXPECT_EQ(chart_of(page, "elongation").at("series")[0].at("steps"), Json({0, 1, 2}));
+  EXPECT_EQ(page.find("\"twist\""), page.npos);
 }
 
 TEST(Report, OfALongRunIsSmallAndKeepsItsPeaks) {

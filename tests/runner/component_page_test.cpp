@@ -52,8 +52,10 @@ TEST_F(Command, EveryExampleOfTheComponentPageRunsWithoutComplaint) {
   // what the examples of mesh loaders load: a cube of 0.1 m
   write("block.msh", content(HEXAPLAST_TEST_DATA "/meshes/block.msh"));
   write("block.vtk", content(HEXAPLAST_TEST_DATA "/meshes/block.vtk"));
+  write("skin.stl", content(HEXAPLAST_TEST_DATA "/meshes/organ_binary.stl"));
   write("skin.obj", content(HEXAPLAST_TEST_DATA "/meshes/surface.obj"));
   write("organ.obj", content(HEXAPLAST_TEST_DATA "/meshes/organ.obj"));
+  write("core.obj", content(HEXAPLAST_TEST_DATA "/meshes/core.obj"));
   write("balls.sph", "sph 1.0\nsphe 1 0 0 0 0.02\nsphe 2 0.03 0 0.1 0.01\n");
 
   const std::vector<std::string> blocks = xml_blocks(hexaplast("list --markdown").out);

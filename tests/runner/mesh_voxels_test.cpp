@@ -2,6 +2,7 @@
 // hexaplast mesh voxels: the synthetic liver of scenes/mesh/liver_tumour.py, and files made to hurt.
 #include <zlib.h>
 
+#include <algorithm>
 #include <map>
 
 #include "hexaplast/formats/mesh_import.hpp"
@@ -115,6 +116,26 @@ TEST_F(MeshVoxels, ShippedMeshIsThatOfTheDrawing) {
 }
 
 // A surface of each label, which other commands read.
+// SOFA's reader counts the numbers of the connectivity by their blanks, and takes offsets for 32-bit numbers.
+TEST_F(MeshVoxels, AsTextIsTheSameMeshInTheFormThatSofaReads) {
+  draw(".seg.nrrd");
+  const std::string make = "mesh voxels liver.seg.nrrd --coarsen 2 --largest-part ";
+  ASSERT_EQ(hexaplast(make + "-o binary.vtu").code, 0);
+  ASSERT_EQ(hexaplast(make + "--ascii -o text.vtu").code, 0);
+  const ImportedState binary = written("binary.vtu"), text = written("text.vtu");
+  EXPECT_EQ(text.mesh.positions, binary.mesh.positions);
+  EXPECT_EQ(text.mesh.hexahedra, binary.mesh.hexahedra);
+  EXPECT_EQ(text.cell_data.at(0).values, binary.cell_data.at(0).values);
+
+  const std::string content = support::content(directory_ / "text.vtu");
+  EXPECT_EQ(content.find("\"Int64\""), content.npos);
+  const std::size_t begin = content.find('>', content.find("connectivity")) + 1;
+  const std::string numbers = content.substr(begin, content.find('<', begin) - begin);
+  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), ' ') + 1, static_cast<long>(8 * text.mesh.hexahedra.size()));
+  EXPECT_EQ(numbers.find_last_of('\n'), numbers.size() - 1);
+  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), '\n'), 2);
+}
+
 TEST_F(MeshVoxels, WritesSurfaces) {
   draw(".seg.nrrd");
   write("liver_2.obj", "old");

@@ -31,6 +31,48 @@ class RunRecord : public hexaplast::support::Command {
   }
 };
 
+// A bar of two hexahedra along x, held at x = 0: the nodes of its sections are 0 3 6 9, 1 4 7 10 and 2 5 8 11.
+TEST_F(RunRecord, MeasuresElongationAndTwistWhereABodyIsPulledByItsEnds) {
+  const auto columns = [&](const std::string& load, const std::string& settings = "", const std::string& more = "") {
+    const std::string body = hexaplast::support::held_bar("", "yieldStress='300'", load);
+    write("bar.scn", hexaplast::support::in_a_node(body + more, "steps='1' " + settings));
+    const Outcome outcome = hexaplast("run bar.scn --out run --force --frames 0");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::string history = content(directory_ / "run/history.csv");
+    const std::string head = history.substr(0, history.find('\n'));
+    const bool has_columns = head.find("plastic_elongation,plastic_twist_deg,") != head.npos &&
+                             head.find("world_elongation,world_twist_deg") != head.npos;
+    EXPECT_EQ(has_columns, head.find("elongation") != head.npos) << head;
+    EXPECT_EQ(has_columns, outcome.out.find("plastic elongation") != outcome.out.npos) << outcome.out;
+    EXPECT_EQ(has_columns, content(directory_ / "run/report.html").find("\"elongation\"") != outcome.out.npos);
+    EXPECT_FALSE(content(directory_ / "run/plot.svg").empty());
+    return has_columns;
+  };
+  EXPECT_TRUE(columns("indices='2' forces='1 0 0'"));
+  EXPECT_TRUE(columns("indices='2 5 8 11 1 4 7 10' forces='1 0 0'")) << "a whole section between the ends";
+  EXPECT_FALSE(columns("indices='2 1' forces='1 0 0'")) << "a part of one";
+  EXPECT_FALSE(columns("indices='1 4 7 10' forces='1 0 0'")) << "one end only";
+  EXPECT_TRUE(columns("indices='2 1' forces='1 0 0'", "endSections='yes'"));
+  EXPECT_FALSE(columns("indices='2' forces='1 0 0'", "endSections='no'"));
+  write("curve.csv", "time,elongation\n0.01,0.1\n0.02,0.2\n");
+  const Outcome refused = hexaplast("fit bar.scn --target curve.csv --free bar/material.yieldStress=20:400");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_EQ(refused.err.find("curve.csv:1: error: column 'elongation': the scene does not stretch or twist"), 0u)
+      << refused.err;
+}
+
+TEST_F(RunRecord, NamesTheRegionsInTheStates) {
+  write("bar.scn", scene(kBody + "<MaterialRegion name='soft &amp; small' indices='1' youngModulus='100'/>"
+                                 "<MaterialRegion name='stiff' indices='0' youngModulus='9000'/>"));
+  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::string head = content(directory_ / "run/mesh_000000.vtu").substr(0, 900);
+  EXPECT_NE(head.find("Name=\"region bar/soft &amp; small\" NumberOfTuples=\"1\" format=\"ascii\">1<"), head.npos)
+      << head;
+  EXPECT_NE(head.find("Name=\"region bar/stiff\" NumberOfTuples=\"1\" format=\"ascii\">2<"), head.npos) << head;
+  EXPECT_EQ(hexaplast("mesh info run/mesh_000000.vtu").code, 0) << "it is read all the same";
+}
+
 TEST_F(RunRecord, SaysWhatIsNeededToRepeatTheRun) {
   write("bar.scn", scene(kBody));
   const Outcome outcome =

@@ -20,7 +20,8 @@ struct ImportedMesh {
   std::vector<Triangle> triangles;
   std::vector<Quad> quads;
   std::vector<Hexahedron> hexahedra;
-  int num_skipped = 0;  ///< cells of other kinds: tetrahedra, prisms, pyramids, points, cells of higher order
+  int num_skipped = 0;     ///< cells of other kinds: tetrahedra, prisms, pyramids, points, cells of higher order
+  int num_degenerate = 0;  ///< triangles of .stl files that are left out, as two of their corners are in one place
 };
 
 /// Numbers that a file holds per point or per cell.
@@ -60,12 +61,17 @@ ImportedState read_vtu_state(const std::filesystem::path& file);
 /// first corner.
 ImportedMesh read_obj(const std::filesystem::path& file);
 
+/// STL, text or binary (little-endian): triangles. Corners in exactly the same place become one node, in the order of
+/// their first appearance. A file is binary if its size is that of the triangles that it counts, whatever its first
+/// word. Normals are not read.
+ImportedMesh read_stl(const std::filesystem::path& file);
+
 /// Abaqus input decks (.inp): the data of *NODE and *ELEMENT (solid, shell, membrane and truss elements of the first
 /// order), as they are: decks of parts and instances, or with *INCLUDE, are refused. The format has no end mark, so
 /// that a file that is cut off between two lines is read as far as it goes.
 ImportedMesh read_abaqus(const std::filesystem::path& file);
 
-/// Whichever of these the ending of the file's name stands for: .msh, .vtk, .vtu, .obj or .inp.
+/// Whichever of these the ending of the file's name stands for: .msh, .vtk, .vtu, .obj, .stl or .inp.
 ImportedMesh read_mesh(const std::filesystem::path& file);
 
 /// All of these throw InputError: "FILE:LINE: what" where the file is text, "FILE: byte N: what" in binary data, for
@@ -78,6 +84,7 @@ std::vector<ImportedGroup> parse_gmsh_groups(std::string_view content, const std
 ImportedMesh parse_vtk(std::string_view content, const std::string& name);
 ImportedState parse_vtu_state(std::string_view content, const std::string& name);
 ImportedMesh parse_obj(std::string_view content, const std::string& name);
+ImportedMesh parse_stl(std::string_view content, const std::string& name);
 ImportedMesh parse_abaqus(std::string_view content, const std::string& name);
 
 /// The faces as a surface. Throws InputError as QuadSurface does, and where a face is not a quad.

@@ -30,6 +30,12 @@ VtuArray scalars(std::string_view type, std::string_view name, const std::vector
 VtuArray reals(std::string_view name, int components, std::span<const double> values);
 VtuArray vectors(std::string_view name, const PointArray& field);
 
+/// A named number of a whole grid.
+struct VtuNumber {
+  std::string name;
+  std::int32_t value;
+};
+
 inline constexpr std::uint8_t kVtkVertex = 1, kVtkLine = 3, kVtkTriangle = 5, kVtkQuad = 9, kVtkHexahedron = 12;
 
 /// An unstructured grid of VTK (.vtu), every number with all its bits. Names are escaped where XML demands it.
@@ -39,13 +45,17 @@ struct VtuGrid {
   std::vector<std::int64_t> ends = {};           ///< of each cell in the connectivity
   std::vector<std::uint8_t> types = {};          ///< of each cell
   std::vector<VtuArray> point_data = {}, cell_data = {};
+  std::vector<VtuNumber> field_data = {};
   std::string_view shown_first = {};  ///< cell data that programs show at once; empty: none
 
   void add_cells(std::size_t count, std::uint8_t type, int corners);  ///< cells of one type
 
   /// As XML with raw appended binary, little-endian, 64-bit headers. Throws OutputError.
   void write(const std::filesystem::path& file) const;
-  std::string text() const;  ///< as XML alone: numbers with as many digits as it takes to read them back
+
+  /// As XML alone: numbers with as many digits as it takes to read them back, in a form that SOFA's MeshVTKLoader reads
+  /// too, as long as cell data are not of 8 bits.
+  std::string text() const;
 };
 
 }  // namespace hexaplast

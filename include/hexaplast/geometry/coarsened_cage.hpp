@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,7 @@ enum class CellsMeet {
 /// Hexahedra of a coarse grid around a surface that was found on a finer one.
 struct CoarsenedCage {
   HexMesh mesh;
-  std::vector<double> fill;  ///< share of matter of each hexahedron (0, 1]: the mean over its fine cells
+  std::vector<double> fill;  ///< of each hexahedron: the mean over its fine cells
   int num_doubled = 0;       ///< hexahedra that lie in one place with others
 };
 
@@ -34,5 +35,20 @@ struct CoarsenedCage {
 CoarsenedCage coarsened_cage(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
                              const CageGrid& grid, int levels, SeparateParts parts, double touched_fill,
                              CellsMeet meet = CellsMeet::kAtFaces);
+
+/// A grid with 2^levels times the cells of `grid` in each direction. Throws InputError where levels < 0 or the cells
+/// are too many.
+CageGrid finer(CageGrid grid, int levels);
+
+/// The edges of faces of a surface: where they cross a common face, touched cells are connected.
+struct CageCrossings {
+  ConstPoints x;
+  std::span<const Triangle> triangles;
+  std::span<const Quad> quads;
+};
+
+/// A cage on `fine_grid`, which is finer(grid, levels), made coarse again. fill: of each of its hexahedra.
+CoarsenedCage coarsened_cage(const Cage& fine, const CageGrid& fine_grid, std::span<const double> fill, int levels,
+                             SeparateParts parts, const std::optional<CageCrossings>& crossings);
 
 }  // namespace hexaplast

@@ -224,8 +224,8 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
      .type = Type::kText,
      .aliases = "filename",
-     .help = "The surface: the triangles and quads of a mesh file, .obj, .vtk, .vtu, .msh or .inp; a relative path "
-             "counts from the scene file that names it. SOFA reads .obj of these."},
+     .help = "The surface: the triangles and quads of a mesh file, .obj, .stl, .vtk, .vtu, .msh or .inp; a relative "
+             "path counts from the scene file that names it. SOFA reads .obj of these."},
     {.name = "n",
      .type = Type::kIntegers,
      .initial = "2 2 2",
@@ -300,7 +300,9 @@ inline constexpr Attribute kConnectivityAttribute[] = {
      .type = Type::kBool,
      .initial = "true",
      .help = "Whether two fine cells that the surface touches are connected only where one of its edges crosses their "
-             "common face; otherwise wherever they share one."},
+             "common face; otherwise wherever they share one. As in SOFA, an edge reaches as far beyond its first "
+             "corner as "
+             "it is long."},
 };
 inline constexpr auto kSparseGridRamificationTopologyAttributes =
     joined(kSparseGridTopologyAttributes, kConnectivityAttribute);
@@ -313,6 +315,40 @@ inline constexpr Description kSparseGridRamificationTopology{
         "one "
         "fine cell decides how full such a hexahedron is, here all of them do.",
     .attributes = kSparseGridRamificationTopologyAttributes};
+
+inline constexpr Attribute kSeveralSurfacesAttributes[] = {
+    kConnectivityAttribute[0],
+    {.name = "fileTopologies",
+     .type = Type::kText,
+     .help = "The surfaces: mesh files as of fileTopology, separated by blanks. Later ones over earlier ones. In "
+             "fileTopology stands the one whose edges finestConnectivity looks at."},
+    {.name = "stiffnessCoefs",
+     .type = Type::kReals,
+     .range = kPositive,
+     .help = "Factor of the stiffness of the cells that each surface encloses; default: 1. A cell that it passes "
+             "through gets the mean of this and of what it had before, at first 0. In single precision, as in SOFA."},
+    {.name = "massCoefs",
+     .type = Type::kReals,
+     .range = kPositive,
+     .help = "The like for the masses of HexahedronFEMForceFieldAndMass. Other masses are not changed, as in SOFA."},
+    {.name = "erasePreviousCoef",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Cells that a surface passes through get its factor, and no mean."},
+    {.name = "computeRamifications",
+     .type = Type::kBool,
+     .initial = "true",
+     .help = "Without nbVirtualFinerLevels: whether finestConnectivity is looked at."},
+};
+inline constexpr auto kSparseGridMultipleTopologyAttributes =
+    joined(kSparseGridTopologyAttributes, kSeveralSurfacesAttributes);
+inline constexpr Description kSparseGridMultipleTopology{
+    .class_name = "SparseGridMultipleTopology",
+    .category = "Topology",
+    .help =
+        "A SparseGridRamificationTopology around several surfaces, each with a factor of the stiffness: parts of "
+        "a body, or what is embedded in it.",
+    .attributes = kSparseGridMultipleTopologyAttributes};
 
 inline constexpr Attribute kMeshTopologyAttributes[] = {
     {.name = "position",
@@ -459,5 +495,26 @@ inline constexpr Description kMeshOBJLoader{.class_name = "MeshOBJLoader",
                                             .category = "MeshLoader",
                                             .help = "Reads the vertices, lines and faces of .obj files.",
                                             .attributes = kMeshLoaderAttributes};
+inline constexpr Attribute kStlAttributes[] = {
+    {.name = "headerSize",
+     .type = Type::kInteger,
+     .initial = "80",
+     .range = kIndex,
+     .help = "Of binary files, in bytes: 80, as the format has it."},
+    ignored_attribute("forceBinary", "Ignored here: the size of a file tells whether it is binary."),
+    ignored_attribute("mergePositionUsingMap", "Ignored here: corners in one place are always one node."),
+};
+inline constexpr auto kStlLoaderAttributes = [] {
+  std::array<Attribute, kMeshLoaderAttributes.size() + std::size(kStlAttributes)> all;
+  std::ranges::copy(kStlAttributes, std::ranges::copy(kMeshLoaderAttributes, all.begin()).out);
+  return all;
+}();
+inline constexpr Description kMeshSTLLoader{
+    .class_name = "MeshSTLLoader",
+    .category = "MeshLoader",
+    .help =
+        "Reads the triangles of .stl files, text or binary. Corners in exactly one place are one node. Triangles "
+        "with two corners in one place are left out, with a warning.",
+    .attributes = kStlLoaderAttributes};
 
 }  // namespace hexaplast::attributes

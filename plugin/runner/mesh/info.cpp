@@ -112,6 +112,9 @@ void warn_of_skipped(const std::filesystem::path& file, const ImportedMesh& mesh
   if (mesh.num_skipped > 0)
     spdlog::warn("{}: warning: {} cells are left out: neither edges, triangles, quads nor hexahedra of first order",
                  file.string(), mesh.num_skipped);
+  if (mesh.num_degenerate > 0)
+    spdlog::warn("{}: warning: {} triangles are left out: two of their corners are in one place", file.string(),
+                 mesh.num_degenerate);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ ImportedVolume load_volume(const std::filesystem::path& file, const VoxelCells& 
   }
 }
 
-void write_vtu(const std::filesystem::path& file, const VoxelMesh& made) {
+void write_vtu(const std::filesystem::path& file, const VoxelMesh& made, bool ascii) {
   const HexMesh& mesh = made.mesh;
   VtuGrid grid{.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
                .connectivity = std::as_bytes(std::span(mesh.hexahedra()))};
@@ -47,7 +47,10 @@ void write_vtu(const std::filesystem::path& file, const VoxelMesh& made) {
   const std::vector<std::int32_t> labels(made.labels.begin(), made.labels.end());
   grid.cell_data.push_back(scalars("Int32", "label", labels));
   grid.shown_first = "label";
-  grid.write(file);
+  if (!ascii) return grid.write(file);
+  WholeFile out(file);
+  out.write(grid.text());
+  out.commit();
 }
 
 /// "body.vtu" and 2 make "body_2.obj".
@@ -118,7 +121,7 @@ void make_voxels(const MeshVoxelsOptions& options) {
                          .mm_per_length = mm_per(options.unit)};
   const ImportedVolume found = load_volume(options.segmentation, cells);
   const VoxelMesh made = mesh_of_voxels(found.volume, cells);
-  write_vtu(output_place(options.out, InputFiles(found.files)), made);
+  write_vtu(output_place(options.out, InputFiles(found.files)), made, options.ascii);
   if (options.surfaces) write_surfaces(options, found, cells, made);
   print_summary(options, found.volume, made);
   if (!found.has_frame)

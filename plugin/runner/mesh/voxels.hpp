@@ -14,6 +14,7 @@ struct MeshVoxelsOptions {
   int coarsening = 1;
   bool largest_part = false;
   std::string unit = "m";  ///< of the written lengths: m, cm or mm
+  bool ascii = false;      ///< numbers as text
   bool surfaces = false;   ///< besides, FILE_LABEL.obj for each label
   std::filesystem::path out;
 };

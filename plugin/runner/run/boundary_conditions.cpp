@@ -72,6 +72,15 @@ output::BoundaryConditions conditions_of(Simulation& simulation) {
   return conditions;
 }
 
+std::set<int> loaded_nodes(Simulation& simulation) {
+  std::set<int> loaded;
+  for (const scene::ForceField* field : simulation.scene().root().all<scene::ForceField>())
+    for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i)
+      if (scene::acts_on(*field, *simulation.scene_bodies()[i].state))
+        for (const int node : field->loaded_nodes()) loaded.insert(simulation.bodies()->all()[i].first_node + node);
+  return loaded;
+}
+
 std::vector<int> fixed_nodes(Simulation& simulation) {
   std::vector<int> fixed;
   for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <set>
+#include <vector>
+
 #include "picture/boundary_conditions.hpp"
 #include "runner/run/simulation.hpp"
 
@@ -12,5 +15,8 @@ output::BoundaryConditions conditions_of(Simulation& simulation);
 
 /// Nodes that are fixed or prescribed in all three directions, ascending.
 std::vector<int> fixed_nodes(Simulation& simulation);
+
+/// Nodes of the bodies that carry prescribed forces.
+std::set<int> loaded_nodes(Simulation& simulation);
 
 }  // namespace hexaplast::runner

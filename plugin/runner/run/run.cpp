@@ -20,9 +20,11 @@
 #include "runner/look/render.hpp"
 #include "runner/run/boundary_conditions.hpp"
 #include "runner/run/directory_lock.hpp"
+#include "runner/run/ends.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/journal.hpp"
 #include "runner/run/kept_warnings.hpp"
+#include "runner/run/loads.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/run/progress.hpp"
 #include "runner/run/regions.hpp"
@@ -81,17 +83,16 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   plan.force = options.scene.output.replaces;
   plan.inputs = simulation.scene().root().files().inputs;
 
-  std::set<int> loaded;
-  for (const scene::ForceField* field : simulation.scene().root().all<scene::ForceField>())
-    for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i)
-      if (scene::acts_on(*field, *simulation.scene_bodies()[i].state))
-        for (const int node : field->loaded_nodes()) loaded.insert(simulation.bodies()->all()[i].first_node + node);
+  const std::set<int> loaded = loaded_nodes(simulation);
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
+  plan.has_ends = measures_ends(simulation);
   for (const scene::Instrument* instrument : simulation.scene().root().all<scene::Instrument>())
     plan.has_contact = plan.has_contact || instrument->contact_energy().has_value();
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   if (simulation.bodies()) plan.regions = region_numbers(simulation.scene(), *simulation.bodies());
+  if (!plan.regions.empty())
+    for (const RegionFigure& region : regions_of(simulation.scene())) plan.region_names.push_back(region.path);
   plan.staging = staging_of(simulation);
   plan.staging.quantity = quantity_named(options.field);
   if (options.video) plan.video = place_of(*options.video, options, plan.inputs);
@@ -229,11 +230,12 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
     if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
-    if (bodies->is_one())
+    const bool has_ends = measures_ends(simulation);
+    if (has_ends)
       add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
                  fmt::format("{:+.3f} %  (world {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
                              rounded(100 * summary.world_elongation, 1e-3)));
-    if (bodies->is_one())
+    if (has_ends)
       add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
                  fmt::format("{:+.3f} deg  (world {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
                              rounded(summary.world_twist_deg, 1e-3)));

@@ -96,6 +96,7 @@ Simulation::Simulation(const SceneOptions& options)
       scene_identity_(identity_of(scene_)) {
   if (scene::Component* settings = find_settings(scene_)) {
     output_every_ = settings->integer("outputEvery");
+    end_sections_ = settings->text("endSections");
     if (settings->is_given("steps")) num_steps_ = settings->integer("steps");
   }
   if (!scene_bodies_.empty()) bodies_.emplace(entries_of(scene_bodies_));

@@ -59,6 +59,7 @@ class Simulation {
   /// Those that RunSettings tells.
   std::optional<long> num_steps() const { return num_steps_; }
   int output_every() const { return output_every_; }
+  const std::string& end_sections() const { return end_sections_; }
 
   double dt() { return scene_.dt(); }      ///< [s]
   double time() { return scene_.time(); }  ///< [s] a running sum
@@ -103,6 +104,7 @@ class Simulation {
   std::uint64_t scene_identity_;
   std::optional<long> num_steps_;
   int output_every_ = 25;
+  std::string end_sections_ = "auto";
   output::StepRecord latest_;
   double load_time_ = 0;  // [s]
   Totals totals_;

@@ -10,6 +10,7 @@
 
 #include "hexaplast/geometry/axial_pull.hpp"
 #include "record/measures.hpp"
+#include "runner/run/ends.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/loads.hpp"
 #include "runner/run/simulation.hpp"
@@ -49,6 +50,18 @@ void find_probes(TargetCurve& target, const Simulation& simulation) {
     column.unit = simulation.probes()[place]->unit();
     if (!column.unit.empty()) column.label = fmt::format("{} [{}]", column.name, column.unit);
   }
+}
+
+/// Refuses to compare elongation or twist where the scene does not stretch or twist its body by its ends.
+void require_ends(const TargetCurve& target, Simulation& simulation) {
+  for (const TargetCurve::Column& column : target.columns)
+    if (column.quantity != Quantity::kForce && column.quantity != Quantity::kProbe && !measures_ends(simulation))
+      throw scene::SceneError(scene::format_error(
+          {target.file.string(), target.head_line},
+          fmt::format("column '{}': the scene does not stretch or twist its body by the two ends, so that it has "
+                      "no elongation and twist; a Probe of the scene can be compared, or RunSettings "
+                      "endSections=\"yes\" measures them all the same",
+                      column.name)));
 }
 
 /// Reads off a body in motion what a curve compares.
@@ -153,6 +166,7 @@ Experiment::Experiment(SceneOptions scene, TargetCurve target, std::optional<lon
   Simulation simulation(with(assignments));
   required_body(simulation);
   find_probes(target_, simulation);
+  require_ends(target_, simulation);
   inputs_ = simulation.scene().root().files().inputs;
   inputs_.add(target_.file);
   if (moments_.empty())

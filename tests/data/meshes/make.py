@@ -40,3 +40,10 @@ meshio.vtk.write("block.vtk", cube, "4.2", binary=False)
 
 surface = meshio.Mesh(points, cells[1:3])
 meshio.obj.write("surface.obj", surface)
+
+# the box of organ.obj
+box = np.array([[(a & 1) * 0.1, (a >> 1 & 1) * 0.1, (a >> 2) * 0.4] for a in range(8)])
+faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+organ = meshio.Mesh(box, [("triangle", np.array([t for a, b, c, d in faces for t in ([a, b, c], [a, c, d])]))])
+meshio.stl.write("organ_ascii.stl", organ)
+meshio.stl.write("organ_binary.stl", organ, binary=True)

@@ -16,11 +16,13 @@ public:
 
     Data<int> d_steps;        ///< of a run
     Data<int> d_outputEvery;  ///< steps between two saved states
+    DataWord d_endSections;   ///< whether elongation and twist are recorded
 
 protected:
     RunSettings()
         : d_steps(from_table(*this, d_steps, row(attributes::kRunSettings, "steps"))),
-          d_outputEvery(from_table(*this, d_outputEvery, row(attributes::kRunSettings, "outputEvery")))
+          d_outputEvery(from_table(*this, d_outputEvery, row(attributes::kRunSettings, "outputEvery"))),
+          d_endSections(from_table(*this, d_endSections, row(attributes::kRunSettings, "endSections")))
     {
     }
 };
