@@ -82,8 +82,7 @@ private:
 
     parts::InstrumentOptions options() const;
     void checkRigid() const;
-    Pose poseAfter(SReal duration) const;         ///< of the frame that leads, if it keeps its velocity so long
-    SReal rayleighStiffnessOfIntegrator() const;  ///< of the EulerImplicitSolver above; InputError for any other
+    Pose poseAfter(SReal duration) const;  ///< of the frame that leads, if it keeps its velocity so long
     void followSurface();
     void showOutputs();
 

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <Hexaplast/InstrumentContactForceField.h>
-#include <sofa/core/BaseMapping.h>
-#include <sofa/core/behavior/OdeSolver.h>
+#include <Hexaplast/contact.h>
 
 #include <Hexaplast/PartForceField.inl>
 
@@ -70,29 +69,10 @@ void InstrumentContactForceField<TDataTypes>::reinit()
         Inherit::init();
 }
 
-// It is there for SOFA, which multiplies the stiffness by it.
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::checkRayleighStiffness() const
 {
-    if (this->rayleighStiffness.getValue() != m_ownRayleighStiffness)
-        throw parts::OptionError("rayleighStiffness",
-                                 fmt::format("= {}: must not be given, as the Rayleigh stiffness of the integrator "
-                                             "does not act on contact. damping damps it",
-                                             this->rayleighStiffness.getValue()));
-}
-
-template <class TDataTypes>
-SReal InstrumentContactForceField<TDataTypes>::rayleighStiffnessOfIntegrator() const
-{
-    const auto* integrator = this->getContext()->template get<sofa::core::behavior::OdeSolver>();
-    if (!integrator || integrator->getClassName() != "EulerImplicitSolver")
-        throw InputError("needs an EulerImplicitSolver in its node or above");
-    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
-        if (const auto* is_on = dynamic_cast<const Data<bool>*>(integrator->findData(scheme));
-            is_on && is_on->getValue())
-            throw InputError(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
-    const auto* stiffness = dynamic_cast<const Data<SReal>*>(integrator->findData("rayleighStiffness"));
-    return stiffness ? stiffness->getValue() : 0;
+    require_own_rayleigh_stiffness(this->rayleighStiffness.getValue(), m_ownRayleighStiffness);
 }
 
 template <class TDataTypes>
@@ -123,19 +103,11 @@ Pose InstrumentContactForceField<TDataTypes>::poseAfter(SReal duration) const
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::makePart()
 {
-    using sofa::core::objectmodel::BaseContext;
     m_instrument.reset();
     m_bodyField = nullptr;
-    std::vector<BodyField*> fields;
-    this->getContext()->getRootContext()->template get<BodyField>(&fields, BaseContext::SearchDown);
-    for (BodyField* field : fields)
-        if (field->getMState() == this->mstate.get()) m_bodyField = field;
-    if (!m_bodyField) throw InputError("no body on its state: contact is that of a body's surface");
-    if (!m_bodyField->works())
-        throw InputError("its body '" + m_bodyField->getName() + "' is invalid (see its error above)");
-    if (this->mstate->getContext()->template get<sofa::core::BaseMapping>(BaseContext::Local))
-        throw InputError("its state follows another one: must be one that an integrator moves");
-    rayleighStiffnessOfIntegrator();
+    BodyField& field = body_field_of(*this->mstate);
+    implicit_euler_of(*this->getContext());
+    m_bodyField = &field;
     checkRigid();
     m_bodyMade = m_bodyField->timesMade();
     m_numRemoved = m_bodyField->body()->removed().size();
@@ -206,7 +178,7 @@ template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
 {
     followSurface();
-    const SReal ofIntegrator = rayleighStiffnessOfIntegrator();
+    const SReal ofIntegrator = rayleigh_stiffness_of(implicit_euler_of(*this->getContext()));
     const auto x = view(this->mstate->readPositions().ref()), v = view(this->mstate->readVelocities().ref());
     if (l_rigid)
         m_instrument->begin_step(poseAfter(0), poseAfter(dt), dt, ofIntegrator, x, v);
