@@ -2,11 +2,13 @@
 // An instrument that touches a body in SOFA and in the embedded host: the same motion, forces and contacts.
 #include <Hexaplast/InstrumentContactForceField.h>
 #include <gtest/gtest.h>
+#include <sofa/core/visual/VisualParams.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "embedded_scene.h"
+#include "recording_draw_tool.h"
 #include "sofa_scene.h"
 
 namespace hexaplast::sofa_plugin::test
@@ -133,6 +135,27 @@ TEST(InstrumentInSofa, BeginsAnewAfterReset)
     EXPECT_EQ(contact.d_force.getValue().norm(), 0);
     for (int step = 0; step < 60; ++step) sofa.step();
     EXPECT_EQ(sofa.positions(), before);
+}
+
+TEST(InstrumentInSofa, IsSeenWhereItIs)
+{
+    SofaScene sofa = SofaScene::from_text(stroked_block(kOurSolver));
+    for (int step = 0; step < 45; ++step) sofa.step();
+    auto& contact = sofa.only<Contact>();
+    ASSERT_GT(contact.d_touching.getValue(), 0);
+    RecordingDrawTool tool;
+    sofa::core::visual::VisualParams vparams;
+    vparams.drawTool() = &tool;
+    vparams.displayFlags().setShowForceFields(true);
+    contact.draw(&vparams);
+    double lowest = 1;
+    for (const auto& corner : tool.corners) lowest = std::min<double>(lowest, corner[1]);
+    EXPECT_EQ(tool.corners.size(), 36u) << "a box";
+    EXPECT_NEAR(lowest, 0.036 - 0.9 * 0.004 - 0.004, 1e-6) << "at 0.45 s of its path";
+    EXPECT_EQ(static_cast<int>(tool.points.size()), contact.d_touching.getValue());
+    EXPECT_EQ(tool.ends.size(), 2 * tool.points.size());
+    EXPECT_EQ(tool.num_others, 0);
+    EXPECT_EQ(tool.num_open_states, 0);
 }
 
 // What it refuses is said in the words of the embedded host (tests/sofa); here, that it does not run on.

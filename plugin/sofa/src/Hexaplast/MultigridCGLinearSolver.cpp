@@ -268,7 +268,7 @@ public:
 
     PointArray read(GraphScatteredVector& from) const
     {
-        return m_states.read([&](MechanicalState& state) -> auto& {
+        return m_states.read([&](MechanicalState & state) -> auto& {
             return state.read(from.id().getId(&state))->getValue();
         });
     }

@@ -34,12 +34,14 @@ public:
     Data<SReal> d_depth;                ///< output [m]: of the deepest point
     Data<int> d_touching;               ///< output: number of points that touch
     Data<int> d_slipping;               ///< output: how many of these slip
+    Data<SReal> d_drawForceScale;       ///< [m/N] of forces that are drawn
 
     void init() override;
     void bwdInit() override;
     void reinit() override;
     void reset() override;
     void handleEvent(sofa::core::objectmodel::Event* event) override;
+    void draw(const sofa::core::visual::VisualParams* vparams) override;
 
     using Inherit::addDForce;
     using Inherit::addForce;

@@ -3,6 +3,7 @@
 
 #include <Hexaplast/TissueContactForceField.h>
 #include <Hexaplast/contact.h>
+#include <Hexaplast/contact_drawing.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/matrices.h>
 #include <sofa/core/MechanicalParams.h>
@@ -32,7 +33,10 @@ TissueContactForceField<TDataTypes>::TissueContactForceField()
       d_force(from_table(*this, d_force, row(kTissueContact, "force"))),
       d_depth(from_table(*this, d_depth, row(kTissueContact, "depth"))),
       d_touching(from_table(*this, d_touching, row(kTissueContact, "touching"))),
-      d_slipping(from_table(*this, d_slipping, row(kTissueContact, "slipping")))
+      d_slipping(from_table(*this, d_slipping, row(kTissueContact, "slipping"))),
+      d_drawForceScale(this->initData(&d_drawForceScale, SReal(0), "drawForceScale",
+                                      "Length of a force that is drawn [m/N]. 0: the greatest one has a tenth of the "
+                                      "size of the body."))
 {
     this->f_listening.setValue(true);
     this->mstate2.set(nullptr, "");  // that of object1, where it is not given
@@ -321,6 +325,15 @@ SReal TissueContactForceField<TDataTypes>::getPotentialEnergy(const MechanicalPa
 {
     if (works()) msg_warning(this) << "its forces have no potential energy: 0 counts";
     return 0;
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::draw(const sofa::core::visual::VisualParams* vparams)
+{
+    if (!works() || !vparams->displayFlags().getShowForceFields()) return;
+    auto* tool = vparams->drawTool();
+    const auto lifeCycle = tool->makeStateLifeCycle();
+    draw_contacts(*tool, m_tissues->contact().terms(), positions(), velocities(), d_drawForceScale.getValue());
 }
 
 }  // namespace hexaplast::sofa_plugin
