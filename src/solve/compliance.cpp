@@ -8,6 +8,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "solve/column_products.hpp"
 
 namespace hexaplast {
 namespace {
@@ -117,18 +118,20 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   for (const int count : iterations) iterations_ += count;
 
   // W = G^T K^-1 G, G = X^T B, K = X^T A X = X^T (B - R)                                                     eq. W1
-  Eigen::MatrixXd G(num_rows, num_rows), K(num_rows, num_rows);
+  Eigen::MatrixXd G(num_rows, num_rows), K = Eigen::MatrixXd::Zero(num_rows, num_rows);
+  parallel_for(num_rows, [&](int i) {
+    for (int j = 0; j < num_rows; ++j) {
+      G(i, j) = 0;
+      for (const auto& [node, direction] : rows[j]) G(i, j) += x_.col(i).segment<3>(3 * node).dot(direction);
+    }
+  });
   parallel_for((num_rows + kColumns - 1) / kColumns, [&](int part) {
     const int first = kColumns * part, count = std::min(kColumns, num_rows - first);
     // K is symmetric: its lower half
-    K.block(first, first, num_rows - first, count).noalias() =
-        -x_.rightCols(num_rows - first).transpose() * r_.middleCols(first, count);
-    for (int j = first; j < first + count; ++j) {
-      G.col(j).setZero();
-      for (const auto& [node, direction] : rows[j]) G.col(j) += x_.middleRows(3 * node, 3).transpose() * direction;
-      K.col(j) += G.col(j);
-    }
+    column_products(x_.rightCols(num_rows - first), r_.middleCols(first, count),
+                    K.block(first, first, num_rows - first, count));
   });
+  K = G - K;
   factorise(K);
   const auto lower = factor_.matrixL();
   lower.solveInPlace(G);

@@ -31,18 +31,20 @@ namespace fs = std::filesystem;
 TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
   std::set<std::string> names;
   for (const auto& [name, entry] : factory().entries) names.insert(name);
-  EXPECT_EQ(names, (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField",
-                                          "GraspForceField", "InstrumentContactForceField", "TubeGridTopology",
-                                          "SheetGridTopology", "SpherePatchGridTopology", "MultigridCGLinearSolver",
-                                          "FinalStateExporter", "Probe", "RunSettings", "MaterialRegion"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField", "GraspForceField",
+                                   "InstrumentContactForceField", "TissueContactForceField", "TubeGridTopology",
+                                   "SheetGridTopology", "SpherePatchGridTopology", "MultigridCGLinearSolver",
+                                   "FinalStateExporter", "Probe", "RunSettings", "MaterialRegion"}));
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
-        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTubeGridTopology,
-        &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver,
-        &attributes::kProbe, &attributes::kRunSettings, &attributes::kMaterialRegion}) {
+        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTissueContactForceField,
+        &attributes::kTubeGridTopology, &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology,
+        &attributes::kMultigridCGLinearSolver, &attributes::kProbe, &attributes::kRunSettings,
+        &attributes::kMaterialRegion}) {
     const auto& entry = factory().entries.at(std::string(each->class_name));
     EXPECT_EQ(entry.help, each->help);
-    EXPECT_EQ(entry.template_name, each->category == "ForceField" ? "Vec3d" : "") << each->class_name;
+    EXPECT_EQ(entry.template_name, each->category.ends_with("ForceField") ? "Vec3d" : "") << each->class_name;
   }
 }
 
@@ -67,9 +69,10 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
   int num_defaults = 0;
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
-        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTubeGridTopology,
-        &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology, &attributes::kMultigridCGLinearSolver,
-        &attributes::kProbe, &attributes::kRunSettings, &attributes::kMaterialRegion}) {
+        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTissueContactForceField,
+        &attributes::kTubeGridTopology, &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology,
+        &attributes::kMultigridCGLinearSolver, &attributes::kProbe, &attributes::kRunSettings,
+        &attributes::kMaterialRegion}) {
     const auto component = factory().entries.at(std::string(each->class_name)).make();
     for (const attributes::Attribute& attribute : each->attributes) {
       if (attribute.type == attributes::Type::kLink) continue;

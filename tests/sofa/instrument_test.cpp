@@ -4,6 +4,7 @@
 #include <Hexaplast/InstrumentContactForceField.h>
 #include <sofa/core/BaseMapping.h>
 #include <sofa/core/behavior/OdeSolver.h>
+#include <sofa/core/visual/VisualParams.h>
 
 #include <cmath>
 
@@ -83,6 +84,95 @@ TEST_F(InstrumentAdapter, TakesBackTheRayleighStiffnessOfTheIntegrator) {
   integrator.stiffness.setValue(0.01);
   tell<AnimateBeginEvent>();
   EXPECT_EQ(contact.rayleighStiffness.getValue(), -0.01) << "Data may change";
+}
+
+/// [m^3] within triangles whose front is outside, about any point within.
+double enclosed(const std::vector<sofa::type::Vec3>& corners) {
+  double volume = 0;
+  for (std::size_t i = 0; i < corners.size(); i += 3)
+    volume += vec3(corners[i]).dot(vec3(corners[i + 1]).cross(vec3(corners[i + 2]))) / 6;
+  return volume;
+}
+
+TEST_F(InstrumentAdapter, DrawsItsShapeWhereItIs) {
+  integrate();
+  make_body({});
+  const double z = mesh.positions().col(2).maxCoeff() + 0.2;
+  const auto drawn = [&](const Attributes& shape) {
+    // a quarter of a turn about y leads z to x
+    const Contact& contact =
+        make_contact(with(shape, {{"keyTimes", "0 1"},
+                                  {"positions", "0 0 " + std::to_string(z) + " 0 0 9"},
+                                  {"orientations", "0 0.70710678118654752 0 0.70710678118654752 0 0 0 1"}}));
+    EXPECT_TRUE(is_valid(contact)) << said();
+    sofa::core::visual::VisualParams params_of_drawing;
+    const_cast<Contact&>(contact).draw(&params_of_drawing);
+    EXPECT_EQ(params_of_drawing.tool.open_states, 0) << "leaves the tool as it was";
+    return params_of_drawing.tool;
+  };
+  const auto sphere = drawn({{"shape", "sphere"}, {"radius", "0.02"}});
+  ASSERT_EQ(sphere.round.size(), 1u);
+  EXPECT_NEAR((vec3(sphere.round[0].places[0]) - Vec3(0, 0, std::stod(std::to_string(z)))).norm(), 0, 1e-12);
+  EXPECT_FLOAT_EQ(sphere.round[0].radius, 0.02f);
+  EXPECT_TRUE(sphere.points.empty()) << "nothing touches";
+  const auto capsule = drawn({{"shape", "capsule"}, {"radius", "0.02"}, {"length", "0.1"}});
+  ASSERT_EQ(capsule.round.size(), 1u);
+  EXPECT_EQ(capsule.round[0].shape, "capsule");
+  EXPECT_NEAR((vec3(capsule.round[0].places[1]) - vec3(capsule.round[0].places[0]) - Vec3(0.1, 0, 0)).norm(), 0, 1e-12);
+  const auto cylinder = drawn({{"shape", "cylinder"}, {"radius", "0.02"}, {"length", "0.1"}});
+  EXPECT_EQ(cylinder.round.at(0).shape, "cylinder");
+  ASSERT_EQ(cylinder.triangles.size(), 1u) << "its ends";
+  for (const auto& corner : cylinder.triangles[0].corners) EXPECT_NEAR(std::abs(corner[0]), 0.05, 1e-12);
+  const auto box = drawn({{"shape", "box"}, {"size", "0.1 0.2 0.3"}});
+  ASSERT_EQ(box.triangles.size(), 1u);
+  EXPECT_NEAR(enclosed(box.triangles[0].corners), 0.1 * 0.2 * 0.3, 1e-15);
+  double width = 0;
+  for (const auto& corner : box.triangles[0].corners) width = std::max(width, std::abs(corner[0]));
+  EXPECT_NEAR(width, 0.15, 1e-12) << "it is turned";
+  const auto surface = drawn({{"shape", "surface"},
+                              {"surfacePositions", "0 0 0 0.1 0 0 0 0.1 0 0 0 0.1"},
+                              {"surfaceTriangles", "0 2 1 0 1 3 1 2 3 0 3 2"}});
+  ASSERT_EQ(surface.triangles.size(), 1u);
+  EXPECT_NEAR(enclosed(surface.triangles[0].corners), 1e-3 / 6, 1e-15);
+}
+
+TEST_F(InstrumentAdapter, DrawsWhereItTouchesAndTheForces) {
+  integrate();
+  make_body({});
+  Contact& contact = make_contact(with(box(), {{"contactStiffness", "1e6"}}));
+  const auto draw = [&](bool forces, bool visuals) {
+    sofa::core::visual::VisualParams shown;
+    shown.flags.show_force_fields = forces;
+    shown.flags.show_visual_models = visuals;
+    contact.draw(&shown);
+    return shown.tool;
+  };
+  tell<AnimateBeginEvent>();
+  tell<AnimateEndEvent>();
+  const auto tool = draw(true, false);
+  ASSERT_EQ(tool.lines.size(), 1u);
+  EXPECT_EQ(tool.triangles.size(), 1u) << "the box";
+  ASSERT_EQ(tool.lines[0].ends.size(), 2u * contact.d_touching.getValue());
+  ASSERT_EQ(tool.points.size(), 1u) << "all stick";
+  EXPECT_EQ(tool.points[0].ends.size(), tool.lines[0].ends.size() / 2);
+  dynamic_cast<Data<SReal>&>(*contact.findData("drawForceScale")).setValue(0.5);
+  Vec3 sum = Vec3::Zero();
+  const auto to_scale = draw(true, false);
+  for (std::size_t i = 0; i < to_scale.lines.at(0).ends.size(); i += 2)
+    sum += vec3(to_scale.lines[0].ends[i + 1]) - vec3(to_scale.lines[0].ends[i]);
+  EXPECT_NEAR((sum + 0.5 * vec3(contact.d_force.getValue())).norm(), 0, 1e-9 * sum.norm());
+
+  EXPECT_TRUE(draw(false, true).lines.empty());
+  EXPECT_EQ(draw(false, true).triangles.size(), 1u);
+  EXPECT_TRUE(draw(false, false).triangles.empty());
+  dynamic_cast<Data<bool>&>(*contact.findData("drawInstrument")).setValue(false);
+  EXPECT_TRUE(draw(true, true).triangles.empty());
+  EXPECT_EQ(draw(true, true).lines.size(), 1u);
+
+  sofa::core::ExecParams eparams;
+  dynamic_cast<Data<bool>&>(*contact.findData("drawInstrument")).setValue(true);
+  contact.computeBBox(&eparams);
+  EXPECT_GT(contact.f_bbox.getValue().most[2], mesh.positions().col(2).maxCoeff() + 0.04);
 }
 
 TEST_F(InstrumentAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {

@@ -3,6 +3,7 @@
 // of the graph what acts beside it.
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/behavior/BaseMass.h>
+#include <sofa/core/behavior/MixedInteractionForceField.h>
 #include <sofa/linearalgebra/SparseMatrix.h>
 #include <sofa/simulation/mechanicalvisitor/MechanicalGetConstraintJacobianVisitor.h>
 
@@ -218,18 +219,72 @@ TEST_F(MultigridSolver, SaysWhichPreconditionerItUsed) {
   EXPECT_NE(said().find("needs a body whose hexahedra form a lattice"), std::string::npos) << said();
 }
 
-TEST_F(MultigridSolver, FollowsTheOneStateThatFollowsNoOther) {
+/// Rigid frames, which it does not move.
+class Frames final : public sofa::core::behavior::BaseMechanicalState {
+ public:
+  SOFA_CLASS(Frames, sofa::core::behavior::BaseMechanicalState);
+  sofa::Size getSize() const override { return 1; }
+};
+
+TEST_F(MultigridSolver, MovesTheStatesThatFollowNoOther) {
   BaseContext& points = tissue.add_child("points");
   points.add(New<MechanicalState>::make(), "points");
   points.add(New<sofa::core::BaseMapping>::make(), "mapping");
   EXPECT_TRUE(support::agrees(solve(), expected(), 1e-9)) << said();
 
-  tissue.add_child("another").add(New<MechanicalState>::make(), "nodes");
+  tissue.add_child("tool").add(New<Frames>::make(), "frames");
   solve();
   EXPECT_TRUE(solver->isComponentStateInvalid());
-  EXPECT_NE(said().find("there must be one independent MechanicalObject"), std::string::npos) << said();
+  EXPECT_NE(said().find("must be of template Vec3, which '/tissue/tool/frames' is not"), std::string::npos) << said();
   solver->reset();
   EXPECT_FALSE(solver->isComponentStateInvalid()) << "the step that was lost is forgotten";
+}
+
+/// A spring between node 7 of one state and node 2 of another; nothing of ours.
+class Joint final : public sofa::core::behavior::MixedInteractionForceField<DataTypes, DataTypes> {
+ public:
+  SOFA_CLASS(Joint, SOFA_TEMPLATE2(sofa::core::behavior::MixedInteractionForceField, DataTypes, DataTypes));
+
+  void addForce(const MechanicalParams*, DataVecDeriv&, DataVecDeriv&, const DataVecCoord&, const DataVecCoord&,
+                const DataVecDeriv&, const DataVecDeriv&) override {}
+  void addDForce(const MechanicalParams* params, DataVecDeriv& df1, DataVecDeriv& df2, const DataVecDeriv& dx1,
+                 const DataVecDeriv& dx2) override {
+    const Eigen::RowVector3d force =
+        -params->kFactor() * kStiffness * (view(dx1.getValue()).row(7) - view(dx2.getValue()).row(2));
+    view(*df1.beginEdit()).row(7) += force;
+    view(*df2.beginEdit()).row(2) -= force;
+  }
+  void buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix*) override {}
+  void buildDampingMatrix(sofa::core::behavior::DampingMatrix*) override {}
+  SReal getPotentialEnergy(const MechanicalParams*, const DataVecCoord&, const DataVecCoord&) const override {
+    return 0;
+  }
+
+  static constexpr double kStiffness = 300;  // [N/m]
+};
+
+TEST_F(MultigridSolver, SolvesSeveralStatesAsOneSystem) {
+  BaseContext& another = tissue.add_child("another");
+  auto& others = another.add(New<MechanicalState>::make(), "nodes");
+  for (auto field : {others.writePositions(), others.writeVelocities()}) field.resize(5);
+  another.add(New<Weights>::make(), "weights").init();
+  const PointArray load = random.field(5, 1);
+  view(*others.write(1)->beginEdit()) = load;
+  auto& joint = tissue.add(New<Joint>::make(), "joint");
+  joint.mstate1.set(&nodes);
+  joint.mstate2.set(&others);
+
+  const PointArray found = solve();
+  // by elimination of the other state, of which node 2 alone feels the joint
+  const double k = -kStiffnessFactor * Joint::kStiffness, m = Weights::of(2);
+  view(*nodes.write(1)->beginEdit()).row(7) += k / (m + k) * load.row(2);
+  const PointArray x = expected(Joint::kStiffness * m / (m + k));
+  EXPECT_TRUE(support::agrees(found, x, 1e-9)) << said();
+  for (int n = 0; n < 5; ++n) {
+    const Eigen::RowVector3d of_other =
+        n == 2 ? Eigen::RowVector3d((load.row(2) + k * x.row(7)) / (m + k)) : load.row(n) / Weights::of(n);
+    EXPECT_LE((view(others.read(0)->getValue()).row(n) - of_other).norm(), 1e-8 * of_other.norm()) << n;
+  }
 }
 
 /// Multipliers, as a solver of constraints passes them on.

@@ -5,12 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
+#include <vector>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "solve/column_products.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 
@@ -232,6 +235,21 @@ TEST(Compliance, RowsMayBeManyNoneDependentOrHeld) {
   }
   rows.push_back({{slab.num_nodes(), Vec3::UnitX()}});
   EXPECT_THROW(compliance.find(slab, rows), InputError);
+}
+
+TEST(ColumnProducts, AreThoseOfEigen) {
+  support::Random random(5);
+  for (const auto& [rows, first, second] :
+       std::vector<std::array<int, 3>>{{1, 1, 1}, {7, 4, 2}, {517, 6, 3}, {1030, 9, 1}}) {
+    Eigen::MatrixXd X(rows, first), R(rows, second);
+    for (Eigen::MatrixXd* each : {&X, &R})
+      for (int j = 0; j < each->cols(); ++j)
+        for (int i = 0; i < rows; ++i) (*each)(i, j) = random.uniform(-1, 1);
+    Eigen::MatrixXd products = Eigen::MatrixXd::Constant(first + 1, second, 3);
+    column_products(X, R, products.topRows(first));
+    EXPECT_LE((products.topRows(first) - X.transpose() * R).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_EQ(products.row(first).minCoeff(), 3) << "nothing else is written";
+  }
 }
 
 }  // namespace

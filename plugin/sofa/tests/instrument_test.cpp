@@ -2,13 +2,13 @@
 // An instrument that touches a body in SOFA and in the embedded host: the same motion, forces and contacts.
 #include <Hexaplast/InstrumentContactForceField.h>
 #include <gtest/gtest.h>
+#include <sofa/core/visual/VisualParams.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "hexaplast/body.hpp"
-#include "scene/plugin.hpp"
-#include "scene/reader.hpp"
+#include "embedded_scene.h"
+#include "recording_draw_tool.h"
 #include "sofa_scene.h"
 
 namespace hexaplast::sofa_plugin::test
@@ -42,48 +42,6 @@ std::string stroked_block(const std::string& solver, const std::string& contact 
 }
 
 constexpr const char* kOurSolver = R"(<MultigridCGLinearSolver tolerance="1e-8"/>)";
-
-class EmbeddedScene
-{
-public:
-    explicit EmbeddedScene(const std::filesystem::path& file) : m_loader(m_factory, {HEXAPLAST_PLUGINS})
-    {
-        m_loader.load("Hexaplast");
-        m_scene.emplace(scene::read_scene(file, m_factory, m_loader));
-        start();
-    }
-    explicit EmbeddedScene(const std::string& text) : m_loader(m_factory, {HEXAPLAST_PLUGINS})
-    {
-        m_loader.load("Hexaplast");
-        m_scene.emplace(scene::read_scene_text(text, "test.scn", m_factory, m_loader));
-        start();
-    }
-
-    void step() { m_scene->step(); }
-    const PointArray& positions() const { return m_state->positions(); }
-    std::vector<double> output(const std::string& name)
-    {
-        return std::get<std::vector<double>>(m_contact->find_data(name)->value());
-    }
-
-private:
-    void start()
-    {
-        m_scene->init();
-        m_scene->root().for_each<scene::ForceField>(
-            [&](scene::ForceField& field)
-            {
-                if (field.class_name() == "InstrumentContactForceField") m_contact = &field;
-                if (field.body()) m_state = field.node().nearest<scene::MechanicalState>();
-            });
-    }
-
-    scene::Factory m_factory;
-    scene::PluginLoader m_loader;
-    std::optional<scene::Scene> m_scene;
-    scene::ForceField* m_contact = nullptr;
-    scene::MechanicalState* m_state = nullptr;
-};
 
 struct Differences
 {
@@ -119,15 +77,17 @@ void expect_same_outputs(SofaScene& sofa, EmbeddedScene& host)
 {
     auto& contact = sofa.only<Contact>();
     const double size = 1 + contact.d_force.getValue().norm();
-    const std::vector<double> force = host.output("force"), torque = host.output("torque");
+    const auto output = [&](const char* name)
+    { return host.output<scene::ForceField>("InstrumentContactForceField", name); };
+    const std::vector<double> force = output("force"), torque = output("torque");
     for (int k = 0; k < 3; ++k)
     {
         EXPECT_NEAR(contact.d_force.getValue()[k], force[k], 1e-6 * size);
         EXPECT_NEAR(contact.d_torque.getValue()[k], torque[k], 1e-8 * size);
     }
-    EXPECT_NEAR(contact.d_depth.getValue(), host.output("depth")[0], 1e-9);
-    EXPECT_EQ(contact.d_touching.getValue(), host.output("touching")[0]);
-    EXPECT_EQ(contact.d_slipping.getValue(), host.output("slipping")[0]);
+    EXPECT_NEAR(contact.d_depth.getValue(), output("depth")[0], 1e-9);
+    EXPECT_EQ(contact.d_touching.getValue(), output("touching")[0]);
+    EXPECT_EQ(contact.d_slipping.getValue(), output("slipping")[0]);
 }
 
 TEST(InstrumentInSofa, TouchesAsInTheEmbeddedHost)
@@ -175,6 +135,27 @@ TEST(InstrumentInSofa, BeginsAnewAfterReset)
     EXPECT_EQ(contact.d_force.getValue().norm(), 0);
     for (int step = 0; step < 60; ++step) sofa.step();
     EXPECT_EQ(sofa.positions(), before);
+}
+
+TEST(InstrumentInSofa, IsSeenWhereItIs)
+{
+    SofaScene sofa = SofaScene::from_text(stroked_block(kOurSolver));
+    for (int step = 0; step < 45; ++step) sofa.step();
+    auto& contact = sofa.only<Contact>();
+    ASSERT_GT(contact.d_touching.getValue(), 0);
+    RecordingDrawTool tool;
+    sofa::core::visual::VisualParams vparams;
+    vparams.drawTool() = &tool;
+    vparams.displayFlags().setShowForceFields(true);
+    contact.draw(&vparams);
+    double lowest = 1;
+    for (const auto& corner : tool.corners) lowest = std::min<double>(lowest, corner[1]);
+    EXPECT_EQ(tool.corners.size(), 36u) << "a box";
+    EXPECT_NEAR(lowest, 0.036 - 0.9 * 0.004 - 0.004, 1e-6) << "at 0.45 s of its path";
+    EXPECT_EQ(static_cast<int>(tool.points.size()), contact.d_touching.getValue());
+    EXPECT_EQ(tool.ends.size(), 2 * tool.points.size());
+    EXPECT_EQ(tool.num_others, 0);
+    EXPECT_EQ(tool.num_open_states, 0);
 }
 
 // What it refuses is said in the words of the embedded host (tests/sofa); here, that it does not run on.

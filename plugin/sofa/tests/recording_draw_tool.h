@@ -8,7 +8,7 @@
 namespace hexaplast::sofa_plugin::test
 {
 
-/// Keeps the triangles and lines that a component draws in SOFA, and counts all other drawing.
+/// Keeps the triangles, lines, points and round shapes that a component draws in SOFA, and counts all other drawing.
 class RecordingDrawTool final : public sofa::helper::visual::DrawTool
 {
 public:
@@ -23,6 +23,8 @@ public:
     std::vector<Vec3> corners;       ///< [m] of triangles, three after three
     std::vector<RGBAColor> colours;  ///< of the corners
     std::vector<Vec3> ends;          ///< [m] of lines, two after two
+    std::vector<Vec3> points;        ///< [m]
+    std::vector<float> radii;        ///< [m] of spheres, capsules and cylinders
     int num_others = 0;              ///< calls that draw or change something else
     int num_open_states = 0;         ///< saved and not restored
     bool is_lit = false, is_wireframe = false;
@@ -44,7 +46,10 @@ public:
     void drawInfiniteLine(Place, Place, const float&, Colour) { ++num_others; }
     void drawInfiniteLine(Place, Place, Colour, const bool&) { ++num_others; }
     void drawInfiniteLine(Place, Place, const float&, Colour, const bool&) { ++num_others; }
-    void drawPoints(Points, float, Colour) override { ++num_others; }
+    void drawPoints(Points places, float, Colour) override
+    {
+        points.insert(points.end(), places.begin(), places.end());
+    }
     void drawPoints(Points, float, Colours) override { ++num_others; }
     void drawLine(Place, Place, Colour) override { ++num_others; }
     void drawLines(Points, float, Colours) override { ++num_others; }
@@ -53,7 +58,7 @@ public:
     void drawLineLoop(Points, float, Colour) override { ++num_others; }
     void drawDisk(float, double, double, int, Colour) override { ++num_others; }
     void drawCircle(float, float, int, Colour) override { ++num_others; }
-    void drawTriangles(Points, Colour) override { ++num_others; }
+    void drawTriangles(Points places, Colour) override { corners.insert(corners.end(), places.begin(), places.end()); }
     void drawTriangles(Points, Place, Colour) override { ++num_others; }
     void drawTriangles(Points, Triples, Points, Colour) override { ++num_others; }
     void drawTriangles(Points, Triples, Points, Colours) override { ++num_others; }
@@ -68,8 +73,8 @@ public:
     void drawFakeSpheres(Points, float, Colour) override { ++num_others; }
     void drawCone(Place, Place, float, float, Colour, int) override { ++num_others; }
     void drawCube(const float&, Colour, const int&) override { ++num_others; }
-    void drawCylinder(Place, Place, float, Colour, int) override { ++num_others; }
-    void drawCapsule(Place, Place, float, Colour, int) override { ++num_others; }
+    void drawCylinder(Place, Place, float radius, Colour, int) override { radii.push_back(radius); }
+    void drawCapsule(Place, Place, float radius, Colour, int) override { radii.push_back(radius); }
     void drawArrow(Place, Place, float, Colour, int) override { ++num_others; }
     void drawArrow(Place, Place, float, float, Colour, int) override { ++num_others; }
     void drawArrow(Place, Place, float, float, float, Colour, int) override { ++num_others; }
@@ -98,7 +103,7 @@ public:
     void drawHexahedra(Points, Colour) override { ++num_others; }
     void drawScaledHexahedra(Points, Colour, float) override { ++num_others; }
     void drawSphere(Place, float) override { ++num_others; }
-    void drawSphere(Place, float, Colour) override { ++num_others; }
+    void drawSphere(Place, float radius, Colour) override { radii.push_back(radius); }
     void drawEllipsoid(Place, Place) override { ++num_others; }
     void drawBoundingBox(Place, Place, float) override { ++num_others; }
     void draw3DText(Place, float, Colour, const char*) override { ++num_others; }
@@ -114,7 +119,7 @@ public:
     void setLightingEnabled(bool) override { ++num_others; }
     void enableBlending() override { ++num_others; }
     void disableBlending() override { ++num_others; }
-    void disableLighting() override { ++num_others; }
+    void disableLighting() override { is_lit = false; }
     void enableDepthTest() override { ++num_others; }
     void disableDepthTest() override { ++num_others; }
     void writeOverlayText(int, int, unsigned, Colour, const char*) override { ++num_others; }

@@ -3,6 +3,7 @@
 
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/PartForceField.h>
+#include <sofa/core/visual/VisualParams.h>
 
 #include "parts/instrument.hpp"
 
@@ -47,10 +48,14 @@ public:
     Data<SReal> d_depth;              ///< output [m]: of the deepest point
     Data<int> d_touching;             ///< output: number of points that touch
     Data<int> d_slipping;             ///< output: how many of these slip
+    Data<bool> d_drawInstrument;      ///< draws its shape
+    Data<SReal> d_drawForceScale;     ///< [m/N] of forces that are drawn
 
     void init() override;
     void bwdInit() override;
     void reinit() override;
+    void draw(const sofa::core::visual::VisualParams* vparams) override;
+    void computeBBox(const sofa::core::ExecParams* params, bool onlyVisible = false) override;
 
     bool hasPart() const override { return m_instrument.has_value(); }
     bool isInMatrix() const override { return m_instrument->contact().num_touching() > 0; }
@@ -82,8 +87,9 @@ private:
 
     parts::InstrumentOptions options() const;
     void checkRigid() const;
-    Pose poseAfter(SReal duration) const;         ///< of the frame that leads, if it keeps its velocity so long
-    SReal rayleighStiffnessOfIntegrator() const;  ///< of the EulerImplicitSolver above; InputError for any other
+    Pose poseAfter(SReal duration) const;  ///< of the frame that leads, if it keeps its velocity so long
+    Pose pose() const;                     ///< of the present time
+    void drawShape(sofa::helper::visual::DrawTool& tool) const;
     void followSurface();
     void showOutputs();
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <Hexaplast/InstrumentContactForceField.h>
-#include <sofa/core/BaseMapping.h>
-#include <sofa/core/behavior/OdeSolver.h>
+#include <Hexaplast/contact.h>
+#include <Hexaplast/contact_drawing.h>
 
 #include <Hexaplast/PartForceField.inl>
 
@@ -44,7 +44,12 @@ InstrumentContactForceField<TDataTypes>::InstrumentContactForceField()
       d_torque(from_table(*this, d_torque, row(kContact, "torque"))),
       d_depth(from_table(*this, d_depth, row(kContact, "depth"))),
       d_touching(from_table(*this, d_touching, row(kContact, "touching"))),
-      d_slipping(from_table(*this, d_slipping, row(kContact, "slipping")))
+      d_slipping(from_table(*this, d_slipping, row(kContact, "slipping"))),
+      d_drawInstrument(this->initData(&d_drawInstrument, true, "drawInstrument",
+                                      "Draws its shape, where visual models or force fields are shown.")),
+      d_drawForceScale(this->initData(&d_drawForceScale, SReal(0), "drawForceScale",
+                                      "Length of a force that is drawn [m/N]. 0: the greatest one has a tenth of the "
+                                      "size of the body."))
 {
 }
 
@@ -70,29 +75,10 @@ void InstrumentContactForceField<TDataTypes>::reinit()
         Inherit::init();
 }
 
-// It is there for SOFA, which multiplies the stiffness by it.
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::checkRayleighStiffness() const
 {
-    if (this->rayleighStiffness.getValue() != m_ownRayleighStiffness)
-        throw parts::OptionError("rayleighStiffness",
-                                 fmt::format("= {}: must not be given, as the Rayleigh stiffness of the integrator "
-                                             "does not act on contact. damping damps it",
-                                             this->rayleighStiffness.getValue()));
-}
-
-template <class TDataTypes>
-SReal InstrumentContactForceField<TDataTypes>::rayleighStiffnessOfIntegrator() const
-{
-    const auto* integrator = this->getContext()->template get<sofa::core::behavior::OdeSolver>();
-    if (!integrator || integrator->getClassName() != "EulerImplicitSolver")
-        throw InputError("needs an EulerImplicitSolver in its node or above");
-    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
-        if (const auto* is_on = dynamic_cast<const Data<bool>*>(integrator->findData(scheme));
-            is_on && is_on->getValue())
-            throw InputError(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
-    const auto* stiffness = dynamic_cast<const Data<SReal>*>(integrator->findData("rayleighStiffness"));
-    return stiffness ? stiffness->getValue() : 0;
+    require_own_rayleigh_stiffness(this->rayleighStiffness.getValue(), m_ownRayleighStiffness);
 }
 
 template <class TDataTypes>
@@ -123,19 +109,11 @@ Pose InstrumentContactForceField<TDataTypes>::poseAfter(SReal duration) const
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::makePart()
 {
-    using sofa::core::objectmodel::BaseContext;
     m_instrument.reset();
     m_bodyField = nullptr;
-    std::vector<BodyField*> fields;
-    this->getContext()->getRootContext()->template get<BodyField>(&fields, BaseContext::SearchDown);
-    for (BodyField* field : fields)
-        if (field->getMState() == this->mstate.get()) m_bodyField = field;
-    if (!m_bodyField) throw InputError("no body on its state: contact is that of a body's surface");
-    if (!m_bodyField->works())
-        throw InputError("its body '" + m_bodyField->getName() + "' is invalid (see its error above)");
-    if (this->mstate->getContext()->template get<sofa::core::BaseMapping>(BaseContext::Local))
-        throw InputError("its state follows another one: must be one that an integrator moves");
-    rayleighStiffnessOfIntegrator();
+    BodyField& field = body_field_of(*this->mstate);
+    implicit_euler_of(*this->getContext());
+    m_bodyField = &field;
     checkRigid();
     m_bodyMade = m_bodyField->timesMade();
     m_numRemoved = m_bodyField->body()->removed().size();
@@ -206,7 +184,7 @@ template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
 {
     followSurface();
-    const SReal ofIntegrator = rayleighStiffnessOfIntegrator();
+    const SReal ofIntegrator = rayleigh_stiffness_of(implicit_euler_of(*this->getContext()));
     const auto x = view(this->mstate->readPositions().ref()), v = view(this->mstate->readVelocities().ref());
     if (l_rigid)
         m_instrument->begin_step(poseAfter(0), poseAfter(dt), dt, ofIntegrator, x, v);
@@ -270,6 +248,98 @@ template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::addDampingBlocks(double factor, BlockMatrix& A) const
 {
     m_instrument->contact().terms().add_damping_blocks(factor, A);
+}
+
+template <class TDataTypes>
+Pose InstrumentContactForceField<TDataTypes>::pose() const
+{
+    return l_rigid ? poseAfter(0) : m_instrument->pose_at(this->getContext()->getTime());
+}
+
+// SOFA gives a cylinder no ends, and the caps of its capsules are those of its spheres: sides and discs here.
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::drawShape(sofa::helper::visual::DrawTool& tool) const
+{
+    constexpr int kSides = 24;
+    const sofa::type::RGBAColor colour(0.75F, 0.78F, 0.82F, 1.F);
+    const Pose at = pose();
+    const auto place = [&](const Vec3& own) { return vec3(at.to_world(own)); };
+    const std::string shape = d_shape.given();
+    const float radius = static_cast<float>(d_radius.getValue());
+    const double half = d_length.getValue() / 2;
+    const sofa::type::Vec3 ends[] = {place({0, 0, -half}), place({0, 0, half})};
+    std::vector<sofa::type::Vec3> corners;
+    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c)
+    {
+        for (const Vec3& corner : {a, b, c}) corners.push_back(place(corner));
+    };
+    if (shape == "sphere") tool.drawSphere(place(Vec3::Zero()), radius, colour);
+    if (shape == "capsule") tool.drawCapsule(ends[0], ends[1], radius, colour, kSides);
+    if (shape == "cylinder")
+    {
+        tool.drawCylinder(ends[0], ends[1], radius, colour, kSides);
+        const auto rim = [&](int i, double z)
+        {
+            const double angle = 2 * M_PI * i / kSides;
+            return Vec3(radius * std::cos(angle), radius * std::sin(angle), z);
+        };
+        for (int i = 0; i < kSides; ++i)
+        {
+            add({0, 0, half}, rim(i, half), rim(i + 1, half));
+            add({0, 0, -half}, rim(i + 1, -half), rim(i, -half));
+        }
+    }
+    if (shape == "box")
+    {
+        const Vec3 extent = vec3(d_size.getValue()) / 2;
+        for (int axis = 0; axis < 3; ++axis)
+            for (const double side : {-1.0, 1.0})
+            {
+                const auto corner = [&](double u, double v)
+                {
+                    Vec3 own;
+                    own[axis] = side * extent[axis];
+                    own[(axis + 1) % 3] = u * extent[(axis + 1) % 3];
+                    own[(axis + 2) % 3] = side * v * extent[(axis + 2) % 3];
+                    return own;
+                };
+                add(corner(-1, -1), corner(1, -1), corner(1, 1));
+                add(corner(-1, -1), corner(1, 1), corner(-1, 1));
+            }
+    }
+    if (shape == "surface")
+        for (const auto& triangle : d_surfaceTriangles.getValue())
+            add(vec3(d_surfacePositions.getValue()[triangle[0]]), vec3(d_surfacePositions.getValue()[triangle[1]]),
+                vec3(d_surfacePositions.getValue()[triangle[2]]));
+    if (!corners.empty()) tool.drawTriangles(corners, colour);
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::draw(const sofa::core::visual::VisualParams* vparams)
+{
+    const auto& flags = vparams->displayFlags();
+    const bool showsShape = d_drawInstrument.getValue() && (flags.getShowForceFields() || flags.getShowVisualModels());
+    if (!this->works() || (!showsShape && !flags.getShowForceFields())) return;
+    auto* tool = vparams->drawTool();
+    const auto lifeCycle = tool->makeStateLifeCycle();
+    if (flags.getShowWireFrame()) tool->setPolygonMode(0, true);
+    tool->enableLighting();
+    if (showsShape) drawShape(*tool);
+    if (flags.getShowForceFields())
+        draw_contacts(*tool, m_instrument->contact().terms(), view(this->mstate->readPositions().ref()),
+                      view(this->mstate->readVelocities().ref()), d_drawForceScale.getValue());
+}
+
+template <class TDataTypes>
+void InstrumentContactForceField<TDataTypes>::computeBBox(const sofa::core::ExecParams* params, bool onlyVisible)
+{
+    Inherit::computeBBox(params, onlyVisible);
+    if (!this->works() || onlyVisible || !d_drawInstrument.getValue()) return;
+    const Vec3 reach = Vec3::Constant(m_instrument->contact().solid().reach()), centre = pose().position;
+    sofa::type::BoundingBox box = this->f_bbox.getValue();
+    box.include(vec3(Vec3(centre - reach)));
+    box.include(vec3(Vec3(centre + reach)));
+    this->f_bbox.setValue(box);
 }
 
 }  // namespace hexaplast::sofa_plugin

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/PartForceField.h>
+#include <Hexaplast/TissueContactForceField.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
@@ -32,25 +33,109 @@ using sofa::core::behavior::BaseForceField;
 using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
 using OurForceField = PartForceField<Vec3Types>;
+using OurInteraction = TissueContactForceField<Vec3Types>;
 
 constexpr int kMostReleases = 2;         // of a step, as in ImplicitEuler
 constexpr double kOfMultipliers = 1e-3;  // tolerance of motions that belong to the multipliers of constraints
 
 using Jacobian = sofa::linearalgebra::SparseMatrix<SReal>;
 
-/// The system m M + b B + k K of a SOFA node as a system of ours. The kernels work on our bodies, lumped masses and
-/// what of ours has a diagonal; whatever else acts is asked of SOFA product by product beside them.
+/// The states of a system, one behind the other.
+class States
+{
+public:
+    struct Entry
+    {
+        MechanicalState* state;
+        int first_node, num_nodes;
+    };
+
+    /// Those below that follow no other.
+    explicit States(BaseContext& context)
+    {
+        std::vector<sofa::core::behavior::BaseMechanicalState*> found;
+        context.get<sofa::core::behavior::BaseMechanicalState>(&found, BaseContext::SearchDown);
+        for (auto* each : found)
+        {
+            if (each->getContext()->get<sofa::core::BaseMapping>(BaseContext::Local)) continue;
+            auto* state = dynamic_cast<MechanicalState*>(each);
+            if (!state)
+                throw InputError(
+                    "the independent MechanicalObjects in its node and below must be of template Vec3, "
+                    "which '" +
+                    each->getPathName() + "' is not");
+            const int num_nodes = static_cast<int>(state->getSize());
+            m_entries.push_back({state, m_num_nodes, num_nodes});
+            m_num_nodes += num_nodes;
+        }
+        if (m_entries.empty()) throw InputError("there is no MechanicalObject in its node and below");
+    }
+
+    int num_nodes() const { return m_num_nodes; }
+    const std::vector<Entry>& entries() const { return m_entries; }
+    bool are_several() const { return m_entries.size() > 1; }
+
+    const Entry* find(const void* state) const
+    {
+        for (const Entry& entry : m_entries)
+            if (entry.state == state) return &entry;
+        return nullptr;
+    }
+
+    /// field = of(state) of each; to(state) = field.
+    template <class Of>
+    PointArray read(const Of& of) const
+    {
+        PointArray field(m_num_nodes, 3);
+        for (const Entry& entry : m_entries) rows<Points>(field, entry) = view(of(*entry.state));
+        return field;
+    }
+    template <class To>
+    void write(ConstPoints field, const To& to) const
+    {
+        for (const Entry& entry : m_entries)
+        {
+            Data<Vec3Types::VecDeriv>& data = to(*entry.state);
+            Vec3Types::VecDeriv& values = *data.beginEdit();
+            values.resize(static_cast<std::size_t>(entry.num_nodes));
+            view(values) = rows(field, entry);
+            data.endEdit();
+        }
+    }
+    PointArray positions() const
+    {
+        return read([](const MechanicalState& state) -> auto& { return state.readPositions().ref(); });
+    }
+    PointArray velocities() const
+    {
+        return read([](const MechanicalState& state) -> auto& { return state.readVelocities().ref(); });
+    }
+
+    /// The rows of a field that belong to a state.
+    template <class Field>
+    static Field rows(Field field, const Entry& entry)
+    {
+        return Field(field.middleRows(entry.first_node, entry.num_nodes));
+    }
+
+private:
+    std::vector<Entry> m_entries;
+    int m_num_nodes = 0;
+};
+
+/// The system m M + b B + k K of a SOFA node as a system of ours, over all states that move by themselves. The kernels
+/// work on our bodies, lumped masses and what of ours has a diagonal; what else of ours acts, on a state or between
+/// two, is asked for its products beside them, and the rest of SOFA.
 class SofaSystem final : public LinearSystem, private NodalOperator
 {
 public:
     /// in, out: vectors of SOFA to work with.
-    SofaSystem(BaseContext& context, MechanicalState& state, GraphScatteredMatrix& A, GraphScatteredVector& in,
-               GraphScatteredVector& out)
-        : m_context(context), m_state(state), m_A(A), m_in(in), m_out(out)
+    SofaSystem(BaseContext& context, GraphScatteredMatrix& A, GraphScatteredVector& in, GraphScatteredVector& out)
+        : m_context(context), m_states(context), m_A(A), m_in(in), m_out(out)
     {
     }
 
-    int num_nodes() const override { return static_cast<int>(m_state.getSize()); }
+    int num_nodes() const override { return m_states.num_nodes(); }
 
     void apply(ConstPoints p, Points Ap) const override
     {
@@ -75,33 +160,43 @@ public:
         else
             system.diagonal.setZero(num_nodes(), 3);
 
-        m_in_kernels.clear();
-        m_beside.fields.clear();
+        m_ours.clear();
+        m_besides.clear();
+        m_besides.reserve(m_states.entries().size());  // referred to by the system
+        m_between.pairs.clear();
         bool has_others = m_mass_of_others != 0;
         std::vector<BaseForceField*> fields;
         m_context.get<BaseForceField>(&fields, BaseContext::SearchDown);
+        for (const States::Entry& entry : m_states.entries())
+        {
+            if (!m_states.are_several())
+            {
+                describe(entry, fields, system);
+                continue;
+            }
+            MatrixFreeSystem part;
+            part.wants_coarse = system.wants_coarse;
+            part.diagonal.setZero(entry.num_nodes, 3);
+            describe(entry, fields, part);
+            system.add_part(part, entry.first_node);
+        }
         for (BaseForceField* field : fields)
         {
             if (dynamic_cast<BaseMass*>(field) || has_no_stiffness(*field)) continue;
-            auto* ours = dynamic_cast<OurForceField*>(field);
-            if (ours && (!ours->hasPart() || !ours->isInMatrix())) continue;
-            const double factor =
-                ours ? m_A.mparams.kFactor() + m_A.mparams.bFactor() * ours->rayleighStiffness.getValue() : 0;
-            if (!ours || ours->getMState() != &m_state)
+            if (auto* ours = dynamic_cast<OurInteraction*>(field))
             {
-                has_others = true;
+                const auto *first = m_states.find(ours->getMState1()), *second = m_states.find(ours->getMState2());
+                if (ours->isInMatrix() && first && second) m_between.pairs.push_back({ours, first, second});
                 continue;
             }
-            m_in_kernels.push_back(ours);
-            if (ours->describe(factor, system))
-                ours->addDampingDiagonal(m_A.mparams.bFactor(), system.diagonal);
-            else
-                m_beside.fields.push_back(ours);
+            const auto* ours = dynamic_cast<OurForceField*>(field);
+            if (ours ? ours->hasPart() && ours->isInMatrix() && !m_states.find(ours->getMState()) : true)
+                has_others = true;
         }
-        m_beside.b = m_A.mparams.bFactor();
-        m_beside.k = m_A.mparams.kFactor();
-        if (!m_beside.fields.empty()) system.others.emplace_back(&m_beside);
-        if (has_others && others_act()) system.others.push_back(this);
+        m_between.b = m_A.mparams.bFactor();
+        m_between.k = m_A.mparams.kFactor();
+        if (!m_between.pairs.empty()) system.others.emplace_back(&m_between);
+        if (has_others && others_act()) system.others.emplace_back(static_cast<const NodalOperator*>(this));
         return true;
     }
 
@@ -111,23 +206,43 @@ public:
     {
         if (m_A.mparams.bFactor() == 0) return false;  // not a step of implicit Euler, where it is -h
         const double h = -m_A.mparams.bFactor(), ofProduct = m_A.mparams.kFactor() / m_A.mparams.bFactor();
-        const auto x = m_state.readPositions(), v = m_state.readVelocities();
-        const PointArray v_end = view(v.ref()) + dv, x_end = view(x.ref()) + h * v_end;
+        const PointArray x = m_states.positions(), v = m_states.velocities();
+        const PointArray v_end = v + dv, x_end = x + h * v_end;
         PointArray force = PointArray::Zero(num_nodes(), 3), product = force;
         bool has_released = false;
-        for (OurForceField* field : m_beside.fields)
+
+        // what `let_go` takes out of the forces and products that `add` adds
+        const auto change_by = [&](const auto& add_force, const auto& add_product, const auto& let_go)
         {
-            if (!field->isOneSided()) continue;
             const auto add = [&](double sign)
             {
                 PointArray change = PointArray::Zero(num_nodes(), 3);
-                field->addOwnForce(view(x.ref()), view(v.ref()), change);
+                add_force(change);
                 force += sign * change;
-                field->addOwnProduct(0, sign, view(v.ref()), product);
+                add_product(sign);
             };
             add(-1);
-            has_released = field->release(x_end, v_end) || has_released;
+            has_released = let_go() || has_released;
             add(1);
+        };
+        for (const Beside& beside : m_besides)
+            for (OurForceField* field : beside.fields)
+            {
+                if (!field->isOneSided()) continue;
+                const auto of = [&](const PointArray& all) { return States::rows<ConstPoints>(all, beside.entry); };
+                const auto in = [&](PointArray& all) { return States::rows<Points>(all, beside.entry); };
+                change_by([&](PointArray& f) { field->addOwnForce(of(x), of(v), in(f)); },
+                          [&](double sign) { field->addOwnProduct(0, sign, of(v), in(product)); },
+                          [&] { return field->release(of(x_end), of(v_end)); });
+            }
+        for (const Between::Pair& pair : m_between.pairs)
+        {
+            if (!pair.field->isOneSided()) continue;
+            const auto of = [&](const PointArray& all) { return pair.rows<ConstPoints>(all); };
+            const auto in = [&](PointArray& all) { return pair.rows<Points>(all); };
+            change_by([&](PointArray& f) { pair.field->addOwnForce(of(x), of(v), in(f)); },
+                      [&](double sign) { pair.field->addOwnProduct(0, sign, of(v), in(product)); },
+                      [&] { return pair.field->release(of(x_end), of(v_end)); });
         }
         if (!has_released) return false;
         force = h * (force + ofProduct * product);
@@ -139,7 +254,9 @@ public:
     /// The step ends as it was solved: what is solved after it are other systems with its matrix.
     void settle() const
     {
-        for (OurForceField* field : m_beside.fields) field->settle();
+        for (const Beside& beside : m_besides)
+            for (OurForceField* field : beside.fields) field->settle();
+        for (const Between::Pair& pair : m_between.pairs) pair.field->settle();
     }
 
     void project(Points field) const override
@@ -151,14 +268,16 @@ public:
 
     PointArray read(GraphScatteredVector& from) const
     {
-        return view(m_state.read(from.id().getId(&m_state))->getValue());
+        return m_states.read([&](MechanicalState & state) -> auto& {
+            return state.read(from.id().getId(&state))->getValue();
+        });
     }
     void write(ConstPoints field, GraphScatteredVector& to) const
     {
-        auto* data = m_state.write(to.id().getId(&m_state));
-        view(*data->beginEdit()) = field;
-        data->endEdit();
+        m_states.write(
+            field, [&](MechanicalState & state) -> auto& { return *state.write(to.id().getId(&state)); });
     }
+    const States& states() const { return m_states; }
 
     /// Whether what the constraints leave of a vector is left by them once more.
     bool constraints_project() const
@@ -182,25 +301,47 @@ private:
     class LeftOut
     {
     public:
-        explicit LeftOut(const std::vector<OurForceField*>& fields) : m_fields(fields) { set(true); }
+        explicit LeftOut(const SofaSystem& system) : m_system(system) { set(true); }
         ~LeftOut() { set(false); }
         LeftOut(const LeftOut&) = delete;
 
     private:
         void set(bool leftOut)
         {
-            for (OurForceField* field : m_fields) field->leaveOutOfProducts(leftOut);
+            for (OurForceField* field : m_system.m_ours) field->leaveOutOfProducts(leftOut);
+            for (const Between::Pair& pair : m_system.m_between.pairs) pair.field->leaveOutOfProducts(leftOut);
         }
-        const std::vector<OurForceField*>& m_fields;
+        const SofaSystem& m_system;
     };
+
+    /// What of ours acts on one state.
+    void describe(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
+                  MatrixFreeSystem& system) const
+    {
+        Beside& beside = m_besides.emplace_back(entry);
+        beside.b = m_A.mparams.bFactor();
+        beside.k = m_A.mparams.kFactor();
+        for (BaseForceField* field : fields)
+        {
+            auto* ours = dynamic_cast<OurForceField*>(field);
+            if (!ours || ours->getMState() != entry.state || !ours->hasPart() || !ours->isInMatrix()) continue;
+            m_ours.push_back(ours);
+            if (ours->describe(beside.k + beside.b * ours->rayleighStiffness.getValue(), system))
+                ours->addDampingDiagonal(beside.b, system.diagonal);
+            else
+                beside.fields.push_back(ours);
+        }
+        if (!beside.fields.empty()) system.others.emplace_back(&beside);
+    }
 
     /// Fp += F p of what the kernels do not know.
     void add_product(ConstPoints p, Points Fp) const override
     {
         write(p, m_in);
-        const LeftOut leftOut(m_in_kernels);
+        const LeftOut leftOut(*this);
         multiply(m_mass_of_others, m_A.mparams.bFactor(), m_A.mparams.kFactor());
-        Fp += view(m_state.read(m_out.id().getId(&m_state))->getValue());
+        for (const States::Entry& entry : m_states.entries())
+            States::rows(Fp, entry) += view(entry.state->read(m_out.id().getId(entry.state))->getValue());
     }
 
     /// Whether the others have an entry at all, as planes that nothing touches have none: a vector without any
@@ -212,7 +353,7 @@ private:
         return !product.isZero(0);
     }
 
-    /// Whether all masses are lumped, act on this state, and do not damp by themselves.
+    /// Whether all masses are lumped, act on the states themselves, and do not damp.
     bool masses_are_lumped() const
     {
         std::vector<BaseMass*> masses;
@@ -223,7 +364,7 @@ private:
                                const auto* field =
                                    dynamic_cast<const sofa::core::behavior::ForceField<Vec3Types>*>(mass);
                                const bool damps = mass->rayleighMass.getValue() != 0 && m_A.mparams.bFactor() != 0;
-                               return mass->isDiagonal() && !damps && field && field->getMState() == &m_state;
+                               return mass->isDiagonal() && !damps && field && m_states.find(field->getMState());
                            });
     }
 
@@ -242,24 +383,48 @@ private:
         m_A.parent->addMBKdx(m_out, MatricesFactors::M(m), MatricesFactors::B(b), MatricesFactors::K(k), false);
     }
 
-    /// What of ours the kernels do not know, without the detour through SOFA's vectors.
+    /// What of ours on a state the kernels do not know, without the detour through SOFA's vectors.
     struct Beside final : NodalOperator
     {
+        explicit Beside(const States::Entry& of) : entry(of) {}
         void add_product(ConstPoints p, Points Fp) const override
         {
             for (const OurForceField* field : fields) field->addOwnProduct(b, k, p, Fp);
         }
+        States::Entry entry;
         std::vector<OurForceField*> fields;
         double b = 0, k = 0;  // factors of df/dv, df/dx
     };
 
+    /// What of ours acts between two states, or within one as if it were two.
+    struct Between final : NodalOperator
+    {
+        struct Pair
+        {
+            template <class Field>
+            OfTwo<Field> rows(Field of_all) const
+            {
+                return {States::rows(of_all, *first), States::rows(of_all, *second)};
+            }
+            OurInteraction* field;
+            const States::Entry *first, *second;
+        };
+        void add_product(ConstPoints p, Points Fp) const override
+        {
+            for (const Pair& pair : pairs) pair.field->addOwnProduct(b, k, pair.rows(p), pair.rows(Fp));
+        }
+        std::vector<Pair> pairs;
+        double b = 0, k = 0;
+    };
+
     BaseContext& m_context;
-    MechanicalState& m_state;
+    States m_states;
     GraphScatteredMatrix& m_A;
     GraphScatteredVector &m_in, &m_out;
-    mutable std::vector<OurForceField*> m_in_kernels;  // and beside them: ours, that SOFA's products are without
-    mutable Beside m_beside;
-    mutable double m_mass_of_others = 0;  // factor of the masses in what the kernels do not know
+    mutable std::vector<OurForceField*> m_ours;  // on the states: SOFA's products are without them
+    mutable std::vector<Beside> m_besides;       // one per state
+    mutable Between m_between;                   // SOFA's products are without it as well
+    mutable double m_mass_of_others = 0;         // factor of the masses in what the kernels do not know
 };
 
 }  // namespace
@@ -352,7 +517,7 @@ public:
         attempt(*this,
                 [&]
                 {
-                    const SofaSystem system(*getContext(), onlyState(), A, *in, *out);
+                    const SofaSystem system(*getContext(), A, *in, *out);
                     if (m_knowsCompliance) return system.write(motionOf(system, system.read(b)), x);
                     check_constraints(system);
                     PointArray solution(system.num_nodes(), 3), load = system.read(b);
@@ -395,7 +560,7 @@ public:
                        [&]
                        {
                            m_jacobian.resize(result->rowSize(),
-                                             3 * static_cast<Jacobian::Index>(onlyState().getSize()));
+                                             3 * static_cast<Jacobian::Index>(States(*getContext()).num_nodes()));
                            sofa::simulation::mechanicalvisitor::MechanicalGetConstraintJacobianVisitor visitor(
                                cparams, &m_jacobian);
                            visitor.execute(getContext());
@@ -412,14 +577,18 @@ public:
         attempt(*this,
                 [&]
                 {
-                    MechanicalState& state = onlyState();
-                    PointArray force = PointArray::Zero(static_cast<Eigen::Index>(state.getSize()), 3);
+                    const States states(*getContext());
+                    PointArray force = PointArray::Zero(states.num_nodes(), 3);
                     for (const auto& [number, line] : m_jacobian)
                         for (const auto& [column, value] : line)
                             force(column / 3, column % 3) += value * multipliers->element(number);
-                    withSystem([&](const SofaSystem& system)
-                               { write(motionOf(system, force), *state.write(dx.getId(&state))); });
-                    write(force, *state.write(cparams->lambda().getId(&state)));
+                    const auto write = [&](const PointArray& field, auto id)
+                    {
+                        states.write(
+                            field, [&](MechanicalState & state) -> auto& { return *state.write(id.getId(&state)); });
+                    };
+                    withSystem([&](const SofaSystem& system) { write(motionOf(system, force), dx); });
+                    write(force, cparams->lambda());
                 });
     }
 
@@ -452,24 +621,6 @@ private:
                 "use BlockGaussSeidelConstraintSolver");
     }
 
-    /// The one state below that follows no other.
-    MechanicalState& onlyState()
-    {
-        std::vector<sofa::core::behavior::BaseMechanicalState*> states;
-        getContext()->get<sofa::core::behavior::BaseMechanicalState>(&states, BaseContext::SearchDown);
-        MechanicalState* found = nullptr;
-        for (auto* state : states)
-        {
-            if (state->getContext()->get<sofa::core::BaseMapping>(BaseContext::Local)) continue;
-            if (found || !dynamic_cast<MechanicalState*>(state))
-                throw InputError(
-                    "there must be one independent MechanicalObject, of template Vec3, in its node and below");
-            found = dynamic_cast<MechanicalState*>(state);
-        }
-        if (!found) throw InputError("there is no MechanicalObject in its node and below");
-        return *found;
-    }
-
     /// Once, since a scene keeps its constraints.
     void check_constraints(const SofaSystem& system)
     {
@@ -488,7 +639,7 @@ private:
         typename Inherit::TempVectorContainer vectors(this, sofa::core::execparams::defaultInstance(), A,
                                                       *system.getSolutionVector(), *system.getRHSVector());
         const std::unique_ptr<GraphScatteredVector> in(vectors.createTempVector()), out(vectors.createTempVector());
-        call(SofaSystem(*getContext(), onlyState(), A, *in, *out));
+        call(SofaSystem(*getContext(), A, *in, *out));
     }
 
     void addCompliance(const Jacobian& J, SReal factor, sofa::linearalgebra::BaseMatrix& result)
@@ -499,7 +650,10 @@ private:
             [&](const SofaSystem& system)
             {
                 if (J.colSize() != 3 * static_cast<Jacobian::Index>(system.num_nodes()))
-                    throw InputError("the Jacobian of the constraints is not that of its MechanicalObject");
+                    throw InputError(system.states().are_several()
+                                         ? "LinearSolverConstraintCorrection knows one of its MechanicalObjects: use a "
+                                           "GenericConstraintCorrection in the node of the solver"
+                                         : "the Jacobian of the constraints is not that of its MechanicalObject");
                 const Eigen::MatrixXd& W = m_compliance.find(system, found.rows);
                 for (int i = 0; i < static_cast<int>(W.rows()); ++i)
                     for (int j = 0; j < static_cast<int>(W.rows()); ++j)
@@ -522,14 +676,6 @@ private:
             has_start ? solver.solve_from_guess(system, force, motion) : solver.solve(system, force, motion);
         msg_info() << report.iterations << " iterations for multipliers, |r| / |b| = " << report.residual;
         return motion;
-    }
-
-    static void write(const PointArray& field, Data<Vec3Types::VecDeriv>& to)
-    {
-        Vec3Types::VecDeriv& values = *to.beginEdit();
-        values.resize(static_cast<std::size_t>(field.rows()));
-        view(values) = field;
-        to.endEdit();
     }
 
     std::optional<parts::MultigridCG> m_solver;

@@ -3,37 +3,13 @@
 
 #include <Hexaplast/PartForceField.h>
 #include <Hexaplast/errors.h>
+#include <Hexaplast/matrices.h>
 #include <sofa/core/MechanicalParams.h>
-#include <sofa/core/behavior/BaseLocalForceFieldMatrix.h>
-#include <sofa/linearalgebra/BaseMatrix.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
 #include <sofa/simulation/AnimateEndEvent.h>
 
 namespace hexaplast::sofa_plugin
 {
-
-inline void add(const BlockMatrix& blocks, SReal factor, unsigned int offset, sofa::linearalgebra::BaseMatrix& matrix)
-{
-    for (int row = 0; row < blocks.num_nodes(); ++row)
-        for (const auto& [column, block] : blocks.row(row))
-            for (int a = 0; a < 3; ++a)
-                for (int b = 0; b < 3; ++b)
-                    matrix.add(static_cast<int>(offset) + 3 * row + a, static_cast<int>(offset) + 3 * column + b,
-                               factor * block(a, b));
-}
-
-template <class Derivative>
-void add(const BlockMatrix& blocks, Derivative derivative)
-{
-    for (int row = 0; row < blocks.num_nodes(); ++row)
-        for (const auto& [column, block] : blocks.row(row))
-        {
-            sofa::type::Mat<3, 3, SReal> entry(sofa::type::NOINIT);
-            for (int a = 0; a < 3; ++a)
-                for (int b = 0; b < 3; ++b) entry(a, b) = block(a, b);
-            derivative(3 * row, 3 * column) += entry;
-        }
-}
 
 template <class TDataTypes>
 PartForceField<TDataTypes>::PartForceField(const Description& description) : m_description(description)
@@ -61,15 +37,8 @@ template <class TDataTypes>
 template <class Call>
 void PartForceField<TDataTypes>::acceptData(const Call& call)
 {
-    m_dataAreAccepted = attempt(*this,
-                                [&]
-                                {
-                                    parts::OptionErrors errors;
-                                    errors.collect([&] { checkRayleighStiffness(); });
-                                    errors.collect(call);
-                                    errors.throw_all();
-                                });
-    if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+    m_dataAreAccepted = accept_data(
+        *this, [&] { checkRayleighStiffness(); }, call);
 }
 
 template <class TDataTypes>

@@ -77,4 +77,21 @@ bool attempt(SofaComponent& host, const Call& call)
     return false;
 }
 
+/// Lets `call` make or change the part of a component by its Data, beside a check. Where both come through the
+/// component is valid; else what is wrong with the Data is said, all at once.
+template <class Check, class Call>
+bool accept_data(SofaComponent& host, const Check& check, const Call& call)
+{
+    const bool accepted = attempt(host,
+                                  [&]
+                                  {
+                                      parts::OptionErrors errors;
+                                      errors.collect(check);
+                                      errors.collect(call);
+                                      errors.throw_all();
+                                  });
+    if (accepted) host.d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+    return accepted;
+}
+
 }  // namespace hexaplast::sofa_plugin

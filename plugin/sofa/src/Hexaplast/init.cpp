@@ -38,6 +38,7 @@ extern "C"
         registerTangentialForceField(factory);
         registerGraspForceField(factory);
         registerInstrumentContactForceField(factory);
+        registerTissueContactForceField(factory);
         registerShapeTopologies(factory);
         registerMultigridCGLinearSolver(factory);
         registerFinalStateExporter(factory);

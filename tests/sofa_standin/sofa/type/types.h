@@ -4,6 +4,7 @@
 
 #include <sofa/config.h>
 
+#include <algorithm>
 #include <array>
 #include <istream>
 #include <ostream>
@@ -45,13 +46,24 @@ class Mat {
 
 struct RGBAColor {
   float r = 0, g = 0, b = 0, a = 1;
+  RGBAColor() = default;
+  RGBAColor(float red, float green, float blue, float alpha) : r(red), g(green), b(blue), a(alpha) {}
   static RGBAColor gray() { return {0.5f, 0.5f, 0.5f, 1}; }
+  static RGBAColor red() { return {1, 0, 0, 1}; }
+  static RGBAColor green() { return {0, 1, 0, 1}; }
+  static RGBAColor yellow() { return {1, 1, 0, 1}; }
   bool operator==(const RGBAColor&) const = default;
 };
 
 struct BoundingBox {
   BoundingBox() = default;
   BoundingBox(const Vec3& min, const Vec3& max) : least(min), most(max) {}
+  void include(const Vec3& point) {
+    for (int i = 0; i < 3; ++i) {
+      least[i] = std::min(least[i], point[i]);
+      most[i] = std::max(most[i], point[i]);
+    }
+  }
   Vec3 least, most;
 };
 

@@ -22,6 +22,7 @@ class SingleLink : public BaseLink {
 
   Target* get() const { return target_; }
   void set(Target* target) { target_ = target; }
+  void set(Target* target, const std::string& /*path*/) { target_ = target; }
   operator Target*() const { return target_; }
   Target* operator->() const { return target_; }
 

@@ -4,6 +4,7 @@
 
 #include <sofa/type/types.h>
 
+#include <string>
 #include <vector>
 
 namespace sofa::helper::visual {
@@ -18,6 +19,12 @@ class DrawTool {
   struct Lines {
     std::vector<type::Vec3> ends;
     type::RGBAColor colour;
+  };
+
+  struct Round {
+    std::string shape;
+    std::vector<type::Vec3> places;
+    float radius;
   };
 
   class StateLifeCycle {
@@ -36,12 +43,29 @@ class DrawTool {
   void drawTriangles(const std::vector<type::Vec3>& corners, const std::vector<type::RGBAColor>& colours) {
     triangles.push_back({corners, colours});
   }
+  void drawTriangles(const std::vector<type::Vec3>& corners, const type::RGBAColor& colour) {
+    triangles.push_back({corners, std::vector<type::RGBAColor>(corners.size(), colour)});
+  }
   void drawLines(const std::vector<type::Vec3>& ends, float, const type::RGBAColor& colour) {
     lines.push_back({ends, colour});
   }
+  void drawPoints(const std::vector<type::Vec3>& places, float, const type::RGBAColor& colour) {
+    points.push_back({places, colour});
+  }
+  void drawSphere(const type::Vec3& centre, float radius, const type::RGBAColor&) {
+    round.push_back({"sphere", {centre}, radius});
+  }
+  void drawCapsule(const type::Vec3& from, const type::Vec3& to, float radius, const type::RGBAColor&, int) {
+    round.push_back({"capsule", {from, to}, radius});
+  }
+  void drawCylinder(const type::Vec3& from, const type::Vec3& to, float radius, const type::RGBAColor&, int) {
+    round.push_back({"cylinder", {from, to}, radius});
+  }
+  void disableLighting() { is_lit = false; }
 
   std::vector<Triangles> triangles;
-  std::vector<Lines> lines;
+  std::vector<Lines> lines, points;
+  std::vector<Round> round;
   int open_states = 0;
   bool is_wireframe = false, is_lit = false;
 };
@@ -51,9 +75,10 @@ class DrawTool {
 namespace sofa::core::visual {
 
 struct DisplayFlags {
-  bool show_force_fields = true, show_wire_frame = false;
+  bool show_force_fields = true, show_wire_frame = false, show_visual_models = true;
   bool getShowForceFields() const { return show_force_fields; }
   bool getShowWireFrame() const { return show_wire_frame; }
+  bool getShowVisualModels() const { return show_visual_models; }
 };
 
 class VisualParams {

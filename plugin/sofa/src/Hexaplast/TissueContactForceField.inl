@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/TissueContactForceField.h>
+#include <Hexaplast/contact.h>
+#include <Hexaplast/contact_drawing.h>
+#include <Hexaplast/errors.h>
+#include <Hexaplast/matrices.h>
+#include <sofa/core/MechanicalParams.h>
+#include <sofa/simulation/AnimateBeginEvent.h>
+#include <sofa/simulation/AnimateEndEvent.h>
+
+#include "attributes/contact.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+namespace
+{
+
+constexpr const Description& kTissueContact = attributes::kTissueContactForceField;
+
+}  // namespace
+
+template <class TDataTypes>
+TissueContactForceField<TDataTypes>::TissueContactForceField()
+    : d_contactStiffness(from_table(*this, d_contactStiffness, row(kTissueContact, "contactStiffness"), "Contact")),
+      d_tangentialStiffness(
+          from_table(*this, d_tangentialStiffness, row(kTissueContact, "tangentialStiffness"), "Contact")),
+      d_friction(from_table(*this, d_friction, row(kTissueContact, "friction"), "Contact")),
+      d_contactDistance(from_table(*this, d_contactDistance, row(kTissueContact, "contactDistance"), "Contact")),
+      d_damping(from_table(*this, d_damping, row(kTissueContact, "damping"), "Contact")),
+      d_maxSubdivision(from_table(*this, d_maxSubdivision, row(kTissueContact, "maxSubdivision"), "Contact")),
+      d_force(from_table(*this, d_force, row(kTissueContact, "force"))),
+      d_depth(from_table(*this, d_depth, row(kTissueContact, "depth"))),
+      d_touching(from_table(*this, d_touching, row(kTissueContact, "touching"))),
+      d_slipping(from_table(*this, d_slipping, row(kTissueContact, "slipping"))),
+      d_drawForceScale(this->initData(&d_drawForceScale, SReal(0), "drawForceScale",
+                                      "Length of a force that is drawn [m/N]. 0: the greatest one has a tenth of the "
+                                      "size of the body."))
+{
+    this->f_listening.setValue(true);
+    this->mstate2.set(nullptr, "");  // that of object1, where it is not given
+}
+
+// Bodies and integrators may stand behind it: it is made when all of them have had their init.
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::init()
+{
+    m_tissues.reset();
+    using sofa::core::objectmodel::BaseContext;
+    if (!this->mstate1) this->mstate1.set(this->getContext()->template get<MechanicalState>(BaseContext::Local));
+    if (!this->mstate2) this->mstate2.set(this->mstate1.get());
+    if (this->mstate1) Inherit::init();
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::bwdInit()
+{
+    Inherit::bwdInit();
+    acceptData([&] { makeContact(); });
+    m_inputs.emplace(*this, kTissueContact);
+}
+
+template <class TDataTypes>
+template <class Call>
+void TissueContactForceField<TDataTypes>::acceptData(const Call& call)
+{
+    const auto check = [&]
+    { require_own_rayleigh_stiffness(this->rayleighStiffness.getValue(), m_ownRayleighStiffness); };
+    m_dataAreAccepted = accept_data(*this, check, call);
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::reinit()
+{
+    if (m_inputs) m_inputs->have_changed();
+    acceptData([&] { updateContact(); });
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::reset()
+{
+    if (!m_tissues) return;
+    // a step that was lost is forgotten, Data that were refused are not
+    if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+    attempt(*this,
+            [&]
+            {
+                if (bodiesAreOthers()) return makeContact();
+                for (std::size_t k = 0; k < 2; ++k) m_numRemoved[k] = m_bodyFields[k]->body()->removed().size();
+                m_tissues->reset();
+                m_isSettled = true;
+                showOutputs();
+            });
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* event)
+{
+    if (sofa::simulation::AnimateBeginEvent::checkEventType(event))
+    {
+        if (!may_step(*this) || !m_tissues) return;
+        if (m_inputs->have_changed() || bodiesAreOthers()) acceptData([&] { updateContact(); });
+        const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
+        if (works()) attempt(*this, [&] { beginStep(dt); });
+    }
+    else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
+    {
+        attempt(*this, [&] { endStep(); });
+    }
+}
+
+template <class TDataTypes>
+parts::TissueContactOptions TissueContactForceField<TDataTypes>::options() const
+{
+    return {.contact_stiffness = if_set(d_contactStiffness),
+            .tangential_stiffness = if_set(d_tangentialStiffness),
+            .friction = d_friction.getValue(),
+            .contact_distance = d_contactDistance.getValue(),
+            .damping = d_damping.getValue(),
+            .max_subdivision = d_maxSubdivision.getValue()};
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::makeContact()
+{
+    m_tissues.reset();
+    m_bodyFields = {};
+    const std::array states = {this->mstate1.get(), this->mstate2.get()};
+    if (!states[0] || !states[1])
+        throw InputError("needs object1, and object2 where it is another one: the MechanicalObjects of two bodies");
+    std::array<BodyField*, 2> fields = {};
+    const auto& integrator = implicit_euler_of(*this->getContext());
+    for (std::size_t k = 0; k < 2; ++k)
+    {
+        fields[k] = &body_field_of(*states[k]);
+        if (states[k]->getContext()->template get<sofa::core::behavior::OdeSolver>() != &integrator)
+            throw parts::OptionError(
+                k == 0 ? "object1" : "object2",
+                fmt::format("leads to '{}', which another integrator moves: bodies that touch need "
+                            "one EulerImplicitSolver and one linear solver in a node above both, "
+                            "and the contact stands below it",
+                            states[k]->getPathName()));
+    }
+    m_bodyFields = fields;
+    for (std::size_t k = 0; k < 2; ++k)
+    {
+        m_bodiesMade[k] = m_bodyFields[k]->timesMade();
+        m_numRemoved[k] = m_bodyFields[k]->body()->removed().size();
+    }
+    m_tissues.emplace(options(), *m_bodyFields[0]->body(), *m_bodyFields[1]->body());
+    m_isSettled = true;
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::updateContact()
+{
+    if (!m_tissues || bodiesAreOthers()) return makeContact();
+    m_tissues->set_options(options());
+}
+
+template <class TDataTypes>
+bool TissueContactForceField<TDataTypes>::bodiesAreOthers() const
+{
+    return m_bodiesMade[0] != m_bodyFields[0]->timesMade() || m_bodiesMade[1] != m_bodyFields[1]->timesMade();
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::followSurfaces()
+{
+    bool haveChanged = false;
+    for (std::size_t k = 0; k < 2; ++k)
+    {
+        const std::size_t numRemoved = m_bodyFields[k]->body()->removed().size();
+        haveChanged = haveChanged || numRemoved != m_numRemoved[k];
+        m_numRemoved[k] = numRemoved;
+    }
+    if (haveChanged) m_tissues->surface_changed();
+}
+
+template <class TDataTypes>
+OfTwo<ConstPoints> TissueContactForceField<TDataTypes>::positions() const
+{
+    return {view(this->mstate1->readPositions().ref()), view(this->mstate2->readPositions().ref())};
+}
+
+template <class TDataTypes>
+OfTwo<ConstPoints> TissueContactForceField<TDataTypes>::velocities() const
+{
+    return {view(this->mstate1->readVelocities().ref()), view(this->mstate2->readVelocities().ref())};
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::beginStep(SReal dt)
+{
+    followSurfaces();
+    m_tissues->begin_step(dt, rayleigh_stiffness_of(implicit_euler_of(*this->getContext())), positions(), velocities());
+    m_ownRayleighStiffness = m_tissues->rayleigh_stiffness();
+    this->rayleighStiffness.setValue(m_ownRayleighStiffness);
+    m_isSettled = false;
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::endStep()
+{
+    if (isOneSided() && !m_isWarned)
+    {
+        m_isWarned = true;
+        msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
+                             "step are released after it only";
+    }
+    followSurfaces();
+    m_tissues->contact().end_step(positions(), velocities());
+    showOutputs();
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::showOutputs()
+{
+    const TissueContact& contact = m_tissues->contact();
+    d_force.setValue(vec3(contact.force()));
+    d_depth.setValue(contact.depth());
+    d_touching.setValue(contact.num_touching());
+    d_slipping.setValue(contact.num_slipping());
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::addForce(const MechanicalParams*, DataVecDeriv& f1, DataVecDeriv& f2,
+                                                   const DataVecCoord& x1, const DataVecCoord& x2,
+                                                   const DataVecDeriv& v1, const DataVecDeriv& v2)
+{
+    if (!works()) return;
+    auto first = sofa::helper::getWriteAccessor(f1), second = sofa::helper::getWriteAccessor(f2);
+    if (first.size() < x1.getValue().size()) first.resize(x1.getValue().size());
+    if (second.size() < x2.getValue().size()) second.resize(x2.getValue().size());
+    attempt(*this,
+            [&]
+            {
+                addOwnForce({view(x1.getValue()), view(x2.getValue())}, {view(v1.getValue()), view(v2.getValue())},
+                            {view(first.wref()), view(second.wref())});
+            });
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::addDForce(const MechanicalParams* mparams, DataVecDeriv& df1,
+                                                    DataVecDeriv& df2, const DataVecDeriv& dx1, const DataVecDeriv& dx2)
+{
+    const double k = mparams->kFactor(), b = mparams->bFactor();
+    if (!isInMatrix() || m_leftOut) return;
+    auto first = sofa::helper::getWriteAccessor(df1), second = sofa::helper::getWriteAccessor(df2);
+    if (first.size() < dx1.getValue().size()) first.resize(dx1.getValue().size());
+    if (second.size() < dx2.getValue().size()) second.resize(dx2.getValue().size());
+    attempt(*this,
+            [&] {
+                addOwnProduct(b, k, {view(dx1.getValue()), view(dx2.getValue())},
+                              {view(first.wref()), view(second.wref())});
+            });
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::addOwnProduct(double b, double k, const OfTwo<ConstPoints>& dx,
+                                                        OfTwo<Points> df) const
+{
+    const ContactTerms& terms = m_tissues->contact().terms();
+    terms.add_stiffness_product(k + b * this->rayleighStiffness.getValue(), dx, df);
+    if (b != 0) terms.add_damping_product(b, dx, df);
+}
+
+/// The nodes of the second body behind those of the first one; of one body with itself: its nodes.
+template <class TDataTypes>
+BlockMatrix TissueContactForceField<TDataTypes>::blocksOf(bool damping) const
+{
+    const int num_first = static_cast<int>(this->mstate1->getSize());
+    const int num_second = isWithItself() ? 0 : static_cast<int>(this->mstate2->getSize());
+    const std::array first_nodes = {0, isWithItself() ? 0 : num_first};
+    BlockMatrix blocks(num_first + num_second);
+    const ContactTerms& terms = m_tissues->contact().terms();
+    if (damping)
+        terms.add_damping_blocks(1, blocks, first_nodes);
+    else
+        terms.add_stiffness_blocks(1, blocks, first_nodes);
+    return blocks;
+}
+
+/// ofPair(k, l): where the derivatives of the forces on state k by what state l does are to be added.
+template <class TDataTypes>
+template <class OfPair>
+void TissueContactForceField<TDataTypes>::addBlocks(const BlockMatrix& blocks, const OfPair& ofPair) const
+{
+    const int num_first = static_cast<int>(this->mstate1->getSize());
+    const std::array states = {this->mstate1.get(), this->mstate2.get()};
+    const std::array ranges = {NodeRange{0, num_first}, NodeRange{num_first, blocks.num_nodes() - num_first}};
+    for (std::size_t k = 0; k < (isWithItself() ? 1 : 2); ++k)
+        for (std::size_t l = 0; l < (isWithItself() ? 1 : 2); ++l)
+            add(blocks, ranges[k], ranges[l], ofPair(states[k], states[l]));
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
+{
+    if (!works()) return;
+    attempt(*this,
+            [&]
+            {
+                addBlocks(blocksOf(false), [&](auto* of, auto* by)
+                          { return matrix->getForceDerivativeIn(of).withRespectToPositionsIn(by); });
+            });
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix)
+{
+    if (!works() || d_damping.getValue() == 0) return;
+    attempt(*this,
+            [&]
+            {
+                addBlocks(blocksOf(true), [&](auto* of, auto* by)
+                          { return matrix->getForceDerivativeIn(of).withRespectToVelocityIn(by); });
+            });
+}
+
+template <class TDataTypes>
+SReal TissueContactForceField<TDataTypes>::getPotentialEnergy(const MechanicalParams*, const DataVecCoord&,
+                                                              const DataVecCoord&) const
+{
+    if (works()) msg_warning(this) << "its forces have no potential energy: 0 counts";
+    return 0;
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::draw(const sofa::core::visual::VisualParams* vparams)
+{
+    if (!works() || !vparams->displayFlags().getShowForceFields()) return;
+    auto* tool = vparams->drawTool();
+    const auto lifeCycle = tool->makeStateLifeCycle();
+    draw_contacts(*tool, m_tissues->contact().terms(), positions(), velocities(), d_drawForceScale.getValue());
+}
+
+}  // namespace hexaplast::sofa_plugin
