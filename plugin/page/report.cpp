@@ -204,10 +204,11 @@ void add_run(HtmlPage& page, const Manifest& run) {
 }  // namespace
 
 void write_report(const fs::path& directory, const Manifest& run) {
-  HtmlPage page(run.title);
-  page.paragraph(
-      fmt::format("{} of {} steps of {:.6g} s. {}.", run.steps_done, run.steps_asked, run.dt, run.exit_reason),
-      run.state == RunState::kFinished ? "lead" : "alarm");
+  HtmlPage page(run.heading.empty() ? run.title : run.heading);
+  if (!run.description.empty()) page.paragraph(run.description);
+  page.paragraph(fmt::format("{}{} of {} steps of {:.6g} s. {}.", run.heading.empty() ? "" : run.title + ": ",
+                             run.steps_done, run.steps_asked, run.dt, run.exit_reason),
+                 run.state == RunState::kFinished ? "lead" : "alarm");
   add_viewer(page, directory);
   if (!run.warnings.empty()) {
     page.heading("Warnings");

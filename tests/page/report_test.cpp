@@ -178,6 +178,24 @@ TEST(Report, ShowsScenesWordsAsWordsWhateverTheyAre) {
             charts_of(page).size() + 4);  // and the page's own, the viewer's two and its data
 }
 
+TEST(Report, BeginsWithWhatTheSceneSaysOfItself) {
+  const Scratch scratch;
+  Manifest run = some_run();
+  run.heading = kHostile;
+  run.description = "Forceps lift " + kHostile;
+  run_and_report(scratch / "run", run);
+  const std::string page = content(scratch / "run/report.html");
+  EXPECT_NE(page.find("<h1>pull &amp; &lt;hold&gt;"), page.npos);
+  EXPECT_NE(page.find("<p>Forceps lift pull &amp; &lt;hold&gt;"), page.npos);
+  EXPECT_NE(page.find("pull: 6 of 6 steps"), page.npos);
+  EXPECT_EQ(page.find("<hold>"), page.npos);
+
+  write_manifest(scratch / "run", run);
+  const Manifest read = output::read_manifest(scratch / "run").value();
+  EXPECT_EQ(read.heading, run.heading);
+  EXPECT_EQ(read.description, run.description);
+}
+
 TEST(Report, SaysWhatTheRunWas) {
   const Scratch scratch;
   run_and_report(scratch / "run", some_run());
