@@ -459,7 +459,7 @@ class Viewer {
     this.part("play").addEventListener("click", () => this.isPlaying ? this.stop() : this.play());
     this.part("home").addEventListener("click", () => this.goHome());
     document.addEventListener("hexaplast:time", event => {
-      if (event.detail.from === this || event.detail.time === null) return;
+      if (viewerFigures.length > 1 || event.detail.from === this || event.detail.time === null) return;
       this.stop();
       this.goTo(event.detail.time, false);
     });
@@ -728,21 +728,33 @@ class Viewer {
   }
 }
 
-for (const figure of document.querySelectorAll("figure.viewer")) {
-  const all = [...figure.querySelectorAll("script.run")].map(script => JSON.parse(script.textContent));
-  Promise.all(all.map(async data => new Run(data, await unpack(data))))
-    .then(runs => {
-      const viewer = new Viewer(figure, runs);
-      if (matchMedia("(prefers-reduced-motion: reduce)").matches) return;
-      // once, when it is first seen
-      new IntersectionObserver((entries, observer) => {
-        if (!entries.some(entry => entry.isIntersecting)) return;
-        observer.disconnect();
-        viewer.play();
-      }, {threshold: 0.3}).observe(figure);
-    })
-    .catch(reason => {
-      figure.hidden = true;
-      figure.dataset.failed = reason.message;
-    });
+async function openViewer(figure) {
+  try {
+    const all = [...figure.querySelectorAll("script.run")].map(script => JSON.parse(script.textContent));
+    const viewer = new Viewer(figure, await Promise.all(all.map(async data => new Run(data, await unpack(data)))));
+    // once, when it is first seen
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) whenSeen(figure, 0.3, () => viewer.play());
+  } catch (reason) {
+    figure.hidden = true;
+    figure.dataset.failed = reason.message;
+  }
+}
+
+function whenSeen(figure, threshold, act) {
+  new IntersectionObserver((entries, observer) => {
+    if (!entries.some(entry => entry.isIntersecting)) return;
+    observer.disconnect();
+    act();
+  }, {threshold}).observe(figure);
+}
+
+// A page of many viewers opens each of them when the reader comes to it.
+const viewerFigures = [...document.querySelectorAll("figure.viewer")];
+for (const figure of viewerFigures) {
+  if (viewerFigures.length === 1) {
+    openViewer(figure);
+    continue;
+  }
+  figure.hidden = false;
+  whenSeen(figure, 0, () => openViewer(figure));
 }

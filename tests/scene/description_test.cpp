@@ -38,7 +38,9 @@ TEST(Description, IsNoneWhereTheFileHasNone) {
 
 TEST(Description, OfEveryShippedSceneIsThere) {
   for (const auto& entry : std::filesystem::directory_iterator(HEXAPLAST_SOURCE_DIR "/scenes"))
-    if (entry.path().extension() == ".scn") EXPECT_TRUE(description_of(entry.path())) << entry.path();
+    if (entry.path().extension() == ".scn") {
+      EXPECT_TRUE(description_of(entry.path())) << entry.path();
+    }
 }
 
 }  // namespace
