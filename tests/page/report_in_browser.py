@@ -20,6 +20,7 @@ import browser as chromium
 import viewer_checks
 
 SKIPPED = 77
+SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
 WIDTHS = {"desk": 1280, "phone": 390}  # [pixels]
 LEAST_TEXT = 9  # [pixels] of the height of letters in charts
 
@@ -123,6 +124,10 @@ def main():
     subprocess.run([hexaplast, "compare", report.parent, directory / "b", "--out", comparison], check=True,
                    stdout=subprocess.DEVNULL)
 
+    gallery = directory / "gallery.html"
+    subprocess.run([sys.executable, SOURCE / "scripts" / "gallery_page", gallery, report.parent, directory / "b"],
+                   check=True, stdout=subprocess.DEVNULL)
+
     wrong = []
     # processes of the browser outlive it by a moment, and still write then
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
@@ -145,6 +150,9 @@ def main():
                     wrong += [f"{page.name}, {device}, {scheme}: {what}" for what in found]
         browser.open(report, WIDTHS["desk"], "light", moves=True)
         wrong += [f"{report.name}, moving: {what}" for what in viewer_checks.check_play(browser)]
+        browser.open(gallery, WIDTHS["desk"], "light")
+        found = list(viewer_checks.check_gallery(browser, 2)) + list(complaints_of(browser))
+        wrong += [f"{gallery.name}: {what}" for what in found]
         browser.close()
     print("\n".join(wrong) or "nothing to complain of")
     return 1 if wrong else 0

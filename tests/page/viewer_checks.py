@@ -127,9 +127,9 @@ def check_use(browser, history):
     def beside(x, y):
         return middle[0] + x, middle[1] + y
 
-    yield from changes("dragging", lambda: browser.drag(middle, beside(120, 30)), 0.02)
-    yield from changes("dragging with shift", lambda: browser.drag(middle, beside(90, 0), modifiers=8), 0.02)
-    yield from changes("the wheel", lambda: browser.turn_wheel(*middle, -300), 0.02)
+    yield from changes("dragging", lambda: browser.drag(middle, beside(120, 30)), 0.1)
+    yield from changes("dragging with shift", lambda: browser.drag(middle, beside(90, 0), modifiers=8), 0.1)
+    yield from changes("the wheel", lambda: browser.turn_wheel(*middle, -300), 0.05)
     yield from changes("Reset view", lambda: browser.ask("document.querySelector('[data-part=home]').click()"), 0.02)
     for key in ("ArrowLeft", "ArrowUp", "+"):
         yield from changes(f"the key {key}", lambda key=key: browser.press(key, text=key if len(key) == 1 else None))
@@ -200,3 +200,16 @@ def check_play(browser):
     browser.ask("document.querySelector('[data-part=play]').click()")
     if browser.ask("document.querySelector('.viewer').dataset.plays") != "false":
         yield "the viewer cannot be stopped"
+
+
+def check_gallery(browser, num_runs):
+    """Each viewer opens when the reader comes to it, and not before."""
+    drawn_of = "document.querySelectorAll('.viewer')[{}].dataset.drawn"
+    if not browser.wait_until(drawn_of.format(0)):
+        yield "the first viewer draws nothing"
+    if browser.ask(drawn_of.format(num_runs - 1)):
+        yield "the last viewer is drawn before it is seen"
+    for k in range(num_runs):
+        browser.ask(f"document.querySelectorAll('.viewer')[{k}].scrollIntoView({{behavior: 'instant'}})")
+        if not browser.wait_until(drawn_of.format(k)):
+            yield f"viewer {k} draws nothing"
