@@ -528,6 +528,7 @@ class Viewer {
     const speed = length / Math.min(Math.max(length, 4), 9);  // [s] of the run per second
     if (this.time >= first + 0.999 * length) this.time = first;
     this.isPlaying = true;
+    this.goTo(this.time);
     this.showButton();
     let before = performance.now();
     const advance = now => {
