@@ -15,6 +15,7 @@
 #include "record/files.hpp"
 #include "record/history_table.hpp"
 #include "record/recorded_run.hpp"
+#include "record/viewer_states.hpp"
 
 namespace hexaplast::output {
 namespace fs = std::filesystem;
@@ -270,6 +271,8 @@ std::vector<ComparisonTable> compare_runs(const fs::path& a, const fs::path& b) 
 
 std::string comparison_page(const fs::path& a, const fs::path& b, const std::vector<ComparisonTable>& tables) {
   HtmlPage page(fmt::format("{} and {}", a.string(), b.string()));
+  const std::optional<ViewerData> of_a = read_viewer_data(a), of_b = read_viewer_data(b);
+  if (of_a && of_b && of_a->has_states && of_b->has_states) page.viewer({of_a->markup, of_b->markup});
   for (const ComparisonTable& table : tables) {
     page.heading(table.title);
     if (!table.rows.empty()) page.table(table.columns, table.rows, "wide");

@@ -136,8 +136,21 @@ void HtmlPage::table(const std::vector<std::string>& columns, const std::vector<
   add("</tbody>\n</table></div>");
 }
 
+// The script fills what is empty here.
+void HtmlPage::viewer(const std::vector<std::string>& data) {
+  if (!has_viewer_) add(fmt::format("<style>{}</style>", kViewerStyle));
+  has_viewer_ = true;
+  add("<figure class=\"viewer\" hidden>");
+  add(kViewerMarkup);
+  for (const std::string& run : data)
+    add(fmt::format("<script type=\"application/json\" class=\"run\">{}</script>", run));
+  add("</figure>");
+}
+
 std::string HtmlPage::finish() && {
-  add(fmt::format("</main>\n<script>{}</script>\n</body>\n</html>", kScript));
+  add(fmt::format("</main>\n<script>{}</script>", kScript));
+  if (has_viewer_) add(fmt::format("<script>{}</script>\n<script>{}</script>", kViewerModelScript, kViewerScript));
+  add("</body>\n</html>");
   return std::move(text_);
 }
 

@@ -26,6 +26,10 @@ class HtmlPage {
   /// A chart with its legend and a line that says more, which may be empty.
   void chart(const Panel& panel, std::string_view note = "");
 
+  /// A viewer of runs, beside each other where there are two, that shows itself where scripts and WebGL 2 are there.
+  /// data: of each run, as read_viewer_data() gives it.
+  void viewer(const std::vector<std::string>& data);
+
   /// Rows of words; the first cell of a row is its head. `columns`: heads of the columns, or none.
   void table(const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows,
              std::string_view css_class = "");
@@ -35,6 +39,7 @@ class HtmlPage {
 
  private:
   std::string text_;
+  bool has_viewer_ = false;
 };
 
 /// Colours and inks that follow the scheme of a page.

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Where the pointer is in a chart, its legend has the values of the step next to it. A picture that is clicked takes the
-// whole width, and gives it back.
+// Where the pointer is in a chart, the legends of all charts have the values of the step next to it, and a viewer shows
+// that moment; where the viewer goes, the charts follow. A picture that is clicked takes the whole width, and gives it
+// back.
 "use strict";
 for (const figure of document.querySelectorAll(".pictures figure"))
   figure.addEventListener("click", () => figure.classList.toggle("large"));
+
+// A moment of the run; time: null: none any more. from: who says so
+const tellTime = (time, from) =>
+  document.dispatchEvent(new CustomEvent("hexaplast:time", {detail: {time, from}}));
+
 for (const figure of document.querySelectorAll("figure.chart")) {
   const chart = JSON.parse(figure.querySelector("script").textContent);
   const svg = figure.querySelector("svg");
@@ -33,9 +39,7 @@ for (const figure of document.querySelectorAll("figure.chart")) {
     return time - times[low] < times[high] - time ? low : high;
   };
 
-  const show = event => {
-    const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-    const time = first + (last - first) * Math.min(Math.max((place.x - left) / width, 0), 1);
+  const show = time => {
     let number = 0;
     for (const series of chart.series) {
       const k = nearest(series.times, time);
@@ -58,7 +62,15 @@ for (const figure of document.querySelectorAll("figure.chart")) {
     for (const value of values) value.textContent = "";
     at.textContent = "";
   };
-  svg.addEventListener("pointermove", show);
-  svg.addEventListener("pointerdown", show);
-  svg.addEventListener("pointerleave", hide);
+  const point = event => {
+    const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    tellTime(first + (last - first) * Math.min(Math.max((place.x - left) / width, 0), 1), figure);
+  };
+  document.addEventListener("hexaplast:time", event => {
+    if (event.detail.time === null) hide();
+    else show(event.detail.time);
+  });
+  svg.addEventListener("pointermove", point);
+  svg.addEventListener("pointerdown", point);
+  svg.addEventListener("pointerleave", () => tellTime(null, figure));
 }

@@ -14,6 +14,7 @@
 #include "page/history_panels.hpp"
 #include "page/html.hpp"
 #include "record/files.hpp"
+#include "record/viewer_states.hpp"
 
 namespace hexaplast::output {
 namespace fs = std::filesystem;
@@ -134,6 +135,15 @@ void add_pictures(HtmlPage& page, const fs::path& directory, double dt) {
   page.add("</div>");
 }
 
+void add_viewer(HtmlPage& page, const fs::path& directory) {
+  const std::optional<ViewerData> data = read_viewer_data(directory);
+  if (data && data->has_states) page.viewer({data->markup});
+  if (data && !data->has_states)
+    page.paragraph(fmt::format("Reports of bodies with more than {} nodes have pictures only: nothing to turn.",
+                               ViewerStates::kMostNodes),
+                   "lead");
+}
+
 void add_removed(HtmlPage& page, const fs::path& directory) {
   const std::map<long, std::vector<std::string>> removed = removed_by_step(directory);
   if (removed.empty()) return;
@@ -196,10 +206,12 @@ void add_run(HtmlPage& page, const Manifest& run) {
 }  // namespace
 
 void write_report(const fs::path& directory, const Manifest& run) {
-  HtmlPage page(run.title);
-  page.paragraph(
-      fmt::format("{} of {} steps of {:.6g} s. {}.", run.steps_done, run.steps_asked, run.dt, run.exit_reason),
-      run.state == RunState::kFinished ? "lead" : "alarm");
+  HtmlPage page(run.heading.empty() ? run.title : run.heading);
+  if (!run.description.empty()) page.paragraph(run.description);
+  page.paragraph(fmt::format("{}{} of {} steps of {:.6g} s. {}.", run.heading.empty() ? "" : run.title + ": ",
+                             run.steps_done, run.steps_asked, run.dt, run.exit_reason),
+                 run.state == RunState::kFinished ? "lead" : "alarm");
+  add_viewer(page, directory);
   if (!run.warnings.empty()) {
     page.heading("Warnings");
     page.add("<ul>");

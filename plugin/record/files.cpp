@@ -51,9 +51,9 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory, const Inpu
 bool is_of_run(std::string_view name) {
   name = without_part(name);
   return is_series(name) || name == "history.csv" || name == "removed.csv" || name == "plot.svg" ||
-         name == "manifest.json" || name == "report.html" || is_numbered(name, "mesh_", ".vtu") ||
-         is_numbered(name, "surface_", ".vtu") || is_numbered(name, "instruments_", ".vtu") ||
-         is_numbered(name, "checkpoint_", ".hxc");
+         name == "manifest.json" || name == "report.html" || name == "viewer.json" ||
+         is_numbered(name, "mesh_", ".vtu") || is_numbered(name, "surface_", ".vtu") ||
+         is_numbered(name, "instruments_", ".vtu") || is_numbered(name, "checkpoint_", ".hxc");
 }
 
 void add_files_of_run(const fs::path& directory, InputFiles& files) {

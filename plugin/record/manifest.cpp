@@ -118,7 +118,12 @@ Json json_of(const Manifest& run) {
             {"exit_reason", run.exit_reason},
             {"command", run.command},
             {"working_directory", run.working_directory},
-            {"scene", {{"name", run.title}, {"file", run.scene_file}, {"xxh64", run.scene_hash}}},
+            {"scene",
+             {{"name", run.title},
+              {"file", run.scene_file},
+              {"xxh64", run.scene_hash},
+              {"heading", run.heading},
+              {"description", run.description}}},
             {"overrides", run.overrides},
             {"threads", run.threads},
             {"simd", run.simd},
@@ -146,6 +151,8 @@ Manifest manifest_of(const Json& json) {
   run.command = json.at("command").get<std::vector<std::string>>();
   run.working_directory = json.at("working_directory");
   run.title = json.at("scene").at("name");
+  run.heading = json.at("scene").value("heading", "");  // earlier versions did not write it
+  run.description = json.at("scene").value("description", "");
   run.scene_file = json.at("scene").at("file");
   run.scene_hash = json.at("scene").at("xxh64");
   run.overrides = json.at("overrides").get<std::vector<std::string>>();

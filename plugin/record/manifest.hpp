@@ -56,6 +56,8 @@ struct Manifest {
   std::vector<std::string> command = {};  ///< words of the command line
   std::string working_directory = {};     ///< where it was given
   std::string title = {};                 ///< the scene's name
+  std::string heading = {};               ///< what the scene says of itself, in a line; may be empty
+  std::string description = {};           ///< and in a paragraph
   std::string scene_file = {};
   std::string scene_hash = {};  ///< XXH64 of the scene as carried out: includes and overrides are in it
   std::vector<std::string> overrides = {};

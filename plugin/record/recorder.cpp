@@ -17,6 +17,7 @@
 #include "record/instruments_vtu.hpp"
 #include "record/surface_vtu.hpp"
 #include "record/time_series.hpp"
+#include "record/viewer_states.hpp"
 #include "record/vtu.hpp"
 
 namespace hexaplast::output {
@@ -172,6 +173,7 @@ struct Recorder::Files {
   CarriedSurfaces embedded_surfaces;
   std::vector<long> to_draw, to_film;  // ascending
   std::optional<Gallery> gallery;      // absent: no pictures wanted
+  std::optional<ViewerStates> viewer;  // absent: not wanted
 
   // the latest state, so that a run that ends early still shows where it ended
   StepRecord latest;
@@ -183,6 +185,7 @@ struct Recorder::Files {
   bool finished = false;
 
   void open_gallery() {
+    if (plan.has_viewer) viewer.emplace(bodies, plan.title, plan.num_steps, plan.dt, plan.staging, plan.regions);
     if (plan.num_frames > 0 || film) gallery.emplace(bodies.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
   }
   void open_companions() {
@@ -195,6 +198,8 @@ struct Recorder::Files {
   void write_state();
   bool is_drawn(long step) const { return std::ranges::binary_search(to_draw, step); }
   bool is_filmed(long step) const { return std::ranges::binary_search(to_film, step); }
+  void keep_for_viewer();
+  void write_viewer();
   void keep_for_picture();
   std::vector<std::string> draw_pictures();
 };
@@ -231,6 +236,7 @@ void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoin
   files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
   files.history.append(row);
   if (files.wants_state(record.step)) files.write_state();
+  if (files.viewer && files.viewer->wants(record.step)) files.keep_for_viewer();
   if (files.is_drawn(record.step) || files.is_filmed(record.step)) files.keep_for_picture();
 }
 
@@ -240,6 +246,7 @@ std::vector<std::string> Recorder::finish() {
   files.finished = true;
   if (files.step_on_disk != files.latest.step) files.write_state();
 
+  if (files.viewer) files.write_viewer();
   if (!files.gallery) return {};
   const int drawn = files.gallery->num_states();
   if (drawn == 0 || files.gallery->step(drawn - 1) != files.latest.step) files.keep_for_picture();
@@ -304,6 +311,17 @@ void Recorder::Files::write_state() {
               plan.region_names);
   });
   step_on_disk = latest.step;
+}
+
+void Recorder::Files::keep_for_viewer() {
+  viewer->add(latest.step, latest.time, latest_positions, latest_velocities, latest_conditions);
+}
+
+void Recorder::Files::write_viewer() {
+  if (!viewer->has(latest.step)) keep_for_viewer();
+  WholeFile file(directory / kViewerName);
+  file.write(viewer->json());
+  file.commit();
 }
 
 void Recorder::Files::keep_for_picture() {

@@ -26,6 +26,7 @@ struct RunPlan {
   bool has_ends = true;             ///< elongation and twist between the end sections mean something
   bool has_contact = false;         ///< beside it every StepRecord has what instruments that touch do
   int output_every = 25;            ///< steps between two .vtu files; the first and the last state are always written
+  bool has_viewer = true;           ///< viewer.json is written, for the report
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;               ///< write into a directory that holds an earlier run
   InputFiles inputs = {};           ///< files that are read, and so never replaced
@@ -53,13 +54,13 @@ struct StepRecord {
 };
 
 /// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png;
-/// where the staging has embedded surfaces, surface.pvd with surface_<step>.vtu, and where the plan says that there are
-/// instruments, instruments.pvd with instruments_<step>.vtu, for the same steps. history.csv (docs/output.md; the
-/// columns of the energy balance, of elongation and of twist only where the run has them) grows by a whole row per
-/// step, removed.csv by a row `step,time,hexahedron` per hexahedron that a body has lost in it, in the order of their
-/// removal (of several bodies `step,time,hexahedron,body`, with the hexahedron's own number in its body); every other
-/// file appears whole under its final name, and each .pvd file names only complete files. After an OutputError
-/// everything that mesh.pvd names can still be read.
+/// viewer.json where the plan wants it (viewer_states.hpp); where the staging has embedded surfaces, surface.pvd with
+/// surface_<step>.vtu, and where the plan says that there are instruments, instruments.pvd with instruments_<step>.vtu,
+/// for the same steps. history.csv (docs/output.md; the columns of the energy balance, of elongation and of twist only
+/// where the run has them) grows by a whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron that
+/// a body has lost in it, in the order of their removal (of several bodies `step,time,hexahedron,body`, with the
+/// hexahedron's own number in its body); every other file appears whole under its final name, and each .pvd file names
+/// only complete files. After an OutputError everything that mesh.pvd names can still be read.
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an

@@ -5,104 +5,24 @@
 Runs the scene twice into DIRECTORY, compares the runs, and looks at report and comparison in headless Chromium, at the
 width of a desk's screen and of a phone, light and dark. Fails where the browser has something to say, where a page asks
 for anything but itself, where a chart or picture is not there to be seen, where a page scrolls sideways, and where a
-chart does not tell the numbers of history.csv under the pointer. With a folder PICTURES, what was seen is kept there.
+chart does not tell the numbers of history.csv under the pointer, and where the viewer does not do what it is asked for
+(viewer_checks.py). With a folder PICTURES, what was seen is kept there.
 
 Ends with 77, which ctest counts as skipped, where there is no Chromium (scripts/install_packages --test)."""
-import base64
 import csv
-import json
-import os
 import pathlib
 import shutil
 import subprocess
 import sys
 import tempfile
 
+import browser as chromium
+import viewer_checks
+
 SKIPPED = 77
+SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
 WIDTHS = {"desk": 1280, "phone": 390}  # [pixels]
 LEAST_TEXT = 9  # [pixels] of the height of letters in charts
-
-
-class Browser:
-    """Chromium without a window, spoken to over a pair of pipes in its DevTools protocol."""
-
-    def __init__(self, program, profile):
-        to_browser, self._commands = os.pipe()
-        self._answers, from_browser = os.pipe()
-
-        def connect():  # the browser reads at 3 and writes at 4
-            ends = os.dup(to_browser), os.dup(from_browser)
-            os.dup2(ends[0], 3)
-            os.dup2(ends[1], 4)
-
-        self._process = subprocess.Popen(
-            [program, "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run",
-             "--disable-dev-shm-usage", f"--user-data-dir={profile}", "--remote-debugging-pipe", "about:blank"],
-            preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL)
-        os.close(to_browser)
-        os.close(from_browser)
-        self._buffer = b""
-        self._number = 0
-        self._session = None
-        self.events = []
-        target = self.call("Target.createTarget", url="about:blank")["targetId"]
-        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.call(f"{domain}.enable")
-
-    def _receive(self):
-        while b"\0" not in self._buffer:
-            block = os.read(self._answers, 1 << 20)
-            if not block:
-                sys.exit("the browser has gone")
-            self._buffer += block
-        message, self._buffer = self._buffer.split(b"\0", 1)
-        return json.loads(message)
-
-    def call(self, method, **parameters):
-        self._number += 1
-        message = {"id": self._number, "method": method, "params": parameters}
-        if self._session:
-            message["sessionId"] = self._session
-        os.write(self._commands, json.dumps(message).encode() + b"\0")
-        while True:
-            answer = self._receive()
-            if answer.get("id") == self._number:
-                if "error" in answer:
-                    sys.exit(f"{method}: {answer['error']}")
-                return answer["result"]
-            self.events.append(answer)
-
-    def wait_for(self, method):
-        while not any(event.get("method") == method for event in self.events):
-            self.events.append(self._receive())
-
-    def open(self, page, width, scheme):
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1,
-                  mobile=width < 600)
-        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        self.events.clear()
-        self.call("Page.navigate", url=page.resolve().as_uri())
-        self.wait_for("Page.loadEventFired")
-
-    def ask(self, expression):
-        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
-        if "exceptionDetails" in answer:
-            sys.exit(f"{expression}: {answer['exceptionDetails']}")
-        return answer["result"].get("value")
-
-    def point_at(self, x, y):
-        self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
-
-    def picture(self, file):
-        shot = self.call("Page.captureScreenshot", captureBeyondViewport=True)
-        file.write_bytes(base64.b64decode(shot["data"]))
-
-    def close(self):
-        os.close(self._commands)
-        self._process.terminate()
-        self._process.wait()
 
 
 CHARTS = """[...document.querySelectorAll("figure.chart")].map(figure => {
@@ -184,7 +104,7 @@ def check_click(browser):
 
 
 def main():
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    program = chromium.program()
     if not program:
         print("no Chromium: the pages are not looked at")
         return SKIPPED
@@ -204,23 +124,35 @@ def main():
     subprocess.run([hexaplast, "compare", report.parent, directory / "b", "--out", comparison], check=True,
                    stdout=subprocess.DEVNULL)
 
+    gallery = directory / "gallery.html"
+    subprocess.run([sys.executable, SOURCE / "scripts" / "gallery_page", gallery, report.parent, directory / "b"],
+                   check=True, stdout=subprocess.DEVNULL)
+
     wrong = []
     # processes of the browser outlive it by a moment, and still write then
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        browser = Browser(program, profile)
+        browser = chromium.Browser(program, profile)
         for page in (report, comparison):
             for device, width in WIDTHS.items():
                 for scheme in ("light", "dark"):
                     browser.open(page, width, scheme)
-                    found = list(look_at(browser, page, width))
+                    found = list(viewer_checks.check_there(browser, 1 if page is report else 2))
+                    found += look_at(browser, page, width)
                     if pictures:
                         browser.picture(pictures / f"{page.stem}_{device}_{scheme}.png")
                     if page is report:
                         found += check_pointer(browser, history)
                         if device == "desk":
                             found += check_click(browser)
+                        if device == "desk" and scheme == "light" and not found:
+                            found += viewer_checks.check_use(browser, history)
                         found += complaints_of(browser)
                     wrong += [f"{page.name}, {device}, {scheme}: {what}" for what in found]
+        browser.open(report, WIDTHS["desk"], "light", moves=True)
+        wrong += [f"{report.name}, moving: {what}" for what in viewer_checks.check_play(browser)]
+        browser.open(gallery, WIDTHS["desk"], "light")
+        found = list(viewer_checks.check_gallery(browser, 2)) + list(complaints_of(browser))
+        wrong += [f"{gallery.name}: {what}" for what in found]
         browser.close()
     print("\n".join(wrong) or "nothing to complain of")
     return 1 if wrong else 0

@@ -172,7 +172,26 @@ TEST(Report, ShowsScenesWordsAsWordsWhateverTheyAre) {
   EXPECT_EQ(page.find("<hold>"), page.npos);
   EXPECT_EQ(page.find("<script>alert"), page.npos);
   EXPECT_NE(page.find("<h1>pull &amp; &lt;hold&gt; &quot;50 %&quot; &#39;x&#39; &lt;/script&gt;"), page.npos);
-  EXPECT_EQ(pieces(page, "<script", ">", true).size(), charts_of(page).size() + 1);  // and the page's own
+  EXPECT_EQ(pieces(page, "<script", ">", true).size(),
+            charts_of(page).size() + 4);  // and the page's own, the viewer's two and its data
+}
+
+TEST(Report, BeginsWithWhatTheSceneSaysOfItself) {
+  const Scratch scratch;
+  Manifest run = some_run();
+  run.heading = kHostile;
+  run.description = "Forceps lift " + kHostile;
+  run_and_report(scratch / "run", run);
+  const std::string page = content(scratch / "run/report.html");
+  EXPECT_NE(page.find("<h1>pull &amp; &lt;hold&gt;"), page.npos);
+  EXPECT_NE(page.find("<p>Forceps lift pull &amp; &lt;hold&gt;"), page.npos);
+  EXPECT_NE(page.find("pull: 6 of 6 steps"), page.npos);
+  EXPECT_EQ(page.find("<hold>"), page.npos);
+
+  write_manifest(scratch / "run", run);
+  const Manifest read = output::read_manifest(scratch / "run").value();
+  EXPECT_EQ(read.heading, run.heading);
+  EXPECT_EQ(read.description, run.description);
 }
 
 TEST(Report, SaysWhatTheRunWas) {

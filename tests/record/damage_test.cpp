@@ -234,7 +234,7 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   for (const char* name :
        {"history.csv", "removed.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part", "surface.pvd",
         "surface_000300.vtu", "instruments.pvd", "instruments_000300.vtu", "frames/frame_000300.png", "plot.svg",
-        "manifest.json", "report.html", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
+        "manifest.json", "report.html", "viewer.json", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
     support::put(scratch / "run" / name, "earlier");
   const std::vector<std::string> before = names_in(scratch / "run");
 
@@ -247,9 +247,9 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   Recorder recorder(scratch / "run", body, run);
   support::record_stretch(recorder, body, 2);
   recorder.finish();
-  const std::vector<std::string> after{"frames",        "frames/mine.png", "history.csv",
-                                       "mesh.pvd",      "mesh_000000.vtu", "mesh_000002.vtu",
-                                       "mesh_fine.vtu", "notes.txt",       "removed.csv"};
+  const std::vector<std::string> after{"frames",          "frames/mine.png", "history.csv",   "mesh.pvd",
+                                       "mesh_000000.vtu", "mesh_000002.vtu", "mesh_fine.vtu", "notes.txt",
+                                       "removed.csv",     "viewer.json"};
   EXPECT_EQ(names_in(scratch / "run"), after);
   EXPECT_EQ(content(scratch / "run/notes.txt"), "earlier");
 }

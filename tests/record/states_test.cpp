@@ -98,7 +98,7 @@ TEST(TimeSeries, NamesTheFirstTheRegularAndTheLastState) {
   support::record_stretch(recorder, body, 10);
   recorder.finish();
   std::vector<std::string> expected{"history.csv",     "mesh.pvd",        "mesh_000000.vtu", "mesh_000004.vtu",
-                                    "mesh_000008.vtu", "mesh_000010.vtu", "removed.csv"};
+                                    "mesh_000008.vtu", "mesh_000010.vtu", "removed.csv",     "viewer.json"};
   EXPECT_EQ(names_in(scratch / "run"), expected);
   const auto series = series_in(scratch / "run");
   ASSERT_EQ(series.size(), 4u);

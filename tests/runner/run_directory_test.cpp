@@ -101,7 +101,7 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
   for (const auto& [name, bytes] : files("new")) names += name.substr(4) + " ";
   EXPECT_EQ(names,
             "history.csv manifest.json mesh.pvd mesh_000000.vtu mesh_000002.vtu mesh_000004.vtu mesh_000006.vtu "
-            "plot.svg removed.csv report.html ");
+            "plot.svg removed.csv report.html viewer.json ");
 }
 
 TEST_F(RunDirectory, ASignalAlwaysLeavesACheckpoint) {

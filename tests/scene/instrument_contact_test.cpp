@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 

@@ -35,6 +35,7 @@
 #include "runner/run/staging.hpp"
 #include "runner/run/summary_file.hpp"
 #include "runner/standard_output.hpp"
+#include "scene/description.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
@@ -301,6 +302,10 @@ output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOp
   manifest.command = options.command;
   manifest.title = options.scene.file.stem().string();
   manifest.scene_file = options.scene.file.string();
+  if (const std::optional<scene::Description> description = scene::description_of(options.scene.file)) {
+    manifest.heading = description->heading;
+    manifest.description = description->words;
+  }
   manifest.overrides = options.scene.overrides;
   manifest.steps_asked = num_steps;
   for (scene::Probe* probe : simulation.probes())

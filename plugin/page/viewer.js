@@ -1,0 +1,761 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Draws runs with WebGL 2, lets the reader turn them, and goes through time with the charts. Several runs stand side by
+// side and share camera, time and colours.
+"use strict";
+
+const fieldOfView = 28 * Math.PI / 180;
+const keyHeight = 76;  // [pixels] of the colour key in the picture
+const longestArrow = 0.13;  // in parts of the diagonal of what is shown
+const paints = {  // as in the pictures
+  paper: [1, 1, 1], ink: [0.13, 0.13, 0.15], edge: [0.20, 0.16, 0.19], cage: [0.25, 0.30, 0.38],
+  ghost: [0.945, 0.950, 0.958], outline: [0.70, 0.73, 0.77], load: [0.02, 0.47, 0.41], steel: [0.16, 0.36, 0.55],
+  metal: [0.78, 0.84, 0.90]};
+
+const surfaceVertexShader = `#version 300 es
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in float share;
+uniform mat4 camera;
+out vec3 at, across;
+out float value;
+void main() {
+  at = place;
+  across = normal;
+  value = share;
+  gl_Position = camera * vec4(place, 1);
+}`;
+const surfaceFragmentShader = `#version 300 es
+precision highp float;
+in vec3 at, across;
+in float value;
+uniform sampler2D colours;
+uniform bool isColoured, isLit;
+uniform vec3 paint, eye, lamp;
+uniform vec4 cut;
+uniform float gleam;
+out vec4 pixel;
+void main() {
+  if (dot(cut.xyz, at) > cut.w) discard;
+  vec3 colour = paint;
+  if (isColoured) colour = value < -0.01 ? vec3(0.80, 0.81, 0.82)
+                                         : texture(colours, vec2((0.5 + 64.0 * clamp(value, 0.0, 1.0)) / 65.0, 0.5)).rgb;
+  if (isLit) {
+    vec3 sight = normalize(eye - at), normal = normalize(across);
+    if (dot(normal, sight) < 0.0) normal = -normal;
+    colour *= min(1.0, 0.60 + 0.43 * max(0.0, dot(normal, lamp)));
+    colour += gleam * pow(max(0.0, dot(normal, normalize(lamp + sight))), 40.0) * (1.0 - colour);
+  }
+  pixel = vec4(colour, 1);
+}`;
+const lineVertexShader = `#version 300 es
+layout(location = 0) in vec3 place;
+uniform mat4 camera;
+uniform vec3 eye;
+uniform float size, nearer;
+out vec3 at;
+void main() {
+  at = place;
+  gl_Position = camera * vec4(place + nearer * normalize(eye - place), 1);
+  gl_PointSize = size;
+}`;
+const lineFragmentShader = `#version 300 es
+precision highp float;
+in vec3 at;
+uniform vec4 paint, cut;
+uniform int mark;  // 0: lines, 1: dots, 2: rings
+out vec4 pixel;
+void main() {
+  if (dot(cut.xyz, at) > cut.w) discard;
+  float radius = length(gl_PointCoord - 0.5);
+  if (mark == 1 && radius > 0.5) discard;
+  if (mark == 2 && (radius > 0.5 || radius < 0.26)) discard;
+  pixel = mark == 2 && (radius > 0.44 || radius < 0.32) ? vec4(1) : paint;
+}`;
+
+// A shaft with a cone at its end, as vertices of seven numbers.
+function arrowVertices(from, to, girth) {
+  const sides = 16, length = norm(subtract(to, from));
+  if (!(length > 0)) return [];
+  const along = scaled(subtract(to, from), 1 / length);
+  const first = unit(cross(along, Math.abs(along[0]) < 0.8 ? [1, 0, 0] : [0, 1, 0])), second = cross(along, first);
+  const thick = Math.min(girth, 0.6 * length / 4.2), neck = add(to, along, -4.2 * thick);
+  const vertices = [];
+  const put = (place, normal) => vertices.push(...place, ...normal, 0);
+  for (let side = 0; side < sides; ++side) {
+    const [a, b] = [side, side + 1].map(k => {
+      const angle = 2 * Math.PI * k / sides;
+      return add(scaled(first, Math.cos(angle)), second, Math.sin(angle));
+    });
+    const rim = (centre, out, radius) => add(centre, out, radius * thick);
+    put(rim(from, a, 0.5), a); put(rim(from, b, 0.5), b); put(rim(neck, b, 0.5), b);
+    put(rim(from, a, 0.5), a); put(rim(neck, b, 0.5), b); put(rim(neck, a, 0.5), a);
+    put(rim(neck, a, 1.5), a); put(rim(neck, b, 1.5), b); put(to, unit(add(a, b)));
+    const back = scaled(along, -1);
+    put(rim(neck, b, 1.5), back); put(rim(neck, a, 1.5), back); put(neck, back);
+  }
+  return vertices;
+}
+
+// From where the runs are seen.
+class Camera {
+  constructor(run) {
+    this.home = {towards: unit(run.data.towards), up: unit(run.data.up)};
+    const upright = unit(run.data.upright);
+    this.upright = norm(cross(upright, this.home.towards)) > 0.05 ? upright : this.home.up;
+    this.towards = this.home.towards;
+    this.target = [0, 0, 0];
+    this.distance = 1;
+    this.shift = [0, 0];
+  }
+
+  get right() { return unit(cross(this.upright, this.towards)); }
+  get up() { return cross(this.towards, this.right); }
+  get eye() { return add(this.target, this.towards, this.distance); }
+
+  // Around the upright axis, and up or down. [rad]
+  turn(around, upwards) {
+    const rotated = (vector, axis, angle) =>
+      add(add(scaled(vector, Math.cos(angle)), cross(axis, vector), Math.sin(angle)), axis,
+          dot(axis, vector) * (1 - Math.cos(angle)));
+    const turned = rotated(this.towards, this.upright, around);
+    const right = unit(cross(this.upright, turned));
+    const lifted = unit(rotated(turned, right, upwards));
+    this.towards = Math.abs(dot(lifted, this.upright)) < 0.999 ? lifted : turned;
+  }
+
+  zoom(factor) { this.distance = Math.min(Math.max(this.distance * factor, this.size / 50), 20 * this.size); }
+
+  // By parts of the height of the picture.
+  pan(x, y) {
+    const height = 2 * this.distance * Math.tan(fieldOfView / 2);
+    this.target = add(add(this.target, this.right, -x * height), this.up, y * height);
+  }
+
+  // So that all points are in a picture of this shape (width by height), above the part of its height that the colour
+  // key has.
+  fit(points, shape, keyShare) {
+    this.towards = this.home.towards;
+    const [right, up] = [this.right, this.up];
+    const least = [1, 1, 1].map(() => Infinity), most = least.map(() => -Infinity);
+    for (const point of points)
+      [right, up, this.towards].forEach((axis, k) => {
+        least[k] = Math.min(least[k], dot(axis, point));
+        most[k] = Math.max(most[k], dot(axis, point));
+      });
+    const middle = least.map((number, k) => (number + most[k]) / 2);
+    this.target = [right, up, this.towards].reduce((sum, axis, k) => add(sum, axis, middle[k]), [0, 0, 0]);
+    this.size = Math.hypot(...least.map((number, k) => most[k] - number)) || 1;
+    const whole = Math.tan(fieldOfView / 2), upwards = whole * (0.94 - keyShare), sideways = 0.94 * whole * shape;
+    this.distance = this.size / 50;
+    for (const point of points) {
+      const from = subtract(point, this.target);
+      const depth = dot(this.towards, from);
+      this.distance = Math.max(this.distance, depth + Math.abs(dot(right, from)) / sideways,
+                               depth + Math.abs(dot(up, from)) / upwards);
+    }
+    this.pan(0, -keyShare / 2);
+  }
+
+  // Column by column.
+  matrix(shape) {
+    const [right, up, towards, eye] = [this.right, this.up, this.towards, this.eye];
+    const far = this.distance + 3 * this.size, near = Math.max(this.distance - 3 * this.size, far / 2000);
+    const y = 1 / Math.tan(fieldOfView / 2), x = y / shape;
+    const a = (far + near) / (near - far), b = 2 * far * near / (near - far);
+    const rows = [[...scaled(right, x), -x * dot(right, eye)], [...scaled(up, y), -y * dot(up, eye)],
+                  [...scaled(towards, a), -a * dot(towards, eye) + b], [...scaled(towards, -1), dot(towards, eye)]];
+    return Float32Array.from([0, 1, 2, 3].flatMap(column => rows.map(row => row[column])));
+  }
+}
+
+// What is drawn with WebGL.
+class Painter {
+  constructor(canvas, colours) {
+    const gl = canvas.getContext("webgl2", {antialias: true, alpha: false});
+    if (!gl) throw new Error("there is no WebGL 2");
+    this.gl = gl;
+    this.surfaces = this.program(surfaceVertexShader, surfaceFragmentShader);
+    this.lines = this.program(lineVertexShader, lineFragmentShader);
+    this.vertexBuffer = gl.createBuffer();
+    this.indexBuffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.vertexBuffer);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.indexBuffer);
+    const texels = new Uint8Array(4 * colours.length);
+    colours.forEach((colour, k) => texels.set([...colour, 255], 4 * k));
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, colours.length, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, texels);
+    for (const name of ["MIN_FILTER", "MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.LINEAR);
+    for (const name of ["WRAP_S", "WRAP_T"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.CLAMP_TO_EDGE);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.clearColor(...paints.paper, 1);
+  }
+
+  program(vertex, fragment) {
+    const gl = this.gl, program = gl.createProgram();
+    for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    const uniform = {};
+    for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++k) {
+      const {name} = gl.getActiveUniform(program, k);
+      uniform[name] = gl.getUniformLocation(program, name);
+    }
+    return {program, uniform};
+  }
+
+  // Everything that follows is seen so. cut: nothing is drawn where cut[0..2] . x > cut[3].
+  begin(camera, [left, bottom, width, height]) {
+    const gl = this.gl;
+    gl.viewport(left, bottom, width, height);
+    gl.scissor(left, bottom, width, height);
+    this.matrix = camera.matrix(width / height);
+    this.eye = camera.eye;
+    this.lamp = unit(add(add(scaled(camera.up, 0.75), camera.towards, 0.8), camera.right, -0.35));
+  }
+
+  attributes(program, sizes) {
+    const gl = this.gl, total = sizes.reduce((sum, size) => sum + size, 0);
+    gl.useProgram(program);
+    let begin = 0;
+    for (let k = 0; k < 3; ++k) {
+      if (k >= sizes.length) { gl.disableVertexAttribArray(k); continue; }
+      gl.enableVertexAttribArray(k);
+      gl.vertexAttribPointer(k, sizes[k], gl.FLOAT, false, 4 * total, 4 * begin);
+      begin += sizes[k];
+    }
+  }
+
+  // indices: null: vertices as they follow
+  surface(vertices, indices, {paint = null, isLit = true, gleam = 0, cut = [0, 0, 0, 1]} = {}) {
+    const gl = this.gl, {program, uniform} = this.surfaces;
+    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STREAM_DRAW);
+    this.attributes(program, [3, 3, 1]);
+    gl.uniformMatrix4fv(uniform.camera, false, this.matrix);
+    gl.uniform1i(uniform.isColoured, paint ? 0 : 1);
+    gl.uniform1i(uniform.isLit, isLit ? 1 : 0);
+    gl.uniform1f(uniform.gleam, gleam);
+    gl.uniform3fv(uniform.paint, paint ?? paints.ink);
+    gl.uniform3fv(uniform.eye, this.eye);
+    gl.uniform3fv(uniform.lamp, this.lamp);
+    gl.uniform4fv(uniform.cut, cut);
+    if (!indices) return gl.drawArrays(gl.TRIANGLES, 0, vertices.length / 7);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STREAM_DRAW);
+    gl.drawElements(gl.TRIANGLES, indices.length, gl.UNSIGNED_INT, 0);
+  }
+
+  // kind: "LINES" or "POINTS"; indices: null: points as they follow; nearer: [m] before where they are
+  marks(kind, points, indices, paint, {opacity = 1, nearer = 0, size = 1, mark = 0, cut = [0, 0, 0, 1]} = {}) {
+    const gl = this.gl, {program, uniform} = this.lines;
+    if (points.length === 0) return;
+    gl.bufferData(gl.ARRAY_BUFFER, points, gl.STREAM_DRAW);
+    this.attributes(program, [3]);
+    gl.uniformMatrix4fv(uniform.camera, false, this.matrix);
+    gl.uniform4fv(uniform.paint, [...paint, opacity]);
+    gl.uniform4fv(uniform.cut, cut);
+    gl.uniform1f(uniform.nearer, nearer);
+    gl.uniform3fv(uniform.eye, this.eye);
+    gl.uniform1f(uniform.size, size);
+    gl.uniform1i(uniform.mark, mark);
+    if (!indices) return gl.drawArrays(gl[kind], 0, points.length / 3);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from(indices), gl.STREAM_DRAW);
+    gl.drawElements(gl[kind], indices.length, gl.UNSIGNED_INT, 0);
+  }
+}
+
+// "312 mN": three digits and a prefix of the SI.
+function withUnit(value, unitName) {
+  if (!(value > 0)) return `0 ${unitName}`;
+  const thousands = Math.min(Math.max(Math.floor(Math.log10(+value.toPrecision(3)) / 3), -3), 3);
+  return `${+(value / 1000 ** thousands).toPrecision(3)} ${["n", "µ", "m", "", "k", "M", "G"][thousands + 3]}${unitName}`;
+}
+
+// A few round numbers from `least` to `most`.
+function ticksWithin(least, most) {
+  const rough = (most - least) / 4, power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map(factor => factor * power).find(candidate => candidate >= rough);
+  const ticks = [];
+  for (let k = Math.ceil(least / step - 1e-9); k * step <= most + 1e-9 * step; ++k) ticks.push(k * step);
+  return ticks;
+}
+
+class Viewer {
+  constructor(figure, runs) {
+    this.figure = figure;
+    this.runs = runs;
+    this.part = name => figure.querySelector(`[data-part="${name}"]`);
+    this.canvas = this.part("canvas");
+    const data = runs[0].data;
+    const colours = data.colours.match(/../g).map(digits => parseInt(digits, 16));
+    this.colours = Array.from({length: colours.length / 3}, (_, k) => colours.slice(3 * k, 3 * k + 3));
+    this.painter = new Painter(this.canvas, this.colours);
+    this.camera = new Camera(runs[0]);
+    this.times = [...new Set(runs.flatMap(run => run.times))].sort((a, b) => a - b);
+    this.time = this.times[this.times.length - 1];
+    this.isBlended = false;
+    this.isPlaying = false;
+    this.cutNormal = null;
+    this.makeFields();
+    this.makeToggles();
+    this.makeCut();
+    this.listen();
+    figure.hidden = false;
+    this.part("slider").max = this.times.length - 1;
+    this.say();
+    this.fitted = false;
+    new ResizeObserver(() => { this.resize(); }).observe(this.canvas);
+    this.resize();
+    this.goTo(this.time, false);
+  }
+
+  // Controls
+  // -----------------------------------------------------------------------------------------------------------------
+
+  makeFields() {
+    this.fields = this.runs[0].data.fields.filter(field =>
+      this.runs.every(run => run.data.fields.some(other => other.word === field.word)));
+    const select = this.part("field");
+    for (const field of this.fields) select.add(new Option(`${field.label} [${field.unit}]`, field.word));
+    // the one of the pictures, unless it has nothing to show
+    const hasRange = field => field.shown[1] > field.shown[0];
+    const wanted = this.fields.find(field => field.word === this.runs[0].data.field && hasRange(field)) ??
+                   this.fields.find(hasRange) ?? this.fields[0];
+    if (wanted) select.value = wanted.word;
+    select.addEventListener("change", () => this.chooseField(select.value));
+    this.chooseField(select.value);
+  }
+
+  chooseField(word) {
+    this.field = word;
+    const own = this.runs.map(run => run.data.fields.find(field => field.word === word));
+    this.range = [Math.min(...own.map(field => field?.shown[0] ?? 0)), Math.max(...own.map(field => field?.shown[1] ?? 0))];
+    const [least, most] = this.range, isFlat = !(most > least);
+    const bar = this.part("bar"), ticks = this.part("ticks");
+    bar.style.background =
+      `linear-gradient(to right, ${this.colours.map(colour => `rgb(${colour.join(" ")})`).join(", ")})`;
+    bar.hidden = isFlat;
+    this.part("label").textContent = isFlat || !own[0] ? "" : `${own[0].label} [${own[0].unit}]`;
+    ticks.replaceChildren();
+    if (isFlat) {
+      const label = own[0]?.label ?? "nothing";
+      ticks.textContent = most === 0 ? `no ${label} in this run` : `${label}: ${+most.toPrecision(4)} everywhere`;
+    } else {
+      for (const value of ticksWithin(least, most)) {
+        const tick = document.createElement("span");
+        tick.textContent = `${+value.toPrecision(6)}`;
+        tick.style.left = `${100 * (value - least) / (most - least)}%`;
+        ticks.append(tick);
+      }
+    }
+    this.redraw();
+  }
+
+  makeToggles() {
+    const data = this.runs.map(run => run.data);
+    const some = of => this.runs.some(run => run.data.states.some(of));
+    const isEmbedded = data.some(one => one.embedded.length > 0);
+    const load = this.strongestLoad = Math.max(...this.runs.map(run => run.strongestLoad));
+    const tool = this.strongestTool = Math.max(...this.runs.map(run => run.strongestTool));
+    const wanted = [
+      ["surface", isEmbedded, "surface", true],
+      ["edges", true, isEmbedded ? "hexahedra around it" : "mesh edges", data[0].showsHexahedra],
+      ["ghost", true, "initial shape", true],
+      ["fixed", this.runs.some(run => run.fixedNodes.some(nodes => nodes.length > 0)), "fixed nodes", true],
+      ["loads", load > 0, `loads, up to ${withUnit(load, "N")} per node`, true],
+      ["tools", some(state => state.tools), tool > 0 ? `instruments, force up to ${withUnit(tool, "N")}` : "instruments",
+       true]];
+    this.shows = {};
+    const bodies = data[0].bodies.length > 1 ? data[0].bodies : [];
+    this.part("bodies").textContent = bodies.length > 0 ? `Bodies: ${bodies.map(body => body.name).join(", ")}. ` : "";
+    for (const [name, isThere, label, isOn] of wanted) {
+      this.shows[name] = isThere && isOn;
+      if (!isThere) continue;
+      const element = document.createElement("label"), box = document.createElement("input");
+      element.className = `toggle ${name}`;
+      box.type = "checkbox";
+      box.checked = isOn;
+      box.dataset.shows = name;
+      box.addEventListener("change", () => { this.shows[name] = box.checked; this.redraw(); });
+      const swatch = document.createElement("i");
+      swatch.setAttribute("aria-hidden", "true");
+      element.append(box, swatch, ` ${label}`);
+      this.part("toggles").append(element);
+    }
+  }
+
+  makeCut() {
+    const select = this.part("cut"), slider = this.part("offset");
+    select.addEventListener("change", () => {
+      const axis = "xyz".indexOf(select.value);
+      slider.hidden = axis < 0;
+      this.cutNormal = null;
+      if (axis >= 0) {
+        // the half nearer to the reader goes
+        const normal = [0, 0, 0];
+        normal[axis] = this.camera.towards[axis] >= 0 ? 1 : -1;
+        this.cutNormal = normal;
+      }
+      this.redraw();
+    });
+    slider.addEventListener("input", () => this.redraw());
+  }
+
+  // As the shader takes it. A plane of symmetry would run along the faces of a mesh: it is passed by a little.
+  get cut() {
+    if (!this.cutNormal) return [0, 0, 0, 1];
+    const axis = this.cutNormal.findIndex(number => number !== 0), share = this.part("offset").value / 1000 + 7e-4;
+    const box = this.runs[0].data.box;
+    return [...this.cutNormal, this.cutNormal[axis] * (box[axis] + share * (box[3 + axis] - box[axis]))];
+  }
+
+  listen() {
+    const canvas = this.canvas, pointers = new Map();
+    canvas.addEventListener("pointerdown", event => {
+      canvas.focus({preventScroll: true});
+      canvas.setPointerCapture(event.pointerId);
+      pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    });
+    canvas.addEventListener("pointermove", event => {
+      const before = pointers.get(event.pointerId);
+      if (!before) return;
+      const height = canvas.clientHeight;
+      const [x, y] = [(event.clientX - before[0]) / height, (event.clientY - before[1]) / height];
+      if (pointers.size === 2) {
+        const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
+        const apart = place => Math.hypot(place[0] - other[0], place[1] - other[1]) || 1;
+        this.camera.zoom(apart(before) / apart([event.clientX, event.clientY]));
+        this.camera.pan(x / 2, y / 2);
+      } else if (event.shiftKey || event.buttons & 2 || event.buttons & 4) {
+        this.camera.pan(x, y);
+      } else {
+        this.camera.turn(-4 * x, -4 * y);
+      }
+      pointers.set(event.pointerId, [event.clientX, event.clientY]);
+      this.redraw();
+    });
+    const release = event => pointers.delete(event.pointerId);
+    canvas.addEventListener("pointerup", release);
+    canvas.addEventListener("pointercancel", release);
+    canvas.addEventListener("contextmenu", event => event.preventDefault());
+    canvas.addEventListener("dblclick", () => this.goHome());
+    // the wheel scrolls the page, unless the reader has chosen the picture
+    canvas.addEventListener("wheel", event => {
+      if (document.activeElement !== canvas && !event.ctrlKey) return;
+      event.preventDefault();
+      this.camera.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 200) / 600));
+      this.redraw();
+    }, {passive: false});
+    canvas.addEventListener("keydown", event => this.press(event));
+
+    const slider = this.part("slider");
+    slider.addEventListener("input", () => { this.stop(); this.goTo(this.times[slider.value]); });
+    this.part("play").addEventListener("click", () => this.isPlaying ? this.stop() : this.play());
+    this.part("home").addEventListener("click", () => this.goHome());
+    document.addEventListener("hexaplast:time", event => {
+      if (viewerFigures.length > 1 || event.detail.from === this || event.detail.time === null) return;
+      this.stop();
+      this.goTo(event.detail.time, false);
+    });
+    canvas.addEventListener("webglcontextlost", () => { this.figure.hidden = true; });
+  }
+
+  press(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const turns = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
+    const nearest = this.nearestIndex();
+    if (turns && event.shiftKey) this.camera.pan(0.05 * turns[0], 0.05 * turns[1]);
+    else if (turns) this.camera.turn(-0.12 * turns[0], -0.12 * turns[1]);
+    else if (event.key === "+" || event.key === "=") this.camera.zoom(0.88);
+    else if (event.key === "-") this.camera.zoom(1 / 0.88);
+    else if (event.key === "0" || event.key === "Home") this.goHome();
+    else if (event.key === " ") this.isPlaying ? this.stop() : this.play();
+    else if (event.key === ",") { this.stop(); this.goTo(this.times[Math.max(nearest - 1, 0)]); }
+    else if (event.key === ".") { this.stop(); this.goTo(this.times[Math.min(nearest + 1, this.times.length - 1)]); }
+    else return;
+    event.preventDefault();
+    this.redraw();
+  }
+
+  // What a page says of the states that it has.
+  say() {
+    const words = this.runs.map((run, k) => {
+      const name = this.runs.length > 1 ? `${"AB"[k]}: ` : "";
+      const {states, nodes, hexahedra} = run.data, steps = states[states.length - 1].step - states[0].step;
+      const thinned = steps + 1 > states.length ? `${states.length} states of ${steps} steps` : `all ${steps} steps`;
+      const cause = run.data.thinned ? `, fewer than usual since there are ${nodes} nodes` : "";
+      return `${name}${hexahedra} hexahedra, ${thinned}${cause}.`;
+    });
+    this.part("say").textContent = words.join(" ");
+    this.part("names").hidden = this.runs.length < 2;
+  }
+
+  // Time
+  // -----------------------------------------------------------------------------------------------------------------
+
+  nearestIndex() {
+    return this.times.reduce((found, time, k) =>
+      Math.abs(time - this.time) < Math.abs(this.times[found] - this.time) ? k : found, 0);
+  }
+
+  // isTold: whether the charts follow
+  goTo(time, isTold = true) {
+    this.time = Math.min(Math.max(time, this.times[0]), this.times[this.times.length - 1]);
+    this.isBlended = this.isPlaying;
+    const index = this.nearestIndex(), slider = this.part("slider");
+    if (!this.isBlended) this.time = this.times[index];
+    slider.value = index;
+    const step = this.runs[0].data.states[this.runs[0].nearest(this.time)].step;
+    const words = `t = ${this.time.toFixed(this.decimals)} s`;
+    this.part("time").textContent = words;
+    slider.setAttribute("aria-valuetext", `${words}, step ${step}`);
+    this.figure.dataset.step = step;
+    if (isTold) document.dispatchEvent(new CustomEvent("hexaplast:time", {detail: {time: this.time, from: this}}));
+    this.redraw();
+  }
+
+  get decimals() { return Math.min(Math.max(Math.ceil(-Math.log10(this.runs[0].data.dt) - 1e-9), 2), 6); }
+
+  play() {
+    const first = this.times[0], length = this.times[this.times.length - 1] - first;
+    if (!(length > 0)) return;
+    const speed = length / Math.min(Math.max(length, 4), 9);  // [s] of the run per second
+    if (this.time >= first + 0.999 * length) this.time = first;
+    this.isPlaying = true;
+    this.goTo(this.time);
+    this.showButton();
+    let before = performance.now();
+    const advance = now => {
+      if (!this.isPlaying) return;
+      const time = this.time + speed * Math.min(now - before, 100) / 1000;
+      before = now;
+      if (time >= first + length) this.isPlaying = false;
+      this.goTo(time);
+      if (this.isPlaying) requestAnimationFrame(advance);
+      else this.showButton();
+    };
+    requestAnimationFrame(advance);
+  }
+
+  stop() {
+    if (!this.isPlaying) return;
+    this.isPlaying = false;
+    this.showButton();
+    this.goTo(this.time);
+  }
+
+  showButton() {
+    const button = this.part("play");
+    button.textContent = this.isPlaying ? "❚❚" : "▶";
+    button.setAttribute("aria-label", this.isPlaying ? "Pause" : "Play");
+    this.figure.dataset.plays = this.isPlaying;
+  }
+
+  // Drawing
+  // -----------------------------------------------------------------------------------------------------------------
+
+  goHome() {
+    this.fit();
+    this.redraw();
+  }
+
+  // What has to be in the picture: bodies in all states, and instruments that are near them.
+  fit() {
+    const points = [];
+    for (const run of this.runs) {
+      const box = run.data.box, least = box.slice(0, 3), most = box.slice(3);
+      const margin = 0.2 * norm(subtract(most, least));
+      const isNear = point => point.every((number, axis) => number > least[axis] - margin && number < most[axis] + margin);
+      const stride = Math.max(1, Math.floor(run.numNodes / 2000));
+      const take = places => { for (let k = 0; k < places.length / 3; k += stride) points.push(pointAt(places, k)); };
+      const surfaces = positions => run.data.showsHexahedra || run.data.embedded.length === 0
+        ? [positions] : run.data.embedded.map((range, number) => run.embeddedPoints(number, positions));
+      surfaces(run.original).forEach(take);
+      const some = Math.max(1, Math.floor(run.times.length / 8));
+      for (let s = run.times.length - 1; s >= 0; s -= some) {
+        surfaces(run.positions(s)).forEach(take);
+        for (const tool of run.data.states[s].tools ?? []) {
+          const places = run.toolPoints(tool);
+          for (let k = 0; k < tool.points; ++k) if (isNear(pointAt(places, k))) points.push(pointAt(places, k));
+        }
+      }
+    }
+    const [, , width, height] = this.frames()[0];
+    this.camera.fit(points, width / height, Math.min(keyHeight * this.pixel / height, 0.3));
+  }
+
+  resize() {
+    const scale = Math.min(window.devicePixelRatio || 1, 2);
+    const width = Math.round(scale * this.canvas.clientWidth), height = Math.round(scale * this.canvas.clientHeight);
+    if (width === 0 || height === 0) return;
+    this.canvas.width = width;
+    this.canvas.height = height;
+    this.pixel = scale;
+    if (!this.fitted) this.fit();
+    this.fitted = true;
+    this.redraw();
+  }
+
+  // The part of the canvas that each run is drawn in.
+  frames() {
+    const {width, height} = this.canvas, count = this.runs.length;
+    return this.runs.map((run, k) => [Math.round(k * width / count), 0, Math.round(width / count), height]);
+  }
+
+  redraw() {
+    if (this.isWaiting) return;
+    this.isWaiting = true;
+    requestAnimationFrame(() => {
+      this.isWaiting = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const gl = this.painter.gl;
+    if (!this.fitted || gl.isContextLost()) return;
+    gl.enable(gl.SCISSOR_TEST);
+    this.frames().forEach((frame, k) => {
+      this.painter.begin(this.camera, frame);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+      this.drawRun(this.runs[k], frame[3]);
+    });
+    this.figure.dataset.drawn = (+this.figure.dataset.drawn || 0) + 1;
+  }
+
+  drawRun(run, height) {
+    const nearest = run.nearest(this.time);
+    let moment = {low: nearest, high: nearest, share: 0};
+    if (this.isBlended) {
+      const between = run.between(this.time);
+      if (run.sameSurfaceAs[between.low] === run.sameSurfaceAs[between.high]) moment = between;
+    }
+    const positions = run.blendedPositions(moment), topology = run.topology(moment.low);
+    const field = run.data.fields.find(other => other.word === this.field);
+    const shares = field ? run.blendedShares(field, moment, this.range) : new Float32Array(run.numNodes);
+    if (this.shows.ghost) this.drawGhost(run);
+    this.drawBodies(run, topology, positions, shares, moment.low, height);
+    this.drawMarks(run, topology, positions, nearest);
+  }
+
+  // A pale shadow behind everything else, however near it is.
+  drawGhost(run) {
+    const gl = this.painter.gl, topology = run.topology(0);
+    const ghosts = topology.embedded.length > 0
+      ? topology.embedded.map((surface, number) => [surface, run.embeddedPoints(number, run.original)])
+      : [[topology.body, run.original]];
+    gl.disable(gl.DEPTH_TEST);
+    for (const [surface, points] of ghosts)
+      this.painter.surface(surface.vertices(points, () => 0), surface.triangles, {paint: paints.ghost, isLit: false});
+    for (const [surface, points] of ghosts)
+      this.painter.marks("LINES", points, surface.outline(points, this.camera.eye), paints.outline);
+    gl.enable(gl.DEPTH_TEST);
+  }
+
+  drawBodies(run, topology, positions, shares, state, height) {
+    const gl = this.painter.gl, cut = this.cut, isEmbedded = topology.embedded.length > 0;
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 1);
+    if (isEmbedded && this.shows.surface)
+      topology.embedded.forEach((surface, number) => {
+        const values = run.blend(number, shares, 1);
+        this.painter.surface(surface.vertices(run.embeddedPoints(number, positions), point => values[point]),
+                             surface.triangles, {cut, gleam: 0.25});
+      });
+    if (!isEmbedded) {
+      this.painter.surface(topology.body.vertices(positions, node => shares[node]), topology.body.triangles,
+                           {cut, gleam: 0.12});
+      if (this.cutNormal) {
+        const section = run.cut(state, positions, shares, this.cutNormal, cut[3]);
+        this.painter.surface(section.vertices, null, {});
+        const nearer = 5e-4 * this.camera.size;
+        if (this.shows.edges) this.painter.marks("LINES", section.lines, null, paints.edge, {opacity: 0.5, nearer});
+      }
+    }
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    if (!this.shows.edges) return;
+    // edges grow fainter with their length on the screen, so that those of fine meshes do not cover the colours
+    const size = Math.sqrt(run.numNodes / 2), length = height / this.pixel / size;
+    const opacity = isEmbedded ? 0.3 : 0.75 * Math.min(1, Math.max(0.12, length / 40));
+    this.painter.marks("LINES", positions, topology.body.edges, isEmbedded ? paints.cage : paints.edge, {opacity, cut});
+  }
+
+  drawMarks(run, topology, positions, state) {
+    const gl = this.painter.gl, cut = this.cut, {tools = [], loads = []} = run.data.states[state];
+    const box = run.data.box, diagonal = norm(subtract(box.slice(3), box.slice(0, 3)));
+    const longest = longestArrow * diagonal, girth = 0.055 * longest;
+    if (this.shows.fixed) {
+      const nodes = run.fixedNodes[state].filter(node => topology.onSurface(node));
+      this.painter.marks("POINTS", positions, nodes, paints.ink, {size: 5 * this.pixel, mark: 1, nearer: 0.004 * diagonal, cut});
+    }
+    if (this.shows.loads && loads.length > 0) {
+      const outwards = topology.normals(positions);
+      const vertices = loads.flatMap(([node, ...force]) => {
+        const place = pointAt(positions, node), along = scaled(force, longest / this.strongestLoad);
+        const presses = dot(outwards(node), unit(force)) < -0.3;  // then it points at its node from outside
+        return presses ? arrowVertices(subtract(place, along), place, girth)
+                       : arrowVertices(place, add(place, along), girth);
+      });
+      this.painter.surface(Float32Array.from(vertices), null, {paint: paints.load, cut});
+    }
+    if (!this.shows.tools || tools.length === 0) return;
+    const rings = [], arrows = [];
+    for (const tool of tools) {
+      const points = run.toolPoints(tool), surface = run.toolSurface(tool, points);
+      if (surface) {
+        gl.enable(gl.POLYGON_OFFSET_FILL);
+        this.painter.surface(surface.vertices(points, () => 0), surface.triangles, {paint: paints.metal, gleam: 0.5});
+        gl.disable(gl.POLYGON_OFFSET_FILL);
+        this.painter.marks("LINES", points, surface.outline(points, this.camera.eye), paints.steel);
+      } else {
+        rings.push(...tool.place);
+      }
+      if (this.strongestTool > 0)
+        arrows.push(...arrowVertices(tool.place, add(tool.place, tool.force, longest / this.strongestTool), girth));
+    }
+    // seen also where they lie within the tissue
+    gl.depthRange(0, 0.01);
+    if (arrows.length > 0) this.painter.surface(Float32Array.from(arrows), null, {paint: paints.steel});
+    gl.disable(gl.DEPTH_TEST);
+    this.painter.marks("POINTS", Float32Array.from(rings), null, paints.steel, {size: 20 * this.pixel, mark: 2});
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthRange(0, 1);
+  }
+}
+
+async function openViewer(figure) {
+  try {
+    const all = [...figure.querySelectorAll("script.run")].map(script => JSON.parse(script.textContent));
+    const viewer = new Viewer(figure, await Promise.all(all.map(async data => new Run(data, await unpack(data)))));
+    // once, when it is first seen
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) whenSeen(figure, 0.3, () => viewer.play());
+  } catch (reason) {
+    figure.hidden = true;
+    figure.dataset.failed = reason.message;
+  }
+}
+
+function whenSeen(figure, threshold, act) {
+  new IntersectionObserver((entries, observer) => {
+    if (!entries.some(entry => entry.isIntersecting)) return;
+    observer.disconnect();
+    act();
+  }, {threshold}).observe(figure);
+}
+
+// A page of many viewers opens each of them when the reader comes to it.
+const viewerFigures = [...document.querySelectorAll("figure.viewer")];
+for (const figure of viewerFigures) {
+  if (viewerFigures.length === 1) {
+    openViewer(figure);
+    continue;
+  }
+  figure.hidden = false;
+  whenSeen(figure, 0, () => openViewer(figure));
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "picture/bodies.hpp"
+#include "picture/boundary_conditions.hpp"
+#include "picture/gallery.hpp"
+
+namespace hexaplast::output {
+
+inline constexpr std::string_view kViewerName = "viewer.json";
+
+/// Collects states of a run for the viewer in its report (docs/output.md describes the file): positions in 16 bits
+/// within the box of all that is shown, values at nodes in 8 bits between the least and the largest, and what holds and
+/// loads the bodies. They are kept in single precision until the run is over, since the ranges are known only then.
+class ViewerStates {
+ public:
+  static constexpr int kMostStates = 60, kFewestStates = 6;
+  static constexpr int kMostNodes = 100'000;  ///< of a mesh that a page still opens fast with
+
+  /// num_steps: of the whole run; regions: as in RunPlan. The bodies must outlive this object. Throws what Embedding
+  /// throws.
+  ViewerStates(const Bodies& bodies, std::string title, long num_steps, double dt, const Staging& staging,
+               std::vector<int> regions);
+
+  bool wants(long step) const;
+
+  /// The present state of the bodies, which wants() or the end of the run asks for; steps ascend.
+  void add(long step, double time, ConstPoints positions, ConstPoints velocities, const BoundaryConditions& conditions);
+  bool has(long step) const { return !states_.empty() && states_.back().step == step; }
+
+  /// The file's content: JSON in one line.
+  std::string json() const;
+
+ private:
+  /// A force at a node, or a tool with its force.
+  struct Load {
+    int node;
+    Eigen::Vector3f force;  // [N]
+  };
+  struct Tool {
+    int id;
+    std::size_t shape;                    // in shapes_
+    Eigen::Vector3f place, force;         // [m], [N]
+    std::vector<Eigen::Vector3f> points;  // [m]
+  };
+  struct State {
+    long step = 0;
+    double time = 0;                         // [s]
+    std::vector<float> positions;            // [m] three per node
+    std::vector<std::vector<float>> values;  // of each quantity, one per node
+    std::vector<int> gone;                   // hexahedra that have gone since the state before
+    std::vector<int> fixed;                  // nodes
+    std::vector<Load> loads;
+    std::vector<Tool> tools;
+  };
+
+  std::vector<float> nodal_values(Quantity quantity, const ElementFields& fields, ConstPoints velocities) const;
+  std::vector<Load> loads_of(const BoundaryConditions& conditions) const;
+  Tool tool_of(const Instrument& instrument, ConstPoints positions);
+  bool is_shown(std::size_t quantity) const;
+  double bytes_of_state() const;  // before it is deflated
+
+  const Bodies& bodies_;
+  std::string title_;
+  long num_steps_;
+  double dt_;
+  Staging staging_;
+  std::vector<int> regions_;
+  std::vector<Quantity> quantities_;
+  std::vector<Embedding> embeddings_;  // of the embedded surfaces
+  std::vector<long> wanted_;           // steps, ascending
+  std::vector<unsigned char> alive_;   // in the latest state
+  std::vector<std::vector<Triangle>> shapes_;
+  std::vector<State> states_;
+};
+
+/// What the viewer of a run's report needs.
+struct ViewerData {
+  std::string markup;      ///< viewer.json as it may stand in an element of HTML: with no mark of HTML in it
+  bool has_states = true;  ///< else the run had more than kMostNodes nodes
+};
+
+/// None: the directory holds no viewer.json. Throws OutputError or InputError.
+std::optional<ViewerData> read_viewer_data(const std::filesystem::path& directory);
+
+}  // namespace hexaplast::output

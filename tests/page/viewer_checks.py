@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What a reader does with the viewer of a page, and what must come of it."""
+import json
+import struct
+import time
+import zlib
+
+CANVAS = '.viewer [data-part="canvas"]'
+SCALE = 0.4  # of the pictures that are looked at: large ones take their time
+KEY = 36  # rows of such a picture that the colour key has
+PAPER = (255, 255, 255)
+HIGHEST = (0x66, 0x3d, 0x9b)  # about the colour at the upper end of the scale
+
+
+def pixels_of(png):
+    """Rows of (red, green, blue), after the PNG specification."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    at, data, width, channels = 8, b"", 0, 0
+    while at < len(png):
+        length, kind = struct.unpack(">I4s", png[at:at + 8])
+        body = png[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, _, depth, colour, _, _, interlace = struct.unpack(">IIBBBBB", body)
+            assert depth == 8 and colour in (2, 6) and interlace == 0
+            channels = 3 if colour == 2 else 4
+        elif kind == b"IDAT":
+            data += body
+        at += 12 + length
+    raw, rows, before = zlib.decompress(data), [], bytearray(width * channels)
+    for begin in range(0, len(raw), width * channels + 1):
+        kind, row = raw[begin], bytearray(raw[begin + 1:begin + 1 + width * channels])
+        for k, byte in enumerate(row):
+            left = row[k - channels] if k >= channels else 0
+            up, corner = before[k], before[k - channels] if k >= channels else 0
+            if kind == 4:
+                guess = left + up - corner
+                near = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
+            else:
+                near = (0, left, up, (left + up) // 2)[kind]
+            row[k] = (byte + near) & 255
+        rows.append([tuple(row[channels * x:channels * x + 3]) for x in range(width)])
+        before = row
+    return rows
+
+
+def is_near(colour, other, distance):
+    return all(abs(a - b) <= distance for a, b in zip(colour, other))
+
+
+def is_of_tissue(colour):
+    """Of the colour map, in any light: from sand over red to violet; no grey, which edges, text and ghost have."""
+    return max(colour) - min(colour) > 25
+
+
+def drawn(browser):
+    return browser.ask('+document.querySelector(".viewer").dataset.drawn || 0')
+
+
+def settle(browser):
+    """Until nothing is drawn any more."""
+    before = -1
+    while before != drawn(browser):
+        before = drawn(browser)
+        time.sleep(0.15)
+
+
+def shot(browser):
+    settle(browser)
+    return pixels_of(browser.shot_of(CANVAS, SCALE))
+
+
+def difference(one, other):
+    """Part of the pixels that differ."""
+    pairs = [a != b for rows in zip(one, other) for a, b in zip(*rows)]
+    return sum(pairs) / len(pairs)
+
+
+def share_of_tissue(picture, left=0, right=1):
+    """Of the part of a picture between two parts of its width; without the colour key at its lower end."""
+    rows = picture[:-KEY]
+    kept = [pixel for row in rows for pixel in row[int(left * len(row)):int(right * len(row))]]
+    return sum(map(is_of_tissue, kept)) / len(kept)
+
+
+def set_part(browser, part, value, event="input"):
+    browser.ask(f"""(() => {{
+      const element = document.querySelector('.viewer [data-part="{part}"]');
+      element.value = {json.dumps(value)};
+      element.dispatchEvent(new Event("{event}", {{bubbles: true}}));
+    }})()""")
+
+
+def is_ready(browser):
+    return browser.wait_until("(f => f && (f.dataset.drawn || f.dataset.failed))(document.querySelector('.viewer'))")
+
+
+def check_there(browser, num_runs):
+    """It draws the bodies of each run, in the colours of the scale."""
+    if not is_ready(browser):
+        yield "the viewer draws nothing"
+        return
+    if failed := browser.ask('document.querySelector(".viewer").dataset.failed'):
+        yield f"the viewer gives up: {failed}"
+        return
+    if browser.ask('document.querySelector(".viewer").dataset.plays') == "true":
+        yield "the viewer plays by itself although the reader wants less motion"
+    picture = shot(browser)
+    for k in range(num_runs):
+        if (share := share_of_tissue(picture, k / num_runs, (k + 1) / num_runs)) < 0.05:
+            yield f"{share:.1%} of the viewer's part {k} has colours of the scale"
+    if picture[2][2] != PAPER:
+        yield f"the corner of the viewer is {picture[2][2]}, must be paper"
+
+
+def check_use(browser, history):
+    """It turns, moves, zooms, steps, cuts, and goes through time with the charts."""
+    left, top, width, height = browser.box_of(CANVAS)
+    middle = (left + width / 2, top + height / 2)
+
+    def changes(what, action, least=0.005):
+        before = shot(browser)
+        action()
+        after = shot(browser)
+        found = difference(before, after)
+        return [] if found >= least else [f"{what} changes {found:.2%} of the pixels"]
+
+    def beside(x, y):
+        return middle[0] + x, middle[1] + y
+
+    yield from changes("dragging", lambda: browser.drag(middle, beside(120, 30)), 0.1)
+    yield from changes("dragging with shift", lambda: browser.drag(middle, beside(90, 0), modifiers=8), 0.1)
+    yield from changes("the wheel", lambda: browser.turn_wheel(*middle, -300), 0.05)
+    yield from changes("Reset view", lambda: browser.ask("document.querySelector('[data-part=home]').click()"), 0.02)
+    for key in ("ArrowLeft", "ArrowUp", "+"):
+        yield from changes(f"the key {key}", lambda key=key: browser.press(key, text=key if len(key) == 1 else None))
+    yield from changes("the key 0", lambda: browser.press("0", text="0"), 0.005)
+
+    # two fingers that go apart
+    def pinch():
+        browser.touch("touchStart", beside(-40, 0), beside(40, 0))
+        browser.touch("touchMove", beside(-120, 0), beside(120, 0))
+        browser.touch("touchEnd")
+    home = share_of_tissue(shot(browser))
+    pinch()
+    if not (near := share_of_tissue(shot(browser))) > 1.2 * home:
+        yield f"a pinch brings the tissue from {home:.1%} to {near:.1%} of the picture"
+    browser.press("0", text="0")
+
+    # time: by the slider, by keys, and where the charts are
+    step = 'document.querySelector(".viewer").dataset.step'
+    set_part(browser, "slider", 0)
+    if (at := browser.ask(step)) != "0":
+        yield f"at the beginning of the slider stands step {at}"
+    begin = shot(browser)
+    if any(is_near(pixel, HIGHEST, 40) for row in begin[:-KEY] for pixel in row):
+        yield "before the first step there is the colour of the largest strain"
+    browser.press(".", text=".")
+    if not 0 < int(browser.ask(step)) < 10:
+        yield f"the key of a full stop goes to step {browser.ask(step)}"
+    set_part(browser, "slider", 1000)
+    if (at := browser.ask(step)) != history[-1]["step"]:
+        yield f"at the end of the slider stands step {at}"
+    end = shot(browser)
+    if difference(begin, end) < 0.02:
+        yield "the first and the last state look alike"
+    if not any(is_near(pixel, HIGHEST, 40) for row in end[:-KEY] for pixel in row):
+        yield "in the last state there is no colour of the largest strain"
+    legend = browser.ask('document.querySelector("figure.chart figcaption").textContent')
+    if f"step {history[-1]['step']}," not in legend:
+        yield f"the charts do not follow the viewer: '{legend}'"
+    time_of_chart = float(history[len(history) // 2]["time"])
+    browser.ask(f'document.dispatchEvent(new CustomEvent("hexaplast:time", {{detail: {{time: {time_of_chart}}}}}))')
+    if abs(int(browser.ask(step)) - len(history) // 2) > 1:
+        yield f"the viewer does not follow the charts: step {browser.ask(step)}"
+
+    # what can be switched
+    for name in browser.ask('[...document.querySelectorAll(".viewer [data-shows]")].map(box => box.dataset.shows)'):
+        toggle = f"document.querySelector('[data-shows={name}]').click()"
+        yield from changes(f"switching {name}", lambda toggle=toggle: browser.ask(toggle), 1e-4)
+        browser.ask(toggle)
+    yield from changes("a cut", lambda: set_part(browser, "cut", "z", "change"), 0.01)
+    set_part(browser, "cut", "", "change")
+    yield from changes("another field", lambda: set_part(browser, "field", "stress", "change"), 0.01)
+    if not browser.ask(f"document.querySelector('{CANVAS}').getAttribute('aria-label')"):
+        yield "the viewer has no name for those who cannot see it"
+    focused = browser.ask('getComputedStyle(document.activeElement).outlineStyle')
+    if focused == "none":
+        yield "the viewer does not show that it is chosen"
+
+
+def check_play(browser):
+    """It plays once by itself, from the beginning, for a reader who has nothing against motion."""
+    step = '+document.querySelector(".viewer").dataset.step'
+    if not browser.wait_until("document.querySelector('.viewer')?.dataset.plays === 'true'"):
+        yield "the viewer does not play by itself"
+        return
+    first = browser.ask(step)
+    if not browser.wait_until(f"{step} > {first}"):
+        yield "the viewer plays, and stays where it is"
+    browser.ask("document.querySelector('[data-part=play]').click()")
+    if browser.ask("document.querySelector('.viewer').dataset.plays") != "false":
+        yield "the viewer cannot be stopped"
+
+
+def check_gallery(browser, num_runs):
+    """Each viewer opens when the reader comes to it, and not before."""
+    drawn_of = "document.querySelectorAll('.viewer')[{}].dataset.drawn"
+    if not browser.wait_until(drawn_of.format(0)):
+        yield "the first viewer draws nothing"
+    if browser.ask(drawn_of.format(num_runs - 1)):
+        yield "the last viewer is drawn before it is seen"
+    for k in range(num_runs):
+        browser.ask(f"document.querySelectorAll('.viewer')[{k}].scrollIntoView({{behavior: 'instant'}})")
+        if not browser.wait_until(drawn_of.format(k)):
+            yield f"viewer {k} draws nothing"

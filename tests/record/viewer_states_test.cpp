@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The states for the viewer of a report: as they were recorded, to what their few bits can tell.
+#include "record/viewer_states.hpp"
+
+#include <zlib.h>
+
+#include <nlohmann/json.hpp>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/base64.hpp"
+#include "record/packed_numbers.hpp"
+#include "support/output.hpp"
+
+namespace hexaplast {
+namespace {
+
+using output::ViewerStates;
+using support::content;
+using support::plan;
+using support::Scratch;
+using Json = nlohmann::json;
+
+/// The numbers of an array, read by its description.
+std::vector<std::uint32_t> unpacked(const Json& all, const std::string& name) {
+  const std::string base64 = all.at("data");
+  const std::string deflated = from_base64(base64).value();
+  std::string bytes(std::size_t{1} << 22, '\0');
+  uLongf size = bytes.size();
+  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(deflated.data()),
+                       deflated.size()),
+            Z_OK);
+  std::size_t begin = 0;
+  for (const Json& array : all.at("arrays")) {
+    const std::size_t count = array.at("count"), width = array.at("bits").get<std::size_t>() / 8;
+    const std::size_t stride = array.at("stride");
+    if (array.at("name") == name) {
+      std::vector<std::uint32_t> values;
+      const std::uint64_t range = std::uint64_t{1} << (8 * width);
+      for (std::size_t i = 0; i < count; ++i) {
+        std::uint64_t folded = 0;
+        for (std::size_t byte = 0; byte < width; ++byte)
+          folded |= std::uint64_t{static_cast<unsigned char>(bytes[begin + byte * count + i])} << (8 * byte);
+        const std::uint64_t difference = folded % 2 == 0 ? folded / 2 : range - (folded + 1) / 2;
+        const std::uint64_t before = i < stride ? 0 : values[i - stride];
+        values.push_back(static_cast<std::uint32_t>((before + difference) % range));
+      }
+      return values;
+    }
+    begin += count * width;
+  }
+  ADD_FAILURE() << "no array " << name;
+  return {};
+}
+
+TEST(PackedNumbers, HoldAnyNumbers) {
+  const std::vector<std::uint8_t> bytes{0, 255, 1, 128, 127, 254};
+  const std::vector<std::uint16_t> words{65535, 0, 32768, 32767, 1, 40000, 40001};
+  const std::vector<std::uint32_t> numbers{4294967295u, 0, 2147483648u, 2147483647u, 7};
+  output::PackedNumbers packed;
+  packed.add("bytes", bytes, 1);
+  packed.add("words", words, 3);
+  packed.add("numbers", numbers, 2);
+  Json all{{"data", packed.base64()}, {"arrays", Json::array()}};
+  for (const auto& array : packed.arrays())
+    all["arrays"].push_back(
+        {{"name", array.name}, {"bits", array.bits}, {"count", array.count}, {"stride", array.stride}});
+  EXPECT_EQ(unpacked(all, "bytes"), std::vector<std::uint32_t>(bytes.begin(), bytes.end()));
+  EXPECT_EQ(unpacked(all, "words"), std::vector<std::uint32_t>(words.begin(), words.end()));
+  EXPECT_EQ(unpacked(all, "numbers"), numbers);
+}
+
+TEST(ViewerFile, HasPositionsToHalfAStepOfItsBitsAndWhatHoldsTheBody) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  output::Recorder recorder(scratch / "run", body, plan(6, 100));
+  support::record_stretch(recorder, body, 6);
+  recorder.finish();
+  const Json all = Json::parse(content(scratch / "run/viewer.json"));
+  ASSERT_EQ(all.at("states").size(), 7u);
+
+  const std::vector<double> box = all.at("box");
+  const std::vector<std::uint32_t> numbers = unpacked(all, "positions");
+  const int num_nodes = body.mesh().num_nodes();
+  ASSERT_EQ(numbers.size(), 7u * 3 * static_cast<std::size_t>(num_nodes));
+  for (int step = 0; step <= 6; ++step) {
+    const PointArray x = support::stretched(body, 0.02 * step);
+    for (int node = 0; node < num_nodes; ++node)
+      for (int axis = 0; axis < 3; ++axis) {
+        const double span = box[3 + axis] - box[axis];
+        const double place = box[axis] + span * numbers[3 * (step * num_nodes + node) + axis] / 65535;
+        ASSERT_NEAR(place, x(node, axis), 0.5001 * span / 65535 + 1e-7) << step << " " << node << " " << axis;
+      }
+  }
+
+  const output::BoundaryConditions conditions = support::some_conditions(body);
+  const Json& first = all.at("states").at(0);
+  std::vector<int> fixed;
+  for (int node = 0; node < num_nodes; ++node)
+    if (conditions.fixed[node]) fixed.push_back(node);
+  EXPECT_EQ(first.at("fixed").get<std::vector<int>>(), fixed);
+  EXPECT_FALSE(all.at("states").at(1).contains("fixed"));  // as before
+  const Vec3 pull = conditions.instruments.front().force();
+  const std::vector<double> force = first.at("tools").at(0).at("force");
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(force[axis], pull[axis], 1e-6);
+  ASSERT_FALSE(first.at("loads").empty());
+  for (const Json& load : first.at("loads")) {
+    const int node = load.at(0);
+    EXPECT_NE(node, 4);  // what the instrument does is no load
+    EXPECT_NE(node, 9);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(load.at(1 + axis), conditions.loads(node, axis), 1e-6);
+  }
+}
+
+TEST(ViewerFile, NamesHexahedraThatGo) {
+  Body body(support::block({1, 2, 6}, 0.1),
+            {Material{.yield_stress = 10, .flow_rate = 90, .hardening = 0.5, .fracture_stress = 200}});
+  const output::Bodies bodies(body);
+  ViewerStates states(bodies, "tear", 1, 0.01, {}, {});
+  PointArray x = body.mesh().positions();
+  const PointArray v = support::some_velocities(body);
+  states.add(0, 0, x, v, {});
+  for (Eigen::Index n = 0; n < x.rows(); ++n)
+    if (x(n, 2) > 0.35) x(n, 2) += 0.08;
+  body.linearize(x);
+  body.flow(x, 0.01);
+  ASSERT_FALSE(body.removed().empty());
+  states.add(1, 0.01, x, v, {});
+  const Json all = Json::parse(states.json());
+  EXPECT_FALSE(all.at("states").at(0).contains("gone"));
+  std::vector<int> gone(body.removed().begin(), body.removed().end());
+  std::ranges::sort(gone);
+  EXPECT_EQ(all.at("states").at(1).at("gone").get<std::vector<int>>(), gone);
+}
+
+TEST(ViewerFile, OfManyNodesHasFewerStatesAndSaysSo) {
+  const auto steps_of = [](const std::array<int, 3>& n, bool& is_thinned) {
+    const Body body(support::block(n, 0.1), {Material{}});
+    const output::Bodies bodies(body);
+    ViewerStates states(bodies, "block", 400, 0.01, {}, {});
+    std::vector<long> steps;
+    for (long step = 0; step <= 400; ++step)
+      if (states.wants(step)) steps.push_back(step);
+    is_thinned = Json::parse(states.json()).contains("thinned");
+    return steps;
+  };
+  bool is_thinned = true;
+  EXPECT_EQ(steps_of({9, 9, 9}, is_thinned).size(), 60u);
+  EXPECT_FALSE(is_thinned);
+  const std::vector<long> few = steps_of({19, 19, 39}, is_thinned);  // 16000 nodes of 11 bytes
+  EXPECT_EQ(few.size(), 11u);
+  EXPECT_EQ(few.front(), 0);
+  EXPECT_EQ(few.back(), 400);
+  EXPECT_TRUE(is_thinned);
+}
+
+TEST(ViewerFile, OfAStrangerIsWordsToThePage) {
+  const Scratch scratch;
+  EXPECT_FALSE(output::read_viewer_data(scratch / "."));
+  support::put(scratch / "viewer.json", R"({"format":1,"title":"</script><script>alert(1)</script>&"})");
+  const output::ViewerData data = output::read_viewer_data(scratch / ".").value();
+  const std::string& markup = data.markup;
+  EXPECT_FALSE(data.has_states);
+  EXPECT_EQ(markup.find_first_of("<>&"), markup.npos);
+  EXPECT_EQ(Json::parse(markup).at("title"), "</script><script>alert(1)</script>&");
+  for (const char* other : {"", "{", "[]", R"({"format":2})", "alert(1)"}) {
+    support::put(scratch / "viewer.json", other);
+    EXPECT_THROW(output::read_viewer_data(scratch / "."), InputError) << other;
+  }
+}
+
+}  // namespace
+}  // namespace hexaplast
