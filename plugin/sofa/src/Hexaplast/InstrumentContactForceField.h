@@ -90,13 +90,11 @@ private:
     Pose poseAfter(SReal duration) const;  ///< of the frame that leads, if it keeps its velocity so long
     Pose pose() const;                     ///< of the present time
     void drawShape(sofa::helper::visual::DrawTool& tool) const;
-    void followSurface();
     void showOutputs();
 
     std::optional<parts::Instrument> m_instrument;
     BodyField* m_bodyField = nullptr;  // whose body it touches
     int m_bodyMade = 0;                // which of the bodies that this field has made
-    std::size_t m_numRemoved = 0;      // hexahedra that the surface is without
     SReal m_ownRayleighStiffness = 0;  // that takes back the integrator's
     bool m_isSettled = true;           // nothing pulls at the end of the present step
     bool m_isWarned = false;           // of a linear solver that does not settle it

@@ -116,7 +116,6 @@ void InstrumentContactForceField<TDataTypes>::makePart()
     m_bodyField = &field;
     checkRigid();
     m_bodyMade = m_bodyField->timesMade();
-    m_numRemoved = m_bodyField->body()->removed().size();
     m_instrument.emplace(options(), *m_bodyField->body());
     pass_on(*this, m_instrument->take_warnings());
 }
@@ -165,25 +164,14 @@ parts::InstrumentOptions InstrumentContactForceField<TDataTypes>::options() cons
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::resetPart()
 {
-    m_numRemoved = m_bodyField->body()->removed().size();
     m_instrument->reset();
     m_isSettled = true;
     showOutputs();
 }
 
 template <class TDataTypes>
-void InstrumentContactForceField<TDataTypes>::followSurface()
-{
-    const std::size_t numRemoved = m_bodyField->body()->removed().size();
-    if (numRemoved == m_numRemoved) return;
-    m_numRemoved = numRemoved;
-    m_instrument->surface_changed();
-}
-
-template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
 {
-    followSurface();
     const SReal ofIntegrator = rayleigh_stiffness_of(implicit_euler_of(*this->getContext()));
     const auto x = view(this->mstate->readPositions().ref()), v = view(this->mstate->readVelocities().ref());
     if (l_rigid)
@@ -204,7 +192,6 @@ void InstrumentContactForceField<TDataTypes>::endStep(SReal)
         msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
                              "step are released after it only";
     }
-    followSurface();
     m_instrument->end_step(view(this->mstate->readPositions().ref()), view(this->mstate->readVelocities().ref()));
     showOutputs();
 }

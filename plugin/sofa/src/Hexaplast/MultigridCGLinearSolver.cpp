@@ -19,6 +19,7 @@
 #include "attributes/parts.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/compliance.hpp"
+#include "hexaplast/solve/implicit_euler.hpp"
 #include "parts/multigrid_cg.hpp"
 
 namespace hexaplast::sofa_plugin
@@ -35,7 +36,6 @@ using sofa::core::objectmodel::BaseContext;
 using OurForceField = PartForceField<Vec3Types>;
 using OurInteraction = TissueContactForceField<Vec3Types>;
 
-constexpr int kMostReleases = 2;         // of a step, as in ImplicitEuler
 constexpr double kOfMultipliers = 1e-3;  // tolerance of motions that belong to the multipliers of constraints
 
 using Jacobian = sofa::linearalgebra::SparseMatrix<SReal>;
@@ -522,7 +522,7 @@ public:
                     check_constraints(system);
                     PointArray solution(system.num_nodes(), 3), load = system.read(b);
                     SolveReport report = m_solver->solver().solve(system, load, solution);
-                    for (int k = 0; k < kMostReleases && system.release(solution, load); ++k)
+                    for (int k = 0; k < ImplicitEuler::kMostReleases && system.release(solution, load); ++k)
                     {
                         const SolveReport again = m_solver->solver().solve_after_release(system, load, solution);
                         report.iterations += again.iterations;

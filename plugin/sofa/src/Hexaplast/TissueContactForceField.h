@@ -90,7 +90,6 @@ private:
     void makeContact();
     void updateContact();  ///< by Data that have changed
     bool bodiesAreOthers() const;
-    void followSurfaces();
     void beginStep(SReal dt);
     void endStep();
     void showOutputs();
@@ -107,7 +106,6 @@ private:
     std::optional<Inputs> m_inputs;
     std::array<BodyField*, 2> m_bodyFields = {};
     std::array<int, 2> m_bodiesMade = {};          // which of the bodies that these fields have made
-    std::array<std::size_t, 2> m_numRemoved = {};  // hexahedra that the surfaces are without
     bool m_dataAreAccepted = false;
     SReal m_ownRayleighStiffness = 0;  // that takes back the integrator's
     bool m_isSettled = true;           // nothing pulls at the end of the present step

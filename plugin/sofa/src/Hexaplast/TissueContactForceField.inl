@@ -87,7 +87,6 @@ void TissueContactForceField<TDataTypes>::reset()
             [&]
             {
                 if (bodiesAreOthers()) return makeContact();
-                for (std::size_t k = 0; k < 2; ++k) m_numRemoved[k] = m_bodyFields[k]->body()->removed().size();
                 m_tissues->reset();
                 m_isSettled = true;
                 showOutputs();
@@ -143,11 +142,7 @@ void TissueContactForceField<TDataTypes>::makeContact()
                             states[k]->getPathName()));
     }
     m_bodyFields = fields;
-    for (std::size_t k = 0; k < 2; ++k)
-    {
-        m_bodiesMade[k] = m_bodyFields[k]->timesMade();
-        m_numRemoved[k] = m_bodyFields[k]->body()->removed().size();
-    }
+    for (std::size_t k = 0; k < 2; ++k) m_bodiesMade[k] = m_bodyFields[k]->timesMade();
     m_tissues.emplace(options(), *m_bodyFields[0]->body(), *m_bodyFields[1]->body());
     m_isSettled = true;
 }
@@ -166,19 +161,6 @@ bool TissueContactForceField<TDataTypes>::bodiesAreOthers() const
 }
 
 template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::followSurfaces()
-{
-    bool haveChanged = false;
-    for (std::size_t k = 0; k < 2; ++k)
-    {
-        const std::size_t numRemoved = m_bodyFields[k]->body()->removed().size();
-        haveChanged = haveChanged || numRemoved != m_numRemoved[k];
-        m_numRemoved[k] = numRemoved;
-    }
-    if (haveChanged) m_tissues->surface_changed();
-}
-
-template <class TDataTypes>
 OfTwo<ConstPoints> TissueContactForceField<TDataTypes>::positions() const
 {
     return {view(this->mstate1->readPositions().ref()), view(this->mstate2->readPositions().ref())};
@@ -193,7 +175,6 @@ OfTwo<ConstPoints> TissueContactForceField<TDataTypes>::velocities() const
 template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::beginStep(SReal dt)
 {
-    followSurfaces();
     m_tissues->begin_step(dt, rayleigh_stiffness_of(implicit_euler_of(*this->getContext())), positions(), velocities());
     m_ownRayleighStiffness = m_tissues->rayleigh_stiffness();
     this->rayleighStiffness.setValue(m_ownRayleighStiffness);
@@ -209,7 +190,6 @@ void TissueContactForceField<TDataTypes>::endStep()
         msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
                              "step are released after it only";
     }
-    followSurfaces();
     m_tissues->contact().end_step(positions(), velocities());
     showOutputs();
 }
