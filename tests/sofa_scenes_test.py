@@ -24,13 +24,31 @@ FILES = {
     "examples/broken.scn": '<Node><RegularGridTopology n="2 2 2"max="1 1 1"/></Node>',
 }
 LIST = "# as the real one\n" + "".join(f"{name}\n" for name in FILES if name.endswith(".scn"))
-# writes what hexaplast writes, but for the last digit, where --wrong is given
-RUNSOFA = """#!/bin/sh
-for scene; do :; done
-file=$(sed -n 's/.*filename="\\([^"]*sofa.txt\\)".*/\\1/p' "$scene")
-"{command}" run "$scene" --quiet --steps 4 --write-below / --allow-outside > /dev/null || exit 1
+# a runSofa whose positions are those of hexaplast, and in the first coordinate more by SHIFT
+RUNSOFA = """#!/usr/bin/env python3
+import pathlib, re, subprocess, sys, tempfile
+import xml.etree.ElementTree as ET
+root = ET.parse(sys.argv[-1]).getroot()
+steps = int(sys.argv[sys.argv.index("-n") + 1])
+for node in list(root.iter("Node")):
+    for child in list(node):
+        if child.tag in ("DifferenceEngine", "VTKExporter", "RequiredPlugin"):
+            node.remove(child)
+        if child.tag == "DifferenceEngine":
+            subtracted = [float(word) for word in child.get("substractor").split()]
+            ET.SubElement(node, "WriteState", filename="state.txt", writeX="1", time=repr(steps * 0.01))
+        if child.tag == "VTKExporter":
+            out = child.get("filename") + "0.vtu"
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    (folder / "scene.scn").write_text(ET.tostring(root, encoding="unicode"))
+    subprocess.run(["COMMAND", "run", folder / "scene.scn", "--quiet", "--steps", str(steps + 1),
+                    "--write-below", folder], check=True)
+    x = [line for line in (folder / "state.txt").read_text().splitlines() if line.strip().startswith("X=")][-1]
+values = [float(word) - other for word, other in zip(x.split("=")[1].split(), subtracted)]
+values[0] += SHIFT
+pathlib.Path(out).write_text('<DataArray Name="output">' + " ".join(map(repr, values)) + "</DataArray>")
 """
-
 
 def run(tree, *options):
     done = subprocess.run([ROOT / "scripts" / "sofa_scenes", tree, "--build", sys.argv[1], "--list", tree / "list.txt",
@@ -73,11 +91,13 @@ def main():
         assert "Of 5 scenes" in markdown and "`LineAxis`" in markdown and "plain.scn" not in markdown, markdown
 
         sofa = tree / "runSofa"
-        sofa.write_text(RUNSOFA.format(command=pathlib.Path(sys.argv[1]).absolute() / "bin" / "hexaplast"))
-        sofa.chmod(sofa.stat().st_mode | stat.S_IXUSR)
-        against = run(tree, "--runsofa", sofa)
-        for scene in ("plain", "with include"):
-            assert re.fullmatch(r"0\.0e\+00", row(against, f"examples/{scene}.scn")[5]), against
+        command = str(pathlib.Path(sys.argv[1]).absolute() / "bin" / "hexaplast")
+        for shift, difference in (("0", r"0\.0e\+00"), ("1e-6", r"5\.8e-07")):  # of a diagonal of sqrt(3)
+            sofa.write_text(RUNSOFA.replace("COMMAND", command).replace("SHIFT", shift))
+            sofa.chmod(sofa.stat().st_mode | stat.S_IXUSR)
+            against = run(tree, "--runsofa", sofa)
+            for scene in ("plain", "with include"):
+                assert re.fullmatch(difference, row(against, f"examples/{scene}.scn")[5]), against
         assert row(against, "examples/contact.scn")[5] == "", against
 
 

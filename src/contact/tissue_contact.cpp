@@ -252,7 +252,7 @@ void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
     Hexahedron corners;
     std::copy_n(term.nodes.begin() + begin, kCorners, corners.begin());
     const ElementPoints there = gather(others, corners);
-    state.anchor = weights_beyond(there, nearest_place(there, at, side.surface.mean_edge()).s, at);
+    state.anchor = weights_beyond(there, nearest_place(there, at, side.surface.mean_edge()).s, at, kFarthestBeyond);
     state.hexahedron = side.found[i].place->hexahedron;
   }
 }

@@ -13,6 +13,7 @@ namespace {
 constexpr double kWithin = 1e-9;       // of a hexahedron's size: a point this near to it lies in it
 constexpr double kNoDirection = 1e-6;  // of an edge: nearer to the surface than this, its own normal is taken
 constexpr double kSameSide = 0.7;      // cosine, from which a surface that turned is the one that was touched
+constexpr double kCurved = 0.05;       // of an edge: what the triangles of a face differ from it at most
 constexpr int kNearCells = 2;          // a body does not touch itself within
 constexpr int kMostCells = 128;        // of the grid along an axis
 constexpr int kMostWalks = 200;
@@ -206,10 +207,13 @@ TissueSurface::Place TissueSurface::place_at(const Nearest& nearest, const Vec3&
   const auto [a, b, c] = triangle_of(*x_, faces_[nearest.face], nearest.triangle);
   const Vec3 across = (b - a).cross(c - a);
   const bool is_on_face = nearest.place.feature == TrianglePlace::kFace || distance < kNoDirection * mean_edge_;
-  if (is_on_face)
-    place.normal = across.norm() > 0 ? Vec3(across.normalized()) : normal_of(nearest.face);
-  else
+  if (!is_on_face) {
     place.normal = (p - nearest.place.place) / place.distance;
+    return place;
+  }
+  place.normal = across.norm() > 0 ? Vec3(across.normalized()) : normal_of(nearest.face);
+  // the triangles are the surface, also for a point between them and the face that they stand for
+  if (distance < kCurved * mean_edge_) place.distance = place.normal.dot(p - nearest.place.place);
   return place;
 }
 
@@ -243,7 +247,7 @@ std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, int face,
     }
     Place place = place_at(walk(face, p), p, true);
     place.hexahedron = inside;
-    place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p);
+    place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p, kFarthestBeyond);
     return place;
   }
   const int followed = face;
@@ -255,7 +259,7 @@ std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, int face,
   place.hexahedron = owner_[place.face];
   if (!own.empty() && is_near(place.hexahedron, own)) return std::nullopt;
   const ElementPoints corners = gather(*x_, mesh_->hexahedra()[place.hexahedron]);
-  place.weights = weights_beyond(corners, nearest_place(corners, p, mean_edge_).s, p);
+  place.weights = weights_beyond(corners, nearest_place(corners, p, mean_edge_).s, p, kFarthestBeyond);
   return place;
 }
 

@@ -13,6 +13,9 @@
 
 namespace hexaplast {
 
+/// From a hexahedron to what touches it, in reference coordinates: three edges from a sound one (weights_beyond).
+inline constexpr double kFarthestBeyond = 6;
+
 /// The surface of a deformable body as it is touched: whether a point lies in one of the hexahedra, and where the
 /// nearest place of the surface is then. The initial shape says where to begin to look for it, the present one decides.
 class TissueSurface {

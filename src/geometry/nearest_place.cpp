@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kExact = 1e-15;        // of its size, and in reference coordinates: as exact as doubles are
 constexpr double kShortestStep = 1e-6;  // share of a Gauss-Newton step
-constexpr double kFarthestBeyond = 6;   // in reference coordinates: three edges from a sound hexahedron
 constexpr int kMostIterations = 60;     // inside a sound hexahedron less than ten are needed
 
 }  // namespace
@@ -61,12 +60,12 @@ HexahedronPlace nearest_place(const ElementPoints& x, const Vec3& p, double size
   return {s, gap.norm()};
 }
 
-CornerWeights weights_beyond(const ElementPoints& x, const Vec3& s, const Vec3& p) {
+CornerWeights weights_beyond(const ElementPoints& x, const Vec3& s, const Vec3& p, double farthest) {
   const ElementPoints dN = shape_derivatives(s);
   const CornerWeights N = shape_functions(s);
   const Mat3 J = x.transpose() * dN;
   const Vec3 ds = J.inverse() * (p - x.transpose() * N);
-  return ds.cwiseAbs().maxCoeff() <= kFarthestBeyond ? CornerWeights(N + dN * ds) : N;
+  return ds.cwiseAbs().maxCoeff() <= farthest ? CornerWeights(N + dN * ds) : N;
 }
 
 // The regions of a point around a triangle a b c, after Ericson (2005).

@@ -23,9 +23,10 @@ struct HexahedronPlace {
 /// x: its corners; size [m]: about its own, which says what is exact.
 HexahedronPlace nearest_place(const ElementPoints& x, const Vec3& p, double size);
 
-/// w with sum_a w_a x_a = p, sum_a w_a = 1: the shape functions at s, continued linearly to p. Where that leads far
-/// away, out of a flat hexahedron, those at s.
-CornerWeights weights_beyond(const ElementPoints& x, const Vec3& s, const Vec3& p);
+/// w with sum_a w_a x_a = p, sum_a w_a = 1: the shape functions at s, continued linearly to p. Where that leads
+/// farther than `farthest` in reference coordinates (out of a flat hexahedron), those at s.
+CornerWeights weights_beyond(const ElementPoints& x, const Vec3& s, const Vec3& p,
+                             double farthest = std::numeric_limits<double>::infinity());
 
 /// The place of a triangle that is nearest to a point.
 struct TrianglePlace {

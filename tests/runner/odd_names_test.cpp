@@ -2,6 +2,7 @@
 // Names of files are names, whatever stands in them: no shell, no format string, no pattern.
 #include <algorithm>
 #include <map>
+#include <regex>
 
 #include "support/bar_scene.hpp"
 #include "support/command.hpp"
@@ -22,7 +23,8 @@ std::string quoted(const std::string& text) {
   return all + "'";
 }
 
-/// The files below a directory, by their names; of history.csv what does not tell the time that a step took.
+/// The files below a directory, by their names; of history.csv what does not tell the time that a step took, and of
+/// viewer.json what is not the name of the scene.
 std::map<std::string, std::string> files_in(const fs::path& directory) {
   std::map<std::string, std::string> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(directory)) {
@@ -33,6 +35,8 @@ std::map<std::string, std::string> files_in(const fs::path& directory) {
       files[name.string()] = "";
   }
   files.erase("manifest.json");  // names of files, and times
+  std::string& viewer = files.at("viewer.json");
+  viewer = std::regex_replace(viewer, std::regex(R"("title":"(\\.|[^"\\])*",)"), "");
   return files;
 }
 

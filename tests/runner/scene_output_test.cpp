@@ -12,7 +12,8 @@ using hexaplast::support::Outcome;
 
 /// A bar of two hexahedra that reads a surface, and writes as `exporters` say.
 std::string writing_bar(const std::string& exporters) {
-  return "<Node name='root' dt='0.01'><RunSettings steps='3' outputEvery='1'/><include href='rest.xml'/>"
+  return "<Node name='root' dt='0.01'><RunSettings steps='3' outputEvery='1' endSections='yes'/><include "
+         "href='rest.xml'/>"
          "<Node name='skin'><MeshOBJLoader name='mesh' filename='skin.obj'/><OglModel "
          "src='@mesh'/><BarycentricMapping/></Node>" +
          exporters + "</Node>";
