@@ -41,7 +41,8 @@ ImportedMesh read_mesh(const std::filesystem::path& file) {
   if (ending == ".obj") return read_obj(file);
   if (ending == ".stl") return read_stl(file);
   if (ending == ".inp") return read_abaqus(file);
-  throw InputError(fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu, .obj, .stl or .inp", file.string()));
+  throw InputError(
+      fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu, .obj, .stl or .inp", file.string()));
 }
 
 QuadSurface surface_of(const ImportedMesh& mesh) {

@@ -57,8 +57,8 @@ struct StepRecord {
 /// viewer.json where the plan wants it (viewer_states.hpp); where the staging has embedded surfaces, surface.pvd with
 /// surface_<step>.vtu, and where the plan says that there are instruments, instruments.pvd with instruments_<step>.vtu,
 /// for the same steps. history.csv (docs/output.md; the columns of the energy balance, of elongation and of twist only
-/// where the run has them) grows by a whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron that
-/// a body has lost in it, in the order of their removal (of several bodies `step,time,hexahedron,body`, with the
+/// where the run has them) grows by a whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron
+/// that a body has lost in it, in the order of their removal (of several bodies `step,time,hexahedron,body`, with the
 /// hexahedron's own number in its body); every other file appears whole under its final name, and each .pvd file names
 /// only complete files. After an OutputError everything that mesh.pvd names can still be read.
 class Recorder {

@@ -105,7 +105,7 @@ private:
     std::optional<parts::Tissues> m_tissues;
     std::optional<Inputs> m_inputs;
     std::array<BodyField*, 2> m_bodyFields = {};
-    std::array<int, 2> m_bodiesMade = {};          // which of the bodies that these fields have made
+    std::array<int, 2> m_bodiesMade = {};  // which of the bodies that these fields have made
     bool m_dataAreAccepted = false;
     SReal m_ownRayleighStiffness = 0;  // that takes back the integrator's
     bool m_isSettled = true;           // nothing pulls at the end of the present step
