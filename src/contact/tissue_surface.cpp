@@ -14,6 +14,7 @@ constexpr double kWithin = 1e-9;       // of a hexahedron's size: a point this n
 constexpr double kNoDirection = 1e-6;  // of an edge: nearer to the surface than this, its own normal is taken
 constexpr double kSameSide = 0.7;      // cosine, from which a surface that turned is the one that was touched
 constexpr double kCurved = 0.05;       // of an edge: what the triangles of a face differ from it at most
+constexpr double kAsNear = 1e-9;       // of a distance, or an edge: rounding must not decide which place is nearer
 constexpr int kNearCells = 2;          // a body does not touch itself within
 constexpr int kMostCells = 128;        // of the grid along an axis
 constexpr int kMostWalks = 200;
@@ -157,11 +158,18 @@ std::array<Vec3, 3> TissueSurface::triangle_of(ConstPoints x, const Quad& face, 
   return {x.row(face[k]).transpose(), x.row(face[(k + 1) % 4]).transpose(), middle};
 }
 
-TissueSurface::Nearest TissueSurface::nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) {
+/// Of places that are as near as others, the one of the first triangle counts.
+bool TissueSurface::is_nearer(const Nearest& found, const Nearest& other) const {
+  const double same = kAsNear * (found.place.squared + kAsNear * mean_edge_ * mean_edge_);
+  if (std::abs(found.place.squared - other.place.squared) > same) return found.place.squared < other.place.squared;
+  return std::pair(found.face, found.triangle) < std::pair(other.face, other.triangle);
+}
+
+TissueSurface::Nearest TissueSurface::nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) const {
   Nearest nearest = {.face = index, .place = {}, .triangle = 0};
   for (int k = 0; k < 4; ++k) {
-    const TrianglePlace place = nearest_place(triangle_of(x, face, k), p);
-    if (place.squared < nearest.place.squared) nearest = {.face = index, .place = place, .triangle = k};
+    const Nearest found = {.face = index, .place = nearest_place(triangle_of(x, face, k), p), .triangle = k};
+    if (is_nearer(found, nearest)) nearest = found;
   }
   return nearest;
 }
@@ -170,8 +178,8 @@ TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p) const {
   Nearest nearest;
   initial_->for_each_nearer(p, [&](int f) {
     const Nearest found = nearest_on(mesh_->positions(), faces_[f], f, p);
-    if (found.place.squared < nearest.place.squared) nearest = found;
-    return std::sqrt(nearest.place.squared);
+    if (is_nearer(found, nearest)) nearest = found;
+    return (1 + kAsNear) * std::sqrt(nearest.place.squared) + kAsNear * mean_edge_;
   });
   return nearest;
 }
@@ -186,7 +194,7 @@ TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p) const {
         const int other = faces_of_node_[k];
         if (other == from) continue;
         const Nearest found = nearest_on(*x_, faces_[other], other, p);
-        if (found.place.squared < nearest.place.squared) nearest = found;
+        if (is_nearer(found, nearest)) nearest = found;
       }
     if (nearest.face == from) break;
   }
@@ -236,7 +244,7 @@ std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, int face,
       for (int k = first_of_hexahedron_[e]; k < first_of_hexahedron_[e + 1]; ++k) {
         const int f = faces_of_hexahedron_[k];
         const Nearest found = nearest_on(*x_, faces_[f], f, p);
-        if (found.place.squared < in_front.place.squared) in_front = found;
+        if (is_nearer(found, in_front)) in_front = found;
       }
     return true;
   });

@@ -55,7 +55,8 @@ class TissueSurface {
   template <class Visit>
   void for_each_around(const Vec3& p, const Visit& visit) const;
   static std::array<Vec3, 3> triangle_of(ConstPoints x, const Quad& face, int k);
-  static Nearest nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p);
+  bool is_nearer(const Nearest& found, const Nearest& other) const;
+  Nearest nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) const;
   Nearest nearest_initially(const Vec3& p) const;
   Nearest walk(int face, const Vec3& p) const;
   Vec3 normal_of(int face) const;

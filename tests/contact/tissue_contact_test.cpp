@@ -152,6 +152,29 @@ TEST(TissueContact, NormalsArePresentOnes) {
   EXPECT_LT((force - force.dot(normal) * normal).norm(), 0.01 * force.dot(normal));
 }
 
+// A block on a ridge: points of its middle are as near to one side of it as to the other.
+TEST(TissueContact, RoundingDoesNotDecideWhichFaceIsTouched) {
+  const HexMesh below = regular_grid({2, 2, 1}, Vec3::Zero(), {0.2, 0.2, 0.1});
+  const HexMesh above = regular_grid({2, 2, 2}, {0.04, 0.05, 0.1}, {0.16, 0.15, 0.2});
+  PointArray x0 = below.positions();
+  for (Eigen::Index n = 0; n < x0.rows(); ++n)
+    if (std::abs(x0(n, 0) - 0.1) < 1e-9 && x0(n, 2) > 0.09) x0(n, 2) += 5e-3;
+  const PointArray v0 = PointArray::Zero(below.num_nodes(), 3), v1 = PointArray::Zero(above.num_nodes(), 3);
+  PointArray first;
+  for (const double shift : {0.0, 1e-15, -1e-15, 3e-15, -3e-15}) {
+    PointArray x1 = above.positions();
+    x1.col(0).array() += shift;
+    x1.col(2).array() += 3e-3;
+    TissueContact contact(below, above, {.stiffness = 1e5}, 8);
+    contact.begin_step({x0, x1}, {v0, v1}, 0.01);
+    PointArray f0 = PointArray::Zero(below.num_nodes(), 3), f1 = PointArray::Zero(above.num_nodes(), 3);
+    contact.terms().add_force({x0, x1}, {v0, v1}, {Points(f0), Points(f1)});
+    if (first.size() == 0) first = f1;
+    EXPECT_GT(f1.col(2).sum(), 0.1);
+    EXPECT_TRUE(support::agrees(f1, first, 1e-9)) << shift;
+  }
+}
+
 // A strip that is bent until its ends lie on one another touches itself; as it was made it does not.
 TEST(TissueContact, OfOneBodyWithItself) {
   const HexMesh strip = regular_grid({24, 3, 1}, Vec3::Zero(), {0.24, 0.03, 0.01});

@@ -113,13 +113,13 @@ TEST(InstrumentInSofa, TouchesTheShippedLiverAsInTheEmbeddedHost)
     EXPECT_GT(found.force, 0.1);
 }
 
-// SOFA's own linear solvers do not release what pulls within the step: it lasts one step longer.
+// SOFA's own linear solvers do not release what pulls within the step, nor correct friction: both last one step longer.
 TEST(InstrumentInSofa, MovesNearlyAlikeWithALinearSolverOfSofa)
 {
     const std::string scene = stroked_block(R"(<SparseLDLSolver template="CompressedRowSparseMatrixMat3x3d"/>)");
     SofaScene sofa = SofaScene::from_text(scene);
     EmbeddedScene host(scene);
-    EXPECT_LE(compared(sofa, host, 200).positions, 1e-2);
+    EXPECT_LE(compared(sofa, host, 200).positions, 2e-2);
 }
 
 TEST(InstrumentInSofa, BeginsAnewAfterReset)

@@ -87,8 +87,7 @@ TEST(TissuesInSofa, TwoBodiesTouchAsInTheEmbeddedHost)
 // As shipped, the upper half lands with its nodes on the edges of the lower one: rounding decides on which side.
 TEST(TissuesInSofa, ABodyTouchesItselfAsInTheEmbeddedHost)
 {
-    const Differences found = compared(
-        replaced(shipped("fold"), "-0.02 0.04 0  -0.042 0.012 0", "-0.02 0.04 0.0011  -0.041 0.012 0.0017"), 170);
+    const Differences found = compared(shipped("fold"), 170);
     EXPECT_LE(found.positions, 1e-9);
     EXPECT_GE(found.touching, 50) << "something happened";
 }
