@@ -12,6 +12,8 @@ namespace hexaplast {
 namespace {
 
 constexpr double kWrongFriction = 0.01;    // of mu N, from which the friction of a contact is corrected
+constexpr double kMostGrowth = 2;          // of normal forces in a step
+constexpr double kSteady = 0.05;           // growth that is none: what is expected is no better than what was
 constexpr double kAllWrongFriction = 0.1;  // of all mu N, from which the step is solved again for it
 
 void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
@@ -34,10 +36,9 @@ void ContactSettings::require_valid(const char* whose) const {
   require(damping >= 0, damping, "damping", "at least 0");
 }
 
-void ContactTerm::set_friction(double tangential_stiffness, double coefficient, double N, const Vec3& expected) {
-  stick = tangential = tangential_stiffness;
-  friction = coefficient;
-  limit = friction * (N > 0 ? N : std::max(-stiffness * gap(expected), 0.0));
+void ContactTerm::set_friction(double N, const Vec3& expected) {
+  tangential = stick;
+  limit = friction * N;
   const Vec3 u = displacement(expected);
   const double size = u.norm();
   slips = stick * size > limit || limit == 0;  // where u is 0 too, rounding must not decide
@@ -93,6 +94,25 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
   add_blocks(A, first_nodes, [&](const ContactTerm& term) -> Mat3 {
     return -factor * term.damping * term.normal * term.normal.transpose();
   });
+}
+
+// Each contact has about its share of the normal force that it had, and all together about the one that is expected:
+// bodies that land press more from step to step.
+void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
+  const auto pressing = [&](const ContactTerm& term) {
+    return std::max(-term.stiffness * term.gap(term.at(expected)), 0.0);
+  };
+  double before = 0, now = 0;
+  for (const ContactTerm& term : terms) {
+    if (term.normal_before == 0) continue;
+    before += term.normal_before;
+    now += pressing(term);
+  }
+  double growth = before > 0 ? std::clamp(now / before, 1 / kMostGrowth, kMostGrowth) : 1;
+  if (std::abs(growth - 1) < kSteady) growth = 1;
+  for (ContactTerm& term : terms)
+    if (term.friction > 0)
+      term.set_friction(term.normal_before > 0 ? growth * term.normal_before : pressing(term), term.at(expected));
 }
 
 bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {

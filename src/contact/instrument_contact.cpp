@@ -87,7 +87,6 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
       continue;
     }
     const SurfaceSamples::Sample& sample = samples_.samples[i];
-    const Vec3 expected = sample.at(x) + h * sample.at(v);
     ContactTerm& term = terms_.terms.emplace_back();
     term.sample = i;
     for (int a = 0; a < sample.num_nodes; ++a) term.add_node(sample.nodes[a], sample.weights[a]);
@@ -100,10 +99,12 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     term.damping = settings_.damping * sample.area;
     if (state.normal_force == 0) state.anchor = found.first;
     term.anchor = end.to_world(state.anchor);
-    if (settings_.friction > 0) {
-      term.set_friction(settings_.tangential_stiffness * sample.area, settings_.friction, state.normal_force, expected);
-    }
+    term.stick = settings_.tangential_stiffness * sample.area;
+    term.friction = settings_.friction;
+    term.normal_before = state.normal_force;
   }
+  expected_ = x + h * v;
+  terms_.set_friction({expected_, expected_});
 }
 
 void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {

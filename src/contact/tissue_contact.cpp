@@ -171,7 +171,6 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   int first = 0;
   for (const auto& of : sides_) {
     Side& side = *of;
-    const OfTwo<ConstPoints> end(expected_[0], expected_[with_itself ? 0 : 1]);
     for (std::size_t i = 0; i < side.states.size(); ++i) {
       SampleState& state = side.states[i];
       const Side::Found& found = side.found[i];
@@ -212,15 +211,14 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
       }
       state.face = found.place->face;
       term.anchor = r - sign * found.displacement;
-      if (settings_.friction > 0) {
-        const Vec3 expected = term.at(end);
-        term.set_friction(kShare * settings_.tangential_stiffness * sample.area, settings_.friction, state.normal_force,
-                          expected);
-      }
+      term.stick = kShare * settings_.tangential_stiffness * sample.area;
+      term.friction = settings_.friction;
+      term.normal_before = state.normal_force;
     }
     first_sample_.push_back(first);
     first += static_cast<int>(side.states.size());
   }
+  terms_.set_friction({expected_[0], expected_[with_itself ? 0 : 1]});
 }
 
 void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {

@@ -446,11 +446,6 @@ SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSyste
   return iterate(A, b, &start, x);
 }
 
-SolveReport PreconditionedConjugateGradients::solve_after_release(const LinearSystem& A, ConstPoints b, Points x) {
-  const ConstPoints start(x);
-  return iterate(A, b, &start, x, true);
-}
-
 namespace {
 
 // Single precision with half-precision coefficients answers to about 2e-4; beyond this its answers are corrections.
@@ -515,7 +510,7 @@ int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, b
 }
 
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
-                                                      Points x, bool is_prepared) {
+                                                      Points x) {
   require_sizes(A, b, x);
   SolveReport report;
   const double norm_b = std::sqrt(finite_square(b));
@@ -523,8 +518,7 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     x.setZero();
     return report;
   }
-  if (!is_prepared || !spaces_->latest)
-    spaces_->latest = &spaces_->choose(A, preconditioner_, spaces_->preconditioned_by);
+  spaces_->latest = &spaces_->choose(A, preconditioner_, spaces_->preconditioned_by);
   CgSpace& space = *spaces_->latest;
   report.preconditioner = spaces_->preconditioned_by;
   const double enough = std::max(tolerance_, A.rounding() / norm_b);

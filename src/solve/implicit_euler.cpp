@@ -56,7 +56,7 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
     if (!first_order) released_ = h * (released_ + (ah + rK) * released_product_);
     system.project(released_);
     right_hand_side_ += released_;
-    const SolveReport again = solver.solve_after_release(A, right_hand_side_, velocity_);
+    const SolveReport again = solver.solve_from_guess(A, right_hand_side_, velocity_);
     report.iterations += again.iterations;
     report.residual = again.residual;
     report.converged = again.converged;

@@ -152,6 +152,26 @@ TEST(TissueContact, NormalsArePresentOnes) {
   EXPECT_LT((force - force.dot(normal) * normal).norm(), 0.01 * force.dot(normal));
 }
 
+// Of contacts with 1 N and 3 N in the step before, and a new one.
+TEST(TissueContact, FrictionGrowsAsTheBodiesPress) {
+  const auto limits = [](double depth) {
+    ContactTerms contact;
+    for (const double before : {1.0, 3.0, 0.0})
+      contact.terms.push_back({.stiffness = 1e3, .stick = 1e5, .friction = 0.5, .normal_before = before});
+    for (int i = 0; i < 3; ++i) contact.terms[i].add_node(i, 1);
+    PointArray expected = PointArray::Zero(3, 3);
+    expected.col(2) << -depth, -depth, -depth;
+    expected.col(0).array() = 1;  // slips
+    contact.set_friction({expected, expected});
+    return Vec3(contact.terms[0].limit, contact.terms[1].limit, contact.terms[2].limit);
+  };
+  EXPECT_TRUE(support::agrees(limits(2.6e-3), Vec3(0.65, 1.95, 1.3), 1e-12)) << "5.2 N are expected in place of 4 N";
+  EXPECT_TRUE(support::agrees(limits(1.4e-3), Vec3(0.35, 1.05, 0.7), 1e-12));
+  EXPECT_TRUE(support::agrees(limits(2.08e-3), Vec3(0.5, 1.5, 1.04), 1e-12)) << "a change of 4 % is none";
+  EXPECT_TRUE(support::agrees(limits(9e-3), Vec3(1, 3, 4.5), 1e-12)) << "twice as much at most";
+  EXPECT_TRUE(support::agrees(limits(-1e-3), Vec3(0.25, 0.75, 0), 1e-12)) << "half of it at least";
+}
+
 // A block on a ridge: points of its middle are as near to one side of it as to the other.
 TEST(TissueContact, RoundingDoesNotDecideWhichFaceIsTouched) {
   const HexMesh below = regular_grid({2, 2, 1}, Vec3::Zero(), {0.2, 0.2, 0.1});

@@ -47,6 +47,7 @@ struct ContactTerm {
   double tangential = 0;         ///< [N/m] k_t A, or mu N / |u| where it slips
   double stick = 0;              ///< k_t A [N/m]
   double friction = 0;           ///< mu
+  double normal_before = 0;      ///< [N] normal force of the step before, 0 of a new contact
   double limit = 0;              ///< mu N [N]
   Vec3 slip = Vec3::Zero();      ///< direction of u where it slips: mu N acts against it
   bool slips = false;
@@ -88,9 +89,8 @@ struct ContactTerm {
     return stiffness * normal * normal.transpose() + tangential * across;
   }
 
-  /// Sets the friction at the beginning of a step. expected: the r that it may lead to; N [N]: the normal force of the
-  /// step before, 0 for a new contact.
-  void set_friction(double tangential_stiffness, double coefficient, double N, const Vec3& expected);
+  /// Friction for the normal force N [N]. expected: the r that the step may lead to.
+  void set_friction(double N, const Vec3& expected);
 
   /// Sets it to what N and the displacement at the end of the step stand for, unless it is that to 1 % of mu N.
   /// Returns by how much the force differs [N].
@@ -104,6 +104,10 @@ class ContactTerms {
 
   bool empty() const { return terms.empty(); }
   int num_slipping() const;
+
+  /// At the beginning of a step, for contacts with all but `tangential`, `limit` and `slip`. expected: positions that
+  /// the step may lead to.
+  void set_friction(const OfTwo<ConstPoints>& expected);
 
   /// f += forces [N]. K = df/dx, B = df/dv are constant.
   void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const;

@@ -111,6 +111,7 @@ class InstrumentContact {
   };
   std::vector<Found> found_;  // scratch, per sample
   ContactTerms terms_;
+  PointArray expected_;  // scratch
   Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
   double depth_ = 0, energy_ = 0, work_ = 0, friction_loss_ = 0;
 };

@@ -230,12 +230,6 @@ class LinearSolver {
 
   /// The same for an x that arrives near the solution; the tolerance still refers to b.
   virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
-
-  /// The same for the A of the latest solve, the same object, that has lost some of what MatrixFreeSystem::others says
-  /// since: a preconditioner that was made with it still serves.
-  virtual SolveReport solve_after_release(const LinearSystem& A, ConstPoints b, Points x) {
-    return solve_from_guess(A, b, x);
-  }
 };
 
 }  // namespace hexaplast

@@ -77,7 +77,6 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) override;
-  SolveReport solve_after_release(const LinearSystem& A, ConstPoints b, Points x) override;
 
   /// For many right-hand sides of one A (Compliance): prepares what their solves share. A stays as it is until the last
   /// of them.
@@ -89,8 +88,7 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   int approximate(ConstPoints b, double error, bool has_start, Points x, Points r);
 
  private:
-  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x,
-                      bool is_prepared = false);
+  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);
 
   double tolerance_;
   int iterations_;

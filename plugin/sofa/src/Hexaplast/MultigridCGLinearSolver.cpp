@@ -524,7 +524,7 @@ public:
                     SolveReport report = m_solver->solver().solve(system, load, solution);
                     for (int k = 0; k < ImplicitEuler::kMostReleases && system.release(solution, load); ++k)
                     {
-                        const SolveReport again = m_solver->solver().solve_after_release(system, load, solution);
+                        const SolveReport again = m_solver->solver().solve_from_guess(system, load, solution);
                         report.iterations += again.iterations;
                         report.residual = again.residual;
                         report.converged = again.converged;
