@@ -166,7 +166,10 @@ TEST_P(AllocationsOf, AShippedSceneHasNoneOfOurs) {
 INSTANTIATE_TEST_SUITE_P(Scenes, AllocationsOf,
                          testing::Values(ShippedScene{"bar_stretch_high", 25, 6}, ShippedScene{"bar_twist_high", 25, 6},
                                          ShippedScene{"fatty_tissue", 30}, ShippedScene{"liver_cage", 40},
-                                         ShippedScene{"peritoneum_tear", 40}, ShippedScene{"vessel_mobilise", 20, 6}),
+                                         ShippedScene{"peritoneum_tear", 40}, ShippedScene{"vessel_mobilise", 20, 6},
+                                         ShippedScene{"probe_liver", 120}, ShippedScene{"slope", 60},
+                                         ShippedScene{"forceps_fat", 120}, ShippedScene{"two_organs", 60},
+                                         ShippedScene{"fold", 150}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// What acts beside a body.
