@@ -81,7 +81,7 @@ ForceField* find_body(Scene& scene) {
   const std::vector<SceneBody> bodies = bodies_of(scene);
   if (bodies.size() > 1)
     throw SceneError(format_error(bodies[1].field->place(),
-                                  fmt::format("{} '{}': a second body; only `run` and `check` take several",
+                                  fmt::format("{} '{}': a second body; only `run`, `check` and `view` take several",
                                               bodies[1].field->class_name(), bodies[1].field->name())));
   return bodies.empty() ? nullptr : bodies[0].field;
 }

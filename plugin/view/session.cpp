@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
@@ -12,7 +13,6 @@
 #include "hexaplast/geometry/pick.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "scene/parts.hpp"
 #include "scene/region.hpp"
 
 namespace hexaplast::view {
@@ -29,12 +29,27 @@ constexpr auto kPatience = std::chrono::milliseconds(100);  // by which real tim
 
 const scene::Place kWindow{.file = "window"};
 
-scene::ForceField& only_body(scene::Scene& scene) {
-  scene::ForceField* field = scene::find_body(scene);
-  if (!field)
+std::vector<scene::SceneBody> some_bodies(scene::Scene& scene) {
+  std::vector<scene::SceneBody> bodies = scene::bodies_of(scene);
+  if (bodies.empty())
     throw scene::SceneError(
-        scene::format_error(scene.root().place(), "0 bodies in the scene, a window shows exactly one"));
-  return *field;
+        scene::format_error(scene.root().place(), "no body in the scene, and a window shows at least one"));
+  return bodies;
+}
+
+std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies) {
+  std::vector<output::Bodies::Entry> entries;
+  for (const scene::SceneBody& body : bodies) entries.push_back({.name = body.name, .body = body.field->body()});
+  return entries;
+}
+
+/// Nodes of the surface of what is left of a body, ascending.
+std::vector<int> surface_nodes(const Body& body) {
+  std::vector<int> nodes;
+  for (const Quad& face : body.mesh().boundary_faces(body.alive())) nodes.insert(nodes.end(), face.begin(), face.end());
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
 }
 
 /// The value of an attribute of one number, or of a list; none where it has none.
@@ -102,39 +117,52 @@ Parameter parameter_of(scene::Component& component, scene::Data& data, const Bod
 
 }  // namespace
 
-Session::Session(Subject subject, std::unique_ptr<scene::Component> hand)
+Session::Session(Subject subject, const MakeHand& make_hand)
     : subject_(std::move(subject)),
-      state_(&only_state(subject_.scene)),
-      field_(&only_body(subject_.scene)),
+      bodies_(some_bodies(subject_.scene)),
+      shown_(entries_of(bodies_)),
       dt_(subject_.scene.dt()),
-      measurement_(body()) {
-  for (const Row<Material>& row : material_rows())  // what a body may take anew between two steps
-    if (scene::Data* data = field_->find_data(row.name))
-      parameters_.push_back(parameter_of(*field_, *data, body(), dt_));
-  for (scene::MaterialRegion* region : subject_.scene.root().all<scene::MaterialRegion>())
+      measurement_(shown_) {
+  for (const scene::SceneBody& of : bodies_)
+    for (const Row<Material>& row : material_rows())  // what a body may take anew between two steps
+      if (scene::Data* data = of.field->find_data(row.name)) {
+        Parameter& parameter = parameters_.emplace_back(parameter_of(*of.field, *data, *of.field->body(), dt_));
+        if (!shown_.is_one()) parameter.name = of.name + "." + parameter.name;
+      }
+  for (scene::MaterialRegion* region : subject_.scene.root().all<scene::MaterialRegion>()) {
+    const auto of =
+        std::ranges::find(bodies_, region->node().nearest<scene::MechanicalState>(), &scene::SceneBody::state);
+    const Body& body = *(of == bodies_.end() ? bodies_.front() : *of).field->body();
     for (const Row<Material>& row : material_rows())
       if (scene::Data* data = region->find_data(row.name); data->is_given()) {
-        Parameter& parameter = parameters_.emplace_back(parameter_of(*region, *data, body(), dt_));
+        Parameter& parameter = parameters_.emplace_back(parameter_of(*region, *data, body, dt_));
         parameter.name = region->name() + "." + parameter.name;
       }
+  }
 
-  // a hand that is about as strong as a cube of the same matter, and holds a handful of nodes
-  const double size = std::cbrt(body().initial_volume());
-  const double young = body().materials().front().young_modulus;
-  suggested_hand_ = {.radius = 1.8 * std::cbrt(body().initial_volume() / mesh().num_elements()),
+  // a hand that is about as strong as a cube of the softest matter, and holds a handful of nodes
+  const double size = std::cbrt(shown_.initial_volume());
+  double young = bodies_.front().field->body()->materials().front().young_modulus;
+  for (const scene::SceneBody& of : bodies_)
+    young = std::min(young, of.field->body()->materials().front().young_modulus);
+  suggested_hand_ = {.radius = 1.8 * std::cbrt(shown_.initial_volume() / mesh().num_elements()),
                      .stiffness = young * size,
                      .max_force = young * size * size / 2,
                      .damping = kHandDelay * young * size};
 
-  hand_ = hand.get();
-  const auto give = [&](std::string_view attribute, scene::Value value) {
-    hand_->find_data(attribute)->give(std::move(value), kWindow);
-  };
-  give("graspTime", kNever);
-  give("keyTimes", std::vector<double>{0});
-  give("positions", std::vector<double>{0, 0, 0});
-  give("radius", kEverywhere);
-  subject_.scene.add(state_->node(), std::move(hand), "hand");
+  for (const scene::SceneBody& of : bodies_) {
+    std::unique_ptr<scene::Component> hand = make_hand();
+    const auto give = [&](std::string_view attribute, scene::Value value) {
+      hand->find_data(attribute)->give(std::move(value), kWindow);
+    };
+    give("graspTime", kNever);
+    give("keyTimes", std::vector<double>{0});
+    give("positions", std::vector<double>{0, 0, 0});
+    give("radius", kEverywhere);
+    hands_.push_back(hand.get());
+    subject_.scene.add(of.state->node(), std::move(hand), "hand");
+  }
+  hand_ = hands_.front();
   subject_.scene.diagnostics().take_warnings();  // solvers repeat what they have said when the scene was read
 
   thread_ = std::thread([this] { work(); });
@@ -206,13 +234,21 @@ void Session::show(Quantity quantity) {
 void Session::grab(const Vec3& place, const HandSettings& settings) {
   post([this, place, settings] {
     open_hand();
-    std::vector<int> surface;
-    for (const Quad& face : mesh().boundary_faces(body().alive()))
-      surface.insert(surface.end(), face.begin(), face.end());
-    std::ranges::sort(surface);
-    surface.erase(std::unique(surface.begin(), surface.end()), surface.end());
-    const std::vector<int> held = nearest_nodes(state_->positions(), surface, place, settings.radius, 1);
-    if (held.empty()) return;  // nothing is left of the body
+    std::size_t nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const PointArray& x = bodies_[k].state->positions();
+      for (const int node : nearest_nodes(x, surface_nodes(*bodies_[k].field->body()), place, 0, 1))
+        if (const double distance = (x.row(node).transpose() - place).norm(); distance < least) {
+          least = distance;
+          nearest = k;
+        }
+    }
+    const std::vector<int> held = nearest_nodes(
+        bodies_[nearest].state->positions(), surface_nodes(*bodies_[nearest].field->body()), place, settings.radius, 1);
+    if (held.empty()) return;  // nothing is left of the bodies
+    hand_ = hands_[nearest];
+    first_held_ = shown_.all()[nearest].first_node;
 
     change(*hand_, "indices", std::vector<std::int64_t>(held.begin(), held.end()));
     change(*hand_, "positions", std::vector<double>(place.begin(), place.end()));
@@ -337,9 +373,18 @@ void Session::open_hand() {
   hand_->reset();
 }
 
-std::vector<double> Session::values_of(Quantity quantity, const ElementFields& fields) const {
+/// A field of all bodies.
+const PointArray& Session::gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const {
+  if (shown_.is_one()) return (bodies_.front().state->*field)();
+  all.resize(mesh().num_nodes(), 3);
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    output::Bodies::rows(shown_.all()[k], all) = (bodies_[k].state->*field)();
+  return all;
+}
+
+std::vector<double> Session::values_of(Quantity quantity, const ElementFields& fields) {
   const auto nodal = [&](const std::vector<double>& of_hexahedra) {
-    return nodal_means(mesh(), of_hexahedra, body().alive());
+    return nodal_means(mesh(), of_hexahedra, shown_.alive());
   };
   switch (quantity) {
     case Quantity::kPlasticStrain:
@@ -354,20 +399,22 @@ std::vector<double> Session::values_of(Quantity quantity, const ElementFields& f
       break;
   }
   std::vector<double> speed(static_cast<std::size_t>(mesh().num_nodes()));
-  Eigen::VectorXd::Map(speed.data(), mesh().num_nodes()) = state_->velocities().rowwise().norm();
+  Eigen::VectorXd::Map(speed.data(), mesh().num_nodes()) =
+      gather(&scene::MechanicalState::velocities, velocities_).rowwise().norm();
   return speed;
 }
 
 void Session::publish() {
-  const PointArray& x = state_->positions();
-  const ElementFields fields = body().fields(x);
+  const PointArray& x = gather(&scene::MechanicalState::positions, positions_);
+  const ElementFields fields = shown_.fields(x);
   back_.step = latest_.step;
   back_.is_running = is_running_ || steps_asked_ > 0;
   back_.failure = failure_;
   back_.messages = std::exchange(messages_, {});
   back_.positions = x;
-  back_.material = body().plastic_rest_positions();
-  back_.alive.assign(body().alive().begin(), body().alive().end());
+  back_.material = shown_.plastic_rest_positions();
+  const std::span<const unsigned char> alive = shown_.alive();
+  back_.alive.assign(alive.begin(), alive.end());
   back_.quantity = quantity_;
   back_.values = values_of(quantity_, fields);
   back_.parameter_values.clear();
@@ -375,13 +422,14 @@ void Session::publish() {
     back_.parameter_values.push_back(value_of(*parameter.component->find_data(parameter.attribute->name), parameter));
   const std::vector<std::int64_t>& held = hand_->integers("grasped");
   back_.held.assign(held.begin(), held.end());
+  for (int& node : back_.held) node += first_held_;
   back_.grip_force = hand_->vector3("force");
   back_.sample = {.time = subject_.scene.time(),
                   .measures = measurement_.measure(x),
                   .greatest_plastic_strain = std::ranges::max(fields.plastic_strain),
                   .kinetic_energy = latest_.kinetic_energy,
-                  .elastic_energy = body().energy(x),
-                  .dissipated_energy = body().dissipated_energy()};
+                  .elastic_energy = shown_.energy(x),
+                  .dissipated_energy = shown_.dissipated_energy()};
   back_.step_ms = std::exchange(step_ms_, {});
   has_changed_ = false;
 

@@ -10,14 +10,15 @@
 #include <thread>
 #include <vector>
 
+#include "picture/bodies.hpp"
 #include "record/measures.hpp"
 #include "record/recorder.hpp"
-#include "scene/scene.hpp"
+#include "scene/parts.hpp"
 
 /// The live window: a simulation that runs in a thread of its own, and what is seen of it.
 namespace hexaplast::view {
 
-/// What a session moves: a scene that is ready, with one independent state and one body.
+/// What a session moves: a scene that is ready, with a body or several.
 struct Subject {
   std::string title;  ///< the scene's name
   scene::Scene& scene;
@@ -27,6 +28,8 @@ struct Subject {
 
 /// What the colours of the body tell.
 enum class Quantity { kPlasticStrain, kStressNorm, kYieldStress, kVolumeRatio, kSpeed };
+
+using MakeHand = std::function<std::unique_ptr<scene::Component>()>;
 
 /// How fast the simulation goes on.
 enum class Pace {
@@ -42,11 +45,12 @@ struct HandSettings {
   double damping = 0;    ///< [N s/m]
 };
 
-/// A number of the body's material, or one that a region of it has given, that may change while it moves.
+/// A number of a body's material, or one that a region of it has given, that may change while it moves.
 struct Parameter {
   const attributes::Attribute* attribute;
   scene::Component* component = nullptr;  ///< that has the attribute
-  std::string name = {};                  ///< "youngModulus" of the body, "tumour.youngModulus" of a region
+  std::string name = {};                  ///< "youngModulus" of the only body, "liver.youngModulus" of one of several,
+                                          ///< "tumour.youngModulus" of a region
   std::optional<double> value;            ///< at first; none: not given
   std::vector<double> of_hexahedra = {};  ///< own values; the slider is then a factor on all of them, at first 1
   bool may_be_none = false;               ///< the body, or the region, can do without
@@ -65,7 +69,8 @@ struct Sample {
   double dissipated_energy = 0;        ///< [J]
 };
 
-/// The simulation as it was between two steps. Nodal arrays have num_nodes rows.
+/// The simulation as it was between two steps. Nodal arrays have num_nodes rows, of several bodies those of one behind
+/// those of another.
 struct Snapshot {
   long step = 0;
   bool is_running = false;
@@ -87,9 +92,9 @@ struct Snapshot {
 /// take effect between two steps, in their order. The scene belongs to the session until `stop`.
 class Session {
  public:
-  /// hand: a GraspForceField that is not part of the scene yet; the session adds it, with an open grip, which changes
-  /// nothing. Throws SceneError.
-  Session(Subject subject, std::unique_ptr<scene::Component> hand);
+  /// make_hand: makes a GraspForceField that is not part of the scene yet; the session adds one for each body, with an
+  /// open grip, which changes nothing. Throws SceneError.
+  Session(Subject subject, const MakeHand& make_hand);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -101,7 +106,7 @@ class Session {
   void set_pace(Pace pace);
   void show(Quantity quantity);
 
-  /// Takes hold of the body's surface around a place [m]; what was held before is let go.
+  /// Takes hold of the surface of the body nearest to a place [m] around it; what was held before is let go.
   void grab(const Vec3& place, const HandSettings& settings);
   void drag(const Vec3& place);  ///< moves the hand [m]
   void release();
@@ -121,15 +126,13 @@ class Session {
 
   // what does not change while it runs
   const std::string& title() const { return subject_.title; }
-  const HexMesh& mesh() const { return body().mesh(); }
+  const HexMesh& mesh() const { return shown_.mesh(); }  ///< of all bodies (output::Bodies)
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const HandSettings& suggested_hand() const { return suggested_hand_; }
   double dt() const { return dt_; }  ///< [s]
 
  private:
   using Clock = std::chrono::steady_clock;
-
-  const Body& body() const { return *field_->body(); }
 
   void post(std::function<void()> command);
 
@@ -139,19 +142,23 @@ class Session {
   void step();
   void change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value);
   void open_hand();
+  const PointArray& gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const;
   void publish();
-  std::vector<double> values_of(Quantity quantity, const ElementFields& fields) const;
+  std::vector<double> values_of(Quantity quantity, const ElementFields& fields);
 
   Subject subject_;
-  scene::MechanicalState* state_ = nullptr;
-  scene::ForceField* field_ = nullptr;
-  scene::Component* hand_ = nullptr;
+  std::vector<scene::SceneBody> bodies_;
+  output::Bodies shown_;
+  std::vector<scene::Component*> hands_;  // of each body
+  scene::Component* hand_ = nullptr;      // the one that was used last
+  int first_held_ = 0;                    // where the nodes of its body begin
   double dt_ = 0;
   std::vector<Parameter> parameters_;
   HandSettings suggested_hand_;
 
   // read and written by the thread alone
   output::Measurement measurement_;
+  PointArray positions_, velocities_;  // of several bodies
   output::StepRecord latest_;
   bool is_running_ = false;
   long steps_asked_ = 0;

@@ -23,7 +23,7 @@ struct WindowOptions {
 /// What the window is handed.
 struct WindowCall {
   Subject subject;
-  std::unique_ptr<scene::Component> hand;  ///< of the session
+  MakeHand make_hand;  ///< of the session
   output::Staging staging;
   std::vector<int> fixed_nodes;
   WindowOptions options;

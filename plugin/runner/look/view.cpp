@@ -54,16 +54,16 @@ std::unique_ptr<scene::Component> make_hand() {
 }
 
 void print_outcome(Simulation& simulation, const std::string& title) {
-  const Body& body = *simulation.body();
-  const PointArray& x = simulation.state().positions();
-  const output::Measures measures = output::Measurement(body).measure(x);
+  const output::Bodies& bodies = *simulation.bodies();
+  const PointArray& x = simulation.positions();
+  const output::Measures measures = output::Measurement(bodies).measure(x);
   fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(title), simulation.latest().step,
              simulation.dt(), simulation.time());
   fmt::print("  plastic elongation  {:+.3f} %  (current {:+.3f} %)\n", rounded(100 * measures.plastic_elongation, 1e-3),
              rounded(100 * measures.world_elongation, 1e-3));
-  fmt::print("  plastic strain      max {:.4f}\n", std::ranges::max(body.fields(x).plastic_strain));
+  fmt::print("  plastic strain      max {:.4f}\n", std::ranges::max(bodies.fields(x).plastic_strain));
   fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
-  fmt::print("  dissipated energy   {:.4g} J\n", body.dissipated_energy());
+  fmt::print("  dissipated energy   {:.4g} J\n", bodies.dissipated_energy());
   fmt::print("  state hash          {}\n", simulation.state_hash());
 }
 
@@ -115,7 +115,7 @@ int view(const ViewOptions& options) {
                                     .scene = simulation.scene(),
                                     .step = [&]() -> const output::StepRecord& { return simulation.step(); },
                                     .reset = [&] { simulation.reset(); }},
-                        .hand = make_hand(),
+                        .make_hand = make_hand,
                         .staging = staging_of(simulation),
                         .fixed_nodes = fixed_nodes(simulation),
                         .options = {.width = options.width,
@@ -131,8 +131,8 @@ int view(const ViewOptions& options) {
   if (!call.failure.empty()) throw NumericalError(call.failure);
 
   if (final_state)
-    output::write_final(*final_state, simulation.latest().step, simulation.time(), simulation.state().positions(),
-                        simulation.state().velocities(), *simulation.body());
+    output::write_final(*final_state, simulation.latest().step, simulation.time(), simulation.positions(),
+                        simulation.velocities(), *simulation.bodies());
   print_outcome(simulation, title);
   const int signal = requested_signal();
   return signal == 0 ? kOk : kSignalled + signal;
