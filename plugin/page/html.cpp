@@ -81,14 +81,16 @@ std::string legend(const Panel& panel) {
 
 }  // namespace
 
-HtmlPage::HtmlPage(std::string_view title) {
+HtmlPage::HtmlPage(std::string_view title, Kind kind) {
   text_ = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
       "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n"
-      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n",
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n",
       escaped(title), kStyle);
+  add(kind == Kind::kFrame ? "<body class=\"frame\">\n<main>"
+                           : fmt::format("<body>\n<main>\n<h1>{}</h1>", escaped(title)));
 }
 
 void HtmlPage::add(std::string_view markup) {
@@ -152,6 +154,13 @@ std::string HtmlPage::finish() && {
   if (has_viewer_) add(fmt::format("<script>{}</script>\n<script>{}</script>", kViewerModelScript, kViewerScript));
   add("</body>\n</html>");
   return std::move(text_);
+}
+
+std::string viewer_page(std::string_view title, const std::string& data) {
+  HtmlPage page(title, HtmlPage::Kind::kFrame);
+  page.viewer({data});
+  page.paragraph("The viewer needs scripts and WebGL 2.", "lead");  // the style hides it where they are there
+  return std::move(page).finish();
 }
 
 std::string data_uri(std::string_view media_type, std::string_view bytes) {

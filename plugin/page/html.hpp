@@ -17,7 +17,8 @@ namespace hexaplast::output {
 /// What comes from users is escaped by the functions here; `markup` is taken as it is.
 class HtmlPage {
  public:
-  explicit HtmlPage(std::string_view title);
+  enum class Kind { kWhole, kFrame };  ///< a frame stands in another page: it shows no title, and the viewer fills it
+  explicit HtmlPage(std::string_view title, Kind kind = Kind::kWhole);
 
   void add(std::string_view markup);
   void heading(std::string_view words);  ///< of a section
@@ -46,6 +47,9 @@ class HtmlPage {
 inline constexpr CurveColours kPageColours{"var(--first)", "var(--second)", "var(--third)", "var(--fourth)",
                                            "var(--fifth)", "var(--sixth)",  "var(--frame)"};
 inline constexpr Inks kPageInks{"var(--ink)", "var(--grid)", "var(--frame)"};
+
+/// A frame with the viewer of a run; data: as read_viewer_data() gives it.
+std::string viewer_page(std::string_view title, const std::string& data);
 
 /// As a data URI, to stand in a page.
 std::string data_uri(std::string_view media_type, std::string_view bytes);

@@ -102,13 +102,31 @@ ViewerStates::ViewerStates(const Bodies& bodies, std::string title, long num_ste
   for (const EmbeddedSurface& surface : staging_.embedded_surfaces) embeddings_.push_back(surface.embedding(mesh));
   alive_.assign(static_cast<std::size_t>(mesh.num_elements()), 1);
 
-  const int count = std::clamp(static_cast<int>(kMostBytes / bytes_of_state()), kFewestStates, kMostStates);
+  const int count = most_states();
   for (int i = 0; i < count; ++i) wanted_.push_back(std::lround(static_cast<double>(num_steps) * i / (count - 1)));
   wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
 }
 
 double ViewerStates::bytes_of_state() const {
   return static_cast<double>(bodies_.mesh().num_nodes()) * static_cast<double>(6 + quantities_.size());
+}
+
+int ViewerStates::most_states() const {
+  return std::clamp(static_cast<int>(kMostBytes / bytes_of_state()), kFewestStates, kMostStates);
+}
+
+void ViewerStates::halve() {
+  std::vector<State> kept;
+  std::vector<int> gone;  // in the states that are dropped
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    State& state = states_[s];
+    gone.insert(gone.end(), state.gone.begin(), state.gone.end());
+    if (s % 2 == 1) continue;
+    state.gone = std::exchange(gone, {});
+    kept.push_back(std::move(state));
+  }
+  for (const int e : gone) alive_[static_cast<std::size_t>(e)] = 1;  // so that the next state says that they are gone
+  states_ = std::move(kept);
 }
 
 bool ViewerStates::wants(long step) const { return std::ranges::binary_search(wanted_, step); }
@@ -213,8 +231,12 @@ bool ViewerStates::is_shown(std::size_t quantity) const {
 std::string ViewerStates::json() const {
   const HexMesh& mesh = bodies_.mesh();
   const auto num_nodes = static_cast<std::size_t>(mesh.num_nodes());
-  Json all{{"format", 1},         {"title", title_},           {"dt", dt_},
-           {"steps", num_steps_}, {"nodes", mesh.num_nodes()}, {"hexahedra", mesh.num_elements()}};
+  Json all{{"format", 1},
+           {"title", title_},
+           {"dt", dt_},
+           {"steps", states_.empty() ? num_steps_ : std::max(num_steps_, states_.back().step)},
+           {"nodes", mesh.num_nodes()},
+           {"hexahedra", mesh.num_elements()}};
   if (kMostBytes / bytes_of_state() < kMostStates) all["thinned"] = true;
   if (states_.empty()) return all.dump();
 
@@ -363,16 +385,20 @@ std::optional<ViewerData> read_viewer_data(const fs::path& directory) {
   require_readable(file);
   if (fs::file_size(file, error) > kMostFile)
     throw InputError(fmt::format("{}: has more than {} bytes", file.string(), kMostFile));
-  const Json all = Json::parse(whole_file(file), nullptr, false);
+  return viewer_markup(whole_file(file), file.string());
+}
+
+ViewerData viewer_markup(std::string_view json, std::string_view source) {
+  const Json all = Json::parse(json, nullptr, false);
   if (!all.is_object() || all.value("format", Json()) != 1)
-    throw InputError(fmt::format("{}: is no file that a run writes for the viewer", file.string()));
+    throw InputError(fmt::format("{}: is no file that a run writes for the viewer", source));
   std::string markup;
   for (const char c : all.dump(-1, ' ', false, Json::error_handler_t::replace))
     if (c == '<' || c == '>' || c == '&')
       markup += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
     else
       markup += c;
-  return ViewerData{std::move(markup), all.contains("states")};
+  return {std::move(markup), all.contains("states")};
 }
 
 }  // namespace hexaplast::output

@@ -33,6 +33,12 @@ class ViewerStates {
 
   /// The present state of the bodies, which wants() or the end of the run asks for; steps ascend.
   void add(long step, double time, ConstPoints positions, ConstPoints velocities, const BoundaryConditions& conditions);
+  int num_states() const { return static_cast<int>(states_.size()); }
+  int most_states() const;  ///< that one page should have of this mesh
+
+  /// Drops every second state: the second, the fourth, and so on.
+  void halve();
+
   bool has(long step) const { return !states_.empty() && states_.back().step == step; }
 
   /// The file's content: JSON in one line.
@@ -86,6 +92,9 @@ struct ViewerData {
   std::string markup;      ///< viewer.json as it may stand in an element of HTML: with no mark of HTML in it
   bool has_states = true;  ///< else the run had more than kMostNodes nodes
 };
+
+/// json: what ViewerStates::json() returns. Throws InputError, which names the source, for anything else.
+ViewerData viewer_markup(std::string_view json, std::string_view source = kViewerName);
 
 /// None: the directory holds no viewer.json. Throws OutputError or InputError.
 std::optional<ViewerData> read_viewer_data(const std::filesystem::path& directory);

@@ -22,6 +22,7 @@ from ._hexaplast import (
     set_num_threads,
     simd_target,
 )
+from ._notebook import Viewer, show
 
 __all__ = [
     "Body",
@@ -33,11 +34,13 @@ __all__ = [
     "Settings",
     "Simulation",
     "StepReport",
+    "Viewer",
     "__version__",
     "grid",
     "num_threads",
     "read_mesh",
     "run",
     "set_num_threads",
+    "show",
     "simd_target",
 ]

@@ -9,7 +9,11 @@
 #include "body.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/moving_body.hpp"
+#include "motion_record.hpp"
+#include "page/html.hpp"
+#include "record/files.hpp"
 #include "record/recorder.hpp"
+#include "record/viewer_states.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
 
@@ -64,7 +68,8 @@ class Scene {
                                                    std::move(mesh_path), std::move(output)))),
         state_(&scene::only_state(*scene_)),
         solver_(&scene::only_solver(*scene_)),
-        field_(scene::find_body(*scene_)) {
+        field_(scene::find_body(*scene_)),
+        title_(file.stem().string()) {
     // the arrays of the body keep the whole scene alive
     if (field_) body_ = std::make_shared<BodyState>(std::shared_ptr<const hexaplast::Body>(scene_, field_->body()));
     if (scene::Component* settings = scene::find_settings(*scene_); settings && settings->is_given("steps"))
@@ -98,6 +103,18 @@ class Scene {
     scene_->reset();
     num_steps_ = 0;
     if (body_) body_->refresh();
+    if (record_) begin_record();
+  }
+
+  void record() {
+    const Turn turn(taken());
+    begin_record();
+  }
+
+  std::string page() {
+    const Turn turn(taken());
+    const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
+    return shown->page(num_steps_, state_->positions(), state_->velocities(), {});
   }
 
   const PointArray& positions() { return state_->positions(); }
@@ -133,6 +150,16 @@ class Scene {
     return scene;
   }
 
+  std::shared_ptr<MotionRecord> new_record() {
+    const std::shared_ptr<const hexaplast::Body> shown(scene_, field_ ? field_->body() : nullptr);
+    return std::make_shared<MotionRecord>(field_ ? shown : nullptr, title_, dt(), num_steps_);
+  }
+
+  void begin_record() {
+    record_ = new_record();
+    record_->add(num_steps_, state_->positions(), state_->velocities(), {});
+  }
+
   void advance(RunReport& report) {
     {
       const py::gil_scoped_release others_may_run;
@@ -144,6 +171,8 @@ class Scene {
       }
       ++num_steps_;
       if (body_) body_->refresh();
+      if (record_ && record_->wants(num_steps_))
+        record_->add(num_steps_, state_->positions(), state_->velocities(), {});
     }
     warn(*scene_);
   }
@@ -156,6 +185,8 @@ class Scene {
   std::atomic_flag taken_;  // of a scene without body
   std::optional<long> planned_steps_;
   long num_steps_ = 0;
+  std::string title_;
+  std::shared_ptr<MotionRecord> record_;  // null: not wanted
 };
 
 std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,
@@ -210,6 +241,9 @@ void add_scene(py::module_& module) {
       .def("step", &Scene::step, "One time step")
       .def("run", &Scene::run, py::arg("steps") = py::none(),
            "Several steps; without a number, up to those that the scene's RunSettings say. Reports the worst of them")
+      .def("record", &Scene::record,
+           "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset begins anew")
+      .def("_page", &Scene::page)
       .def("reset", &Scene::reset, "Back to the beginning")
       .def(
           "state_hash",
@@ -221,15 +255,31 @@ void add_scene(py::module_& module) {
 
   module.def(
       "run",
-      [](const path& file, std::optional<long> steps, const py::dict& overrides, const path& out, bool allow_outside,
-         bool force) {
+      [](const path& file, std::optional<long> steps, const py::dict& overrides, bool record, const path& out,
+         bool allow_outside, bool force) {
         std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, false, {}, out, allow_outside, force);
+        if (record) scene->record();
         scene->run(steps);
         return scene;
       },
       py::arg("file"), py::arg("steps") = py::none(), py::arg("overrides") = py::dict(), py::kw_only(),
-      py::arg("out") = path("."), py::arg("allow_outside") = false, py::arg("force") = false,
-      "Runs a scene file and returns it as it then is");
+      py::arg("record") = false, py::arg("out") = path("."), py::arg("allow_outside") = false, py::arg("force") = false,
+      "Runs a scene file and returns it as it then is; record: as Scene.record() from the beginning");
+  module.def(
+      "_page_of_run",
+      [](const path& directory) {
+        if (!std::filesystem::is_directory(directory))
+          throw output::OutputError(fmt::format("{}: is no directory", directory.string()));
+        const std::optional<output::ViewerData> data = output::read_viewer_data(directory);
+        if (!data)
+          throw InputError(fmt::format("{}: has no {}, which `hexaplast run --out` writes", directory.string(),
+                                       output::kViewerName));
+        if (!data->has_states)
+          throw InputError(fmt::format("{}: the bodies have more than {} nodes, which the viewer does not show",
+                                       directory.string(), output::ViewerStates::kMostNodes));
+        return output::viewer_page(directory.filename().string(), data->markup);
+      },
+      py::arg("directory"));
 }
 
 }  // namespace hexaplast::python

@@ -8,6 +8,7 @@
 #include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "motion_record.hpp"
 
 namespace hexaplast::python {
 namespace {
@@ -52,6 +53,8 @@ class Simulation {
         const FlowReport flowed = moving_->step();
         report.add(moving_->latest, flowed);
         body_->refresh();
+        if (record_ && record_->wants(moving_->steps()))
+          record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
       }
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
@@ -62,6 +65,25 @@ class Simulation {
     const Turn turn(taken());
     moving_->reset();
     body_->refresh();
+    forces_->setZero();
+    if (record_) begin_record();
+  }
+
+  void record() {
+    const Turn turn(taken());
+    begin_record();
+  }
+
+  std::string page() {
+    const Turn turn(taken());
+    const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
+    return shown->page(moving_->steps(), moving_->x, moving_->v, conditions());
+  }
+
+  /// What the pictures show of nodes from now on.
+  void mark_fixed(const std::vector<int>& nodes, bool are_fixed) {
+    fixed_.resize(static_cast<std::size_t>(num_nodes()), 0);
+    for (const int node : nodes) fixed_[static_cast<std::size_t>(node)] = are_fixed ? 1 : 0;
   }
 
   void set_state(py::handle positions, py::handle velocities) {
@@ -72,12 +94,27 @@ class Simulation {
     moving_->x = as_points(x);
     moving_->v = as_points(v);
     moving_->solver_memory().reset();
+    if (record_) begin_record();
   }
 
  private:
+  output::BoundaryConditions conditions() const { return {.fixed = fixed_, .loads = *forces_, .instruments = {}}; }
+
+  std::shared_ptr<MotionRecord> new_record() const {
+    return std::make_shared<MotionRecord>(std::shared_ptr<const hexaplast::Body>(moving_, &moving_->body), "Simulation",
+                                          moving_->dt(), moving_->steps());
+  }
+
+  void begin_record() {
+    record_ = new_record();
+    record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
+  }
+
   std::shared_ptr<Body> body_;
   std::shared_ptr<PointArray> forces_;
   std::shared_ptr<MovingBody> moving_;
+  std::vector<unsigned char> fixed_;      // per node; empty: none so far
+  std::shared_ptr<MotionRecord> record_;  // null: not wanted
 };
 
 }  // namespace
@@ -170,6 +207,7 @@ void add_simulation(py::module_& module) {
             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
             const Turn turn(s.taken());
             s.get().fix(numbers);
+            s.mark_fixed(numbers, true);
           },
           py::arg("nodes"), "Nodes (numbers, or a mask) keep their positions from now on")
       .def(
@@ -179,6 +217,7 @@ void add_simulation(py::module_& module) {
             const RealArray to = points("positions", positions, static_cast<Eigen::Index>(numbers.size()));
             const Turn turn(s.taken());
             s.get().prescribe(numbers, as_points(to));
+            s.mark_fixed(numbers, true);
           },
           py::arg("nodes"), py::arg("positions"),
           "Nodes (numbers, or a mask) move to positions (one row [m] per node) in the next step, and stand still after "
@@ -196,10 +235,15 @@ void add_simulation(py::module_& module) {
             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
             const Turn turn(s.taken());
             s.get().release(numbers);
+            s.mark_fixed(numbers, false);
           },
           py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
            "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")
+      .def("record", &Simulation::record,
+           "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset and set_state\n"
+           "begin anew")
+      .def("_page", &Simulation::page)
       .def("reset", &Simulation::reset, "Back to the beginning; fixed nodes stay fixed")
       .def(
           "fields",
