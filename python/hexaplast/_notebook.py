@@ -10,7 +10,7 @@ from ._hexaplast import Scene, Simulation, _page_of_run
 
 
 class Viewer:
-    """A run in three dimensions, as reports have it: the last line of a notebook's cell shows it; save() writes a page."""
+    """A run in three dimensions, as reports have it. A notebook shows it as the last line of a cell."""
 
     def __init__(self, page, height):
         self._page = page

@@ -20,7 +20,7 @@ def arguments_of_stub(function):
 
 
 def arguments_of(function):
-    """Of what is written in C++, from the signature in the first line of its documentation, which is made from the code."""
+    """Of C++, from the signature in the first line of the documentation, which is made from the code."""
     if inspect.isfunction(function):
         return [name for name in inspect.signature(function).parameters if name != "self"]
     inside = re.match(r"\w+\((.*)\) -> ", inspect.getdoc(function)).group(1)
