@@ -68,7 +68,7 @@ class Gallery {
     if (states_.empty()) return;
     Camera camera(viewpoint_);
     Scale scale(staging_.quantity, staging_.range);
-    const Strongest strongest = strongest_forces();
+    Strongest strongest = strongest_forces();
     fit(camera, scale, strongest);
     for (int s = 0; s < num_states(); ++s) draw(s, drawing(states_[s], camera, scale, strongest));
   }
@@ -126,6 +126,7 @@ class Gallery {
   /// The largest forces of all states [N]: their arrows are the longest.
   struct Strongest {
     float load = 0, tool = 0;
+    float arrow = 0;  // [m] length of the longest arrow
   };
 
   struct State {
@@ -156,7 +157,8 @@ class Gallery {
   std::optional<Arrow> arrow_of(const Load& load, const Strongest& strongest) const;
   std::optional<Arrow> arrow_of(const Tool& tool, const Strongest& strongest) const;
   Eigen::AlignedBox3f surroundings() const;
-  void fit(Camera& camera, Scale& scale, const Strongest& strongest) const;
+  void fit(Camera& camera, Scale& scale, Strongest& strongest) const;
+  void see_arrows(Camera& camera, const Strongest& strongest) const;
 
   Drawing drawing(const State& state, const Camera& camera, const Scale& scale, const Strongest& strongest) const;
   void draw_ghosts(const State& state, const Camera& camera, Drawing& picture) const;

@@ -34,10 +34,12 @@ constexpr float kAround = 0.5f;     // how far around the body instruments are s
 constexpr float kStrongestEdge = 0.75f, kCageOpacity = 0.3f;
 
 constexpr float kArrowGirth = 0.055f;  // diameter of shafts, in parts of the longest arrow's length
-constexpr float kShortestArrow = 3;    // on the page; shorter ones are left out
-constexpr float kBetweenArrows = 24;   // on the page: of denser ones the strongest are drawn
-constexpr float kPresses = 0.3f;       // sine of the angle to the surface from which a load presses on it
-constexpr float kAlongSight = 0.05f;   // of gravity that is seen: below, it has no direction on the page
+constexpr std::array kArrowLengths{1.0f, 0.8f, 0.6f, 0.45f};  // that are tried, in parts of longest_arrow_
+constexpr float kSmallest = 0.9f;     // size that arrows leave to the body, in parts of that without
+constexpr float kShortestArrow = 3;   // on the page; shorter ones are left out
+constexpr float kBetweenArrows = 24;  // on the page: of denser ones the strongest are drawn
+constexpr float kPresses = 0.3f;      // sine of the angle to the surface from which a load presses on it
+constexpr float kAlongSight = 0.05f;  // of gravity that is seen: below, it has no direction on the page
 
 /// Brightness of what receives a share of the light: never dark, so that colours stay comparable with the colour bar.
 float brightness(float received) { return std::min(1.0f, 0.60f + 0.43f * received); }
@@ -98,6 +100,7 @@ std::vector<Plane> Gallery::sides(const Camera& camera) const {
 
 Gallery::Strongest Gallery::strongest_forces() const {
   Strongest strongest;
+  strongest.arrow = longest_arrow_;
   for (const State& state : states_) {
     for (const Load& load : state.loads) strongest.load = std::max(strongest.load, load.force.norm());
     for (const Tool& tool : state.tools) strongest.tool = std::max(strongest.tool, tool.force.norm());
@@ -108,7 +111,7 @@ Gallery::Strongest Gallery::strongest_forces() const {
 // A load that presses points at its node from outside; any other one starts there.
 std::optional<Arrow> Gallery::arrow_of(const Load& load, const Strongest& strongest) const {
   if (!(strongest.load > 0)) return std::nullopt;
-  const Vector3f along = longest_arrow_ / strongest.load * load.force;
+  const Vector3f along = strongest.arrow / strongest.load * load.force;
   const bool presses = load.outwards.dot(load.force) < -kPresses * load.outwards.norm() * load.force.norm();
   return Arrow{.from = presses ? Vector3f(load.place - along) : load.place,
                .to = presses ? load.place : Vector3f(load.place + along),
@@ -119,7 +122,7 @@ std::optional<Arrow> Gallery::arrow_of(const Load& load, const Strongest& strong
 std::optional<Arrow> Gallery::arrow_of(const Tool& tool, const Strongest& strongest) const {
   if (!staging_.shows_loads || !(strongest.tool > 0)) return std::nullopt;
   return Arrow{.from = tool.place,
-               .to = tool.place + longest_arrow_ / strongest.tool * tool.force,
+               .to = tool.place + strongest.arrow / strongest.tool * tool.force,
                .girth = kArrowGirth * longest_arrow_,
                .colour = kSteel};
 }
@@ -139,17 +142,25 @@ Eigen::AlignedBox3f Gallery::surroundings() const {
   return {box.min() - margin, box.max() + margin};
 }
 
-void Gallery::fit(Camera& camera, Scale& scale, const Strongest& strongest) const {
+void Gallery::see_arrows(Camera& camera, const Strongest& strongest) const {
   const auto see = [&](const std::optional<Arrow>& arrow) {
     if (arrow) camera.see(std::array{arrow->from, arrow->to});
   };
+  for (const State& state : states_) {
+    for (const Load& load : state.loads) see(arrow_of(load, strongest));
+    for (const Tool& tool : state.tools)
+      if (!tool.force.isZero(0)) see(arrow_of(tool, strongest));
+  }
+}
+
+// Arrows that would make the body small are shorter, in all pictures alike.
+void Gallery::fit(Camera& camera, Scale& scale, Strongest& strongest) const {
   const Eigen::AlignedBox3f near = surroundings();
   const auto is_near = [&](const Vector3f& place) { return near.contains(place); };
   for (const State& state : states_) {
     if (embedded_surfaces_.empty() || shows_cage()) camera.see(state.body.points);
     for (const Shown& embedded : state.embedded_surfaces) camera.see(embedded.points);
     for (const Shown& ghost : state.ghosts) camera.see(ghost.points);
-    for (const Load& load : state.loads) see(arrow_of(load, strongest));
     for (const Tool& tool : state.tools) {
       if (!tool.surface && is_near(tool.place)) camera.see({&tool.place, 1});
       if (std::ranges::all_of(tool.points, is_near)) {
@@ -161,13 +172,23 @@ void Gallery::fit(Camera& camera, Scale& scale, const Strongest& strongest) cons
                           for (const Corner& corner : part) camera.see_depths({&corner.place, 1});
                         });
       }
-      if (!tool.force.isZero(0)) see(arrow_of(tool, strongest));
     }
     for (const Shown* shown : shown_in(state)) scale.see(shown->values);
     scale.see(state.cut.values);
   }
   if (embedded_surfaces_.empty() || shows_cage()) camera.see(original_->surface->original());
-  camera.fit(Page(staging_.width, staging_.height).window());
+  const Window window = Page(staging_.width, staging_.height).window();
+  Camera without_arrows = camera;
+  without_arrows.fit(window);
+  for (const float part : kArrowLengths) {
+    Camera with_arrows = camera;
+    strongest.arrow = part * longest_arrow_;
+    see_arrows(with_arrows, strongest);
+    with_arrows.fit(window);
+    if (with_arrows.scale() < kSmallest * without_arrows.scale() && part > kArrowLengths.back()) continue;
+    camera = with_arrows;
+    return;
+  }
 }
 
 Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& scale,

@@ -366,6 +366,34 @@ TEST(Loads, OfManyNodesAreThinnedOut) {
   EXPECT_LT(num_teal, 9261 / 2 * kPerArrow);
 }
 
+TEST(Loads, LeaveTheBodyNearlyAsLargeAsItIsWithoutThem) {
+  const HexMesh mesh = support::block({2, 2, 2}, 0.1);
+  const std::vector<double> values(mesh.num_elements(), 0);
+  output::BoundaryConditions conditions;
+  conditions.loads = PointArray::Zero(mesh.num_nodes(), 3);
+  conditions.loads.row(mesh.num_nodes() - 1) << 0, 1, 0;
+  const auto is_teal = [](const Colour& colour) {
+    return colour.green > colour.red + 0.15f && colour.green > colour.blue;
+  };
+  // of what has, or has not, the colour of loads, between title and colour bar
+  const auto height = [&](const Drawing& drawing, bool of_loads) {
+    float top = 720, bottom = 0;
+    for (const Drawing::Triangle& triangle : drawing.triangles)
+      for (const Drawing::Vertex& corner : triangle.corner) {
+        if (corner.y > 600 || is_teal(corner.colour) != of_loads) continue;
+        top = std::min(top, corner.y);
+        bottom = std::max(bottom, corner.y);
+      }
+    return bottom - top;
+  };
+  Gallery without(mesh, "cube", 2), with(mesh, "cube", 2);
+  without.add(0, 0, mesh.positions(), values);
+  with.add(0, 0, mesh.positions(), values, {}, conditions);
+  const Drawing loaded = drawings_of(with)[0];
+  EXPECT_GT(height(loaded, false), 0.85f * height(drawings_of(without)[0], false));
+  EXPECT_GT(height(loaded, true), 40) << "the arrow is seen all the same";
+}
+
 TEST(WithUnit, TakesThePrefixThatSuits) {
   EXPECT_EQ(output::with_unit(0, "N"), "0 N");
   EXPECT_EQ(output::with_unit(3.14159, "N"), "3.14 N");

@@ -3,6 +3,7 @@
 #include <tinyxml2.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "body_state.hpp"
 #include "page/plot.hpp"
@@ -230,6 +231,25 @@ TEST(PlotFile, IsWellFormedXmlWhateverTheTitle) {
   const tinyxml2::XMLElement* title = document.RootElement()->FirstChildElement("text");
   ASSERT_TRUE(title);
   EXPECT_STREQ(title->GetText(), "pull & <hold> \"50 %\"  {}");
+}
+
+TEST(PlotFile, NamesTheCurvesOfEachPanelAndKeepsTitlesOnThePage) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  Recorder recorder(scratch / "run", body, plan(6, 100));
+  support::record_stretch(recorder, body, 6);
+  output::write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", std::string(200, 'w'), 1);
+  tinyxml2::XMLDocument document;
+  ASSERT_EQ(document.LoadFile((scratch / "run/plot.svg").c_str()), tinyxml2::XML_SUCCESS) << document.ErrorStr();
+  std::multiset<std::string> words;
+  for (const auto* text = document.RootElement()->FirstChildElement("text"); text;
+       text = text->NextSiblingElement("text"))
+    words.insert(text->GetText());
+  EXPECT_EQ(words.count("world"), 3u) << "elongation, twist and volume error";
+  EXPECT_EQ(words.count("plastic"), 3u);
+  EXPECT_EQ(words.count("yielded"), 1u);
+  const tinyxml2::XMLElement* title = document.RootElement()->FirstChildElement("text");
+  EXPECT_LT(200 * 0.6 * title->DoubleAttribute("font-size"), 1040 - 86) << "letters of 0.6 of the size";
 }
 
 TEST(PlotFile, StaysSmallForLongRuns) {
