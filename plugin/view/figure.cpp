@@ -141,14 +141,36 @@ void Figure::draw_ghost(Sheet& sheet, ConstPoints nodes) {
   for (const auto& [a, b] : sheet.surface->creases()) ghost_edges_.insert(ghost_edges_.end(), {points[a], points[b]});
 }
 
-std::optional<Hit> Figure::hit(const Ray& ray) const {
-  if (!shows_embedded_surfaces_) return first_hit(ray, body_.points, body_.surface->faces());
-  std::optional<Hit> first;
-  for (const Sheet& embedded : embedded_surfaces_) {
-    const std::optional<Hit> found = first_hit(ray, embedded.points, embedded.surface->faces());
-    if (found && (!first || found->distance < first->distance)) first = found;
-  }
+std::optional<Figure::Seen> Figure::hit(const Ray& ray) const {
+  if (!shows_embedded_surfaces_) return hit(body_, ray);
+  std::optional<Seen> first;
+  for (const Sheet& embedded : embedded_surfaces_)
+    if (const std::optional<Seen> found = hit(embedded, ray); found && (!first || found->distance < first->distance))
+      first = found;
   return first;
+}
+
+std::optional<Figure::Seen> Figure::hit(const Sheet& sheet, const Ray& ray) const {
+  const std::optional<Hit> met = first_hit(ray, sheet.points, sheet.surface->faces());
+  if (!met) return std::nullopt;
+  const Face& face = sheet.surface->faces()[static_cast<std::size_t>(met->face)];
+  const auto corner = [&](int k) { return Vec3(sheet.points.row(face[k]).transpose()); };
+  const Vec3 normal =
+      (corner(2) - corner(0)).cross(corner(3) == corner(2) ? Vec3(corner(2) - corner(1)) : Vec3(corner(3) - corner(1)));
+  Seen seen{.place = met->place, .outwards = -ray.direction.normalized(), .distance = met->distance};
+  if (normal.norm() > 0) seen.outwards = (normal.dot(ray.direction) > 0 ? -1 : 1) * normal.normalized();
+  seen.hexahedron = hexahedron_at(sheet, face);
+  return seen;
+}
+
+int Figure::hexahedron_at(const Sheet& sheet, const Face& face) const {
+  if (sheet.embedding) return sheet.embedding->hexahedron_of(face[0]);
+  for (int e = 0; e < mesh_.num_elements(); ++e) {
+    const Hexahedron& corners = mesh_.hexahedra()[static_cast<std::size_t>(e)];
+    const auto has = [&](int node) { return std::ranges::find(corners, node) != corners.end(); };
+    if (alive_[static_cast<std::size_t>(e)] && std::ranges::all_of(face, has)) return e;
+  }
+  return 0;
 }
 
 }  // namespace hexaplast::view

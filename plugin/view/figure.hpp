@@ -53,8 +53,14 @@ class Figure {
   /// Least and largest value shown; empty where the quantity has none (yield stress of what never yields).
   const Eigen::AlignedBox1d& range() const { return range_; }
 
-  /// Where a ray first meets what is shown.
-  std::optional<Hit> hit(const Ray& ray) const;
+  /// What a ray first meets of what is shown.
+  struct Seen {
+    Vec3 place;           ///< [m]
+    Vec3 outwards;        ///< unit vector, away from the body
+    double distance = 0;  ///< [m] from the origin of the ray
+    int hexahedron = 0;   ///< of the mesh, where it is met
+  };
+  std::optional<Seen> hit(const Ray& ray) const;
 
  private:
   using Places = std::vector<Eigen::Vector3f>;
@@ -72,6 +78,8 @@ class Figure {
   void leave(std::span<const unsigned char> alive);  // only what is alive
   void place(Sheet& sheet, ConstPoints nodes) const;
   void draw(const Sheet& sheet, std::span<const double> nodal_values);
+  std::optional<Seen> hit(const Sheet& sheet, const Ray& ray) const;
+  int hexahedron_at(const Sheet& sheet, const Face& face) const;
   void draw_ghost(Sheet& sheet, ConstPoints nodes);
 
   const HexMesh& mesh_;

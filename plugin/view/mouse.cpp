@@ -7,10 +7,11 @@ namespace hexaplast::view {
 namespace {
 
 void grab(WindowState& window, double x, double y) {
-  const std::optional<Hit> hit = window.figure.hit(window.camera.ray(x, y));
-  if (!hit) return;
-  window.grabbed = hit->place;
-  window.session.grab(hit->place, window.hand);
+  const Ray ray = window.camera.ray(x, y);
+  const std::optional<Figure::Seen> seen = window.figure.hit(ray);
+  if (!seen) return;
+  window.grabbed = seen->place;
+  window.session.grab({seen->place, seen->outwards, -ray.direction.normalized()}, window.hand);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ void draw_hand(const WindowState& window, ImDrawList* draw) {
   draw->AddCircle(from, 9, kPaper, 0, 5);
   draw->AddCircle(from, 9, kSteel, 0, 2.4f);
   draw->AddCircleFilled(to, 4, kSteel);
-  const std::string force = fmt::format("{:.3g} N", window.now.grip_force.norm());
+  const std::string force = fmt::format("{:.3g} N", window.now.hand_force.norm());
   const ImVec2 corner{to.x + 14, to.y - 9}, size = text_size(force);
   draw->AddRectFilled({corner.x - 5, corner.y - 2}, {corner.x + size.x + 5, corner.y + size.y + 2}, kPaper, 4);
   draw->AddText(corner, kSteel, force.c_str());

@@ -37,8 +37,8 @@ class Window {
       state_.session.run();
   }
 
-  /// Until it is closed. Returns the failure that the session ended in; empty: none.
-  std::string show() {
+  /// Until it is closed. Tells the call what was done, and the failure that the session ended in.
+  void show(WindowCall& call) {
     while (!state_.session.take(state_.now)) glfwWaitEventsTimeout(0.01);
     state_.figure.update(state_.now, state_.look);
     while (!glfwWindowShouldClose(screen_.window()) && !is_asked_to_end_()) {
@@ -58,7 +58,8 @@ class Window {
     state_.session.release();
     state_.session.pause();
     state_.session.stop();
-    return state_.session.failure();
+    call.deeds = state_.session.deeds();
+    call.failure = state_.session.failure();
   }
 
  private:
@@ -170,5 +171,5 @@ class Window {
 
 /// Opens the window and returns when it is closed. The name, set by the build, carries the version of WindowCall.
 extern "C" __attribute__((visibility("default"))) void HEXAPLAST_WINDOW_ENTRY(hexaplast::view::WindowCall& call) {
-  call.failure = hexaplast::view::Window(call).show();
+  hexaplast::view::Window(call).show(call);
 }

@@ -23,11 +23,12 @@ struct WindowOptions {
 /// What the window is handed.
 struct WindowCall {
   Subject subject;
-  MakeHand make_hand;  ///< of the session
+  MakeComponent make;  ///< of the hand's instruments
   output::Staging staging;
   std::vector<int> fixed_nodes;
   WindowOptions options;
   std::function<bool()> is_asked_to_end;  ///< asked in every frame
+  Deeds deeds = {};                       ///< for the caller: what was done
   std::string failure = {};               ///< for the caller: of the last step, when the window closed; empty: none
 };
 

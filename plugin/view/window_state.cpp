@@ -22,7 +22,7 @@ Camera first_camera(const HexMesh& mesh, const output::Staging& staging) {
 }  // namespace
 
 WindowState::WindowState(WindowCall& call)
-    : session(call.subject, call.make_hand),
+    : session(call.subject, call.make),
       figure(session.mesh(), call.staging, call.fixed_nodes),
       camera(first_camera(session.mesh(), call.staging)),
       hand(session.suggested_hand()),

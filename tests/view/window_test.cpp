@@ -54,6 +54,12 @@ TEST_F(LiveWindow, WhatTheMouseDragsStaysStretched) {
   ASSERT_NE(said.find(line), std::string::npos) << said;
   EXPECT_GT(std::stod(said.substr(said.find(line) + line.size())), 0.05) << said;
 
+  // and again without a window
+  const Outcome again = hexaplast("run recorded.scn");
+  ASSERT_EQ(again.code, 0) << again.err;
+  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
+  EXPECT_EQ(hash(again.out), hash(said));
+
   // pictures of the whole window, and not the same before and after
   const std::string before = support::content(directory_ / "bar_001.png"),
                     after = support::content(directory_ / "bar_004.png");

@@ -21,6 +21,8 @@
 #include "runner/run/rounded.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
+#include "scene/reader.hpp"
+#include "view/recording.hpp"
 #include "view/window.hpp"
 
 namespace hexaplast::runner {
@@ -47,10 +49,17 @@ view::ShowWindow load_window() {
   return reinterpret_cast<view::ShowWindow>(symbol);
 }
 
-std::unique_ptr<scene::Component> make_hand() {
+std::unique_ptr<scene::Component> make_component(std::string_view class_name) {
   scene::Factory factory;
   load_components(factory);
-  return factory.make("GraspForceField");
+  return factory.make(class_name);
+}
+
+/// The elements of the scene's file, its includes carried out.
+scene::Element document_of(const SceneOptions& options, scene::Scene& scene) {
+  scene::Diagnostics diagnostics;
+  return scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr,
+                              scene.root().files().search, scene::Severity::kWarning);
 }
 
 void print_outcome(Simulation& simulation, const std::string& title) {
@@ -83,6 +92,9 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   add_final_state(view, options.final_state);
+  view.add_option("--record", options.record,
+                  "Write a scene that repeats, without the window, what was done in it: with hexaplast run")
+      ->type_name("FILE.scn");
   add_output_rules(view, options.scene.output);
   add_threads(view, options.threads);
   view.add_option("--width", options.width, "Width of the window [pixels]")
@@ -101,7 +113,8 @@ int view(const ViewOptions& options) {
   watch_signals();
 
   SceneOptions scene = options.scene;
-  scene.output = rules_beside({.named = {options.final_state, options.picture}}, options.pictures, scene.output);
+  scene.output =
+      rules_beside({.named = {options.final_state, options.picture, options.record}}, options.pictures, scene.output);
   Simulation simulation(scene);
   const InputFiles& inputs = simulation.scene().root().files().inputs;
   std::optional<DirectoryLock> lock;
@@ -110,12 +123,23 @@ int view(const ViewOptions& options) {
   if (options.picture) picture = output_place(*options.picture, inputs);
   std::optional<output::WholeFile> final_state;
   if (options.final_state) final_state.emplace(output_place(*options.final_state, inputs));
+  // as it is now: somebody may edit it while the window is open
+  std::optional<scene::Element> document;
+  std::optional<output::WholeFile> record;
+  std::optional<path> record_place;
+  if (options.record) {
+    document = document_of(options.scene, simulation.scene());
+    record_place = output_place(*options.record, inputs);
+    record.emplace(*record_place);
+  }
   const std::string title = options.scene.file.stem().string();
   view::WindowCall call{.subject = {.title = title,
                                     .scene = simulation.scene(),
                                     .step = [&]() -> const output::StepRecord& { return simulation.step(); },
-                                    .reset = [&] { simulation.reset(); }},
-                        .make_hand = make_hand,
+                                    .reset = [&] { simulation.reset(); },
+                                    .serialize = [&](Archive& archive) { simulation.serialize(archive); },
+                                    .conditions = [&] { return conditions_of(simulation); }},
+                        .make = make_component,
                         .staging = staging_of(simulation),
                         .fixed_nodes = fixed_nodes(simulation),
                         .options = {.width = options.width,
@@ -126,8 +150,14 @@ int view(const ViewOptions& options) {
                                     .steps = options.steps,
                                     .picture = picture},
                         .is_asked_to_end = [] { return requested_signal() != 0; },
+                        .deeds = {},
                         .failure = {}};
   show(call);
+  if (record) {
+    record->write(view::recorded_scene(simulation.scene(), std::move(*document), options.scene.overrides, call.deeds,
+                                       record_place->parent_path()));
+    record->commit();
+  }
   if (!call.failure.empty()) throw NumericalError(call.failure);
 
   if (final_state)

@@ -21,6 +21,7 @@ struct ViewOptions {
   std::filesystem::path pictures = ".";              ///< where those go that are taken by hand
   std::optional<std::filesystem::path> picture;      ///< of the window's last moment
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
+  std::optional<std::filesystem::path> record;       ///< scene that repeats what was done
   std::optional<int> threads;
   int width = 1440, height = 860;  ///< [pixels]
 };
