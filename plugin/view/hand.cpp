@@ -16,12 +16,12 @@
 namespace hexaplast::view {
 namespace {
 
-constexpr double kNever = 1e300;       // [s] a time that no session reaches
-constexpr double kGripReach = 10;      // sizes of the scene: a grip holds the nodes that it is told, wherever they are
-constexpr double kAway = 3;            // sizes of the scene from it, an instrument touches nothing
-constexpr double kGap = 0.02;          // sizes of an instrument between it and the tissue, when it comes
-constexpr double kCapsuleLength = 2;   // diameters, without the caps
-constexpr double kArrived = 1e-6;      // sizes of the scene
+constexpr double kNever = 1e300;      // [s] a time that no session reaches
+constexpr double kGripReach = 10;     // sizes of the scene: a grip holds the nodes that it is told, wherever they are
+constexpr double kAway = 3;           // sizes of the scene from it, an instrument touches nothing
+constexpr double kGap = 0.02;         // sizes of an instrument between it and the tissue, when it comes
+constexpr double kCapsuleLength = 2;  // diameters, without the caps
+constexpr double kArrived = 1e-6;     // sizes of the scene
 constexpr const char* kGripClass = "GraspForceField";
 constexpr const char* kToolClass = "InstrumentContactForceField";
 
@@ -88,7 +88,8 @@ void give_skin(scene::Component& tool, scene::VisualModel& model) {
   std::vector<std::int64_t> corners;
   for (const Triangle& face : model.triangles()) corners.insert(corners.end(), face.begin(), face.end());
   for (const auto& [a, b, c, d] : model.quads()) corners.insert(corners.end(), {a, b, c, a, c, d});
-  give(tool, "skinPositions", std::vector<double>(model.points().data(), model.points().data() + model.points().size()));
+  give(tool, "skinPositions",
+       std::vector<double>(model.points().data(), model.points().data() + model.points().size()));
   give(tool, "skinTriangles", std::move(corners));
 }
 
@@ -109,8 +110,8 @@ bool is_of_path(std::string_view attribute) {
 template <class Visit>
 void for_each_given(scene::Component& component, const Visit& visit) {
   for (const auto& data : component.all_data())
-    if (data->is_given() && data->attribute().access == attributes::Access::kInput && data->attribute().name != "name" &&
-        !is_of_path(data->attribute().name))
+    if (data->is_given() && data->attribute().access == attributes::Access::kInput &&
+        data->attribute().name != "name" && !is_of_path(data->attribute().name))
       visit(*data);
 }
 

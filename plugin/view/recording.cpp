@@ -78,8 +78,8 @@ std::vector<Element> elements_of(std::span<const Change> changes, const scene::P
         values.push_back(change.value.value_or(""));
       }
     const std::string path = first.component->node().path();
-    Element& element = elements.emplace_back(
-        Element{.tag = std::string(attributes::kAttributeChange.class_name), .place = place, .attributes = {}, .children = {}});
+    Element& element = elements.emplace_back(Element{
+        .tag = std::string(attributes::kAttributeChange.class_name), .place = place, .attributes = {}, .children = {}});
     set(element, "name", fmt::format("change_{}", elements.size()));
     set(element, "component", fmt::format("@{}{}{}", path, path == "/" ? "" : "/", first.component->name()));
     set(element, "attribute", first.attribute);
@@ -101,9 +101,8 @@ std::string recorded_scene(scene::Scene& scene, Element document, std::span<cons
       const std::size_t equals = assignment.find('=');
       const scene::Data& data = scene::named_attribute(scene, assignment.substr(0, equals), "--set");
       if (&data.owner() != &object) continue;
-      std::erase_if(element.attributes, [&](const scene::ElementAttribute& given) {
-        return object.find_data(given.name) == &data;
-      });
+      std::erase_if(element.attributes,
+                    [&](const scene::ElementAttribute& given) { return object.find_data(given.name) == &data; });
       set(element, data.attribute().name, assignment.substr(equals + 1));
     }
     if (object.class_name() == attributes::kRunSettings.class_name) {
@@ -121,7 +120,10 @@ std::string recorded_scene(scene::Scene& scene, Element document, std::span<cons
     // before everything else: what changes is there when the others begin a step
     std::vector<Element> first = elements_of(deeds.changes, element.place);
     if (!has_settings) {
-      first.push_back({.tag = std::string(attributes::kRunSettings.class_name), .place = element.place, .attributes = {}, .children = {}});
+      first.push_back({.tag = std::string(attributes::kRunSettings.class_name),
+                       .place = element.place,
+                       .attributes = {},
+                       .children = {}});
       set(first.back(), "steps", fmt::format("{}", deeds.num_steps));
     }
     element.children.insert(element.children.begin(), first.begin(), first.end());

@@ -11,6 +11,8 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
+#include "hexaplast/mesh/faces.hpp"
+#include "picture/quantity.hpp"
 #include "scene/region.hpp"
 #include "scene/visuals.hpp"
 
@@ -403,26 +405,19 @@ const PointArray& Session::gather(PointArray& (scene::MechanicalState::*field)()
   return all;
 }
 
-std::vector<double> Session::values_of(Quantity quantity, const ElementFields& fields) {
-  const auto nodal = [&](const std::vector<double>& of_hexahedra) {
-    return nodal_means(mesh(), of_hexahedra, shown_.alive());
-  };
-  switch (quantity) {
-    case Quantity::kPlasticStrain:
-      return nodal(fields.plastic_strain);
-    case Quantity::kStressNorm:
-      return nodal(fields.stress_norm);
-    case Quantity::kYieldStress:
-      return nodal(fields.yield_stress);
-    case Quantity::kVolumeRatio:
-      return nodal(fields.volume_ratio);
-    case Quantity::kSpeed:
-      break;
+/// Puts them into the snapshot.
+void Session::publish_values(const ElementFields& fields) {
+  back_.quantity = quantity_;
+  if (quantity_ == Quantity::kSpeed) {
+    back_.of_hexahedra.clear();
+    back_.values = output::speeds(gather(&scene::MechanicalState::velocities, velocities_));
+    return;
   }
-  std::vector<double> speed(static_cast<std::size_t>(mesh().num_nodes()));
-  Eigen::VectorXd::Map(speed.data(), mesh().num_nodes()) =
-      gather(&scene::MechanicalState::velocities, velocities_).rowwise().norm();
-  return speed;
+  back_.of_hexahedra = quantity_ == Quantity::kStressNorm    ? fields.stress_norm
+                       : quantity_ == Quantity::kYieldStress ? fields.yield_stress
+                       : quantity_ == Quantity::kVolumeRatio ? fields.volume_ratio
+                                                             : fields.plastic_strain;
+  back_.values = nodal_means(mesh(), back_.of_hexahedra, shown_.alive());
 }
 
 /// Without the hand's instruments that are out of the way.
@@ -450,8 +445,7 @@ void Session::publish() {
   back_.material = shown_.plastic_rest_positions();
   const std::span<const unsigned char> alive = shown_.alive();
   back_.alive.assign(alive.begin(), alive.end());
-  back_.quantity = quantity_;
-  back_.values = values_of(quantity_, fields);
+  publish_values(fields);
   back_.parameter_values.clear();
   for (const Parameter& parameter : parameters_)
     back_.parameter_values.push_back(value_of(*parameter.component->find_data(parameter.attribute->name), parameter));

@@ -13,11 +13,10 @@
 
 #include "hexaplast/base/archive.hpp"
 #include "picture/bodies.hpp"
-#include "picture/boundary_conditions.hpp"
-#include "record/measures.hpp"
 #include "record/recorder.hpp"
 #include "scene/parts.hpp"
 #include "view/hand.hpp"
+#include "view/source.hpp"
 
 /// The live window: a simulation that runs in a thread of its own, and what is seen of it.
 namespace hexaplast::view {
@@ -30,15 +29,6 @@ struct Subject {
   std::function<void()> reset;                                       ///< back to the beginning
   std::function<void(Archive&)> serialize;                           ///< between two steps
   std::function<output::BoundaryConditions()> conditions = nullptr;  ///< of the present state; null: not shown
-};
-
-/// What the colours of the body tell.
-enum class Quantity { kPlasticStrain, kStressNorm, kYieldStress, kVolumeRatio, kSpeed };
-
-/// How fast the simulation goes on.
-enum class Pace {
-  kRealTime,  ///< as the clock on the wall, or slower where a step takes longer than it lasts
-  kFree       ///< as fast as it can
 };
 
 /// A number of a body's material, or one that a region of it has given, that may change while it moves.
@@ -55,58 +45,24 @@ struct Parameter {
   bool is_logarithmic = false;            ///< equal ways of the slider are equal factors
 };
 
-/// Numbers that are plotted, of one moment.
-struct Sample {
-  double time = 0;  ///< [s]
-  output::Measures measures;
-  double greatest_plastic_strain = 0;  ///< [-] of a hexahedron
-  double kinetic_energy = 0;           ///< [J]
-  double elastic_energy = 0;           ///< [J]
-  double dissipated_energy = 0;        ///< [J]
-};
-
-/// The simulation as it was between two steps. Nodal arrays have num_nodes rows, of several bodies those of one behind
-/// those of another.
-struct Snapshot {
-  long step = 0;
-  bool is_running = false;
-  bool is_late = false;               ///< steps take longer than the pace asks for
-  std::string failure;                ///< why it cannot go on before a reset; empty: it can
-  std::vector<std::string> messages;  ///< that came since the last snapshot
-  PointArray positions;               ///< [m]
-  PointArray material;                ///< [m] what the body would be without forces
-  std::vector<unsigned char> alive;   ///< per hexahedron
-  Quantity quantity = Quantity::kPlasticStrain;
-  std::vector<double> values;  ///< of the quantity, per node; infinite for the yield stress of what never yields
-  std::vector<std::optional<double>> parameter_values;  ///< of each parameter, as it is now; none: not given
-  std::vector<int> held;                                ///< nodes in the hand
-  Vec3 hand_force = Vec3::Zero();                       ///< [N] of the hand on the bodies, in the latest step
-  output::BoundaryConditions conditions;                ///< loads, instruments, what is fixed
-  int num_undo = 0;                                     ///< holds of the hand that can be taken back
-  Sample sample;
-  std::vector<float> step_ms;  ///< wall time of each step since the last snapshot
-};
-
 /// Runs a scene in its own thread. All verbs may be called from another thread at any time; they return at once and
 /// take effect between two steps, in their order. The scene belongs to the session until `stop`.
-class Session {
+class Session final : public Source {
  public:
   static constexpr std::size_t kMostUndo = 8;  ///< states that are kept
 
   /// make: makes the instruments of the hand (Hand). Throws SceneError.
   Session(Subject subject, MakeComponent make);
-  ~Session();
+  ~Session() override;
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  void run();
-  void pause();
-  void advance(long steps);  ///< so many steps, as fast as they go, then it pauses
-  void reset();              ///< the state of the beginning, with the material as it is now; pauses
-
-  /// speed: seconds of the simulation per second of the clock, in real time.
-  void set_pace(Pace pace, double speed = 1);
-  void show(Quantity quantity);
+  void run() override;
+  void pause() override;
+  void advance(long steps) override;  ///< as fast as they go
+  void reset() override;              ///< the material stays as it is now
+  void set_pace(Pace pace, double speed = 1) override;
+  void show(Quantity quantity) override;
 
   /// Takes hold of the surface of the body nearest to the place; what was held before is let go.
   void grab(const Touch& touch, const HandSettings& settings);
@@ -121,8 +77,7 @@ class Session {
   /// itself; none: as if it had never been given. What the body does not admit becomes a message, and nothing changes.
   void set(std::string_view name, std::optional<double> value);
 
-  /// Takes the newest snapshot, if there is one that was not taken yet, and asks for the next one.
-  bool take(Snapshot& snapshot);
+  bool take(Snapshot& snapshot) override;
 
   /// Waits until all that was asked for is done and ends the thread. Nothing has an effect afterwards.
   void stop();
@@ -134,13 +89,12 @@ class Session {
   Deeds deeds() const { return {latest_.step, hand_.holds(), changes_}; }
 
   // what does not change while it runs
-  const std::string& title() const { return subject_.title; }
-  const output::Bodies& bodies() const { return shown_; }
-  const HexMesh& mesh() const { return shown_.mesh(); }  ///< of all bodies (output::Bodies)
+  const std::string& title() const override { return subject_.title; }
+  const HexMesh& mesh() const override { return shown_.mesh(); }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const HandSettings& suggested_hand() const { return suggested_hand_; }
   const std::string& touch_refusal() const { return hand_.touch_refusal(); }
-  double dt() const { return dt_; }  ///< [s]
+  double dt() const override { return dt_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -176,7 +130,7 @@ class Session {
   std::vector<Given> given_parameters() const;
   const PointArray& gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const;
   void publish();
-  std::vector<double> values_of(Quantity quantity, const ElementFields& fields);
+  void publish_values(const ElementFields& fields);
   output::BoundaryConditions conditions() const;
 
   Subject subject_;

@@ -16,12 +16,13 @@ using support::read_and_init;
 using support::run;
 
 std::string beam(const std::string& change, const std::string& body = "youngModulus='5000' yieldStress='80 90 100'") {
-  return in_root("gravity='0 0 -5' dt='0.1'",
-                 change +
-                     "<RegularGridTopology name='grid' n='4 2 2' max='3 1 1'/><MechanicalObject name='nodes'/>"
-                     "<DiagonalMass massDensity='10'/><HexahedronElastoplasticFEMForceField name='body' poissonRatio='0.4' "
-                     "plasticFlowRate='1' " +
-                     body + "/><FixedProjectiveConstraint indices='0 4 8 12'/>");
+  return in_root(
+      "gravity='0 0 -5' dt='0.1'",
+      change +
+          "<RegularGridTopology name='grid' n='4 2 2' max='3 1 1'/><MechanicalObject name='nodes'/>"
+          "<DiagonalMass massDensity='10'/><HexahedronElastoplasticFEMForceField name='body' poissonRatio='0.4' "
+          "plasticFlowRate='1' " +
+          body + "/><FixedProjectiveConstraint indices='0 4 8 12'/>");
 }
 std::string change(const std::string& attributes) {
   return beam("<AttributeChange component='@body' " + attributes + "/>");
@@ -86,7 +87,8 @@ TEST(AttributeChange, RefusesWhatItCannotChange) {
   expect(change("attribute='poissonRatio' keyTimes='1 2' values='0.3; 0.7'"),
          "values: HexahedronElastoplasticFEMForceField.poissonRatio: 0.7 must lie in [0, 0.5)");
   expect(change("attribute='youngModulus' keyTimes='1 2' values='3'"), "values: 1 values given for 2 times");
-  expect(change("attribute='youngModulus' keyTimes='2 1' values='3; 4'"), "keyTimes: 2 is followed by 1, must be ascending");
+  expect(change("attribute='youngModulus' keyTimes='2 1' values='3; 4'"),
+         "keyTimes: 2 is followed by 1, must be ascending");
   expect(change("attribute='youngModulus'"), "keyTimes: is empty");
 }
 
