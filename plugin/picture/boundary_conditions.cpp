@@ -10,7 +10,7 @@
 namespace hexaplast::output {
 namespace {
 
-constexpr double kRounding = 1e-6;     // of the strongest load: what is left of loads without pulls
+constexpr double kRounding = 1e-6;      // of the strongest load: what is left of loads without pulls
 constexpr double kBetweenLoads = 0.05;  // of the diagonal: of denser loads the strongest are shown
 
 }  // namespace

@@ -12,8 +12,8 @@ struct Names {
     std::string name;
     int first_hexahedron = 0;
   };
-  std::vector<Body> bodies = {};              ///< in the order of the mesh; empty: unknown
-  std::vector<int> regions = {};              ///< of each hexahedron from 1, 0: none; empty: there are none
+  std::vector<Body> bodies = {};  ///< in the order of the mesh; empty: unknown
+  std::vector<int> regions = {};  ///< of each hexahedron from 1, 0: none; empty: there are none
   std::vector<std::string> region_names = {};
 
   /// "liver, tumour, hexahedron 12", with the number that the hexahedron has in its body.

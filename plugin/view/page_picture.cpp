@@ -6,8 +6,8 @@
 namespace hexaplast::view {
 
 output::Quantity picture_quantity(Quantity quantity) {
-  constexpr std::array kOfPictures{output::Quantity::kPlasticStrain, output::Quantity::kStress, output::Quantity::kYield,
-                                   output::Quantity::kVolumeRatio, output::Quantity::kSpeed};
+  constexpr std::array kOfPictures{output::Quantity::kPlasticStrain, output::Quantity::kStress,
+                                   output::Quantity::kYield, output::Quantity::kVolumeRatio, output::Quantity::kSpeed};
   return kOfPictures[static_cast<std::size_t>(quantity)];
 }
 
@@ -16,9 +16,9 @@ output::Drawing page_picture(const Source& source, const Snapshot& snapshot, con
   output::Staging page = staging;
   page.quantity = picture_quantity(snapshot.quantity);
   if (range && range->first < range->second) page.range = range;
-  page.viewpoint = output::Viewpoint{
-      camera.eye() - camera.target(), camera.up(),
-      output::Viewpoint::Eye{camera.eye(), camera.target(), Camera::field_of_view(), true}};
+  page.viewpoint =
+      output::Viewpoint{camera.eye() - camera.target(), camera.up(),
+                        output::Viewpoint::Eye{camera.eye(), camera.target(), Camera::field_of_view(), true}};
   page.cut = look.cut;
   if (look.cut || !look.shows_embedded_surfaces) page.embedded_surfaces.clear();
   page.shows_hexahedra = look.shows_edges || page.embedded_surfaces.empty();

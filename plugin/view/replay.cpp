@@ -23,9 +23,7 @@ void Replay::pause() {
   has_changed_ = true;
 }
 
-void Replay::advance(long steps) {
-  go_to(static_cast<int>(std::clamp<long>(state_ + steps, 0, num_states() - 1)));
-}
+void Replay::advance(long steps) { go_to(static_cast<int>(std::clamp<long>(state_ + steps, 0, num_states() - 1))); }
 
 void Replay::reset() { go_to(0); }
 
@@ -61,7 +59,8 @@ int Replay::state_at(double at) const {
 void Replay::follow_clock() {
   if (!is_running_) return;
   const double seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
-  const int due = pace_ == Pace::kFree ? std::min(state_ + 1, num_states() - 1) : state_at(begun_at_ + speed_ * seconds);
+  const int due =
+      pace_ == Pace::kFree ? std::min(state_ + 1, num_states() - 1) : state_at(begun_at_ + speed_ * seconds);
   has_changed_ = has_changed_ || due != state_;
   state_ = due;
   if (state_ + 1 < num_states()) return;

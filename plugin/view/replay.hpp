@@ -35,7 +35,7 @@ class Replay final : public Source {
   int num_states() const { return static_cast<int>(run_.entries().size()); }
   int state() const { return state_; }
   double time(int state) const { return run_.entries()[static_cast<std::size_t>(state)].time; }  ///< [s]
-  void go_to(int state);  ///< from 0; pauses
+  void go_to(int state);                                                                         ///< from 0; pauses
 
  private:
   using Clock = std::chrono::steady_clock;

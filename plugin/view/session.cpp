@@ -379,6 +379,7 @@ void Session::restore(const Saved& saved) {
   Archive archive(saved.bytes);
   subject_.serialize(archive);
   latest_ = saved.latest;
+  step_ms_.clear();
   changes_.resize(saved.num_changes);
 }
 

@@ -42,7 +42,7 @@ struct Snapshot {
   PointArray material;                ///< [m] what the body would be without forces
   std::vector<unsigned char> alive;   ///< per hexahedron
   Quantity quantity = Quantity::kPlasticStrain;
-  std::vector<double> values;  ///< of the quantity, per node; infinite for the yield stress of what never yields
+  std::vector<double> values;        ///< of the quantity, per node; infinite for the yield stress of what never yields
   std::vector<double> of_hexahedra;  ///< the same per hexahedron; of the speed: empty
   std::vector<std::optional<double>> parameter_values;  ///< of each parameter, as it is now; none: not given
   std::vector<int> held;                                ///< nodes in the hand

@@ -17,6 +17,10 @@ void Trace::add(double at, double value) {
   while (points_.front().at < at - span_) points_.pop_front();
 }
 
+void Trace::forget_after(double at) {
+  while (!points_.empty() && points_.back().at > at) points_.pop_back();
+}
+
 double Trace::at(double abscissa) const {
   const auto after = std::ranges::upper_bound(points_, abscissa, {}, &Point::at);
   return after == points_.begin() ? points_.front().value : std::prev(after)->value;
@@ -83,7 +87,12 @@ Traces traces_of(const std::filesystem::path& directory) {
 
 void Traces::add(const Snapshot& snapshot) {
   const Sample& sample = snapshot.sample;
-  if (!plastic_strain.empty() && sample.time < plastic_strain.latest_time()) *this = Traces();  // it was reset
+  if (!plastic_strain.empty() && sample.time < plastic_strain.latest_time()) {  // it went back
+    for (Trace* trace : {&world_elongation, &plastic_elongation, &plastic_strain, &world_volume, &material_volume,
+                         &kinetic, &elastic, &dissipated})
+      trace->forget_after(sample.time);
+    step_ms.forget_after(static_cast<double>(snapshot.step) - static_cast<double>(snapshot.step_ms.size()));
+  }
   const double time = sample.time;
   world_elongation.add(time, 100 * sample.measures.world_elongation);
   plastic_elongation.add(time, 100 * sample.measures.plastic_elongation);

@@ -15,6 +15,8 @@ class Trace {
 
   void add(double at, double value);  ///< what lies more than the span before it is forgotten
 
+  void forget_after(double at);  ///< as if it had not been
+
   bool empty() const { return points_.empty(); }
   double latest() const { return points_.back().value; }
   double at(double abscissa) const;  ///< the last value that is not after it; the first one where all are

@@ -9,7 +9,7 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <memory>
+#include <future>
 #include <utility>
 
 #include "picture/png_file.hpp"
@@ -186,13 +186,13 @@ class Window {
 
   void write_page(const std::filesystem::path& file) {
     try {
-      const std::unique_ptr<output::Renderer> renderer = output::load_renderer();
-      state_.write_page(file, *renderer);
+      // in another thread: a renderer has an OpenGL context of its own, and a thread has one at a time
+      const auto render = [page = state_.page()] { return output::load_renderer()->render(page); };
+      output::write_png(file, std::async(std::launch::async, render).get());
       state_.message = file.string() + " written";
     } catch (const output::RendererUnavailable& error) {
       state_.message = fmt::format("no pictures can be made here: {}", error.what());
     }
-    glfwMakeContextCurrent(screen_.window());  // a renderer has one of its own
   }
 
   WindowOptions options_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "hexaplast/geometry/sections.hpp"
-#include "picture/png_file.hpp"
 #include "view/page_picture.hpp"
 
 namespace hexaplast::view {
@@ -95,9 +94,7 @@ void WindowState::undo() {
   session->undo();
 }
 
-void WindowState::write_page(const std::filesystem::path& file, output::Renderer& renderer) {
-  output::write_png(file, renderer.render(page_picture(source, now, figure.staging(), look, camera, scale())));
-}
+output::Drawing WindowState::page() const { return page_picture(source, now, figure.staging(), look, camera, scale()); }
 
 void WindowState::fit() { camera.fit(figure.box()); }
 

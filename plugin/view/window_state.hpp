@@ -36,7 +36,7 @@ struct WindowState {
   void undo();
   void fit();  ///< looks at the whole body
   void set_pace();
-  void write_page(const std::filesystem::path& file, output::Renderer& renderer);  ///< as `render` draws it
+  output::Drawing page() const;  ///< what is shown, as `render` draws it
 
   const Colouring& colouring() const { return kColourings[static_cast<std::size_t>(now.quantity)]; }
 

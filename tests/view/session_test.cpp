@@ -249,6 +249,46 @@ TEST(Session, KeepsRealTimeAndCanBePaused) {
   EXPECT_EQ(wait_for_step(session, stopped + 1).step, stopped + 1);
 }
 
+TEST(Session, KeepsAStatedFractionOfRealTime) {
+  for (const double speed : {0.25, 4.0}) {
+    Played played;
+    Session session(played.subject(), hand);
+    session.set_pace(Pace::kRealTime, speed);
+    const auto begin = std::chrono::steady_clock::now();
+    session.run();
+    wait_for(session, [](const Snapshot& now) { return now.step >= 8; });
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    EXPECT_GE(seconds, 7 * 0.01 / speed) << "eight steps of 10 ms";
+    if (speed < 1) continue;
+    EXPECT_LT(seconds, 7 * 0.01 * 3) << "a machine that does nothing else takes a twelfth of it";
+  }
+}
+
+// Steps that take longer than they last: few snapshots, so that no time is lost for steps.
+TEST(Session, SnapshotsAreDroppedBeforeSteps) {
+  Played played;
+  Subject subject = played.subject();
+  subject.step = [&]() -> const output::StepRecord& {
+    std::this_thread::sleep_for(std::chrono::milliseconds(14));
+    return played.step();
+  };
+  Session session(subject, hand);
+  session.run();
+  Snapshot now;
+  int num_snapshots = 0;
+  bool was_late = false;
+  const auto begin = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(1000)) {
+    num_snapshots += session.take(now);
+    was_late = was_late || now.is_late;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  session.stop();
+  EXPECT_TRUE(was_late);
+  EXPECT_LE(num_snapshots, 9) << "five a second, and the first ones";
+  EXPECT_GE(num_snapshots, 3);
+}
+
 // A step that cannot be made ends the motion, not the session.
 TEST(Session, AFailureIsToldAndResetLeadsOut) {
   Played played;
