@@ -9,6 +9,7 @@
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
+#include "parts/attribute_change.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -81,19 +82,11 @@ class AttributeChange final : public scene::Component {
 
   std::vector<Change> values() {
     std::vector<Change> all;
-    std::string_view rest = text("values");
-    for (bool is_last = rest.empty(); !is_last;) {
-      const std::size_t end = rest.find(';');
-      is_last = end == rest.npos;
-      const std::string_view one = rest.substr(0, end);
-      try {
-        const bool is_empty = one.find_first_not_of(" \t\n\r") == one.npos;
-        all.push_back(is_empty ? Change() : Change(scene::read_value(data_->attribute(), one)));
+    for (const std::optional<std::string_view> one : parts::values_of_changes(text("values"))) try {
+        all.push_back(one ? Change(scene::read_value(data_->attribute(), *one)) : Change());
       } catch (const InputError& error) {
         reject("values", fmt::format("{}.{}: {}", component_->class_name(), data_->attribute().name, error.what()));
       }
-      if (!is_last) rest.remove_prefix(end + 1);
-    }
     return all;
   }
 

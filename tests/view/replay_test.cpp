@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "support/compare.hpp"
-#include "support/played.hpp"
 #include "support/output.hpp"
+#include "support/played.hpp"
 #include "view/page_picture.hpp"
 #include "view/trace.hpp"
 
