@@ -30,9 +30,10 @@ void AttributeChange::bwdInit()
                 if (!l_component) throw parts::OptionError("component", "is not given, must lead to a component");
                 m_data = l_component->findData(d_attribute.getValue());
                 if (!m_data || m_data->isReadOnly())
-                    throw parts::OptionError("attribute", fmt::format("{} '{}' has no attribute '{}' that a scene gives",
-                                                                      l_component->getClassName(),
-                                                                      l_component->getName(), d_attribute.getValue()));
+                    throw parts::OptionError(
+                        "attribute",
+                        fmt::format("{} '{}' has no attribute '{}' that a scene gives", l_component->getClassName(),
+                                    l_component->getName(), d_attribute.getValue()));
                 m_values.clear();
                 for (const auto& value : parts::values_of_changes(d_values.getValue()))
                     m_values.push_back(value ? std::optional<std::string>(*value) : std::nullopt);
