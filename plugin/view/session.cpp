@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
@@ -48,10 +49,11 @@ std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody
   return entries;
 }
 
-/// The value of an attribute of one number, or of a list; none where it has none.
+/// The value of an attribute of one number, or of a list; 1 or 0 of a switch; none where it has none.
 std::optional<double> first_value(scene::Data& data) {
   const scene::Value& value = data.value();
   if (const auto* real = std::get_if<double>(&value)) return *real;
+  if (const auto* is_on = std::get_if<bool>(&value)) return *is_on ? 1 : 0;
   const auto* reals = std::get_if<std::vector<double>>(&value);
   return reals && !reals->empty() ? std::optional(reals->front()) : std::nullopt;
 }
@@ -136,6 +138,15 @@ Session::Session(Subject subject, MakeComponent make)
         parameter.name = region->name() + "." + parameter.name;
       }
   }
+
+  for (scene::Component* component : subject_.scene.root().all<scene::Component>())
+    if (scene::Data* data = component->find_data(attributes::kActive.name);
+        data && data->attribute().type == Type::kBool && data->attribute().access == attributes::Access::kInput)
+      parameters_.push_back({.attribute = &data->attribute(),
+                             .component = component,
+                             .name = component->name() + "." + std::string(attributes::kActive.name),
+                             .value = first_value(*data),
+                             .max = 1});
 
   // a hand that is about as strong as a cube of the softest matter, and holds a handful of nodes
   const double size = std::cbrt(shown_.initial_volume());
@@ -254,7 +265,10 @@ void Session::set(std::string_view name, std::optional<double> value) {
   const auto parameter = std::ranges::find(parameters_, name, &Parameter::name);
   post([this, &parameter = *parameter, value] {
     std::optional<scene::Value> given;
-    if (value && parameter.attribute->type != Type::kReals) given = *value;
+    if (value && parameter.attribute->type == Type::kBool)
+      given = *value != 0;
+    else if (value && parameter.attribute->type != Type::kReals)
+      given = *value;
     if (value && parameter.attribute->type == Type::kReals) {
       std::vector<double> values = parameter.of_hexahedra.empty() ? std::vector{1.0} : parameter.of_hexahedra;
       for (double& one : values) one *= *value;
