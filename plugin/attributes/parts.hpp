@@ -197,4 +197,25 @@ inline constexpr Description kRunSettings{.class_name = "RunSettings",
                                           .help = "How long a scene runs and how often its state is saved.",
                                           .attributes = kRunSettingsAttributes};
 
+inline constexpr Attribute kAttributeChangeAttributes[] = {
+    {.name = "component", .type = Type::kLink, .help = "The component that has the attribute."},
+    {.name = "attribute",
+     .type = Type::kText,
+     .help = "Its name. The component must accept a new value during the run, as bodies accept those of their material "
+             "and instruments those of their path."},
+    {.name = "keyTimes",
+     .type = Type::kReals,
+     .unit = "s",
+     .help = "Times of the changes, ascending. Each happens at the beginning of the first step from this time on."},
+    {.name = "values",
+     .type = Type::kText,
+     .help = "The value from each key time on, as the attribute takes it, separated by semicolons. An empty one: as if "
+             "the attribute were not given."},
+};
+inline constexpr Description kAttributeChange{
+    .class_name = "AttributeChange",
+    .category = "Settings",
+    .help = "Changes an attribute of another component during the run, as the sliders of the live window do.",
+    .attributes = kAttributeChangeAttributes};
+
 }  // namespace hexaplast::attributes

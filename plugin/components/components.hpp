@@ -7,7 +7,7 @@
 /// and core; what they mean is written in the attribute table (attributes/hexaplast.hpp, attributes/stock.hpp).
 namespace hexaplast::components {
 
-void add_settings(scene::Factory& factory);              // RunSettings, and what is ignored
+void add_settings(scene::Factory& factory);              // RunSettings, AttributeChange, and what is ignored
 void add_animation_loop(scene::Factory& factory);        // DefaultAnimationLoop, FreeMotionAnimationLoop
 void add_solvers(scene::Factory& factory);               // EulerImplicitSolver, StaticSolver
 void add_integrators(scene::Factory& factory);           // EulerExplicitSolver and its like, NewmarkImplicitSolver

@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
 #include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "components/part.hpp"
+#include "hexaplast/base/error.hpp"
+#include "parts/attribute_change.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -10,6 +18,98 @@ namespace {
 class RunSettings final : public scene::Component {
  public:
   RunSettings() : Component(attributes::kRunSettings) {}
+};
+
+/// Changes an attribute of another component between two steps.
+class AttributeChange final : public scene::Component {
+ public:
+  AttributeChange() : Component(attributes::kAttributeChange) {}
+
+  void bwd_init() override {
+    scene::Object* target = find_data("component")->target();
+    if (!target) reject("component", "is not given, must lead to a component");
+    component_ = dynamic_cast<scene::Component*>(target);
+    if (!component_)
+      reject("component",
+             fmt::format("leads to {} '{}', must lead to a component", target->class_name(), target->name()));
+    data_ = component_->find_data(text("attribute"));
+    if (!data_ || data_->attribute().access != attributes::Access::kInput) {
+      std::vector<std::string_view> known;
+      for (const auto& data : component_->all_data())
+        if (data->attribute().access == attributes::Access::kInput) known.push_back(data->attribute().name);
+      reject("attribute",
+             fmt::format("{} '{}' has no attribute '{}' that a scene gives", component_->class_name(),
+                         component_->name(), text("attribute")),
+             scene::did_you_mean(text("attribute"), known));
+    }
+    values_ = values();
+    times_ = key_times(*this, "keyTimes", "values", values_.size());
+    if (data_->is_given()) before_ = {.value = data_->value(), .source = data_->source(), .link = data_->link()};
+  }
+
+  void begin_step() override {
+    const auto due = std::ranges::upper_bound(times_, node().clock().time) - times_.begin();
+    if (due <= num_done_) return;
+    num_done_ = due;
+    put();
+    component_->follow_inputs();
+  }
+
+  void reset() override {
+    if (num_done_ == 0) return;
+    num_done_ = 0;
+    put();
+    component_->follow_inputs();
+  }
+
+  void serialize(Archive& archive) override {
+    std::int64_t num_done = num_done_;
+    archive(num_done);
+    if (!archive.reads()) return;
+    if (num_done < 0 || num_done > std::ssize(times_))
+      throw InputError(fmt::format("{} changes are saved of {}", num_done, times_.size()));
+    num_done_ = num_done;
+    put();  // the host makes the component follow
+  }
+
+ private:
+  struct Given {
+    scene::Value value;
+    scene::Data* source;
+    std::string link;
+  };
+  using Change = std::optional<scene::Value>;  // none: not given
+
+  std::vector<Change> values() {
+    std::vector<Change> all;
+    for (const std::optional<std::string_view> one : parts::values_of_changes(text("values"))) try {
+        all.push_back(one ? Change(scene::read_value(data_->attribute(), *one)) : Change());
+      } catch (const InputError& error) {
+        reject("values", fmt::format("{}.{}: {}", component_->class_name(), data_->attribute().name, error.what()));
+      }
+    return all;
+  }
+
+  void put() {
+    if (num_done_ > 0) {
+      if (const Change& change = values_[static_cast<std::size_t>(num_done_ - 1)])
+        data_->give(*change, place());
+      else
+        data_->unset();
+    } else if (!before_) {
+      data_->unset();
+    } else {
+      data_->give(before_->value, place());
+      if (before_->source) data_->follow(*before_->source, before_->link);
+    }
+  }
+
+  scene::Component* component_ = nullptr;
+  scene::Data* data_ = nullptr;
+  std::vector<Change> values_;
+  std::vector<double> times_;  // [s]
+  std::optional<Given> before_;
+  std::int64_t num_done_ = 0;
 };
 
 /// Accepted so that scenes can be read, and without effect.
@@ -29,6 +129,7 @@ class Ignored final : public scene::Component {
 
 void add_settings(scene::Factory& factory) {
   factory.add<RunSettings>(attributes::kRunSettings);
+  factory.add<AttributeChange>(attributes::kAttributeChange);
   for (const attributes::Description& description : attributes::kIgnoredComponents)
     factory.add(description, [&description] { return std::make_unique<Ignored>(description); });
 }

@@ -90,6 +90,19 @@ ProbePanels::ProbePanels(std::vector<ProbeRecord> probes) : probes_(std::move(pr
         {probes_[p].name, probes_[p].unit, 1e-12, {{probes_[p].name, {columns_[p]}, 1, 0, &CurveColours::first}}});
 }
 
+bool has_nothing_to_see(const Panel& panel) {
+  // nothing is loaded, nothing is torn
+  constexpr std::string_view kShownIfNotZero[] = {"elongation", "twist", "yielded hexahedra",
+                                                  "displacement of loaded nodes", "removed hexahedra"};
+  if (std::ranges::count(kShownIfNotZero, panel.quantity) == 0) return false;
+  const double rounding = 1e-9 * panel.least_span;
+  return std::ranges::all_of(panel.series, [&](const Series& series) {
+    return std::ranges::all_of(series.curves, [&](const Curve& curve) {
+      return std::ranges::all_of(curve.values, [&](double value) { return std::abs(value) <= rounding; });
+    });
+  });
+}
+
 HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted,
                          const CurveColours& colours) {
   HistoryView view;

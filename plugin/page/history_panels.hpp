@@ -67,6 +67,9 @@ struct HistoryView {
   StepTimes step_times;
 };
 
+/// Whether a panel of a quantity that many runs do not have, as twist or removed hexahedra, shows nothing but rounding.
+bool has_nothing_to_see(const Panel& panel);
+
 /// Throws OutputError.
 HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted,
                          const CurveColours& colours = {});

@@ -41,6 +41,9 @@ void draw_keys(SvgText& svg, const PanelFrame& frame, const Panel& panel) {
 void write_plot(const std::filesystem::path& file, const std::filesystem::path& history, const std::string& title,
                 int num_elements) {
   HistoryView view = view_history(history, history_panels());
+  // as many as fit; what shows nothing makes room for what comes behind
+  for (auto panel = view.panels.begin(); panel != view.panels.end() && view.panels.size() > std::size(kFrames);)
+    panel = has_nothing_to_see(*panel) ? view.panels.erase(panel) : panel + 1;
   if (view.panels.size() < std::size(kFrames)) return;  // no state was recorded
   view.panels.resize(std::size(kFrames));
   for (Panel& panel : view.panels)

@@ -6,8 +6,8 @@
 
 namespace hexaplast::output {
 
-/// Draws how a run went over time, from its history.csv, as one SVG picture: elongation, twist, volume error, yielded
-/// hexahedra. Throws OutputError.
+/// Draws how a run went over time, from its history.csv, as one SVG picture: the first four charts that show something,
+/// of elongation, twist, volume error, yielded hexahedra, energy and what comes behind. Throws OutputError.
 void write_plot(const std::filesystem::path& file, const std::filesystem::path& history, const std::string& title,
                 int num_elements);
 

@@ -76,16 +76,6 @@ std::map<long, std::vector<std::string>> removed_by_step(const fs::path& directo
   return removed;
 }
 
-/// But for rounding.
-bool is_zero(const Panel& panel) {
-  const double rounding = 1e-9 * panel.least_span;
-  return std::ranges::all_of(panel.series, [&](const Series& series) {
-    return std::ranges::all_of(series.curves, [&](const Curve& curve) {
-      return std::ranges::all_of(curve.values, [&](double value) { return std::abs(value) <= rounding; });
-    });
-  });
-}
-
 // One slow step must not press all others to the ground.
 std::string mark_step_times(Panel& panel, const StepTimes& times) {
   constexpr double kHighest = 3;  // of p99
@@ -106,16 +96,13 @@ std::vector<HistoryPanel> panels_of(const std::vector<HistoryPanel>& of_probes) 
 }
 
 void add_charts(HtmlPage& page, const fs::path& directory, const std::vector<ProbeRecord>& probes) {
-  // nothing is loaded, nothing is torn: nothing to see
-  constexpr std::string_view kShownIfNotZero[] = {"elongation", "twist", "yielded hexahedra",
-                                                  "displacement of loaded nodes", "removed hexahedra"};
   const ProbePanels of_probes(probes);
   HistoryView view = view_history(directory / "history.csv", panels_of(of_probes.panels()), kPageColours);
   if (view.panels.empty()) return;
   page.heading("Over time");
   page.add("<div class=\"charts\">");
   for (Panel& panel : view.panels) {
-    if (std::ranges::count(kShownIfNotZero, panel.quantity) > 0 && is_zero(panel)) continue;
+    if (has_nothing_to_see(panel)) continue;
     const std::string note = panel.quantity == "time per step" ? mark_step_times(panel, view.step_times) : "";
     page.chart(panel, note);
   }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast::output {
 
@@ -18,6 +20,10 @@ struct Instrument {
   PointArray shape_points = PointArray(0, 3);  ///< [m] of its surface; empty: it has no shape
   std::vector<Triangle> shape_triangles = {};  ///< of these points, counter-clockwise seen from outside
 
+  /// [m] Where its force acts: the mean of its nodes, by their forces. A shape's own origin may lie far from where it
+  /// touches. Without a shape, or without a force: place. positions: of the body's nodes [m].
+  Vec3 acts_at(ConstPoints positions) const;
+
   /// [N] on the body.
   Vec3 force() const { return forces.rows() == 0 ? Vec3::Zero() : Vec3(forces.colwise().sum()); }
 };
@@ -29,5 +35,16 @@ struct BoundaryConditions {
       PointArray(0, 3);  ///< [N] external forces, those of instruments included: num_nodes x 3; empty: none
   std::vector<Instrument> instruments;
 };
+
+/// A force on a node that no instrument makes.
+struct NodalLoad {
+  int node;
+  Vec3 force;  ///< [N]
+};
+
+/// Those that are worth showing: where they lie close together, the strongest stands for its neighbourhood in the
+/// original shape. alive: per hexahedron; nodes that hold nothing together are left out.
+std::vector<NodalLoad> shown_loads(const HexMesh& mesh, std::span<const unsigned char> alive,
+                                   const BoundaryConditions& conditions);
 
 }  // namespace hexaplast::output

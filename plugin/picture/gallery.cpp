@@ -148,7 +148,8 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
 }
 
 Gallery::Tool Gallery::tool_of(const Instrument& instrument, ConstPoints positions) {
-  Tool tool{instrument.place.cast<float>(), instrument.force().cast<float>(), nullptr, single(instrument.shape_points)};
+  Tool tool{instrument.acts_at(positions).cast<float>(), instrument.force().cast<float>(), nullptr,
+            single(instrument.shape_points)};
   if (instrument.shape_triangles.empty()) return tool;
 
   std::vector<Surface::Face> faces;
@@ -157,16 +158,6 @@ Gallery::Tool Gallery::tool_of(const Instrument& instrument, ConstPoints positio
   if (!latest || latest->faces() != faces || latest->original().size() != tool.points.size())
     latest = std::make_shared<Surface>(tool.points, std::move(faces));
   tool.surface = latest;
-
-  // a shape's own origin may lie far from where it touches
-  Vec3 sum = Vec3::Zero();
-  double weight = 0;
-  for (std::size_t k = 0; k < instrument.nodes.size(); ++k) {
-    const double force = instrument.forces.row(static_cast<Eigen::Index>(k)).norm();
-    sum += force * positions.row(instrument.nodes[k]).transpose();
-    weight += force;
-  }
-  if (weight > 0) tool.place = (sum / weight).cast<float>();
   return tool;
 }
 

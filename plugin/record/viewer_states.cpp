@@ -25,10 +25,8 @@ namespace {
 using Eigen::Vector3f;
 using Json = nlohmann::ordered_json;
 
-constexpr double kMostBytes = 2e6;      // of all states before they are deflated
-constexpr float kNegligible = 1e-6f;    // of the strongest load: rounding that is left of loads without pulls
-constexpr double kBetweenLoads = 0.05;  // of the diagonal: of denser loads the strongest are shown
-constexpr int kColours = 65;            // samples of the colour map
+constexpr double kMostBytes = 2e6;  // of all states before they are deflated
+constexpr int kColours = 65;        // samples of the colour map
 constexpr std::uint8_t kNoValue8 = 255;
 constexpr std::uintmax_t kMostFile = 64u << 20;  // [bytes] of a file that goes into a page
 
@@ -82,8 +80,6 @@ std::vector<Vector3f> rows_of(ConstPoints points) {
   for (Eigen::Index row = 0; row < points.rows(); ++row) places.push_back(points.row(row).transpose().cast<float>());
   return places;
 }
-
-double diagonal_of(ConstPoints points) { return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm(); }
 
 }  // namespace
 
@@ -149,46 +145,20 @@ std::vector<float> ViewerStates::nodal_values(Quantity quantity, const ElementFi
   return {numbers.begin(), numbers.end()};
 }
 
-// Those of single nodes: the force of an instrument is shown as one. Where they lie close together, the strongest
-// stands for its neighbourhood in the original shape.
 std::vector<ViewerStates::Load> ViewerStates::loads_of(const BoundaryConditions& conditions) const {
-  if (!staging_.shows_loads || conditions.loads.rows() == 0) return {};
-  PointArray forces = conditions.loads;
-  for (const Instrument& instrument : conditions.instruments)
-    for (std::size_t k = 0; k < instrument.nodes.size(); ++k)
-      forces.row(instrument.nodes[k]) -= instrument.forces.row(static_cast<Eigen::Index>(k));
-  const PointArray& original = bodies_.mesh().positions();
-  const double across = kBetweenLoads * diagonal_of(original);
-  const double least = kNegligible * conditions.loads.rowwise().norm().maxCoeff();
-  std::map<std::array<int, 3>, int> strongest;  // node by neighbourhood
-  for (int node = 0; node < bodies_.mesh().num_nodes(); ++node) {
-    if (!(forces.row(node).norm() > least)) continue;
-    if (!hold_together(bodies_.mesh(), bodies_.alive(), {&node, 1})) continue;
-    std::array<int, 3> cell;
-    for (int axis = 0; axis < 3; ++axis) cell[axis] = static_cast<int>(std::floor(original(node, axis) / across));
-    const auto [found, is_first] = strongest.emplace(cell, node);
-    if (!is_first && forces.row(node).norm() > 1.001 * forces.row(found->second).norm()) found->second = node;
-  }
   std::vector<Load> loads;
-  for (const auto& [cell, node] : strongest) loads.push_back({node, forces.row(node).transpose().cast<float>()});
+  if (!staging_.shows_loads) return loads;
+  for (const auto& [node, force] : shown_loads(bodies_.mesh(), bodies_.alive(), conditions))
+    loads.push_back({node, force.cast<float>()});
   return loads;
 }
 
 ViewerStates::Tool ViewerStates::tool_of(const Instrument& instrument, ConstPoints positions) {
   const auto known = std::ranges::find(shapes_, instrument.shape_triangles);
-  Tool tool{instrument.id, static_cast<std::size_t>(known - shapes_.begin()), instrument.place.cast<float>(),
-            instrument.force().cast<float>(), rows_of(instrument.shape_points)};
+  Tool tool{instrument.id, static_cast<std::size_t>(known - shapes_.begin()),
+            instrument.acts_at(positions).cast<float>(), instrument.force().cast<float>(),
+            rows_of(instrument.shape_points)};
   if (known == shapes_.end()) shapes_.push_back(instrument.shape_triangles);
-
-  // a shape's own origin may lie far from where it touches
-  Vec3 sum = Vec3::Zero();
-  double weight = 0;
-  for (std::size_t k = 0; k < instrument.nodes.size() && !instrument.shape_triangles.empty(); ++k) {
-    const double force = instrument.forces.row(static_cast<Eigen::Index>(k)).norm();
-    sum += force * positions.row(instrument.nodes[k]).transpose();
-    weight += force;
-  }
-  if (weight > 0) tool.place = (sum / weight).cast<float>();
   return tool;
 }
 

@@ -355,7 +355,8 @@ void add_mesh(CLI::App& app, MeshOptions& options) {
 }
 
 void add_view(CLI::App& app, ViewOptions& options) {
-  CLI::App* command = app.add_subcommand("view", "Run a scene in a window, and pull at it with the mouse");
+  CLI::App* command = app.add_subcommand(
+      "view", "Run a scene in a window, and pull and push at it with the mouse; or look at a finished run");
   add_scene(*command, options.scene);
   add_view_options(*command, options);
 }

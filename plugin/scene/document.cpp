@@ -220,6 +220,14 @@ class Importer {
   std::uintmax_t num_bytes_ = 0;
 };
 
+void print(const Element& element, tinyxml2::XMLPrinter& printer) {
+  printer.OpenElement(element.tag.c_str());
+  for (const ElementAttribute& attribute : element.attributes)
+    printer.PushAttribute(attribute.name.c_str(), attribute.value.c_str());
+  for (const Element& child : element.children) print(child, printer);
+  printer.CloseElement();
+}
+
 }  // namespace
 
 const ElementAttribute* Element::find(std::string_view name) const {
@@ -246,6 +254,14 @@ std::string read_scene_file(const fs::path& file) {
 Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics, InputFiles* inputs,
                       const SearchPath& search, Severity idle_replacement) {
   return Importer(diagnostics, inputs, search, idle_replacement).import(text, file, {file.string(), 0, nullptr});
+}
+
+std::string write_document(const Element& root, const std::string& comment) {
+  tinyxml2::XMLPrinter printer;
+  printer.PushHeader(false, true);
+  printer.PushComment(comment.c_str());
+  print(root, printer);
+  return printer.CStr();
 }
 
 }  // namespace hexaplast::scene

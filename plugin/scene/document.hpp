@@ -59,4 +59,8 @@ Element read_document(std::string_view text, const std::filesystem::path& file, 
                       InputFiles* inputs = nullptr, const SearchPath& search = {},
                       Severity idle_replacement = Severity::kError);
 
+/// The text of an element and of what is in it, in UTF-8, as a file of its own. `comment`: before the root; must not
+/// have `--` in it.
+std::string write_document(const Element& root, const std::string& comment);
+
 }  // namespace hexaplast::scene

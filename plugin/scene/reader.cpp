@@ -70,6 +70,16 @@ bool is_active(const Element& node) {
   }
 }
 
+void visit_elements(Node& node, Element& element, const std::function<void(Object&, Element&)>& visit) {
+  std::size_t num_components = 0, num_children = 0;
+  for (Element& child : element.children)
+    if (child.tag != "Node")
+      visit(*node.components().at(num_components++), child);
+    else if (is_active(child))
+      visit_elements(*node.children().at(num_children++), child, visit);
+  visit(node, element);
+}
+
 /// Makes the graph of a scene from its elements.
 class Reader {
  public:
@@ -376,6 +386,10 @@ Scene read_scene(const std::filesystem::path& file, const Factory& factory, Plug
   SearchPath whole = search;
   whole.add_sofa_tree(file);
   return read_scene_text(text, file.string(), factory, plugins, grammar, whole);
+}
+
+void for_each_element(Scene& scene, Element& document, const std::function<void(Object&, Element&)>& visit) {
+  visit_elements(scene.root(), document, visit);
 }
 
 Data& named_attribute(Scene& scene, std::string_view name, std::string_view words) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scene/document.hpp"
 #include "scene/factory.hpp"
 #include "scene/plugin.hpp"
 #include "scene/scene.hpp"
@@ -39,6 +41,11 @@ Scene read_scene(const std::filesystem::path& file, const Factory& factory, Plug
 /// The same from text; `name` stands for the file in messages, and for the place from which includes are looked for.
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
                       Grammar grammar = Grammar::kStrict, const SearchPath& search = {});
+
+/// Visits the nodes and components of a scene with the elements of the document that it was read from: what is in a
+/// node before the node itself. What was added to the scene later has no element. `document`: read_document of the same
+/// file.
+void for_each_element(Scene& scene, Element& document, const std::function<void(Object&, Element&)>& visit);
 
 /// The command line's `--set PATH.attribute=VALUE` means nothing in the scene: its path, attribute or link leads
 /// nowhere, or its value is none of the attribute's. What the scene as a whole refuses is a SceneError of init.

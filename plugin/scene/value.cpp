@@ -2,6 +2,7 @@
 #include "scene/value.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <charconv>
 #include <cmath>
@@ -179,6 +180,23 @@ Value read_value(const Attribute& attribute, std::string_view text) {
       break;
   }
   return std::string(text);
+}
+
+std::string write_value(const Value& value) {
+  struct Writer {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(bool is) const { return is ? "true" : "false"; }
+    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
+    std::string operator()(double number) const { return fmt::format("{}", number); }
+    std::string operator()(const std::string& text) const { return text; }
+    std::string operator()(const std::vector<std::int64_t>& numbers) const {
+      return fmt::format("{}", fmt::join(numbers, " "));
+    }
+    std::string operator()(const std::vector<double>& numbers) const {
+      return fmt::format("{}", fmt::join(numbers, " "));
+    }
+  };
+  return std::visit(Writer(), value);
 }
 
 void check_value(const Attribute& attribute, const Value& value) {

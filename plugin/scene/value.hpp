@@ -22,6 +22,9 @@ using Value = std::variant<std::monostate, bool, std::int64_t, double, std::stri
 /// Throws InputError saying what is wrong, the value, and what is allowed.
 Value read_value(const attributes::Attribute& attribute, std::string_view text);
 
+/// A value as a scene writes it; numbers come back with all their bits. Empty where there is none.
+std::string write_value(const Value& value);
+
 /// Checks a value that does not come from text against an attribute's range, words and group size.
 /// Throws InputError like read_value.
 void check_value(const attributes::Attribute& attribute, const Value& value);

@@ -8,11 +8,12 @@
 namespace hexaplast::view {
 namespace {
 
-const double kHalfHeight = std::tan(14 * std::numbers::pi / 180);  // of the picture, at distance 1
-constexpr double kTurn = 0.008;                                    // [rad/pixel]
-constexpr double kSteepest = 1.55;                                 // [rad] just short of straight above
-constexpr double kClick = 0.88;                                    // of the distance is left after a click
-constexpr double kRoom = 1.12;                                     // around what is fitted
+constexpr double kHalfAngle = 14;                                          // [deg] from the middle to the upper border
+const double kHalfHeight = std::tan(kHalfAngle * std::numbers::pi / 180);  // of the picture, at distance 1
+constexpr double kTurn = 0.008;                                            // [rad/pixel]
+constexpr double kSteepest = 1.55;                                         // [rad] just short of straight above
+constexpr double kClick = 0.88;                                            // of the distance is left after a click
+constexpr double kRoom = 1.12;                                             // around what is fitted
 
 }  // namespace
 
@@ -64,6 +65,8 @@ Mat3 Camera::axes() const {
 }
 
 Vec3 Camera::eye() const { return target_ + distance_ * axes().row(2).transpose(); }
+
+double Camera::field_of_view() { return 2 * kHalfAngle; }
 
 Ray Camera::ray(double x, double y) const {
   const double scale = 2 * kHalfHeight / height_;

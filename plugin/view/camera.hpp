@@ -25,12 +25,16 @@ class Camera {
   Eigen::Vector2d pixel_of(const Vec3& place) const;
   double metres_per_pixel(const Vec3& place) const;  ///< at the distance of a place
 
+  Vec3 eye() const;                               ///< [m]
+  const Vec3& target() const { return target_; }  ///< [m]
+  Vec3 up() const { return axes().row(1).transpose(); }
+  static double field_of_view();  ///< [deg] from the lower to the upper border
+
   Eigen::Matrix4d view() const;                                 ///< world to eye: right, up, towards the viewer
   Eigen::Matrix4d clip(const Eigen::AlignedBox3d& seen) const;  ///< world to clip; `seen` fits between near and far
 
  private:
   Mat3 axes() const;  ///< rows: right, up, towards
-  Vec3 eye() const;
 
   Mat3 table_;                          // rows: two directions in the plane of the turntable, and its axis
   double azimuth_ = 0, elevation_ = 0;  // [rad]

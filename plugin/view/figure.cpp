@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "picture/picture_cut.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -20,6 +23,12 @@ std::vector<Vector3f> single(ConstPoints points) {
 std::vector<Surface::Face> faces_of(const output::EmbeddedSurface& embedded) {
   std::vector<Surface::Face> faces = embedded.quads;
   for (const auto& [a, b, c] : embedded.triangles) faces.push_back({a, b, c, c});
+  return faces;
+}
+
+std::vector<Surface::Face> faces_of(const std::vector<Triangle>& triangles) {
+  std::vector<Surface::Face> faces;
+  for (const auto& [a, b, c] : triangles) faces.push_back({a, b, c, c});
   return faces;
 }
 
@@ -71,7 +80,10 @@ void Figure::update(const Snapshot& snapshot, const Look& look) {
   ghost_edges_.clear();
   fixed_places_.clear();
   range_.setEmpty();
-  shows_embedded_surfaces_ = look.shows_embedded_surfaces && has_embedded_surfaces();
+  cut_ = look.cut;
+  cut_triangles_.clear();
+  cut_edges_.clear();
+  shows_embedded_surfaces_ = look.shows_embedded_surfaces && has_embedded_surfaces() && !cut_;
 
   if (look.ghost != Ghost::kNone) {
     const ConstPoints nodes = look.ghost == Ghost::kOriginal ? mesh_.positions() : snapshot.material;
@@ -90,7 +102,10 @@ void Figure::update(const Snapshot& snapshot, const Look& look) {
   if (look.shows_edges)
     for (const auto& [a, b] : body_.surface->edges()) edges_.insert(edges_.end(), {nodes[a], nodes[b]});
   if (!shows_embedded_surfaces_)
-    for (const int node : fixed_nodes_) fixed_places_.push_back(nodes[node]);
+    for (const int node : fixed_nodes_)
+      if (!cut_ || cut_->height(nodes[node].cast<double>()) <= 0) fixed_places_.push_back(nodes[node]);
+  if (cut_) draw_cut(snapshot.positions, snapshot.values, look.shows_edges);
+  draw_tools(look.shows_instruments ? snapshot.conditions.instruments : std::vector<output::Instrument>());
 
   // with the original, so that the depths of two moments differ little
   box_.setEmpty();
@@ -133,6 +148,40 @@ void Figure::draw(const Sheet& sheet, std::span<const double> nodal_values) {
   }
 }
 
+void Figure::draw_cut(ConstPoints positions, std::span<const double> nodal_values, bool shows_edges) {
+  const PlaneCut cut = output::picture_cut(mesh_, positions, *cut_, alive_);
+  PointArray at_nodes = PointArray::Zero(mesh_.num_nodes(), 3), values(cut.num_points(), 3);  // in their first column
+  if (std::ranges::all_of(nodal_values, [](double value) { return std::isfinite(value); }))
+    at_nodes.col(0) = Eigen::VectorXd::Map(nodal_values.data(), mesh_.num_nodes());
+  cut_points_.resize(cut.num_points(), 3);
+  cut.apply(positions, cut_points_);
+  cut.apply(at_nodes, values);
+  cut_faces_ = cut.triangles();
+
+  const Places points = single(cut_points_);
+  const Vector3f normal = cut_->normal.cast<float>();
+  for (const Triangle& face : cut_faces_)
+    for (const int point : face)
+      cut_triangles_.push_back({points[point], normal, static_cast<float>(values(point, 0))});
+  for (const std::vector<Edge>* lines : {&cut.inner_lines(), &cut.outline()})
+    for (const auto& [a, b] : *lines)
+      if (shows_edges || lines == &cut.outline()) cut_edges_.insert(cut_edges_.end(), {points[a], points[b]});
+}
+
+void Figure::draw_tools(const std::vector<output::Instrument>& instruments) {
+  tool_triangles_.clear();
+  for (const output::Instrument& instrument : instruments) {
+    if (instrument.shape_triangles.empty()) continue;
+    const Places points = single(instrument.shape_points);
+    Tool& tool = tools_[instrument.id];
+    if (tool.triangles != instrument.shape_triangles || tool.surface->original().size() != points.size())
+      tool = {instrument.shape_triangles, std::make_unique<Surface>(points, faces_of(instrument.shape_triangles))};
+    const std::vector<std::array<Vector3f, 4>> normals = tool.surface->corner_normals(points);
+    for (std::size_t f = 0; f < normals.size(); ++f)
+      for (int k = 0; k < 3; ++k) tool_triangles_.push_back({points[tool.triangles[f][k]], normals[f][k], 0});
+  }
+}
+
 void Figure::draw_ghost(Sheet& sheet, ConstPoints nodes) {
   place(sheet, nodes);
   const Places points = single(sheet.points);
@@ -141,14 +190,69 @@ void Figure::draw_ghost(Sheet& sheet, ConstPoints nodes) {
   for (const auto& [a, b] : sheet.surface->creases()) ghost_edges_.insert(ghost_edges_.end(), {points[a], points[b]});
 }
 
-std::optional<Hit> Figure::hit(const Ray& ray) const {
-  if (!shows_embedded_surfaces_) return first_hit(ray, body_.points, body_.surface->faces());
-  std::optional<Hit> first;
-  for (const Sheet& embedded : embedded_surfaces_) {
-    const std::optional<Hit> found = first_hit(ray, embedded.points, embedded.surface->faces());
-    if (found && (!first || found->distance < first->distance)) first = found;
-  }
+std::optional<Figure::Seen> Figure::hit(const Ray& ray) const {
+  if (cut_) return hit_below(*cut_, ray);
+  if (!shows_embedded_surfaces_) return hit(body_, ray);
+  std::optional<Seen> first;
+  for (const Sheet& embedded : embedded_surfaces_)
+    if (const std::optional<Seen> found = hit(embedded, ray); found && (!first || found->distance < first->distance))
+      first = found;
   return first;
+}
+
+std::optional<Figure::Seen> Figure::hit_below(const Plane& cut, const Ray& ray) const {
+  // from the plane on, where the viewer stands above it
+  const double height = cut.height(ray.origin), fall = -cut.normal.dot(ray.direction);
+  if (height > 0 && fall <= 0) return std::nullopt;
+  Ray below = ray;
+  if (height > 0) below.origin += height / fall * ray.direction;
+  const std::optional<Hit> face = first_hit(ray, cut_points_, std::span<const Triangle>(cut_faces_));
+  std::optional<Seen> seen = hit(body_, below);
+  if (seen) seen->distance = (seen->place - ray.origin).norm();
+  if (!face || (seen && seen->distance < face->distance)) return seen;
+  Seen in_plane{.place = face->place, .outwards = cut.normal, .distance = face->distance};
+  in_plane.hexahedron = nearest_hexahedron(face->place);
+  return in_plane;
+}
+
+/// By the middles of those that are left.
+int Figure::nearest_hexahedron(const Vec3& place) const {
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int e = 0; e < mesh_.num_elements(); ++e) {
+    if (!alive_[static_cast<std::size_t>(e)]) continue;
+    Vec3 middle = Vec3::Zero();
+    for (const int node : mesh_.hexahedra()[static_cast<std::size_t>(e)])
+      middle += body_.points.row(node).transpose() / kCorners;
+    if (const double distance = (middle - place).squaredNorm(); distance < least) {
+      least = distance;
+      nearest = e;
+    }
+  }
+  return nearest;
+}
+
+std::optional<Figure::Seen> Figure::hit(const Sheet& sheet, const Ray& ray) const {
+  const std::optional<Hit> met = first_hit(ray, sheet.points, sheet.surface->faces());
+  if (!met) return std::nullopt;
+  const Face& face = sheet.surface->faces()[static_cast<std::size_t>(met->face)];
+  const auto corner = [&](int k) { return Vec3(sheet.points.row(face[k]).transpose()); };
+  const Vec3 normal =
+      (corner(2) - corner(0)).cross(corner(3) == corner(2) ? Vec3(corner(2) - corner(1)) : Vec3(corner(3) - corner(1)));
+  Seen seen{.place = met->place, .outwards = -ray.direction.normalized(), .distance = met->distance};
+  if (normal.norm() > 0) seen.outwards = (normal.dot(ray.direction) > 0 ? -1 : 1) * normal.normalized();
+  seen.hexahedron = hexahedron_at(sheet, face);
+  return seen;
+}
+
+int Figure::hexahedron_at(const Sheet& sheet, const Face& face) const {
+  if (sheet.embedding) return sheet.embedding->hexahedron_of(face[0]);
+  for (int e = 0; e < mesh_.num_elements(); ++e) {
+    const Hexahedron& corners = mesh_.hexahedra()[static_cast<std::size_t>(e)];
+    const auto has = [&](int node) { return std::ranges::find(corners, node) != corners.end(); };
+    if (alive_[static_cast<std::size_t>(e)] && std::ranges::all_of(face, has)) return e;
+  }
+  return 0;
 }
 
 }  // namespace hexaplast::view

@@ -2,15 +2,17 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/pick.hpp"
+#include "hexaplast/geometry/plane_cut.hpp"
 #include "picture/gallery.hpp"
 #include "picture/surface.hpp"
-#include "view/session.hpp"
+#include "view/source.hpp"
 
 namespace hexaplast::view {
 
@@ -22,6 +24,8 @@ struct Look {
   bool shows_embedded_surfaces = true;  ///< where the scene has some; otherwise the faces of the hexahedra
   bool shows_edges = true;              ///< of the hexahedra
   Ghost ghost = Ghost::kOriginal;
+  bool shows_instruments = true;
+  std::optional<Plane> cut = {};  ///< what lies above it is left out; hexahedra are shown then, surfaces have no inside
 };
 
 /// The triangles, lines and points that show a snapshot, and what the mouse meets.
@@ -48,13 +52,25 @@ class Figure {
   const std::vector<Eigen::Vector3f>& ghost_triangles() const { return ghost_triangles_; }
   const std::vector<Eigen::Vector3f>& ghost_edges() const { return ghost_edges_; }
   const std::vector<Eigen::Vector3f>& fixed_places() const { return fixed_places_; }
-  const Eigen::AlignedBox3d& box() const { return box_; }  ///< [m] of all of it
+  const std::vector<Vertex>& tool_triangles() const { return tool_triangles_; }
+  const Eigen::AlignedBox3d& box() const { return box_; }  ///< [m] of the body
+
+  /// What was cut out: the triangles and edges above are to be clipped by the plane, these are not.
+  const std::optional<Plane>& cut() const { return cut_; }
+  const std::vector<Vertex>& cut_triangles() const { return cut_triangles_; }
+  const std::vector<Eigen::Vector3f>& cut_edges() const { return cut_edges_; }
 
   /// Least and largest value shown; empty where the quantity has none (yield stress of what never yields).
   const Eigen::AlignedBox1d& range() const { return range_; }
 
-  /// Where a ray first meets what is shown.
-  std::optional<Hit> hit(const Ray& ray) const;
+  /// What a ray first meets of what is shown.
+  struct Seen {
+    Vec3 place;           ///< [m]
+    Vec3 outwards;        ///< unit vector, away from the body
+    double distance = 0;  ///< [m] from the origin of the ray
+    int hexahedron = 0;   ///< of the mesh, where it is met
+  };
+  std::optional<Seen> hit(const Ray& ray) const;
 
  private:
   using Places = std::vector<Eigen::Vector3f>;
@@ -72,6 +88,12 @@ class Figure {
   void leave(std::span<const unsigned char> alive);  // only what is alive
   void place(Sheet& sheet, ConstPoints nodes) const;
   void draw(const Sheet& sheet, std::span<const double> nodal_values);
+  std::optional<Seen> hit(const Sheet& sheet, const Ray& ray) const;
+  std::optional<Seen> hit_below(const Plane& cut, const Ray& ray) const;
+  int nearest_hexahedron(const Vec3& place) const;
+  int hexahedron_at(const Sheet& sheet, const Face& face) const;
+  void draw_cut(ConstPoints positions, std::span<const double> nodal_values, bool shows_edges);
+  void draw_tools(const std::vector<output::Instrument>& instruments);
   void draw_ghost(Sheet& sheet, ConstPoints nodes);
 
   const HexMesh& mesh_;
@@ -82,8 +104,17 @@ class Figure {
   std::vector<Sheet> embedded_surfaces_;
   bool shows_embedded_surfaces_ = false;
 
-  std::vector<Vertex> triangles_;
-  Places edges_, ghost_triangles_, ghost_edges_, fixed_places_;
+  struct Tool {
+    std::vector<Triangle> triangles;
+    std::unique_ptr<output::Surface> surface;
+  };
+  std::map<int, Tool> tools_;  // by the number of the instrument
+
+  std::optional<Plane> cut_;
+  PointArray cut_points_;  // [m]
+  std::vector<Triangle> cut_faces_;
+  std::vector<Vertex> triangles_, tool_triangles_, cut_triangles_;
+  Places edges_, cut_edges_, ghost_triangles_, ghost_edges_, fixed_places_;
   Eigen::AlignedBox3d box_;
   Eigen::AlignedBox1d range_;
 };

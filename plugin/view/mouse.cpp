@@ -6,11 +6,13 @@
 namespace hexaplast::view {
 namespace {
 
+constexpr double kPush = 0.02;  // of the size of what is shown, by which a click of the wheel moves the hand on
+
 void grab(WindowState& window, double x, double y) {
-  const std::optional<Hit> hit = window.figure.hit(window.camera.ray(x, y));
-  if (!hit) return;
-  window.grabbed = hit->place;
-  window.session.grab(hit->place, window.hand);
+  if (!window.session || !window.pointed_at) return;
+  const Vec3 towards = -window.camera.ray(x, y).direction.normalized();
+  window.grabbed = window.pointed_at->place;
+  window.session->grab({window.pointed_at->place, window.pointed_at->outwards, towards}, window.hand);
 }
 
 }  // namespace
@@ -19,15 +21,23 @@ void Mouse::follow(WindowState& window) {
   const ImGuiIO& io = ImGui::GetIO();
   const double x = io.MousePos.x - window.left, y = io.MousePos.y;
   const bool is_inside = !io.WantCaptureMouse && x >= 0 && x < window.width;
-  if (is_inside && io.MouseWheel != 0) window.camera.zoom(io.MouseWheel);
+  window.pointed_at.reset();
+  if (is_inside && !window.grabbed && turning_ < 0) window.pointed_at = window.figure.hit(window.camera.ray(x, y));
+  if (is_inside && io.MouseWheel != 0) {
+    const double way = kPush * io.MouseWheel * window.figure.box().diagonal().norm();
+    if (window.grabbed)  // away from the viewer: it presses
+      *window.grabbed += way * window.camera.ray(x, y).direction.normalized();
+    else
+      window.camera.zoom(io.MouseWheel);
+  }
   if (is_inside && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !io.KeyShift) grab(window, x, y);
   for (const int button : {ImGuiMouseButton_Left, ImGuiMouseButton_Right, ImGuiMouseButton_Middle})
     if (is_inside && ImGui::IsMouseClicked(button)) turning_ = button;
 
   if (window.grabbed && io.MouseDown[ImGuiMouseButton_Left]) {
-    window.session.drag(window.camera.at_depth_of(*window.grabbed, x, y));
+    window.session->drag(window.camera.at_depth_of(*window.grabbed, x, y));
   } else if (window.grabbed) {
-    window.session.release();
+    window.session->release();
     window.grabbed.reset();
   } else if (turning_ >= 0 && io.MouseDown[turning_]) {
     const bool is_panning = turning_ == ImGuiMouseButton_Middle || io.KeyShift;

@@ -28,6 +28,7 @@ const Vector4f kGhostFill(0.86f, 0.88f, 0.92f, 0.55f);
 const Vector4f kGhostEdge(0.62f, 0.66f, 0.72f, 0.9f);
 const Vector4f kEdge(0.16f, 0.13f, 0.16f, 0.42f);
 const Vector4f kCage(0.25f, 0.30f, 0.38f, 0.24f);  // edges around embedded surfaces
+const Vector4f kTool(0.62f, 0.70f, 0.78f, 1);
 const Vector4f kFixed(0.13f, 0.13f, 0.15f, 1);
 
 // A surface in light from a whole sky, from a lamp that casts soft shadows, and with the gleam of what is moist. The
@@ -39,10 +40,12 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in float value;
 uniform mat4 clip, view, light;
 uniform vec2 scale;  // least, 1 / (most - least)
+uniform vec4 cut;    // what lies above is left out: normal, offset
 out vec3 eye_place, eye_normal, in_light;
 out float share;
 void main() {
   gl_Position = clip * vec4(place, 1);
+  gl_ClipDistance[0] = cut.w - dot(cut.xyz, place);
   eye_place = (view * vec4(place, 1)).xyz;
   eye_normal = mat3(view) * normal;
   in_light = (light * vec4(place, 1)).xyz * 0.5 + 0.5;
@@ -55,6 +58,7 @@ in float share;
 uniform sampler2D colours;
 uniform sampler2DShadow shadow;
 uniform vec3 lamp;  // towards it, seen from the eye
+uniform vec4 paint;  // in place of the scale, where its alpha is 1
 out vec4 colour;
 
 const vec2 kDisc[12] = vec2[](vec2(-0.33, -0.40), vec2(-0.84, -0.07), vec2(-0.70, 0.46), vec2(-0.20, 0.62),
@@ -72,7 +76,7 @@ void main() {
   float direct = max(slant, 0) * lit;
   float sky = 0.5 + 0.5 * n.y;
 
-  vec3 base = texture(colours, vec2(clamp(share, 0.002, 0.998), 0.5)).rgb;
+  vec3 base = mix(texture(colours, vec2(clamp(share, 0.002, 0.998), 0.5)).rgb, paint.rgb, paint.a);
   float brightness = min(0.56 + 0.16 * sky + 0.36 * direct, 1.0);
   float gleam = 0.22 * lit * pow(max(dot(n, normalize(lamp + towards)), 0), 48);
   float rim = 0.10 * pow(1 - max(dot(n, towards), 0), 3);
@@ -84,8 +88,10 @@ layout(location = 0) in vec3 place;
 uniform mat4 clip;
 uniform float nearer;  // pulled towards the viewer by this much of the depth
 uniform float point_size;
+uniform vec4 cut;
 void main() {
   gl_Position = clip * vec4(place, 1);
+  gl_ClipDistance[0] = cut.w - dot(cut.xyz, place);
   gl_Position.z -= nearer * gl_Position.w;
   gl_PointSize = point_size;
 })";
@@ -232,8 +238,29 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   const Matrix4f view = camera.view().cast<float>(), clip = camera.clip(figure.box()).cast<float>();
   const Vector3f lamp = Vector3f(-0.38f, 0.58f, 0.85f).normalized();  // seen from the eye
   const Matrix4f light = lamp_view(view.topLeftCorner<3, 3>().transpose() * lamp, figure.box().cast<float>());
-  send(triangles_.buffer, figure.triangles());
-  draw_shadow(figure, light);
+  const Vector4f whole(0, 0, 0, 1);
+  Vector4f cut = whole;
+  if (figure.cut()) cut << figure.cut()->normal.cast<float>(), static_cast<float>(figure.cut()->offset);
+  const auto set_cut = [](unsigned program, const Vector4f& plane) {
+    glUniform4fv(place_of(program, "cut"), 1, plane.data());
+  };
+  glEnable(GL_CLIP_DISTANCE0);
+
+  // all that casts shadows
+  glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame_);
+  glViewport(0, 0, kShadowSize, kShadowSize);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  glUseProgram(flat_);
+  set(flat_, "clip", light);
+  glUniform1f(place_of(flat_, "nearer"), 0);
+  set_cut(flat_, cut);
+  draw_triangles(figure.triangles());
+  draw_triangles(figure.tool_triangles());
+  set_cut(flat_, whole);
+  draw_triangles(figure.cut_triangles());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
 
   glViewport(viewport.left, viewport.bottom, viewport.width, viewport.height);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -241,9 +268,11 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CLIP_DISTANCE0);
   glUseProgram(backdrop_);
   glBindVertexArray(nothing_.array);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_CLIP_DISTANCE0);
 
   // behind everything else, however near it is
   glUseProgram(flat_);
@@ -262,44 +291,46 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   set(surface_, "clip", clip);
   set(surface_, "view", view);
   set(surface_, "light", light);
+  set_cut(surface_, cut);
   glUniform3fv(place_of(surface_, "lamp"), 1, lamp.data());
   glUniform2f(place_of(surface_, "scale"), static_cast<float>(least),
               most > least ? static_cast<float>(1 / (most - least)) : 0);
   glUniform1i(place_of(surface_, "colours"), 0);
   glUniform1i(place_of(surface_, "shadow"), 1);
+  glUniform4f(place_of(surface_, "paint"), 0, 0, 0, 0);
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_2D, shadow_);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, colours_);
   glEnable(GL_POLYGON_OFFSET_FILL);  // so that edges lie in front over their full width
   glPolygonOffset(2, 8);
-  glBindVertexArray(triangles_.array);
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<int>(figure.triangles().size()));
+  draw_triangles(figure.triangles());
+  glUniform4fv(place_of(surface_, "paint"), 1, kTool.data());
+  draw_triangles(figure.tool_triangles());
+  glUniform4f(place_of(surface_, "paint"), 0, 0, 0, 0);
+  set_cut(surface_, whole);
+  draw_triangles(figure.cut_triangles());
   glDisable(GL_POLYGON_OFFSET_FILL);
 
   glUseProgram(flat_);
   glUniform1f(place_of(flat_, "nearer"), 2e-4f);
   glDepthMask(GL_FALSE);
+  draw_places(figure.cut_edges(), GL_LINES, kEdge);
+  set_cut(flat_, cut);
   draw_places(figure.edges(), GL_LINES, figure.shows_embedded_surfaces() ? kCage : kEdge);
+  set_cut(flat_, whole);
   glUniform1f(place_of(flat_, "nearer"), 2e-3f);
   draw_places(figure.fixed_places(), GL_POINTS, kFixed, kFixedSize);
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CLIP_DISTANCE0);
   glBindVertexArray(0);
 }
 
-void Painter::draw_shadow(const Figure& figure, const Matrix4f& light) {
-  glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame_);
-  glViewport(0, 0, kShadowSize, kShadowSize);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LESS);
-  glClear(GL_DEPTH_BUFFER_BIT);
-  glUseProgram(flat_);
-  set(flat_, "clip", light);
-  glUniform1f(place_of(flat_, "nearer"), 0);
+void Painter::draw_triangles(const std::vector<Figure::Vertex>& corners) {
+  send(triangles_.buffer, corners);
   glBindVertexArray(triangles_.array);
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<int>(figure.triangles().size()));
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<int>(corners.size()));
 }
 
 void Painter::draw_places(const std::vector<Vector3f>& places, unsigned mode, const Vector4f& colour,

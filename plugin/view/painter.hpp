@@ -32,7 +32,7 @@ class Painter {
     unsigned array = 0, buffer = 0;
   };
 
-  void draw_shadow(const Figure& figure, const Eigen::Matrix4f& light);
+  void draw_triangles(const std::vector<Figure::Vertex>& corners);
   void draw_places(const std::vector<Eigen::Vector3f>& places, unsigned mode, const Eigen::Vector4f& colour,
                    float point_size = 1);
 

@@ -6,6 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <span>
 
 #include "attributes/admissible.hpp"
 #include "view/widgets.hpp"
@@ -14,6 +18,7 @@ namespace hexaplast::view {
 namespace {
 
 constexpr std::array kGhosts{"none", "initial", "without load"};
+constexpr std::array kCuts{"none", "x", "y", "z"};
 
 bool is_switch(const Parameter& parameter) { return parameter.attribute->type == attributes::Type::kBool; }
 
@@ -55,64 +60,112 @@ void draw_parameter(Session& session, const Parameter& parameter, std::optional<
   ImGui::PopID();
 }
 
-}  // namespace
+/// One of several words.
+bool choose(const char* label, int& chosen, std::span<const char* const> words) {
+  return ImGui::Combo(label, &chosen, words.data(), static_cast<int>(words.size()));
+}
 
-void draw_controls(WindowState& window) {
-  ImGui::TextUnformatted(window.session.title().c_str());
-  ImGui::TextDisabled("step %ld   t = %.3f s", window.now.step, window.now.sample.time);
-
+void draw_motion(WindowState& window) {
   const float across = ImGui::GetContentRegionAvail().x, gap = ImGui::GetStyle().ItemSpacing.x;
-  const ImVec2 third{(across - 2 * gap) / 3, 30};
-  if (ImGui::Button(window.now.is_running ? "pause" : "run", third)) window.toggle_running();
+  const ImVec2 button{(across - 3 * gap) / 4, 30};
+  if (ImGui::Button(window.now.is_running ? "pause" : "run", button)) window.toggle_running();
   explain("Space");
   ImGui::SameLine();
-  if (ImGui::Button("step", third)) window.session.advance(1);
-  explain("S: one time step");
+  if (ImGui::Button("step", button)) window.source.advance(1);
+  explain(window.session ? "S: one time step" : "S, right: the next state that was saved. Left: the one before");
   ImGui::SameLine();
-  if (ImGui::Button("reset", third)) window.reset();
-  explain("R: back to the beginning, with the material as it is now");
+  if (ImGui::Button("reset", button)) window.reset();
+  explain(window.session ? "R: back to the beginning, with the material as it is now" : "R: back to the beginning");
+  ImGui::SameLine();
+  if (window.session) {
+    ImGui::BeginDisabled(window.now.num_undo == 0);
+    if (ImGui::Button("undo", button)) window.undo();
+    ImGui::EndDisabled();
+    explain("U: back to the state before the hand took hold last. The sliders of the material go back too.");
+  } else {
+    ImGui::NewLine();
+  }
+
+  if (window.replay) {
+    int state = window.replay->state();
+    ImGui::SetNextItemWidth(across);
+    if (ImGui::SliderInt("##state", &state, 0, window.replay->num_states() - 1,
+                         fmt::format("t = {:.4g} s", window.replay->time(state)).c_str()))
+      window.replay->go_to(state);
+    explain("The states that the run has saved");
+  }
 
   bool is_real_time = window.pace == Pace::kRealTime;
-  if (ImGui::Checkbox("real time", &is_real_time))
-    window.session.set_pace(window.pace = is_real_time ? Pace::kRealTime : Pace::kFree);
+  if (ImGui::Checkbox("real time", &is_real_time)) {
+    window.pace = is_real_time ? Pace::kRealTime : Pace::kFree;
+    window.set_pace();
+  }
   explain("Steps in real time if they are fast enough. Otherwise as fast as possible.");
   ImGui::SameLine();
-  if (ImGui::Button("picture")) window.wants_picture = true;
-  explain("P: writes a PNG file of this window");
-  ImGui::SameLine();
-  if (ImGui::Button("fit")) window.fit();
-  explain("F: looks at the whole body");
+  ImGui::BeginDisabled(!is_real_time);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  const double slowest = 0.02, fastest = 5;
+  if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &window.speed, &slowest, &fastest, "speed %.3g",
+                          ImGuiSliderFlags_Logarithmic))
+    window.set_pace();
+  ImGui::EndDisabled();
+  explain("Seconds of the simulation per second. Frames are dropped before steps are.");
+}
 
-  heading("view");
+void draw_view(WindowState& window) {
   int chosen = static_cast<int>(window.now.quantity);
   if (ImGui::BeginCombo("colour", window.colouring().name)) {
     for (int k = 0; k < static_cast<int>(kColourings.size()); ++k)
-      if (ImGui::Selectable(kColourings[k].name, k == chosen)) window.session.show(kColourings[k].quantity);
+      if (ImGui::Selectable(kColourings[k].name, k == chosen)) window.source.show(kColourings[k].quantity);
     ImGui::EndCombo();
   }
   int ghost = static_cast<int>(window.look.ghost);
-  if (ImGui::Combo("ghost", &ghost, kGhosts.data(), static_cast<int>(kGhosts.size())))
-    window.look.ghost = static_cast<Ghost>(ghost);
+  if (choose("ghost", ghost, kGhosts)) window.look.ghost = static_cast<Ghost>(ghost);
   explain("Shape behind the body: the initial shape, or the shape without load (G)");
+  int cut = window.cut_axis + 1;
+  if (choose("cut", cut, kCuts)) window.cut_axis = cut - 1;
+  explain("X, Y, Z: leaves out what lies before a plane across this axis");
+  if (window.cut_axis >= 0) {
+    const double least = 0, most = 1;
+    ImGui::SliderScalar("place of the cut", ImGuiDataType_Double, &window.cut_place, &least, &most,
+                        fmt::format("{:.4g} m", std::abs(window.look.cut ? window.look.cut->offset : 0)).c_str());
+  }
   ImGui::Checkbox(window.figure.has_embedded_surfaces() ? "cage" : "edges", &window.look.shows_edges);
   explain("W: edges of the hexahedra");
   if (window.figure.has_embedded_surfaces()) {
     ImGui::SameLine();
-    ImGui::Checkbox("embedded surfaces", &window.look.shows_embedded_surfaces);
+    ImGui::Checkbox("surfaces", &window.look.shows_embedded_surfaces);
+    explain("Embedded surfaces");
   }
+  ImGui::SameLine();
+  ImGui::Checkbox("loads", &window.look.shows_instruments);
+  explain("Instruments, and forces as arrows");
+  if (ImGui::Button("fit")) window.fit();
+  explain("F: looks at the whole body");
+  ImGui::SameLine();
+  if (ImGui::Button("window.png")) window.wants_picture = true;
+  explain("P: writes a picture of this window");
+  ImGui::SameLine();
+  if (ImGui::Button("picture.png")) window.wants_page = true;
+  explain("Shift P: writes a picture as hexaplast render draws it");
+}
 
-  heading("material");
-  const std::vector<Parameter>& parameters = window.session.parameters();
-  for (std::size_t k = 0; k < parameters.size(); ++k)
-    if (!is_switch(parameters[k])) draw_parameter(window.session, parameters[k], window.now.parameter_values[k]);
-
-  if (std::ranges::any_of(parameters, is_switch)) heading("contact");
-  for (std::size_t k = 0; k < parameters.size(); ++k)
-    if (is_switch(parameters[k])) draw_switch(window.session, parameters[k], window.now.parameter_values[k]);
-
-  heading("hand");
-  ImGui::PushItemWidth(across * 0.5f);
-  const HandSettings& usual = window.session.suggested_hand();
+void draw_hand(WindowState& window) {
+  const HandSettings& usual = window.session->suggested_hand();
+  int tool = static_cast<int>(window.hand.tool);
+  if (choose("instrument", tool, kToolNames)) window.hand.tool = static_cast<Tool>(tool);
+  explain(
+      "grip: holds nodes by springs. The others are rigid and touch the tissue: they press and rub, and never pull. "
+      "The wheel pushes them away from you. Keys: 1 to 4");
+  if (window.hand.tool != Tool::kGrip) {
+    if (!window.session->touch_refusal().empty()) return tell(kRust, window.session->touch_refusal());
+    slider("size", "m", window.hand.size, usual.size / 10, usual.size * 4,
+           "Diameter of the sphere and the capsule, edge of the box");
+    const double none = 0, most = 2;
+    ImGui::SliderScalar("friction", ImGuiDataType_Double, &window.hand.friction, &none, &most, "%.3g");
+    explain("Coefficient of friction between instrument and tissue");
+    return;
+  }
   slider("radius", "m", window.hand.radius, usual.radius / 5, usual.radius * 10,
          "The hand holds the nodes of the surface within this distance of its grip.");
   slider("stiffness", "N/m", window.hand.stiffness, usual.stiffness / 100, usual.stiffness * 100,
@@ -121,33 +174,62 @@ void draw_controls(WindowState& window) {
          "Largest force of the hand, for any distance of the mouse.");
   slider("damping", "N s/m", window.hand.damping, usual.damping / 100, usual.damping * 10,
          "Of a dashpot parallel to the spring: it prevents oscillation about the mouse.");
-  ImGui::PopItemWidth();
+}
 
+}  // namespace
+
+void draw_controls(WindowState& window) {
+  ImGui::TextUnformatted(window.source.title().c_str());
+  ImGui::TextDisabled("step %ld   t = %.3f s", window.now.step, window.now.sample.time);
+  draw_motion(window);
+  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
+  heading("view");
+  draw_view(window);
+  if (window.session) {
+    heading("material");
+    const std::vector<Parameter>& parameters = window.session->parameters();
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (!is_switch(parameters[k])) draw_parameter(*window.session, parameters[k], window.now.parameter_values[k]);
+    if (std::ranges::any_of(parameters, is_switch)) heading("contact");
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (is_switch(parameters[k])) draw_switch(*window.session, parameters[k], window.now.parameter_values[k]);
+    heading("hand");
+    draw_hand(window);
+  }
+  ImGui::PopItemWidth();
   if (!window.now.failure.empty()) tell(kRust, window.now.failure + "\nReset returns to the initial state.");
   if (!window.message.empty()) tell(kFaint, window.message);
 }
 
 void draw_plots(const WindowState& window) {
-  const double end = std::max(window.now.sample.time, Traces::kSpan), begin = end - Traces::kSpan;
-  plot("elongation", "%",
-       {{"current", kSteel, window.traces.world_elongation}, {"plastic", kRust, window.traces.plastic_elongation}},
-       begin, end);
-  plot("max plastic strain", "-", {{"", kRust, window.traces.plastic_strain}}, begin, end);
-  plot("volume error", "%",
-       {{"current", kSteel, window.traces.world_volume}, {"plastic", kRust, window.traces.material_volume}}, begin,
-       end);
-  plot("energy", "J",
-       {{"kin", kLeaf, window.traces.kinetic},
-        {"el", kSteel, window.traces.elastic},
-        {"diss", kRust, window.traces.dissipated}},
-       begin, end);
-  if (!window.traces.step_ms.empty()) {
-    const double last = window.traces.step_ms.latest_time();
-    plot("time of a step", "ms", {{"", kInk, window.traces.step_ms}}, last - Traces::kSteps, last);
+  const Traces& traces = window.traces;
+  const double now = window.now.sample.time;
+  double begin = std::max(now, Traces::kSpan) - Traces::kSpan, end = begin + Traces::kSpan;
+  std::optional<double> cursor;
+  if (window.replay) {
+    begin = window.replay->time(0);
+    end = window.replay->time(window.replay->num_states() - 1);
+    if (!(end > begin)) end = begin + 1;
+    cursor = now;
   }
-  ImGui::TextDisabled("median %.3g ms   99th percentile %.3g ms", window.traces.step_ms.quantile(0.5),
-                      window.traces.step_ms.quantile(0.99));
-  ImGui::TextDisabled("a step lasts %.4g ms of simulated time", 1e3 * window.session.dt());
+  const auto draw = [&](const char* title, const char* unit, std::initializer_list<Curve> curves) {
+    if (window.session || std::ranges::any_of(curves, [](const Curve& curve) { return !curve.trace.empty(); }))
+      plot(title, unit, curves, begin, end, cursor);
+  };
+  draw("elongation", "%",
+       {{"current", kSteel, traces.world_elongation}, {"plastic", kRust, traces.plastic_elongation}});
+  draw("max plastic strain", "-", {{"", kRust, traces.plastic_strain}});
+  draw("volume error", "%", {{"current", kSteel, traces.world_volume}, {"plastic", kRust, traces.material_volume}});
+  draw("energy", "J",
+       {{"kin", kLeaf, traces.kinetic}, {"el", kSteel, traces.elastic}, {"diss", kRust, traces.dissipated}});
+  if (!traces.step_ms.empty()) {
+    const double last = traces.step_ms.latest_time();
+    plot("time of a step", "ms", {{"", kInk, traces.step_ms}}, window.replay ? 0 : last - Traces::kSteps, last,
+         window.replay ? std::optional<double>(static_cast<double>(window.now.step)) : std::nullopt);
+    ImGui::TextDisabled("median %.3g ms   99th percentile %.3g ms", traces.step_ms.quantile(0.5),
+                        traces.step_ms.quantile(0.99));
+  }
+  if (window.session) ImGui::TextDisabled("a step lasts %.4g ms of simulated time", 1e3 * window.source.dt());
 }
 
 }  // namespace hexaplast::view

@@ -11,10 +11,11 @@
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/geometry/pick.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "picture/quantity.hpp"
 #include "scene/region.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -22,13 +23,17 @@ namespace {
 using attributes::Attribute;
 using attributes::Type;
 
-constexpr double kNever = 1e300;       // [s] a time that no session reaches
-constexpr double kEverywhere = 1e300;  // [m]
-constexpr double kSliderReach = 100;   // a slider reaches from a hundredth of its first value to a hundred times it
-constexpr double kHandDelay = 0.05;    // [s] within which the hand's dashpot lets tissue follow its spring
+constexpr double kSliderReach = 100;  // a slider reaches from a hundredth of its first value to a hundred times it
+constexpr double kHandDelay = 0.05;   // [s] within which the hand's dashpot lets tissue follow its spring
+constexpr double kToolSize = 0.12;    // diameter of what touches, in sizes of the bodies
+constexpr auto kSlowestFrame = std::chrono::milliseconds(200);  // a snapshot comes so often, however late steps are
 constexpr auto kPatience = std::chrono::milliseconds(100);  // by which real time may run ahead before it is given up
 
-const scene::Place kWindow{.file = "window"};
+const scene::Place kSliders{.file = "window"};
+
+double size_of(const HexMesh& mesh) {
+  return (mesh.positions().colwise().maxCoeff() - mesh.positions().colwise().minCoeff()).norm();
+}
 
 std::vector<scene::SceneBody> some_bodies(scene::Scene& scene) {
   std::vector<scene::SceneBody> bodies = scene::bodies_of(scene);
@@ -42,15 +47,6 @@ std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody
   std::vector<output::Bodies::Entry> entries;
   for (const scene::SceneBody& body : bodies) entries.push_back({.name = body.name, .body = body.field->body()});
   return entries;
-}
-
-/// Nodes of the surface of what is left of a body, ascending.
-std::vector<int> surface_nodes(const Body& body) {
-  std::vector<int> nodes;
-  for (const Quad& face : body.mesh().boundary_faces(body.alive())) nodes.insert(nodes.end(), face.begin(), face.end());
-  std::ranges::sort(nodes);
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
 }
 
 /// The value of an attribute of one number, or of a list; 1 or 0 of a switch; none where it has none.
@@ -119,11 +115,12 @@ Parameter parameter_of(scene::Component& component, scene::Data& data, const Bod
 
 }  // namespace
 
-Session::Session(Subject subject, const MakeHand& make_hand)
+Session::Session(Subject subject, MakeComponent make)
     : subject_(std::move(subject)),
       bodies_(some_bodies(subject_.scene)),
       shown_(entries_of(bodies_)),
       dt_(subject_.scene.dt()),
+      hand_(subject_.scene, bodies_, std::move(make), size_of(shown_.mesh())),
       measurement_(shown_) {
   for (const scene::SceneBody& of : bodies_)
     for (const Row<Material>& row : material_rows())  // what a body may take anew between two steps
@@ -159,21 +156,12 @@ Session::Session(Subject subject, const MakeHand& make_hand)
   suggested_hand_ = {.radius = 1.8 * std::cbrt(shown_.initial_volume() / mesh().num_elements()),
                      .stiffness = young * size,
                      .max_force = young * size * size / 2,
-                     .damping = kHandDelay * young * size};
-
-  for (const scene::SceneBody& of : bodies_) {
-    std::unique_ptr<scene::Component> hand = make_hand();
-    const auto give = [&](std::string_view attribute, scene::Value value) {
-      hand->find_data(attribute)->give(std::move(value), kWindow);
-    };
-    give("graspTime", kNever);
-    give("keyTimes", std::vector<double>{0});
-    give("positions", std::vector<double>{0, 0, 0});
-    give("radius", kEverywhere);
-    hands_.push_back(hand.get());
-    subject_.scene.add(of.state->node(), std::move(hand), "hand");
-  }
-  hand_ = hands_.front();
+                     .damping = kHandDelay * young * size,
+                     .size = kToolSize * size_of(mesh())};
+  hand_.about_to_hold = [this] { save(); };
+  hand_.has_grown = [this] { saved_.clear(); };
+  first_parameters_ = given_parameters();
+  step_lasts_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt_));
   subject_.scene.diagnostics().take_warnings();  // solvers repeat what they have said when the scene was read
 
   thread_ = std::thread([this] { work(); });
@@ -221,19 +209,25 @@ void Session::advance(long steps) {
 
 void Session::reset() {
   post([this] {
-    open_hand();
+    hand_.reset();
     subject_.reset();
     is_running_ = false;
     steps_asked_ = 0;
     latest_ = {};
     failure_.clear();
     step_ms_.clear();
+    saved_.clear();
+    changes_.clear();
+    const std::vector<Given> given = given_parameters();
+    for (std::size_t k = 0; k < parameters_.size(); ++k)
+      if (given[k].value != first_parameters_[k].value) note_change(parameters_[k]);
   });
 }
 
-void Session::set_pace(Pace pace) {
-  post([this, pace] {
+void Session::set_pace(Pace pace, double speed) {
+  post([this, pace, speed] {
     pace_ = pace;
+    step_lasts_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt_ / speed));
     due_ = Clock::now();
   });
 }
@@ -242,54 +236,45 @@ void Session::show(Quantity quantity) {
   post([this, quantity] { quantity_ = quantity; });
 }
 
-void Session::grab(const Vec3& place, const HandSettings& settings) {
-  post([this, place, settings] {
-    open_hand();
-    std::size_t nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < bodies_.size(); ++k) {
-      const PointArray& x = bodies_[k].state->positions();
-      for (const int node : nearest_nodes(x, surface_nodes(*bodies_[k].field->body()), place, 0, 1))
-        if (const double distance = (x.row(node).transpose() - place).norm(); distance < least) {
-          least = distance;
-          nearest = k;
-        }
-    }
-    const std::vector<int> held = nearest_nodes(
-        bodies_[nearest].state->positions(), surface_nodes(*bodies_[nearest].field->body()), place, settings.radius, 1);
-    if (held.empty()) return;  // nothing is left of the bodies
-    hand_ = hands_[nearest];
-    first_held_ = shown_.all()[nearest].first_node;
-
-    change(*hand_, "indices", std::vector<std::int64_t>(held.begin(), held.end()));
-    change(*hand_, "positions", std::vector<double>(place.begin(), place.end()));
-    change(*hand_, "stiffness", settings.stiffness);
-    change(*hand_, "maxForce", settings.max_force);
-    change(*hand_, "damping", settings.damping);
-    change(*hand_, "graspTime", subject_.scene.time());
-    hand_->begin_step();  // it closes here, and not where the mouse will be when the next step begins
+void Session::grab(const Touch& touch, const HandSettings& settings) {
+  post([this, touch, settings] {
+    if (failure_.empty()) attempt([&] { hand_.grab(touch, settings); });
   });
 }
 
 void Session::drag(const Vec3& place) {
-  post([this, place] { change(*hand_, "positions", std::vector<double>(place.begin(), place.end())); });
+  post([this, place] { hand_.drag(place); });
 }
 
 void Session::release() {
-  post([this] { open_hand(); });
+  post([this] { hand_.release(); });
+}
+
+void Session::undo() {
+  post([this] {
+    if (saved_.empty()) return;
+    attempt([&] {
+      restore(saved_.back());
+      failure_.clear();
+    });
+    saved_.pop_back();
+  });
 }
 
 void Session::set(std::string_view name, std::optional<double> value) {
   const auto parameter = std::ranges::find(parameters_, name, &Parameter::name);
   post([this, &parameter = *parameter, value] {
-    const std::string_view attribute = parameter.attribute->name;
-    if (!value) return change(*parameter.component, attribute, std::nullopt);
-    if (parameter.attribute->type == Type::kBool)
-      return change(*parameter.component, attribute, scene::Value(*value != 0));
-    if (parameter.attribute->type != Type::kReals) return change(*parameter.component, attribute, scene::Value(*value));
-    std::vector<double> values = parameter.of_hexahedra.empty() ? std::vector{1.0} : parameter.of_hexahedra;
-    for (double& one : values) one *= *value;
-    change(*parameter.component, attribute, scene::Value(std::move(values)));
+    std::optional<scene::Value> given;
+    if (value && parameter.attribute->type == Type::kBool)
+      given = *value != 0;
+    else if (value && parameter.attribute->type != Type::kReals)
+      given = *value;
+    if (value && parameter.attribute->type == Type::kReals) {
+      std::vector<double> values = parameter.of_hexahedra.empty() ? std::vector{1.0} : parameter.of_hexahedra;
+      for (double& one : values) one *= *value;
+      given = std::move(values);
+    }
+    if (change(*parameter.component, parameter.attribute->name, std::move(given), messages_)) note_change(parameter);
   });
 }
 
@@ -330,7 +315,8 @@ void Session::work() {
     if (is_ending && steps_asked_ == 0) return;
 
     if (is_due()) step();
-    if (is_wanted && has_changed_) publish();
+    // where time is short, it is for steps
+    if (is_wanted && has_changed_ && (!is_late() || Clock::now() - published_ > kSlowestFrame)) publish();
   }
 }
 
@@ -338,52 +324,91 @@ bool Session::is_due() const {
   return steps_asked_ > 0 || (is_running_ && (pace_ == Pace::kFree || Clock::now() >= due_));
 }
 
-void Session::step() {
+bool Session::is_late() const { return is_running_ && pace_ == Pace::kRealTime && Clock::now() > due_ + step_lasts_; }
+
+/// Whatever goes wrong, the window lives on, and a reset leads out of it.
+template <class Call>
+void Session::attempt(const Call& call) {
   try {
-    latest_ = subject_.step();
-    step_ms_.push_back(static_cast<float>(latest_.step_ms));
-  } catch (const std::exception& error) {  // whatever it is, the window lives on, and a reset leads out of it
+    call();
+  } catch (const std::exception& error) {
     failure_ = error.what();
     is_running_ = false;
     steps_asked_ = 0;
   }
+}
+
+void Session::step() {
+  attempt([&] {
+    hand_.begin_step();
+    latest_ = subject_.step();
+    step_ms_.push_back(static_cast<float>(latest_.step_ms));
+    hand_.end_step();
+  });
   for (const scene::Message& message : subject_.scene.diagnostics().take_warnings())
     messages_.push_back(scene::format(message));
   steps_asked_ = std::max(steps_asked_ - 1, 0L);
   has_changed_ = true;
 
-  due_ += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt_));
+  due_ += step_lasts_;
   if (const Clock::time_point now = Clock::now(); due_ + kPatience < now) due_ = now;
 }
 
-// The component looks at its inputs at once, so that what it refuses can be taken back.
-void Session::change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value) {
-  scene::Data& data = *component.find_data(attribute);
-  const auto put = [&](std::optional<scene::Value> one) {
-    if (one)
-      data.give(std::move(*one), kWindow);
-    else
-      data.unset();
-  };
-  const auto before = data.is_given() ? std::optional(data.value()) : std::nullopt;
-  try {
-    put(std::move(value));
-  } catch (const InputError& error) {
-    messages_.push_back(fmt::format("{}: {}", attribute, error.what()));
-    return;
+std::vector<Session::Given> Session::given_parameters() const {
+  std::vector<Given> all;
+  for (const Parameter& parameter : parameters_) {
+    scene::Data& data = *parameter.component->find_data(parameter.attribute->name);
+    Given& given = all.emplace_back();
+    if (data.is_given()) given = {.value = data.value(), .source = data.source(), .link = data.link()};
   }
-  try {
-    component.follow_inputs();
-  } catch (const std::exception& error) {
-    messages_.push_back(error.what());
-    put(before);
-    component.follow_inputs();
-  }
+  return all;
 }
 
-void Session::open_hand() {
-  change(*hand_, "graspTime", kNever);
-  hand_->reset();
+void Session::save() {
+  if (!subject_.serialize) return;
+  Saved& saved = saved_.emplace_back();
+  Archive archive([&saved](const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const std::byte*>(data);
+    saved.bytes.insert(saved.bytes.end(), bytes, bytes + size);
+  });
+  subject_.serialize(archive);
+  saved.latest = latest_;
+  saved.hand = hand_.save();
+  saved.parameters = given_parameters();
+  saved.num_changes = changes_.size();
+  if (saved_.size() > kMostUndo) saved_.pop_front();
+}
+
+void Session::restore(const Saved& saved) {
+  hand_.restore(saved.hand);
+  for (std::size_t k = 0; k < parameters_.size(); ++k) {
+    scene::Data& data = *parameters_[k].component->find_data(parameters_[k].attribute->name);
+    const Given& given = saved.parameters[k];
+    if (given.value)
+      data.give(*given.value, kSliders);
+    else
+      data.unset();
+    if (given.source) data.follow(*given.source, given.link);
+  }
+  Archive archive(saved.bytes);
+  subject_.serialize(archive);
+  latest_ = saved.latest;
+  step_ms_.clear();
+  changes_.resize(saved.num_changes);
+}
+
+/// Its present value, from the present time on.
+void Session::note_change(const Parameter& parameter) {
+  scene::Data& data = *parameter.component->find_data(parameter.attribute->name);
+  const double time = subject_.scene.time();
+  std::erase_if(changes_, [&](const Change& earlier) {
+    return earlier.time == time && earlier.component == parameter.component &&
+           earlier.attribute == parameter.attribute->name;
+  });
+  changes_.push_back({.time = time,
+                      .component = parameter.component,
+                      .attribute = std::string(parameter.attribute->name),
+                      .value = data.is_given() ? std::optional(scene::write_value(data.value())) : std::nullopt});
 }
 
 /// A field of all bodies.
@@ -395,26 +420,31 @@ const PointArray& Session::gather(PointArray& (scene::MechanicalState::*field)()
   return all;
 }
 
-std::vector<double> Session::values_of(Quantity quantity, const ElementFields& fields) {
-  const auto nodal = [&](const std::vector<double>& of_hexahedra) {
-    return nodal_means(mesh(), of_hexahedra, shown_.alive());
-  };
-  switch (quantity) {
-    case Quantity::kPlasticStrain:
-      return nodal(fields.plastic_strain);
-    case Quantity::kStressNorm:
-      return nodal(fields.stress_norm);
-    case Quantity::kYieldStress:
-      return nodal(fields.yield_stress);
-    case Quantity::kVolumeRatio:
-      return nodal(fields.volume_ratio);
-    case Quantity::kSpeed:
-      break;
+/// Puts them into the snapshot.
+void Session::publish_values(const ElementFields& fields) {
+  back_.quantity = quantity_;
+  if (quantity_ == Quantity::kSpeed) {
+    back_.of_hexahedra.clear();
+    back_.values = output::speeds(gather(&scene::MechanicalState::velocities, velocities_));
+    return;
   }
-  std::vector<double> speed(static_cast<std::size_t>(mesh().num_nodes()));
-  Eigen::VectorXd::Map(speed.data(), mesh().num_nodes()) =
-      gather(&scene::MechanicalState::velocities, velocities_).rowwise().norm();
-  return speed;
+  back_.of_hexahedra = quantity_ == Quantity::kStressNorm    ? fields.stress_norm
+                       : quantity_ == Quantity::kYieldStress ? fields.yield_stress
+                       : quantity_ == Quantity::kVolumeRatio ? fields.volume_ratio
+                                                             : fields.plastic_strain;
+  back_.values = nodal_means(mesh(), back_.of_hexahedra, shown_.alive());
+}
+
+/// Without the hand's instruments that are out of the way.
+output::BoundaryConditions Session::conditions() const {
+  if (!subject_.conditions) return {};
+  output::BoundaryConditions conditions = subject_.conditions();
+  const std::vector<scene::Instrument*> all = subject_.scene.root().all<scene::Instrument>();
+  std::erase_if(conditions.instruments, [&](const output::Instrument& shown) {
+    const auto* component = dynamic_cast<const scene::Component*>(all[static_cast<std::size_t>(shown.id)]);
+    return component && hand_.is_idle(*component);
+  });
+  return conditions;
 }
 
 void Session::publish() {
@@ -422,21 +452,23 @@ void Session::publish() {
   const ElementFields fields = shown_.fields(x);
   back_.step = latest_.step;
   back_.is_running = is_running_ || steps_asked_ > 0;
+  back_.is_late = is_late();
   back_.failure = failure_;
+  for (const std::string& message : hand_.take_messages()) messages_.push_back(message);
   back_.messages = std::exchange(messages_, {});
   back_.positions = x;
   back_.material = shown_.plastic_rest_positions();
   const std::span<const unsigned char> alive = shown_.alive();
   back_.alive.assign(alive.begin(), alive.end());
-  back_.quantity = quantity_;
-  back_.values = values_of(quantity_, fields);
+  publish_values(fields);
   back_.parameter_values.clear();
   for (const Parameter& parameter : parameters_)
     back_.parameter_values.push_back(value_of(*parameter.component->find_data(parameter.attribute->name), parameter));
-  const std::vector<std::int64_t>& held = hand_->integers("grasped");
-  back_.held.assign(held.begin(), held.end());
-  for (int& node : back_.held) node += first_held_;
-  back_.grip_force = hand_->vector3("force");
+  back_.held = hand_.held();
+  for (int& node : back_.held) node += shown_.all()[static_cast<std::size_t>(hand_.held_body())].first_node;
+  back_.hand_force = hand_.force();
+  back_.conditions = conditions();
+  back_.num_undo = static_cast<int>(saved_.size());
   back_.sample = {.time = subject_.scene.time(),
                   .measures = measurement_.measure(x),
                   .greatest_plastic_strain = std::ranges::max(fields.plastic_strain),
@@ -445,6 +477,7 @@ void Session::publish() {
                   .dissipated_energy = shown_.dissipated_energy()};
   back_.step_ms = std::exchange(step_ms_, {});
   has_changed_ = false;
+  published_ = Clock::now();
 
   const std::lock_guard lock(mutex_);
   if (is_fresh_) {  // it was not taken: what it alone tells goes on

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -10,10 +11,12 @@
 #include <thread>
 #include <vector>
 
+#include "hexaplast/base/archive.hpp"
 #include "picture/bodies.hpp"
-#include "record/measures.hpp"
 #include "record/recorder.hpp"
 #include "scene/parts.hpp"
+#include "view/hand.hpp"
+#include "view/source.hpp"
 
 /// The live window: a simulation that runs in a thread of its own, and what is seen of it.
 namespace hexaplast::view {
@@ -22,27 +25,10 @@ namespace hexaplast::view {
 struct Subject {
   std::string title;  ///< the scene's name
   scene::Scene& scene;
-  std::function<const output::StepRecord&()> step;  ///< one time step of the scene
-  std::function<void()> reset;                      ///< back to the beginning
-};
-
-/// What the colours of the body tell.
-enum class Quantity { kPlasticStrain, kStressNorm, kYieldStress, kVolumeRatio, kSpeed };
-
-using MakeHand = std::function<std::unique_ptr<scene::Component>()>;
-
-/// How fast the simulation goes on.
-enum class Pace {
-  kRealTime,  ///< as the clock on the wall, or slower where a step takes longer than it lasts
-  kFree       ///< as fast as it can
-};
-
-/// How the hand holds tissue (solve/grip.hpp).
-struct HandSettings {
-  double radius = 0;     ///< [m] around the place that is taken hold of; the nearest node is held in any case
-  double stiffness = 0;  ///< [N/m]
-  double max_force = 0;  ///< [N]
-  double damping = 0;    ///< [N s/m]
+  std::function<const output::StepRecord&()> step;                   ///< one time step of the scene
+  std::function<void()> reset;                                       ///< back to the beginning
+  std::function<void(Archive&)> serialize;                           ///< between two steps
+  std::function<output::BoundaryConditions()> conditions = nullptr;  ///< of the present state; null: not shown
 };
 
 /// A number of a body's material, or one that a region of it has given, that may change while it moves; or whether a
@@ -60,64 +46,39 @@ struct Parameter {
   bool is_logarithmic = false;            ///< equal ways of the slider are equal factors
 };
 
-/// Numbers that are plotted, of one moment.
-struct Sample {
-  double time = 0;  ///< [s]
-  output::Measures measures;
-  double greatest_plastic_strain = 0;  ///< [-] of a hexahedron
-  double kinetic_energy = 0;           ///< [J]
-  double elastic_energy = 0;           ///< [J]
-  double dissipated_energy = 0;        ///< [J]
-};
-
-/// The simulation as it was between two steps. Nodal arrays have num_nodes rows, of several bodies those of one behind
-/// those of another.
-struct Snapshot {
-  long step = 0;
-  bool is_running = false;
-  std::string failure;                ///< why it cannot go on before a reset; empty: it can
-  std::vector<std::string> messages;  ///< that came since the last snapshot
-  PointArray positions;               ///< [m]
-  PointArray material;                ///< [m] what the body would be without forces
-  std::vector<unsigned char> alive;   ///< per hexahedron
-  Quantity quantity = Quantity::kPlasticStrain;
-  std::vector<double> values;  ///< of the quantity, per node; infinite for the yield stress of what never yields
-  std::vector<std::optional<double>> parameter_values;  ///< of each parameter, as it is now; none: not given
-  std::vector<int> held;                                ///< nodes in the hand
-  Vec3 grip_force = Vec3::Zero();                       ///< [N] of the hand on the body, in the latest step
-  Sample sample;
-  std::vector<float> step_ms;  ///< wall time of each step since the last snapshot
-};
-
 /// Runs a scene in its own thread. All verbs may be called from another thread at any time; they return at once and
 /// take effect between two steps, in their order. The scene belongs to the session until `stop`.
-class Session {
+class Session final : public Source {
  public:
-  /// make_hand: makes a GraspForceField that is not part of the scene yet; the session adds one for each body, with an
-  /// open grip, which changes nothing. Throws SceneError.
-  Session(Subject subject, const MakeHand& make_hand);
-  ~Session();
+  static constexpr std::size_t kMostUndo = 8;  ///< states that are kept
+
+  /// make: makes the instruments of the hand (Hand). Throws SceneError.
+  Session(Subject subject, MakeComponent make);
+  ~Session() override;
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  void run();
-  void pause();
-  void advance(long steps);  ///< so many steps, as fast as they go, then it pauses
-  void reset();              ///< the state of the beginning, with the material as it is now; pauses
-  void set_pace(Pace pace);
-  void show(Quantity quantity);
+  void run() override;
+  void pause() override;
+  void advance(long steps) override;  ///< as fast as they go
+  void reset() override;              ///< the material stays as it is now
+  void set_pace(Pace pace, double speed = 1) override;
+  void show(Quantity quantity) override;
 
-  /// Takes hold of the surface of the body nearest to a place [m] around it; what was held before is let go.
-  void grab(const Vec3& place, const HandSettings& settings);
-  void drag(const Vec3& place);  ///< moves the hand [m]
+  /// Takes hold of the surface of the body nearest to the place; what was held before is let go.
+  void grab(const Touch& touch, const HandSettings& settings);
+  void drag(const Vec3& place);  ///< moves the hand: where the place that was taken hold of is to go [m]
   void release();
+
+  /// Back to the state before the hand took hold last, material included; what came since is as if it had not been.
+  /// May be repeated up to kMostUndo times.
+  void undo();
 
   /// Changes a parameter by its name, or the factor of one that each hexahedron has for
   /// itself; none: as if it had never been given. What the body does not admit becomes a message, and nothing changes.
   void set(std::string_view name, std::optional<double> value);
 
-  /// Takes the newest snapshot, if there is one that was not taken yet, and asks for the next one.
-  bool take(Snapshot& snapshot);
+  bool take(Snapshot& snapshot) override;
 
   /// Waits until all that was asked for is done and ends the thread. Nothing has an effect afterwards.
   void stop();
@@ -125,37 +86,62 @@ class Session {
   /// Why the simulation cannot go on; empty: it can. After `stop`.
   const std::string& failure() const { return failure_; }
 
+  /// What was done to the scene since the beginning. After `stop`.
+  Deeds deeds() const { return {latest_.step, hand_.holds(), changes_}; }
+
   // what does not change while it runs
-  const std::string& title() const { return subject_.title; }
-  const HexMesh& mesh() const { return shown_.mesh(); }  ///< of all bodies (output::Bodies)
+  const std::string& title() const override { return subject_.title; }
+  const HexMesh& mesh() const override { return shown_.mesh(); }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const HandSettings& suggested_hand() const { return suggested_hand_; }
-  double dt() const { return dt_; }  ///< [s]
+  const std::string& touch_refusal() const { return hand_.touch_refusal(); }
+  double dt() const override { return dt_; }
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  /// A value of a parameter as the scene has it.
+  struct Given {
+    std::optional<scene::Value> value;  // none: not given
+    scene::Data* source = nullptr;
+    std::string link = {};
+  };
+
+  /// The state before a hold.
+  struct Saved {
+    std::vector<std::byte> bytes;
+    output::StepRecord latest;
+    Hand::Saved hand;
+    std::vector<Given> parameters;
+    std::size_t num_changes = 0;
+  };
 
   void post(std::function<void()> command);
 
   // of the thread
   void work();
   bool is_due() const;
+  bool is_late() const;
   void step();
-  void change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value);
-  void open_hand();
+  template <class Call>
+  void attempt(const Call& call);
+  void save();
+  void restore(const Saved& saved);
+  void note_change(const Parameter& parameter);
+  std::vector<Given> given_parameters() const;
   const PointArray& gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const;
   void publish();
-  std::vector<double> values_of(Quantity quantity, const ElementFields& fields);
+  void publish_values(const ElementFields& fields);
+  output::BoundaryConditions conditions() const;
 
   Subject subject_;
   std::vector<scene::SceneBody> bodies_;
   output::Bodies shown_;
-  std::vector<scene::Component*> hands_;  // of each body
-  scene::Component* hand_ = nullptr;      // the one that was used last
-  int first_held_ = 0;                    // where the nodes of its body begin
   double dt_ = 0;
   std::vector<Parameter> parameters_;
+  std::vector<Given> first_parameters_;  // as the scene gives them
   HandSettings suggested_hand_;
+  Hand hand_;
 
   // read and written by the thread alone
   output::Measurement measurement_;
@@ -164,12 +150,16 @@ class Session {
   bool is_running_ = false;
   long steps_asked_ = 0;
   Pace pace_ = Pace::kRealTime;
-  Clock::time_point due_ = {};  // of the next step, in real time
+  Clock::duration step_lasts_ = {};  // on the clock, in real time
+  Clock::time_point due_ = {};       // of the next step, in real time
+  Clock::time_point published_ = {};
   std::string failure_;
   std::vector<std::string> messages_;
   std::vector<float> step_ms_;
   Quantity quantity_ = Quantity::kPlasticStrain;
   bool has_changed_ = true;  // since the latest snapshot
+  std::deque<Saved> saved_;  // the latest at the end
+  std::vector<Change> changes_;
   Snapshot back_;
 
   std::mutex mutex_;  // over what follows

@@ -2,12 +2,28 @@
 #include "view/trace.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "record/history_table.hpp"
 
 namespace hexaplast::view {
 
 void Trace::add(double at, double value) {
   points_.push_back({at, value});
   while (points_.front().at < at - span_) points_.pop_front();
+}
+
+void Trace::forget_after(double at) {
+  while (!points_.empty() && points_.back().at > at) points_.pop_back();
+}
+
+double Trace::at(double abscissa) const {
+  const auto after = std::ranges::upper_bound(points_, abscissa, {}, &Point::at);
+  return after == points_.begin() ? points_.front().value : std::prev(after)->value;
 }
 
 void Trace::extend_range(double begin, double& least, double& most) const {
@@ -26,9 +42,57 @@ double Trace::quantile(double share) const {
   return *rank;
 }
 
+Traces::Traces(double span, double num_steps)
+    : world_elongation(span),
+      plastic_elongation(span),
+      plastic_strain(span),
+      world_volume(span),
+      material_volume(span),
+      kinetic(span),
+      elastic(span),
+      dissipated(span),
+      step_ms(num_steps) {}
+
+Traces traces_of(const std::filesystem::path& directory) {
+  Traces traces(std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+  const std::filesystem::path file = directory / "history.csv";
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return traces;
+  output::HistoryTable table(file);
+  struct Column {
+    const char* name;
+    Trace* trace;
+    double scale, shift;
+  };
+  std::vector<std::pair<int, Column>> columns;
+  for (const Column& column :
+       {Column{"world_elongation", &traces.world_elongation, 100, 0},
+        Column{"plastic_elongation", &traces.plastic_elongation, 100, 0},
+        Column{"world_volume_ratio", &traces.world_volume, 100, -1},
+        Column{"material_volume_ratio", &traces.material_volume, 100, -1},
+        Column{"kinetic_energy", &traces.kinetic, 1, 0}, Column{"elastic_energy", &traces.elastic, 1, 0},
+        Column{"dissipated_energy", &traces.dissipated, 1, 0}})
+    if (const int number = table.find(column.name); number >= 0) columns.emplace_back(number, column);
+  const int step_ms = table.find("step_ms");
+  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) {
+    const auto at = [&](int column) { return row[static_cast<std::size_t>(column)]; };
+    for (const auto& [number, column] : columns)
+      if (std::isfinite(at(number)))
+        column.trace->add(at(output::HistoryTable::kTime), column.scale * (at(number) + column.shift));
+    if (step_ms >= 0 && at(output::HistoryTable::kStep) > 0)
+      traces.step_ms.add(at(output::HistoryTable::kStep), at(step_ms));
+  }
+  return traces;
+}
+
 void Traces::add(const Snapshot& snapshot) {
   const Sample& sample = snapshot.sample;
-  if (!plastic_strain.empty() && sample.time < plastic_strain.latest_time()) *this = {};  // it was reset
+  if (!plastic_strain.empty() && sample.time < plastic_strain.latest_time()) {  // it went back
+    for (Trace* trace : {&world_elongation, &plastic_elongation, &plastic_strain, &world_volume, &material_volume,
+                         &kinetic, &elastic, &dissipated})
+      trace->forget_after(sample.time);
+    step_ms.forget_after(static_cast<double>(snapshot.step) - static_cast<double>(snapshot.step_ms.size()));
+  }
   const double time = sample.time;
   world_elongation.add(time, 100 * sample.measures.world_elongation);
   plastic_elongation.add(time, 100 * sample.measures.plastic_elongation);

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <deque>
+#include <filesystem>
 
-#include "view/session.hpp"
+#include "view/source.hpp"
 
 namespace hexaplast::view {
 
@@ -14,8 +15,11 @@ class Trace {
 
   void add(double at, double value);  ///< what lies more than the span before it is forgotten
 
+  void forget_after(double at);  ///< as if it had not been
+
   bool empty() const { return points_.empty(); }
   double latest() const { return points_.back().value; }
+  double at(double abscissa) const;  ///< the last value that is not after it; the first one where all are
   double latest_time() const { return points_.back().at; }
 
   /// Widens [least, most] by the values at and after `begin`.
@@ -38,18 +42,24 @@ class Trace {
   std::deque<Point> points_;
 };
 
-/// What the plots show of a session.
+/// What the plots show of a session, or of a run that is finished.
 struct Traces {
   static constexpr double kSpan = 8;     ///< [s] of simulated time
   static constexpr double kSteps = 400;  ///< of the plot of step times
 
+  explicit Traces(double span = kSpan, double num_steps = kSteps);
+
   void add(const Snapshot& snapshot);
 
-  Trace world_elongation{kSpan}, plastic_elongation{kSpan};  ///< [%]
-  Trace plastic_strain{kSpan};                               ///< [-]
-  Trace world_volume{kSpan}, material_volume{kSpan};         ///< error [%]
-  Trace kinetic{kSpan}, elastic{kSpan}, dissipated{kSpan};   ///< [J]
-  Trace step_ms{kSteps};                                     ///< [ms], over the number of the step
+  Trace world_elongation, plastic_elongation;  ///< [%]
+  Trace plastic_strain;                        ///< [-]
+  Trace world_volume, material_volume;         ///< error [%]
+  Trace kinetic, elastic, dissipated;          ///< [J]
+  Trace step_ms;                               ///< [ms], over the number of the step
 };
+
+/// Those of a run, from its history.csv; empty where there is none. A column that it has not is an empty trace. Throws
+/// OutputError.
+Traces traces_of(const std::filesystem::path& directory);
 
 }  // namespace hexaplast::view

@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <initializer_list>
+#include <optional>
 #include <string>
 
 #include "view/trace.hpp"
@@ -36,7 +37,9 @@ struct Curve {
   const Trace& trace;
 };
 
-/// Curves over the same time, under a line that names them with their latest values.
-void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end);
+/// Curves over the same time, under a line that names them with their latest values. cursor: a time that is marked, of
+/// which the values are told then.
+void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end,
+          std::optional<double> cursor = {});
 
 }  // namespace hexaplast::view

@@ -9,6 +9,8 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <future>
+#include <utility>
 
 #include "picture/png_file.hpp"
 #include "view/mouse.hpp"
@@ -21,6 +23,7 @@ namespace hexaplast::view {
 namespace {
 
 constexpr float kLeftWidth = 330, kRightWidth = 340;  // [pixels] of the panels
+constexpr double kLateFrame = 0.1;                    // [s] that a frame lasts at least, where steps are late
 constexpr double kFirstRoom = 2;                      // clicks of the wheel: tissue will be drawn out
 
 class Window {
@@ -29,24 +32,24 @@ class Window {
       : options_(call.options),
         is_asked_to_end_(call.is_asked_to_end),
         state_(call),
-        screen_(options_.width, options_.height, "Hexaplast – " + state_.session.title(), &Window::on_key) {
+        screen_(options_.width, options_.height, "Hexaplast – " + state_.source.title(), &Window::on_key) {
     glfwSetWindowUserPointer(screen_.window(), this);
     if (options_.steps)
-      state_.session.advance(*options_.steps);
+      state_.source.advance(*options_.steps);
     else if (options_.is_running)
-      state_.session.run();
+      state_.source.run();
   }
 
-  /// Until it is closed. Returns the failure that the session ended in; empty: none.
-  std::string show() {
-    while (!state_.session.take(state_.now)) glfwWaitEventsTimeout(0.01);
+  /// Until it is closed.
+  void show() {
+    while (!state_.source.take(state_.now)) glfwWaitEventsTimeout(0.01);
     state_.figure.update(state_.now, state_.look);
     while (!glfwWindowShouldClose(screen_.window()) && !is_asked_to_end_()) {
       glfwPollEvents();
       state_.take(glfwGetTime());
       draw_frame();
-      if (state_.wants_picture) write_picture(next_picture());
-      state_.wants_picture = false;
+      if (std::exchange(state_.wants_picture, false)) write_picture(next_picture());
+      if (std::exchange(state_.wants_page, false)) write_page(next_picture());
       if (is_over()) {
         // the panels take a second frame to find their sizes
         draw_frame();
@@ -54,37 +57,62 @@ class Window {
         break;
       }
       glfwSwapBuffers(screen_.window());
+      leave_time_for_steps();
     }
-    state_.session.release();
-    state_.session.pause();
-    state_.session.stop();
-    return state_.session.failure();
+    if (state_.session) state_.session->release();
+    state_.source.pause();
   }
 
  private:
   bool is_over() const {
     const Snapshot& now = state_.now;
-    return options_.steps && !now.is_running && (now.step >= *options_.steps || !now.failure.empty());
+    return options_.steps && !now.is_running && (state_.replay || now.step >= *options_.steps || !now.failure.empty());
   }
 
-  static void on_key(GLFWwindow* window, int key, int, int action, int) {
+  /// Frames are dropped before steps are: drawing takes processors that late steps need.
+  void leave_time_for_steps() {
+    const double now = glfwGetTime(), rest = last_frame_ + kLateFrame - now;
+    if (state_.now.is_late && rest > 0) glfwWaitEventsTimeout(rest);
+    last_frame_ = glfwGetTime();
+  }
+
+  static void on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
     if (action != GLFW_PRESS || ImGui::GetIO().WantTextInput) return;
-    static_cast<Window*>(glfwGetWindowUserPointer(window))->press(key);
+    static_cast<Window*>(glfwGetWindowUserPointer(window))->press(key, modifiers);
   }
 
-  void press(int key) {
+  void press(int key, int modifiers) {
     Look& look = state_.look;
     switch (key) {
       case GLFW_KEY_SPACE:
         return state_.toggle_running();
       case GLFW_KEY_S:
-        return state_.session.advance(1);
+        return state_.source.advance(1);
       case GLFW_KEY_R:
         return state_.reset();
       case GLFW_KEY_F:
         return state_.fit();
       case GLFW_KEY_P:
-        state_.wants_picture = true;
+        (modifiers & GLFW_MOD_SHIFT ? state_.wants_page : state_.wants_picture) = true;
+        return;
+      case GLFW_KEY_1:
+      case GLFW_KEY_2:
+      case GLFW_KEY_3:
+      case GLFW_KEY_4:
+        state_.hand.tool = static_cast<Tool>(key - GLFW_KEY_1);
+        return;
+      case GLFW_KEY_U:
+        return state_.undo();
+      case GLFW_KEY_X:
+      case GLFW_KEY_Y:
+      case GLFW_KEY_Z:
+        if (key == GLFW_KEY_Z && modifiers & GLFW_MOD_CONTROL) return state_.undo();
+        state_.cut_axis = state_.cut_axis == key - GLFW_KEY_X ? -1 : key - GLFW_KEY_X;
+        return;
+      case GLFW_KEY_RIGHT:
+        return state_.source.advance(1);
+      case GLFW_KEY_LEFT:
+        if (state_.replay) state_.source.advance(-1);
         return;
       case GLFW_KEY_W:
         look.shows_edges = !look.shows_edges;
@@ -144,7 +172,7 @@ class Window {
 
   std::filesystem::path next_picture() const {
     for (int number = 1;; ++number) {
-      const auto file = options_.picture_folder / fmt::format("{}_{:03}.png", state_.session.title(), number);
+      const auto file = options_.picture_folder / fmt::format("{}_{:03}.png", state_.source.title(), number);
       if (!std::filesystem::exists(file)) return file;
     }
   }
@@ -156,6 +184,17 @@ class Window {
     state_.message = file.string() + " written";
   }
 
+  void write_page(const std::filesystem::path& file) {
+    try {
+      // in another thread: a renderer has an OpenGL context of its own, and a thread has one at a time
+      const auto render = [page = state_.page()] { return output::load_renderer()->render(page); };
+      output::write_png(file, std::async(std::launch::async, render).get());
+      state_.message = file.string() + " written";
+    } catch (const output::RendererUnavailable& error) {
+      state_.message = fmt::format("no pictures can be made here: {}", error.what());
+    }
+  }
+
   WindowOptions options_;
   std::function<bool()> is_asked_to_end_;
   WindowState state_;
@@ -163,6 +202,7 @@ class Window {
   Painter painter_;
   Mouse mouse_;
   bool is_fitted_ = false;
+  double last_frame_ = 0;  // [s]
 };
 
 }  // namespace
@@ -170,5 +210,5 @@ class Window {
 
 /// Opens the window and returns when it is closed. The name, set by the build, carries the version of WindowCall.
 extern "C" __attribute__((visibility("default"))) void HEXAPLAST_WINDOW_ENTRY(hexaplast::view::WindowCall& call) {
-  call.failure = hexaplast::view::Window(call).show();
+  hexaplast::view::Window(call).show();
 }

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "picture/gallery.hpp"
+#include "view/names.hpp"
+#include "view/replay.hpp"
 #include "view/session.hpp"
 
 namespace hexaplast::view {
@@ -15,6 +17,7 @@ struct WindowOptions {
   int width = 1440, height = 860;  ///< [pixels]
   bool is_running = false;         ///< from the beginning
   Pace pace = Pace::kRealTime;
+  double speed = 1;                            ///< in real time
   std::filesystem::path picture_folder = ".";  ///< where pictures of the window go
   std::optional<long> steps;                   ///< runs so many steps as fast as they go, takes the picture, and closes
   std::optional<std::filesystem::path> picture;  ///< of the last moment
@@ -22,17 +25,18 @@ struct WindowOptions {
 
 /// What the window is handed.
 struct WindowCall {
-  Subject subject;
-  MakeHand make_hand;  ///< of the session
+  Source& source;
+  Session* session = nullptr;  ///< the source, where that is a scene in motion; null: it is not
+  Replay* replay = nullptr;    ///< the same of a run that is finished
   output::Staging staging;
   std::vector<int> fixed_nodes;
+  Names names;
   WindowOptions options;
   std::function<bool()> is_asked_to_end;  ///< asked in every frame
-  std::string failure = {};               ///< for the caller: of the last step, when the window closed; empty: none
 };
 
-/// The entry of the window module: shows a scene until the window is closed, or something else asks for it. Throws
-/// OutputError where no window can be opened or a picture cannot be written, and what Session throws.
+/// The entry of the window module: shows a source until the window is closed, or something else asks for it. Throws
+/// OutputError where no window can be opened or a picture cannot be written.
 using ShowWindow = void (*)(WindowCall& call);
 
 }  // namespace hexaplast::view

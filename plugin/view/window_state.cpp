@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "view/window_state.hpp"
 
+#include <algorithm>
+
 #include "hexaplast/geometry/sections.hpp"
+#include "view/page_picture.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -22,43 +25,76 @@ Camera first_camera(const HexMesh& mesh, const output::Staging& staging) {
 }  // namespace
 
 WindowState::WindowState(WindowCall& call)
-    : session(call.subject, call.make_hand),
-      figure(session.mesh(), call.staging, call.fixed_nodes),
-      camera(first_camera(session.mesh(), call.staging)),
-      hand(session.suggested_hand()),
-      pace(call.options.pace) {
+    : source(call.source),
+      session(call.session),
+      replay(call.replay),
+      figure(source.mesh(), call.staging, call.fixed_nodes),
+      camera(first_camera(source.mesh(), call.staging)),
+      hand(session ? session->suggested_hand() : HandSettings()),
+      names(call.names),
+      pace(call.options.pace),
+      speed(call.options.speed) {
   look.shows_edges = call.staging.shows_hexahedra || !figure.has_embedded_surfaces();
   look.shows_embedded_surfaces = figure.has_embedded_surfaces();
-  session.set_pace(pace);
+  look.shows_instruments = call.staging.shows_loads;
+  if (replay) traces = traces_of(replay->directory());
+  set_pace();
 }
+
+void WindowState::set_pace() { source.set_pace(pace, speed); }
 
 void WindowState::take(double clock) {
   frames.count(1, clock);
   long num_steps = 0;
-  if (session.take(now)) {
+  if (source.take(now)) {
     num_steps = static_cast<long>(now.step_ms.size());
-    traces.add(now);
+    if (session) traces.add(now);
     for (const std::string& said : now.messages) message = said;
     if (shown_quantity_ != now.quantity) greatest_.setEmpty();
     shown_quantity_ = now.quantity;
+    for (const output::Instrument& instrument : now.conditions.instruments)
+      strongest_force = std::max(strongest_force, instrument.force().norm());
+    for (const output::NodalLoad& load : output::shown_loads(source.mesh(), now.alive, now.conditions))
+      strongest_load = std::max(strongest_load, load.force.norm());
   }
   steps.count(num_steps, clock);
+  place_cut();
   figure.update(now, look);
   greatest_.extend(figure.range());
 }
 
+/// The viewer stands above it.
+void WindowState::place_cut() {
+  look.cut.reset();
+  if (cut_axis < 0) return;
+  const auto [least, most] = extent_along(Vec3::Unit(cut_axis), source.mesh().positions(), source.mesh().hexahedra());
+  const double offset = least + cut_place * (most - least);
+  const double side = camera.eye()[cut_axis] >= offset ? 1 : -1;
+  look.cut = Plane{side * Vec3::Unit(cut_axis), side * offset};
+}
+
 void WindowState::toggle_running() {
   if (now.is_running)
-    session.pause();
+    source.pause();
   else
-    session.run();
+    source.run();
 }
 
 void WindowState::reset() {
-  session.reset();
-  traces = {};
+  source.reset();
+  if (session) traces = Traces();
   greatest_.setEmpty();
+  strongest_force = strongest_load = 0;
 }
+
+void WindowState::undo() {
+  if (!session) return;
+  session->release();
+  grabbed.reset();
+  session->undo();
+}
+
+output::Drawing WindowState::page() const { return page_picture(source, now, figure.staging(), look, camera, scale()); }
 
 void WindowState::fit() { camera.fit(figure.box()); }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "picture/renderer.hpp"
 #include "view/camera.hpp"
 #include "view/figure.hpp"
 #include "view/rate.hpp"
@@ -32,14 +33,19 @@ struct WindowState {
   void take(double clock);  ///< the newest snapshot, at a time of the wall clock [s]
   void toggle_running();
   void reset();
+  void undo();
   void fit();  ///< looks at the whole body
+  void set_pace();
+  output::Drawing page() const;  ///< what is shown, as `render` draws it
 
   const Colouring& colouring() const { return kColourings[static_cast<std::size_t>(now.quantity)]; }
 
   /// Values at the ends of the colour bar: of all that was shown since the beginning; none where nothing had a value.
   std::optional<std::pair<double, double>> scale() const;
 
-  Session session;
+  Source& source;
+  Session* session;  ///< null: what is shown is a run that is finished
+  Replay* replay;    ///< null: it is a scene in motion
   Snapshot now;
   Figure figure;
   Camera camera;
@@ -47,14 +53,24 @@ struct WindowState {
 
   Look look;
   HandSettings hand;
+  Names names;
+  int cut_axis = -1;                       ///< what lies before a plane across this axis is cut off; -1: nothing is
+  double cut_place = 0.5;                  ///< of the plane: share of the way through the original shape
+  std::optional<Figure::Seen> pointed_at;  ///< under the mouse
+  double strongest_force = 0, strongest_load = 0;  ///< [N] shown since the beginning: of an instrument, of a node
   std::optional<Vec3> grabbed;  ///< [m] where the mouse took hold of the tissue; none: it holds nothing
   Pace pace;
+  double speed;  ///< in real time
   Traces traces;
   Rate frames, steps;
+  double seconds_per_second = 0;  ///< simulated, by the clock
   std::string message;
-  bool wants_picture = false;
+  bool wants_picture = false;  ///< of the window
+  bool wants_page = false;     ///< of what it shows, as `render` draws it
 
  private:
+  void place_cut();
+
   Quantity shown_quantity_ = Quantity::kPlasticStrain;
   Eigen::AlignedBox1d greatest_;  // values shown since the beginning
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The components of the SOFA plugin beside the body, and what SOFA learns of them when it loads it.
+#include <Hexaplast/AttributeChange.h>
 #include <sofa/core/behavior/BaseLocalForceFieldMatrix.h>
 #include <unistd.h>
 
@@ -35,13 +36,13 @@ TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
             (std::set<std::string>{"HexahedronElastoplasticFEMForceField", "TangentialForceField", "GraspForceField",
                                    "InstrumentContactForceField", "TissueContactForceField", "TubeGridTopology",
                                    "SheetGridTopology", "SpherePatchGridTopology", "MultigridCGLinearSolver",
-                                   "FinalStateExporter", "Probe", "RunSettings", "MaterialRegion"}));
+                                   "FinalStateExporter", "Probe", "RunSettings", "AttributeChange", "MaterialRegion"}));
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
         &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTissueContactForceField,
         &attributes::kTubeGridTopology, &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology,
         &attributes::kMultigridCGLinearSolver, &attributes::kProbe, &attributes::kRunSettings,
-        &attributes::kMaterialRegion}) {
+        &attributes::kAttributeChange, &attributes::kMaterialRegion}) {
     const auto& entry = factory().entries.at(std::string(each->class_name));
     EXPECT_EQ(entry.help, each->help);
     EXPECT_EQ(entry.template_name, each->category.ends_with("ForceField") ? "Vec3d" : "") << each->class_name;
@@ -72,7 +73,7 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
         &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTissueContactForceField,
         &attributes::kTubeGridTopology, &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology,
         &attributes::kMultigridCGLinearSolver, &attributes::kProbe, &attributes::kRunSettings,
-        &attributes::kMaterialRegion}) {
+        &attributes::kAttributeChange, &attributes::kMaterialRegion}) {
     const auto component = factory().entries.at(std::string(each->class_name)).make();
     for (const attributes::Attribute& attribute : each->attributes) {
       if (attribute.type == attributes::Type::kLink) continue;
@@ -244,6 +245,42 @@ TEST_F(Adapter, SettingsOfARunAreThereForScripts) {
   BaseComponent& settings = make("RunSettings", {{"steps", "300"}});
   EXPECT_EQ(value<int>(settings, "steps"), 300);
   EXPECT_EQ(value<int>(settings, "outputEvery"), 25);
+}
+
+class AttributeChangeAdapter : public Adapter {};
+
+TEST_F(AttributeChangeAdapter, ChangesADataBeforeTheStepOfItsTime) {
+  auto& settings = make("RunSettings", {{"steps", "3"}});
+  auto& change = dynamic_cast<AttributeChange&>(make("AttributeChange", {{"attribute", "steps"}, {"values", "5; ;7"}}));
+  change.d_keyTimes.setValue({1.5 * kStep, 3 * kStep, 3.5 * kStep});
+  change.l_component.set(&settings);
+  change.bwdInit();
+  ASSERT_FALSE(change.isComponentStateInvalid());
+  const auto* steps = settings.findData("steps");
+  const auto expect = [&](const std::string& value, bool is_set) {
+    tell<AnimateBeginEvent>();
+    EXPECT_EQ(steps->getValueString(), value) << root.getTime();
+    EXPECT_EQ(steps->isSet(), is_set) << root.getTime();
+    root.setTime(root.getTime() + kStep);
+  };
+  expect("3", true);
+  expect("3", true);
+  expect("5", true);
+  const int counter = steps->getCounter();
+  root.setTime(3.2 * kStep);
+  expect("5", false);
+  EXPECT_NE(steps->getCounter(), counter) << "who looks at it sees that it has changed";
+  expect("7", true);
+  change.reset();
+  EXPECT_EQ(steps->getValueString(), "3");
+}
+
+TEST_F(AttributeChangeAdapter, RefusesADataThatIsNotThere) {
+  auto& settings = make("RunSettings", {});
+  auto& change = dynamic_cast<AttributeChange&>(make("AttributeChange", {{"attribute", "stepps"}, {"values", "5"}}));
+  change.l_component.set(&settings);
+  change.bwdInit();
+  EXPECT_TRUE(change.isComponentStateInvalid());
 }
 
 }  // namespace

@@ -3,14 +3,15 @@
 # Pulls at a scene in the live window, as a hand would: opens it on the screen that there is (on_screen.sh), presses the
 # mouse on tissue, moves it, lets go, takes a picture before and after, and closes the window.
 #   pull_in_window.sh HEXAPLAST SCENE FROM_X FROM_Y STEP_X STEP_Y
-# What `hexaplast view` prints goes to the file outcome, its last state to final.json, pictures to this directory.
+# What `hexaplast view` prints goes to the file outcome, its last state to final.json, what was done to
+# recorded.scn, pictures to this directory.
 set -euo pipefail
 hexaplast=$1 scene=$2 from_x=$3 from_y=$4 step_x=$5 step_y=$6
 
 window=
 trap 'kill $window 2> /dev/null || true' EXIT
 
-"$hexaplast" view "$scene" --free --run --final final.json > outcome &
+"$hexaplast" view "$scene" --free --run --final final.json --record recorded.scn > outcome &
 window=$!
 timeout 120 xdotool search --sync --onlyvisible --name Hexaplast > /dev/null
 

@@ -11,74 +11,20 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "support/compare.hpp"
-#include "support/scene.hpp"
+#include "support/played.hpp"
 
 namespace hexaplast::view {
 namespace {
 
-/// A soft bar of 0.1 x 0.1 x 0.3 m that stands on its lower end and yields under little stress.
-constexpr const char* kBar =
-    "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/>"
-    "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.05'/>"
-    "<CGLinearSolver iterations='200' tolerance='1e-9' threshold='1e-30'/>"
-    "<RegularGridTopology name='grid' n='3 3 7' max='0.1 0.1 0.3'/><MechanicalObject name='nodes'/>"
-    "<UniformMass totalMass='3'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' "
-    "poissonRatio='0.4' yieldStress='150' plasticFlowRate='4'/><FixedProjectiveConstraint indices='0-8'/></Node>";
+using support::kBar;
+using support::kTop;
+using support::Played;
+using support::wait_for;
+using support::wait_for_step;
 
-const Vec3 kTop(0.05, 0.05, 0.3);
+std::unique_ptr<scene::Component> hand(std::string_view class_name) { return support::factory().make(class_name); }
 
-/// A scene in motion, as the command steps it.
-class Played {
- public:
-  explicit Played(const std::string& text = kBar) : scene_(support::read_and_init(text)) {}
-
-  const output::StepRecord& step() {
-    scene_.step();
-    ++record_.step;
-    return record_;
-  }
-  void reset() {
-    scene_.reset();
-    record_ = {};
-  }
-  Subject subject() {
-    return {.title = "bar",
-            .scene = scene_,
-            .step = [this]() -> const output::StepRecord& { return step(); },
-            .reset = [this] { reset(); }};
-  }
-  const Body& body() { return *support::at<scene::ForceField>(scene_, "body").body(); }
-  std::string hash() {
-    auto& state = support::at<scene::MechanicalState>(scene_, "nodes");
-    return output::state_hash(record_.step, state.positions(), state.velocities(), &body());
-  }
-  std::string hash_after(int steps) {
-    for (int k = 0; k < steps; ++k) step();
-    return hash();
-  }
-
- private:
-  scene::Scene scene_;
-  output::StepRecord record_;
-};
-
-std::unique_ptr<scene::Component> hand() { return support::factory().make("GraspForceField"); }
-
-/// The first snapshot that is as wanted; fails where none comes for long.
-template <class Wanted>
-Snapshot wait_for(Session& session, const Wanted& wanted) {
-  Snapshot snapshot;
-  for (int k = 0; k < 20'000; ++k) {
-    if (session.take(snapshot) && wanted(snapshot)) return snapshot;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  ADD_FAILURE() << "the session does not get there";
-  return snapshot;
-}
-
-Snapshot wait_for_step(Session& session, long step) {
-  return wait_for(session, [&](const Snapshot& at) { return at.step == step && !at.is_running; });
-}
+Touch touch(const Vec3& place) { return {.place = place}; }
 
 TEST(Session, MovesTheSceneAsACommandDoesWhileItIsLookedAt) {
   const std::string loaded = std::string(kBar).insert(std::string(kBar).find("</Node>"),
@@ -101,7 +47,7 @@ TEST(Session, MovesTheSceneAsACommandDoesWhileItIsLookedAt) {
 TEST(Session, WhatIsDraggedFarStaysStretched) {
   Played played;
   Session session(played.subject(), hand);
-  session.grab(kTop, session.suggested_hand());
+  session.grab(touch(kTop), session.suggested_hand());
   session.advance(1);
   Snapshot at = wait_for_step(session, 1);
   ASSERT_FALSE(at.held.empty());
@@ -111,8 +57,8 @@ TEST(Session, WhatIsDraggedFarStaysStretched) {
   session.drag(kTop + Vec3(0, 0, 0.15));
   session.advance(60);
   at = wait_for_step(session, 61);
-  EXPECT_GT(at.grip_force.z(), 1);
-  EXPECT_NEAR(at.grip_force.x(), 0, 0.05 * at.grip_force.z());
+  EXPECT_GT(at.hand_force.z(), 1);
+  EXPECT_NEAR(at.hand_force.x(), 0, 0.05 * at.hand_force.z());
   const double pulled = at.sample.measures.world_elongation;
   EXPECT_GT(pulled, 0.05);
 
@@ -120,7 +66,7 @@ TEST(Session, WhatIsDraggedFarStaysStretched) {
   session.advance(150);
   at = wait_for_step(session, 211);
   EXPECT_TRUE(at.held.empty());
-  EXPECT_EQ(at.grip_force, Vec3(0, 0, 0));
+  EXPECT_EQ(at.hand_force, Vec3(0, 0, 0));
   EXPECT_GT(at.sample.measures.plastic_elongation, 0.02);
   EXPECT_LT(at.sample.measures.plastic_elongation, pulled);
   EXPECT_NEAR(at.sample.measures.world_elongation, at.sample.measures.plastic_elongation, 0.01) << "it rests";
@@ -132,7 +78,7 @@ TEST(Session, WhatIsDraggedFarStaysStretched) {
 TEST(Session, WithoutYieldNothingStays) {
   Played played(std::string(kBar).replace(std::string(kBar).find("yieldStress='150'"), 17, ""));
   Session session(played.subject(), hand);
-  session.grab(kTop, session.suggested_hand());
+  session.grab(touch(kTop), session.suggested_hand());
   session.drag(kTop + Vec3(0, 0, 0.15));
   session.advance(20);
   EXPECT_GT(wait_for_step(session, 20).sample.measures.world_elongation, 0.02);
@@ -144,7 +90,7 @@ TEST(Session, WithoutYieldNothingStays) {
 TEST(Session, ResetLeadsBackToTheFirstBits) {
   Played fresh, played;
   Session session(played.subject(), hand);
-  session.grab(kTop, session.suggested_hand());
+  session.grab(touch(kTop), session.suggested_hand());
   session.drag(kTop + Vec3(0.1, 0, 0.1));
   session.advance(40);
   EXPECT_GT(wait_for_step(session, 40).sample.greatest_plastic_strain, 0);
@@ -303,6 +249,46 @@ TEST(Session, KeepsRealTimeAndCanBePaused) {
   EXPECT_EQ(wait_for_step(session, stopped + 1).step, stopped + 1);
 }
 
+TEST(Session, KeepsAStatedFractionOfRealTime) {
+  for (const double speed : {0.25, 4.0}) {
+    Played played;
+    Session session(played.subject(), hand);
+    session.set_pace(Pace::kRealTime, speed);
+    const auto begin = std::chrono::steady_clock::now();
+    session.run();
+    wait_for(session, [](const Snapshot& now) { return now.step >= 8; });
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    EXPECT_GE(seconds, 7 * 0.01 / speed) << "eight steps of 10 ms";
+    if (speed < 1) continue;
+    EXPECT_LT(seconds, 7 * 0.01 * 3) << "a machine that does nothing else takes a twelfth of it";
+  }
+}
+
+// Steps that take longer than they last: few snapshots, so that no time is lost for steps.
+TEST(Session, SnapshotsAreDroppedBeforeSteps) {
+  Played played;
+  Subject subject = played.subject();
+  subject.step = [&]() -> const output::StepRecord& {
+    std::this_thread::sleep_for(std::chrono::milliseconds(14));
+    return played.step();
+  };
+  Session session(subject, hand);
+  session.run();
+  Snapshot now;
+  int num_snapshots = 0;
+  bool was_late = false;
+  const auto begin = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(1000)) {
+    num_snapshots += session.take(now);
+    was_late = was_late || now.is_late;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  session.stop();
+  EXPECT_TRUE(was_late);
+  EXPECT_LE(num_snapshots, 9) << "five a second, and the first ones";
+  EXPECT_GE(num_snapshots, 3);
+}
+
 // A step that cannot be made ends the motion, not the session.
 TEST(Session, AFailureIsToldAndResetLeadsOut) {
   Played played;
@@ -366,7 +352,7 @@ TEST(Session, TheHandTakesHoldOfTheNearestBody) {
     ++record.step;
     return record;
   };
-  Session session({.title = "", .scene = scene, .step = step, .reset = {}}, hand);
+  Session session({.title = "", .scene = scene, .step = step, .reset = {}, .serialize = {}}, hand);
   EXPECT_EQ(session.mesh().num_nodes(), 72);
   std::vector<std::string> names;
   for (const Parameter& parameter : session.parameters()) names.push_back(parameter.name);
@@ -374,7 +360,7 @@ TEST(Session, TheHandTakesHoldOfTheNearestBody) {
     EXPECT_EQ(std::ranges::count(names, name), 1) << name;
 
   const Vec3 place(0.12, 0.05, 0.2);  // the hand would reach the other bar too
-  session.grab(place, session.suggested_hand());
+  session.grab(touch(place), session.suggested_hand());
   session.drag(place + Vec3(0, 0, 0.05));
   session.set("left.youngModulus", 7000);
   session.advance(20);
@@ -385,7 +371,7 @@ TEST(Session, TheHandTakesHoldOfTheNearestBody) {
     EXPECT_LE((session.mesh().positions().row(node).transpose() - place).norm(),
               session.suggested_hand().radius + 1e-9);
   }
-  EXPECT_GT(at.grip_force.z(), 0.1);
+  EXPECT_GT(at.hand_force.z(), 0.1);
   const PointArray moved = at.positions - session.mesh().positions();
   EXPECT_LT(moved.topRows(36).cwiseAbs().maxCoeff(), 1e-9) << "nothing joins the bars";
   EXPECT_GT(moved.bottomRows(36).maxCoeff(), 0.005);
@@ -398,7 +384,7 @@ TEST(Session, NeedsABody) {
       "<Node><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject position='0 0 0'/>"
       "<UniformMass totalMass='1'/></Node>");
   try {
-    Session session({.title = "", .scene = scene, .step = {}, .reset = {}}, hand);
+    Session session({.title = "", .scene = scene, .step = {}, .reset = {}, .serialize = {}}, hand);
     FAIL();
   } catch (const scene::SceneError& error) {
     EXPECT_NE(std::string(error.what()).find("no body in the scene, and a window shows at least one"),

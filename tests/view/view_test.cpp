@@ -5,6 +5,8 @@
 #include "support/shapes.hpp"
 #include "view/camera.hpp"
 #include "view/figure.hpp"
+#include "view/names.hpp"
+#include "view/trace.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -139,6 +141,83 @@ TEST(Figure, WhatNeverYieldsHasNoRangeOfYield) {
   figure.update(snapshot, {});
   EXPECT_TRUE(figure.range().isEmpty());
   for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_EQ(vertex.value, 0);
+}
+
+TEST(Figure, ACutShowsTheInside) {
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  Figure figure(mesh, staging({}), {0, 9, 12});
+  Snapshot snapshot = moment(mesh);
+  const Look look{.ghost = Ghost::kNone, .cut = Plane{Vec3::UnitZ(), 2.25}};  // in the middle of the bar, drawn out
+  figure.update(snapshot, look);
+  double area = 0;
+  for (std::size_t k = 0; k < figure.cut_triangles().size(); k += 3) {
+    const auto place = [&](std::size_t corner) { return figure.cut_triangles()[k + corner].place; };
+    area += (place(1) - place(0)).cross(place(2) - place(0)).norm() / 2;
+    EXPECT_NEAR(figure.cut_triangles()[k].value, 1.5, 1e-6);
+    EXPECT_EQ(figure.cut_triangles()[k].normal, Eigen::Vector3f::UnitZ());
+  }
+  EXPECT_NEAR(area, 1, 1e-6);
+  EXPECT_FALSE(figure.cut_edges().empty());
+  EXPECT_EQ(figure.fixed_places().size(), 1u) << "the others are above";
+
+  // from above the cut is met, from the side only what is left, from below the foot
+  const auto seen = figure.hit({Vec3(0.4, 0.5, 9), Vec3(0, 0, -1)});
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->place.z(), 2.25, 1e-12);
+  EXPECT_EQ(seen->outwards, Vec3::UnitZ());
+  EXPECT_EQ(seen->hexahedron, 1);
+  EXPECT_FALSE(figure.hit({Vec3(5, 0.5, 3), Vec3(-1, 0, 0)}));
+  const auto foot = figure.hit({Vec3(0.4, 0.5, -9), Vec3(0, 0, 1)});
+  ASSERT_TRUE(foot);
+  EXPECT_NEAR(foot->place.z(), 0, 1e-12);
+  EXPECT_EQ(foot->hexahedron, 0);
+  EXPECT_NEAR(foot->outwards.z(), -1, 1e-12);
+
+  figure.update(snapshot, {});
+  EXPECT_TRUE(figure.cut_triangles().empty() && figure.cut_edges().empty());
+}
+
+TEST(Figure, InstrumentsHaveTheirShapes) {
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  Figure figure(mesh, staging({}));
+  Snapshot snapshot = moment(mesh);
+  output::Instrument instrument{.id = 2, .place = Vec3(4, 0, 0), .nodes = {}, .forces = PointArray(0, 3)};
+  snapshot.conditions.instruments = {instrument};
+  figure.update(snapshot, {});
+  EXPECT_TRUE(figure.tool_triangles().empty()) << "a grip has none";
+  instrument.shape_points.resize(4, 3);
+  instrument.shape_points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  instrument.shape_triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  snapshot.conditions.instruments = {instrument};
+  figure.update(snapshot, {});
+  ASSERT_EQ(figure.tool_triangles().size(), 12u);
+  EXPECT_NEAR(figure.tool_triangles()[0].normal.z(), -1, 1e-6);
+  instrument.shape_points.col(0).array() += 7;
+  snapshot.conditions.instruments = {instrument};
+  figure.update(snapshot, {});
+  EXPECT_EQ(figure.tool_triangles()[0].place.x(), 7) << "it has moved";
+  figure.update(snapshot, {.shows_instruments = false});
+  EXPECT_TRUE(figure.tool_triangles().empty());
+}
+
+TEST(Names, SayWhereAHexahedronBelongs) {
+  EXPECT_EQ(Names().of(7), "hexahedron 7");
+  const Names names{
+      .bodies = {{"liver", 0}, {"sac", 3}}, .regions = {0, 2, 0, 0, 1}, .region_names = {"wall", "tumour"}};
+  EXPECT_EQ(names.of(1), "liver, tumour, hexahedron 1");
+  EXPECT_EQ(names.of(3), "sac, hexahedron 0");
+  EXPECT_EQ(names.of(4), "sac, wall, hexahedron 1");
+}
+
+TEST(Trace, ForgetsWhatWasUndone) {
+  Trace trace(100);
+  for (int k = 0; k <= 10; ++k) trace.add(k, 2 * k);
+  EXPECT_EQ(trace.at(3.5), 6);
+  EXPECT_EQ(trace.at(-1), 0);
+  trace.forget_after(4);
+  EXPECT_EQ(trace.latest_time(), 4);
+  trace.forget_after(-1);
+  EXPECT_TRUE(trace.empty());
 }
 
 }  // namespace

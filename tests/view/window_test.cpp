@@ -54,6 +54,12 @@ TEST_F(LiveWindow, WhatTheMouseDragsStaysStretched) {
   ASSERT_NE(said.find(line), std::string::npos) << said;
   EXPECT_GT(std::stod(said.substr(said.find(line) + line.size())), 0.05) << said;
 
+  // and again without a window
+  const Outcome again = hexaplast("run recorded.scn");
+  ASSERT_EQ(again.code, 0) << again.err;
+  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
+  EXPECT_EQ(hash(again.out), hash(said));
+
   // pictures of the whole window, and not the same before and after
   const std::string before = support::content(directory_ / "bar_001.png"),
                     after = support::content(directory_ / "bar_004.png");
@@ -61,6 +67,39 @@ TEST_F(LiveWindow, WhatTheMouseDragsStaysStretched) {
   EXPECT_EQ(before.substr(16, 8), std::string("\0\0\x05\xa0\0\0\x03\x5c", 8)) << "1440 x 860";
   EXPECT_GT(before.size(), 20'000u);
   EXPECT_NE(before, after);
+}
+
+TEST_F(LiveWindow, TheHandPressesWithABallAndTakesItBack) {
+  const Outcome outcome =
+      shell(kOnScreen + " bash '" HEXAPLAST_SOURCE_DIR "/tests/support/hand_in_window.sh' '" HEXAPLAST_COMMAND
+                        "' bar.scn 800 430 2");
+  ASSERT_EQ(outcome.code, 0) << outcome.err << support::content(directory_ / "outcome");
+  const std::string recorded = support::content(directory_ / "recorded.scn"), tool = "<InstrumentContactForceField";
+  const std::size_t first = recorded.find(tool);
+  ASSERT_NE(first, std::string::npos) << recorded;
+  EXPECT_EQ(recorded.find(tool, first + 1), std::string::npos) << "the other one was taken back";
+  EXPECT_EQ(recorded.find("<GraspForceField"), std::string::npos);
+  const Outcome again = hexaplast("run recorded.scn");
+  ASSERT_EQ(again.code, 0) << again.err;
+  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
+  EXPECT_EQ(hash(again.out), hash(support::content(directory_ / "outcome")));
+
+  const auto size = [&](const char* name) { return support::content(directory_ / name).substr(16, 8); };
+  EXPECT_EQ(size("bar_001.png"), std::string("\0\0\x05\xa0\0\0\x03\x5c", 8)) << "of the window: 1440 x 860";
+  EXPECT_EQ(size("bar_002.png"), std::string("\0\0\x05\0\0\0\x02\xd0", 8)) << "as of render: 1280 x 720";
+  EXPECT_GT(support::content(directory_ / "bar_003.png").size(), 20'000u) << "the window goes on";
+}
+
+TEST_F(LiveWindow, ShowsAFinishedRun) {
+  ASSERT_EQ(hexaplast("run bar.scn --steps 6 --out run --frames 0").code, 0);
+  const Outcome outcome = shell(kOnScreen + " '" HEXAPLAST_COMMAND "' view run --steps 1 --picture last.png");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_GT(support::content(directory_ / "last.png").size(), 20'000u);
+  for (const char* option : {"--set body.youngModulus=1", "--final final.json", "--record out.scn"}) {
+    const Outcome refused = hexaplast(std::string("view run ") + option, "env -u DISPLAY");
+    EXPECT_EQ(refused.code, 2) << refused.err;
+    EXPECT_NE(refused.err.find("run is a run that is finished, not a scene"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(LiveWindow, RunsSoManyStepsAndClosesByItself) {
@@ -77,7 +116,7 @@ TEST_F(LiveWindow, RunsSoManyStepsAndClosesByItself) {
 TEST_F(LiveWindow, ItsOwnFilesAreNotTheScenes) {
   std::string text = support::content(directory_ / "bar.scn");
   write("bar.scn", text.insert(text.rfind("</Node>"), "<WriteState filename='states.txt'/>"));
-  for (const char* option : {"--final states.txt", "--picture ./states.txt --steps 1"}) {
+  for (const char* option : {"--final states.txt", "--picture ./states.txt --steps 1", "--record states.txt"}) {
     const Outcome outcome = hexaplast(std::string("view bar.scn ") + option, "env -u DISPLAY");
     EXPECT_EQ(outcome.code, 3) << outcome.err;
     EXPECT_NE(outcome.err.find("is written by the run itself"), std::string::npos) << outcome.err;

@@ -11,6 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/formats/text.hpp"
+#include "record/manifest.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/boundary_conditions.hpp"
@@ -18,9 +19,12 @@
 #include "runner/run/directory_lock.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/output_options.hpp"
+#include "runner/run/regions.hpp"
 #include "runner/run/rounded.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
+#include "scene/reader.hpp"
+#include "view/recording.hpp"
 #include "view/window.hpp"
 
 namespace hexaplast::runner {
@@ -47,10 +51,17 @@ view::ShowWindow load_window() {
   return reinterpret_cast<view::ShowWindow>(symbol);
 }
 
-std::unique_ptr<scene::Component> make_hand() {
+std::unique_ptr<scene::Component> make_component(std::string_view class_name) {
   scene::Factory factory;
   load_components(factory);
-  return factory.make("GraspForceField");
+  return factory.make(class_name);
+}
+
+/// The elements of the scene's file, its includes carried out.
+scene::Element document_of(const SceneOptions& options, scene::Scene& scene) {
+  scene::Diagnostics diagnostics;
+  return scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr,
+                              scene.root().files().search, scene::Severity::kWarning);
 }
 
 void print_outcome(Simulation& simulation, const std::string& title) {
@@ -71,6 +82,9 @@ void print_outcome(Simulation& simulation, const std::string& title) {
 
 void add_view_options(CLI::App& view, ViewOptions& options) {
   view.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");
+  view.add_option("--speed", options.speed, "Seconds of the simulation per second of the clock; default 1: real time")
+      ->type_name("F")
+      ->check(CLI::Range(0.001, 1000.0));
   view.add_flag("--free", options.is_free, "As fast as it goes, not in real time");
   CLI::Option* steps =
       add_steps(view, options.steps, "Run so many time steps as fast as they go, then close the window");
@@ -83,6 +97,9 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   add_final_state(view, options.final_state);
+  view.add_option("--record", options.record,
+                  "Write a scene that repeats, without the window, what was done in it: with hexaplast run")
+      ->type_name("FILE.scn");
   add_output_rules(view, options.scene.output);
   add_threads(view, options.threads);
   view.add_option("--width", options.width, "Width of the window [pixels]")
@@ -95,13 +112,71 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
       ->capture_default_str();
 }
 
+/// What says where the hexahedra of a scene belong.
+view::Names names_of(Simulation& simulation) {
+  view::Names names;
+  for (const output::Bodies::Entry& body : simulation.bodies()->all())
+    names.bodies.push_back({body.name, body.first_hexahedron});
+  names.regions = region_numbers(simulation.scene(), *simulation.bodies());
+  for (const RegionFigure& region : regions_of(simulation.scene()))
+    names.region_names.push_back(region.path.substr(region.path.rfind('/') + 1));
+  return names;
+}
+
+view::WindowOptions window_options(const ViewOptions& options, std::optional<path> picture) {
+  return {.width = options.width,
+          .height = options.height,
+          .is_running = options.is_running,
+          .pace = options.is_free ? view::Pace::kFree : view::Pace::kRealTime,
+          .speed = options.speed,
+          .picture_folder = options.pictures,
+          .steps = options.steps,
+          .picture = std::move(picture)};
+}
+
+int exit_code() {
+  const int signal = requested_signal();
+  return signal == 0 ? kOk : kSignalled + signal;
+}
+
+/// A run that is finished.
+int view_run(const ViewOptions& options, view::ShowWindow show) {
+  for (const auto& [name, is_given] :
+       {std::pair("--set", !options.scene.overrides.empty()), std::pair("--final", options.final_state.has_value()),
+        std::pair("--record", options.record.has_value())})
+    if (is_given)
+      throw UsageError(fmt::format("{}: {} is a run that is finished, not a scene", name, options.scene.file.string()));
+  output::RecordedRun run(options.scene.file);
+  const std::optional<output::Manifest> manifest = output::read_manifest(run.directory());
+  output::Staging staging;
+  if (manifest && manifest->pictures) restore(*manifest->pictures, staging);
+  staging.embedded_surfaces = run.embedded_surfaces();
+  if (staging.embedded_surfaces.empty()) staging.shows_hexahedra = true;
+  view::Replay replay(std::move(run));
+  std::optional<path> picture;
+  if (options.picture) picture = output_place(*options.picture);
+  view::WindowCall call{.source = replay,
+                        .replay = &replay,
+                        .staging = std::move(staging),
+                        .fixed_nodes = {},
+                        .names = {},
+                        .options = window_options(options, std::move(picture)),
+                        .is_asked_to_end = [] { return requested_signal() != 0; }};
+  show(call);
+  return exit_code();
+}
+
 int view(const ViewOptions& options) {
   const view::ShowWindow show = load_window();
   if (options.threads) set_num_threads(*options.threads);
   watch_signals();
+  std::error_code unknown;
+  if (std::filesystem::is_directory(options.scene.file, unknown) || options.scene.file.extension() == ".pvd")
+    return view_run(options, show);
 
   SceneOptions scene = options.scene;
-  scene.output = rules_beside({.named = {options.final_state, options.picture}}, options.pictures, scene.output);
+  scene.output =
+      rules_beside({.named = {options.final_state, options.picture, options.record}}, options.pictures, scene.output);
   Simulation simulation(scene);
   const InputFiles& inputs = simulation.scene().root().files().inputs;
   std::optional<DirectoryLock> lock;
@@ -110,32 +185,44 @@ int view(const ViewOptions& options) {
   if (options.picture) picture = output_place(*options.picture, inputs);
   std::optional<output::WholeFile> final_state;
   if (options.final_state) final_state.emplace(output_place(*options.final_state, inputs));
+  // as it is now: somebody may edit it while the window is open
+  std::optional<scene::Element> document;
+  std::optional<output::WholeFile> record;
+  std::optional<path> record_place;
+  if (options.record) {
+    document = document_of(options.scene, simulation.scene());
+    record_place = output_place(*options.record, inputs);
+    record.emplace(*record_place);
+  }
   const std::string title = options.scene.file.stem().string();
-  view::WindowCall call{.subject = {.title = title,
-                                    .scene = simulation.scene(),
-                                    .step = [&]() -> const output::StepRecord& { return simulation.step(); },
-                                    .reset = [&] { simulation.reset(); }},
-                        .make_hand = make_hand,
+  view::Session session({.title = title,
+                         .scene = simulation.scene(),
+                         .step = [&]() -> const output::StepRecord& { return simulation.step(); },
+                         .reset = [&] { simulation.reset(); },
+                         .serialize = [&](Archive& archive) { simulation.serialize(archive); },
+                         .conditions = [&] { return conditions_of(simulation); }},
+                        make_component);
+  view::WindowCall call{.source = session,
+                        .session = &session,
                         .staging = staging_of(simulation),
                         .fixed_nodes = fixed_nodes(simulation),
-                        .options = {.width = options.width,
-                                    .height = options.height,
-                                    .is_running = options.is_running,
-                                    .pace = options.is_free ? view::Pace::kFree : view::Pace::kRealTime,
-                                    .picture_folder = options.pictures,
-                                    .steps = options.steps,
-                                    .picture = picture},
-                        .is_asked_to_end = [] { return requested_signal() != 0; },
-                        .failure = {}};
+                        .names = names_of(simulation),
+                        .options = window_options(options, picture),
+                        .is_asked_to_end = [] { return requested_signal() != 0; }};
   show(call);
-  if (!call.failure.empty()) throw NumericalError(call.failure);
+  session.stop();
+  if (record) {
+    record->write(view::recorded_scene(simulation.scene(), std::move(*document), options.scene.overrides,
+                                       session.deeds(), record_place->parent_path()));
+    record->commit();
+  }
+  if (!session.failure().empty()) throw NumericalError(session.failure());
 
   if (final_state)
     output::write_final(*final_state, simulation.latest().step, simulation.time(), simulation.positions(),
                         simulation.velocities(), *simulation.bodies());
   print_outcome(simulation, title);
-  const int signal = requested_signal();
-  return signal == 0 ? kOk : kSignalled + signal;
+  return exit_code();
 }
 
 }  // namespace hexaplast::runner

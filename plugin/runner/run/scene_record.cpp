@@ -2,7 +2,6 @@
 #include "runner/run/scene_record.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "attributes/stock.hpp"
 #include "hexaplast/base/hash.hpp"
@@ -15,25 +14,7 @@ using attributes::Attribute;
 
 constexpr std::size_t kMostText = 240;  // [byte] longer values are described
 
-/// As a scene would write it; numbers come back with all their bits.
-std::string text_of(const scene::Value& value) {
-  struct Writer {
-    std::string operator()(std::monostate) const { return ""; }
-    std::string operator()(bool is) const { return is ? "true" : "false"; }
-    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
-    std::string operator()(double number) const { return fmt::format("{}", number); }
-    std::string operator()(const std::string& text) const { return text; }
-    std::string operator()(const std::vector<std::int64_t>& numbers) const {
-      return fmt::format("{}", fmt::join(numbers, " "));
-    }
-    std::string operator()(const std::vector<double>& numbers) const {
-      return fmt::format("{}", fmt::join(numbers, " "));
-    }
-  };
-  return std::visit(Writer(), value);
-}
-
-std::string text_of(scene::Data& data) { return data.link().empty() ? text_of(data.value()) : data.link(); }
+std::string text_of(scene::Data& data) { return data.link().empty() ? scene::write_value(data.value()) : data.link(); }
 
 std::string hash_of(std::string_view text) {
   StateHash hash;

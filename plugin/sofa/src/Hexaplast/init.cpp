@@ -44,5 +44,6 @@ extern "C"
         registerFinalStateExporter(factory);
         registerProbe(factory);
         registerRunSettings(factory);
+        registerAttributeChange(factory);
     }
 }

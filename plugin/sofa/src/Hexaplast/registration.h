@@ -29,5 +29,6 @@ void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory);
 void registerFinalStateExporter(sofa::core::ObjectFactory* factory);
 void registerProbe(sofa::core::ObjectFactory* factory);
 void registerRunSettings(sofa::core::ObjectFactory* factory);
+void registerAttributeChange(sofa::core::ObjectFactory* factory);
 
 }  // namespace hexaplast::sofa_plugin

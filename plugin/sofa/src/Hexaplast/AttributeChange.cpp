@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Hexaplast/AttributeChange.h>
+#include <Hexaplast/errors.h>
+#include <Hexaplast/registration.h>
+#include <sofa/simulation/AnimateBeginEvent.h>
+
+#include <algorithm>
+
+#include "attributes/parts.hpp"
+#include "parts/attribute_change.hpp"
+#include "parts/key_times.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+
+AttributeChange::AttributeChange()
+    : d_attribute(from_table(*this, d_attribute, row(attributes::kAttributeChange, "attribute"))),
+      d_keyTimes(from_table(*this, d_keyTimes, row(attributes::kAttributeChange, "keyTimes"))),
+      d_values(from_table(*this, d_values, row(attributes::kAttributeChange, "values"))),
+      l_component(initLink("component", row(attributes::kAttributeChange, "component").help.data()))
+{
+    f_listening.setValue(true);
+}
+
+void AttributeChange::bwdInit()
+{
+    attempt(*this,
+            [&]
+            {
+                if (!l_component) throw parts::OptionError("component", "is not given, must lead to a component");
+                m_data = l_component->findData(d_attribute.getValue());
+                if (!m_data || m_data->isReadOnly())
+                    throw parts::OptionError(
+                        "attribute",
+                        fmt::format("{} '{}' has no attribute '{}' that a scene gives", l_component->getClassName(),
+                                    l_component->getName(), d_attribute.getValue()));
+                m_values.clear();
+                for (const auto& value : parts::values_of_changes(d_values.getValue()))
+                    m_values.push_back(value ? std::optional<std::string>(*value) : std::nullopt);
+                const auto& times = d_keyTimes.getValue();
+                m_times.assign(times.begin(), times.end());
+                parts::check_key_times("key_times", m_times, "values", m_values.size());
+                m_before = m_data->isSet() ? std::optional(m_data->getValueString()) : std::nullopt;
+            });
+}
+
+void AttributeChange::reset()
+{
+    if (m_numDone > 0) put(m_before);
+    m_numDone = 0;
+}
+
+void AttributeChange::handleEvent(sofa::core::objectmodel::Event* event)
+{
+    if (!sofa::simulation::AnimateBeginEvent::checkEventType(event) || !may_step(*this)) return;
+    const auto due = std::upper_bound(m_times.begin(), m_times.end(), getContext()->getTime()) - m_times.begin();
+    if (due <= m_numDone) return;
+    m_numDone = due;
+    put(m_values[static_cast<std::size_t>(due - 1)]);
+}
+
+// Its counter tells those who look at the Data that it has changed, also where it is not given any more.
+void AttributeChange::put(const std::optional<std::string>& value)
+{
+    attempt(*this,
+            [&]
+            {
+                if (!m_data->read(value ? *value : m_data->getValueString()))
+                    throw parts::OptionError(
+                        "values", fmt::format("'{}' is no value of {}", value.value_or(""), d_attribute.getValue()));
+                if (!value) m_data->unset();
+            });
+}
+
+void registerAttributeChange(sofa::core::ObjectFactory* factory)
+{
+    register_component<AttributeChange>(factory, attributes::kAttributeChange);
+}
+
+}  // namespace hexaplast::sofa_plugin

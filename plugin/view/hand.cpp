@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "view/hand.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/geometry/pick.hpp"
+#include "hexaplast/mesh/faces.hpp"
+#include "scene/visuals.hpp"
+
+namespace hexaplast::view {
+namespace {
+
+constexpr double kNever = 1e300;      // [s] a time that no session reaches
+constexpr double kGripReach = 10;     // sizes of the scene: a grip holds the nodes that it is told, wherever they are
+constexpr double kAway = 3;           // sizes of the scene from it, an instrument touches nothing
+constexpr double kGap = 0.02;         // sizes of an instrument between it and the tissue, when it comes
+constexpr double kCapsuleLength = 2;  // diameters, without the caps
+constexpr double kArrived = 1e-6;     // sizes of the scene
+constexpr const char* kGripClass = "GraspForceField";
+constexpr const char* kToolClass = "InstrumentContactForceField";
+
+const scene::Place kWindow{.file = "window"};
+
+/// Nodes of the surface of what is left of a body, ascending.
+std::vector<int> surface_nodes(const Body& body) {
+  std::vector<int> nodes;
+  for (const Quad& face : body.mesh().boundary_faces(body.alive())) nodes.insert(nodes.end(), face.begin(), face.end());
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+void give(scene::Component& component, std::string_view attribute, scene::Value value) {
+  component.find_data(attribute)->give(std::move(value), kWindow);
+}
+
+std::vector<double> numbers_of(std::initializer_list<Vec3> places) {
+  std::vector<double> numbers;
+  for (const Vec3& place : places) numbers.insert(numbers.end(), place.begin(), place.end());
+  return numbers;
+}
+
+/// What InstrumentContactForceField needs of a body's surroundings.
+std::string why_untouchable(scene::Scene& scene, const scene::SceneBody& body) {
+  const auto* solver = body.state->node().nearest<scene::OdeSolver>();
+  if (!solver || solver->class_name() != "EulerImplicitSolver")
+    return fmt::format("{} needs an EulerImplicitSolver to be touched", body.name);
+  for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
+    if (const_cast<scene::OdeSolver*>(solver)->boolean(scheme))
+      return fmt::format("the EulerImplicitSolver of {} has {}", body.name, scheme);
+  for (const scene::Mapping* mapping : scene.root().all<scene::Mapping>())
+    if (mapping->output() == body.state) return fmt::format("{} follows another state", body.name);
+  return {};
+}
+
+/// The only surface that is embedded in a body; null: there is none, or there are several.
+scene::VisualModel* embedded_surface(scene::Scene& scene, const scene::SceneBody& body) {
+  scene::VisualModel* found = nullptr;
+  for (scene::VisualModel* model : scene.root().all<scene::VisualModel>()) {
+    if (!model->is_carried() || model->points().rows() == 0) continue;
+    const scene::Node* node = &model->node();
+    while (node && !(node == &body.field->node())) node = node->parent();
+    if (!node) continue;
+    if (found) return nullptr;
+    found = model;
+  }
+  return found;
+}
+
+/// The surface that is seen is the one that is touched.
+void give_skin(scene::Component& tool, scene::VisualModel& model) {
+  scene::Data *points = model.find_data("position"), *triangles = model.find_data("triangles");
+  const auto* given = std::get_if<std::vector<double>>(&points->value());
+  const bool has_own = given && static_cast<Eigen::Index>(given->size()) == model.points().size();
+  if (has_own && model.quads().empty()) {
+    const std::string path = model.node().path();
+    const std::string link = fmt::format("@{}{}{}.", path, path == "/" ? "" : "/", model.name());
+    tool.find_data("skinPositions")->follow(*points, link + "position");
+    tool.find_data("skinTriangles")->follow(*triangles, link + "triangles");
+    return;
+  }
+  std::vector<std::int64_t> corners;
+  for (const Triangle& face : model.triangles()) corners.insert(corners.end(), face.begin(), face.end());
+  for (const auto& [a, b, c, d] : model.quads()) corners.insert(corners.end(), {a, b, c, a, c, d});
+  give(tool, "skinPositions",
+       std::vector<double>(model.points().data(), model.points().data() + model.points().size()));
+  give(tool, "skinTriangles", std::move(corners));
+}
+
+/// Everything but the path.
+void shape(scene::Component& tool, const HandSettings& settings) {
+  give(tool, "shape", std::string(kToolNames[static_cast<std::size_t>(settings.tool)]));
+  give(tool, "radius", settings.size / 2);
+  give(tool, "length", kCapsuleLength * settings.size);
+  give(tool, "size", std::vector<double>(3, settings.size));
+  give(tool, "friction", settings.friction);
+}
+
+bool is_of_path(std::string_view attribute) {
+  return attribute == "keyTimes" || attribute == "positions" || attribute == "orientations";
+}
+
+/// The attributes of an instrument that a scene gives, but for the path.
+template <class Visit>
+void for_each_given(scene::Component& component, const Visit& visit) {
+  for (const auto& data : component.all_data())
+    if (data->is_given() && data->attribute().access == attributes::Access::kInput &&
+        data->attribute().name != "name" && !is_of_path(data->attribute().name))
+      visit(*data);
+}
+
+}  // namespace
+
+bool change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value,
+            std::vector<std::string>& messages) {
+  scene::Data& data = *component.find_data(attribute);
+  const auto put = [&](std::optional<scene::Value> one) {
+    if (one)
+      data.give(std::move(*one), kWindow);
+    else
+      data.unset();
+  };
+  const auto before = data.is_given() ? std::optional(data.value()) : std::nullopt;
+  try {
+    put(std::move(value));
+  } catch (const InputError& error) {
+    messages.push_back(fmt::format("{}: {}", attribute, error.what()));
+    return false;
+  }
+  try {
+    component.follow_inputs();
+    return true;
+  } catch (const std::exception& error) {
+    messages.emplace_back(error.what());
+    put(before);
+    component.follow_inputs();
+    return false;
+  }
+}
+
+Hand::Hand(scene::Scene& scene, std::vector<scene::SceneBody> bodies, MakeComponent make, double reach)
+    : scene_(scene), bodies_(std::move(bodies)), make_(std::move(make)), reach_(reach) {
+  for (const scene::SceneBody& body : bodies_) {
+    std::unique_ptr<scene::Component> grip = make_(kGripClass);
+    give(*grip, "graspTime", kNever);
+    give(*grip, "keyTimes", std::vector<double>{0});
+    give(*grip, "positions", std::vector<double>{0, 0, 0});
+    give(*grip, "radius", kGripReach * reach_);
+    grips_.push_back(grip.get());
+    scene_.add(body.state->node(), std::move(grip), "hand");
+    if (touch_refusal_.empty()) touch_refusal_ = why_untouchable(scene_, body);
+  }
+}
+
+void Hand::add_tools(const HandSettings& settings) {
+  if (!tools_.empty()) return;
+  for (const scene::SceneBody& body : bodies_) {
+    std::unique_ptr<scene::Component> tool = make_(kToolClass);
+    give(*tool, "keyTimes", std::vector<double>{0});
+    give(*tool, "positions", numbers_of({away_}));
+    shape(*tool, settings);
+    give(*tool, "orientations", std::vector<double>(turn_.begin(), turn_.end()));
+    if (scene::VisualModel* skin = embedded_surface(scene_, body)) give_skin(*tool, *skin);
+    tools_.push_back(tool.get());
+    scene_.add(body.state->node(), std::move(tool), "tool");
+  }
+  has_grown();
+}
+
+void Hand::grab(const Touch& touch, const HandSettings& settings) {
+  release();
+  if (state_ == State::kLeaving)
+    request_ = {touch, settings, {}};
+  else
+    hold(touch, settings);
+}
+
+void Hand::hold(const Touch& touch, const HandSettings& settings) {
+  if (settings.tool == Tool::kGrip) return close_grip(touch.place, settings);
+  if (!touch_refusal_.empty()) return messages_.push_back("nothing can be touched: " + touch_refusal_);
+  bring_tool(touch, settings);
+}
+
+void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const PointArray& x = bodies_[k].state->positions();
+    for (const int node : nearest_nodes(x, surface_nodes(*bodies_[k].field->body()), place, 0, 1))
+      if (const double distance = (x.row(node).transpose() - place).norm(); distance < least) {
+        least = distance;
+        nearest = k;
+      }
+  }
+  const std::vector<int> held = nearest_nodes(
+      bodies_[nearest].state->positions(), surface_nodes(*bodies_[nearest].field->body()), place, settings.radius, 1);
+  if (held.empty()) return;  // nothing is left of the bodies
+  about_to_hold();
+
+  scene::Component& grip = *grips_[nearest];
+  held_body_ = static_cast<int>(nearest);
+  active_ = {&grip};
+  is_tool_ = is_coming_ = false;
+  offset_.setZero();
+  at_ = target_ = place;
+  const double time = scene_.time();
+  change(grip, "indices", std::vector<std::int64_t>(held.begin(), held.end()), messages_);
+  change(grip, "stiffness", settings.stiffness, messages_);
+  change(grip, "maxForce", settings.max_force, messages_);
+  change(grip, "damping", settings.damping, messages_);
+  put_path({time}, {place});
+  change(grip, "graspTime", time, messages_);
+  grip.begin_step();  // it closes here, and not where the mouse will be when the next step begins
+  state_ = State::kHolding;
+  begin_holds();
+}
+
+void Hand::bring_tool(const Touch& touch, const HandSettings& settings) {
+  const double half = settings.size / 2;
+  const bool is_capsule = settings.tool == Tool::kCapsule;
+  const double height = is_capsule ? half + kCapsuleLength * half : half;  // from the middle to the end that touches
+  const Vec3 start = touch.place + (height + kGap * settings.size) * touch.outwards;
+  const Vec3 away = start + (kAway * reach_ + settings.size) * touch.towards;
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), touch.outwards);
+  turn_ = {turn.x(), turn.y(), turn.z(), turn.w()};
+  away_ = away;
+  add_tools(settings);
+  about_to_hold();
+
+  active_ = tools_;
+  is_tool_ = is_coming_ = true;
+  at_ = away;
+  target_ = start;
+  offset_ = start - touch.place;
+  for (scene::Component* tool : tools_) shape(*tool, settings);
+  put_path({scene_.time()}, {at_});
+  for (scene::Component* tool : tools_) tool->follow_inputs();
+  state_ = State::kHolding;
+  begin_holds();
+}
+
+void Hand::drag(const Vec3& place) {
+  if (request_) request_->place = place;
+  if (state_ == State::kHolding && !request_) target_ = place + offset_;
+}
+
+void Hand::release() {
+  request_.reset();
+  if (state_ != State::kHolding) return;
+  if (is_tool_) {
+    target_ = away_;
+    is_coming_ = true;
+    state_ = State::kLeaving;
+    forget_holds_of_no_step();
+    if (num_open_holds_ == 0) state_ = State::kIdle;  // it has not come yet
+    return;
+  }
+  scene::Component& grip = *active_.front();
+  change(grip, "graspTime", kNever, messages_);
+  grip.reset();
+  forget_holds_of_no_step();
+  if (num_open_holds_ > 0) holds_.back().attributes.emplace_back("releaseTime", fmt::format("{}", scene_.time()));
+  num_open_holds_ = 0;
+  state_ = State::kIdle;
+}
+
+void Hand::begin_step() {
+  if (state_ == State::kIdle) return;
+  const double time = scene_.time(), next = time + scene_.dt();
+  const Vec3 way = target_ - at_;
+  const bool arrives = is_coming_ || way.norm() < kArrived * reach_;
+  const Vec3 to = arrives ? target_ : Vec3(at_ + (1 - std::exp(-scene_.dt() / kFollow)) * way);
+  put_path({time, next}, {at_, to});
+  add_key(next, to);
+  at_ = to;
+}
+
+void Hand::end_step() {
+  is_coming_ = false;
+  if (state_ != State::kLeaving) return;
+  state_ = State::kIdle;
+  num_open_holds_ = 0;
+  if (const std::optional<Request> request = std::exchange(request_, {})) {
+    hold(request->touch, request->settings);
+    if (request->place) drag(*request->place);
+  }
+}
+
+void Hand::reset() {
+  request_.reset();
+  if (state_ == State::kHolding) release();
+  state_ = State::kIdle;
+  holds_.clear();
+  num_open_holds_ = 0;
+  at_ = away_;
+  if (!tools_.empty()) {
+    active_ = tools_;
+    put_path({0.0}, {away_});
+  }
+}
+
+std::vector<int> Hand::held() const {
+  if (state_ != State::kHolding || is_tool_) return {};
+  const std::vector<std::int64_t>& held = active_.front()->integers("grasped");
+  return {held.begin(), held.end()};
+}
+
+Vec3 Hand::force() const {
+  Vec3 force = Vec3::Zero();
+  if (state_ != State::kHolding) return force;
+  for (scene::Component* component : active_) force += (is_tool_ ? -1 : 1) * component->vector3("force");
+  return force;
+}
+
+bool Hand::is_idle(const scene::Component& component) const {
+  const bool is_tool = std::ranges::find(tools_, &component) != tools_.end();
+  return is_tool && !(is_tool_ && state_ == State::kHolding);
+}
+
+void Hand::put_path(std::initializer_list<double> times, std::initializer_list<Vec3> places) {
+  for (scene::Component* component : active_) {
+    give(*component, "keyTimes", std::vector<double>(times));
+    give(*component, "positions", numbers_of(places));
+    if (!component->find_data("orientations")) continue;
+    std::vector<double> turns;
+    for (std::size_t k = 0; k < times.size(); ++k) turns.insert(turns.end(), turn_.begin(), turn_.end());
+    give(*component, "orientations", std::move(turns));
+  }
+}
+
+void Hand::begin_holds() {
+  num_open_holds_ = active_.size();
+  for (scene::Component* component : active_) {
+    Hold& hold = holds_.emplace_back();
+    hold.node = &component->node();
+    hold.class_name = component->class_name();
+    for_each_given(*component, [&](scene::Data& data) {
+      hold.attributes.emplace_back(data.attribute().name,
+                                   data.link().empty() ? scene::write_value(data.value()) : data.link());
+    });
+  }
+  add_key(scene_.time(), at_);
+}
+
+void Hand::add_key(double time, const Vec3& place) {
+  for (auto hold = holds_.end() - static_cast<std::ptrdiff_t>(num_open_holds_); hold != holds_.end(); ++hold) {
+    hold->key_times.push_back(time);
+    hold->positions.insert(hold->positions.end(), place.begin(), place.end());
+    if (is_tool_) hold->orientations.insert(hold->orientations.end(), turn_.begin(), turn_.end());
+  }
+}
+
+void Hand::forget_holds_of_no_step() {
+  while (num_open_holds_ > 0 && holds_.back().key_times.size() < 2) {
+    holds_.pop_back();
+    --num_open_holds_;
+  }
+}
+
+Hand::Saved Hand::save() const {
+  Saved saved{.values = {}, .num_holds = holds_.size() - num_open_holds_};
+  for (scene::Component* tool : tools_)
+    for (const auto& data : tool->all_data())
+      if (data->is_given() && data->link().empty()) saved.values.push_back(data->value());
+  return saved;
+}
+
+void Hand::restore(const Saved& saved) {
+  release();
+  state_ = State::kIdle;
+  request_.reset();
+  holds_.resize(saved.num_holds);
+  num_open_holds_ = 0;
+  auto value = saved.values.begin();
+  for (scene::Component* tool : tools_) {
+    for (const auto& data : tool->all_data())
+      if (data->is_given() && data->link().empty()) data->give(*value++, kWindow);
+    tool->follow_inputs();
+  }
+}
+
+}  // namespace hexaplast::view

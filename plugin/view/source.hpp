@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hexaplast/mesh/hex_mesh.hpp"
+#include "picture/boundary_conditions.hpp"
+#include "record/measures.hpp"
+
+namespace hexaplast::view {
+
+/// What the colours of the body tell.
+enum class Quantity { kPlasticStrain, kStressNorm, kYieldStress, kVolumeRatio, kSpeed };
+
+/// How fast the simulation goes on.
+enum class Pace {
+  kRealTime,  ///< as the clock on the wall, or slower where a step takes longer than it lasts
+  kFree       ///< as fast as it can
+};
+
+/// Numbers that are plotted, of one moment.
+struct Sample {
+  double time = 0;  ///< [s]
+  output::Measures measures;
+  double greatest_plastic_strain = 0;  ///< [-] of a hexahedron
+  double kinetic_energy = 0;           ///< [J]
+  double elastic_energy = 0;           ///< [J]
+  double dissipated_energy = 0;        ///< [J]
+};
+
+/// The simulation as it was between two steps. Nodal arrays have num_nodes rows, of several bodies those of one behind
+/// those of another.
+struct Snapshot {
+  long step = 0;
+  bool is_running = false;
+  bool is_late = false;               ///< steps take longer than the pace asks for
+  std::string failure;                ///< why it cannot go on before a reset; empty: it can
+  std::vector<std::string> messages;  ///< that came since the last snapshot
+  PointArray positions;               ///< [m]
+  PointArray material;                ///< [m] what the body would be without forces
+  std::vector<unsigned char> alive;   ///< per hexahedron
+  Quantity quantity = Quantity::kPlasticStrain;
+  std::vector<double> values;        ///< of the quantity, per node; infinite for the yield stress of what never yields
+  std::vector<double> of_hexahedra;  ///< the same per hexahedron; of the speed: empty
+  std::vector<std::optional<double>> parameter_values;  ///< of each parameter, as it is now; none: not given
+  std::vector<int> held;                                ///< nodes in the hand
+  Vec3 hand_force = Vec3::Zero();                       ///< [N] of the hand on the bodies, in the latest step
+  output::BoundaryConditions conditions;                ///< loads, instruments, what is fixed
+  int num_undo = 0;                                     ///< holds of the hand that can be taken back
+  Sample sample;
+  std::vector<float> step_ms;  ///< wall time of each step since the last snapshot
+};
+
+/// What a window shows: a scene in motion, or a run that is finished. Its verbs return at once.
+class Source {
+ public:
+  virtual ~Source() = default;
+
+  virtual void run() = 0;
+  virtual void pause() = 0;
+  virtual void advance(long steps) = 0;  ///< so many, then it pauses
+  virtual void reset() = 0;              ///< to the beginning; pauses
+
+  /// speed: seconds of what is shown per second of the clock, in real time.
+  virtual void set_pace(Pace pace, double speed = 1) = 0;
+  virtual void show(Quantity quantity) = 0;
+
+  /// Takes the newest snapshot, if there is one that was not taken yet, and asks for the next one.
+  virtual bool take(Snapshot& snapshot) = 0;
+
+  virtual const std::string& title() const = 0;
+  virtual const HexMesh& mesh() const = 0;  ///< of all bodies (output::Bodies)
+  virtual double dt() const = 0;            ///< [s]
+};
+
+}  // namespace hexaplast::view

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Attributes that change during a run: when, with what effect, and what is refused.
+#include <gtest/gtest.h>
+
+#include "hexaplast/base/archive.hpp"
+#include "hexaplast/body.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::in_root;
+using support::read_and_init;
+using support::run;
+
+std::string beam(const std::string& change, const std::string& body = "youngModulus='5000' yieldStress='80 90 100'") {
+  return in_root(
+      "gravity='0 0 -5' dt='0.1'",
+      change +
+          "<RegularGridTopology name='grid' n='4 2 2' max='3 1 1'/><MechanicalObject name='nodes'/>"
+          "<DiagonalMass massDensity='10'/><HexahedronElastoplasticFEMForceField name='body' poissonRatio='0.4' "
+          "plasticFlowRate='1' " +
+          body + "/><FixedProjectiveConstraint indices='0 4 8 12'/>");
+}
+std::string change(const std::string& attributes) {
+  return beam("<AttributeChange component='@body' " + attributes + "/>");
+}
+
+TEST(AttributeChange, HappensAtTheFirstStepFromItsTimeOn) {
+  scene::Scene scene =
+      read_and_init(change("attribute='youngModulus' keyTimes='0.15 0.3 0.31' values='6000; 7000;8000'"));
+  const auto modulus = [&] { return at<scene::ForceField>(scene, "body").body()->material(1).young_modulus; };
+  const double expected[] = {5000, 5000, 6000, 7000, 8000, 8000};
+  for (const double value : expected) {
+    run(scene, 1);
+    EXPECT_EQ(modulus(), value) << "in the step that ends at t = " << scene.time();
+  }
+  scene.reset();
+  EXPECT_EQ(modulus(), 5000);
+  run(scene, 3);
+  EXPECT_EQ(modulus(), 6000) << "again";
+}
+
+TEST(AttributeChange, GivesListsAndTakesValuesAway) {
+  scene::Scene scene = read_and_init(change("attribute='yieldStress' keyTimes='0.1 0.2 0.3' values='1 2 3; ;70'"));
+  const auto yield = [&](int e) { return at<scene::ForceField>(scene, "body").body()->material(e).yield_stress; };
+  run(scene, 2);
+  EXPECT_EQ(yield(2), 3);
+  run(scene, 1);
+  EXPECT_EQ(yield(2), Material().yield_stress);
+  run(scene, 1);
+  EXPECT_EQ(yield(0), 70);
+  scene.reset();
+  EXPECT_EQ(yield(2), 100);
+}
+
+TEST(AttributeChange, GoesOnFromACheckpoint) {
+  const std::string text = change("attribute='youngModulus' keyTimes='0.2 0.5' values='900; 7000'");
+  scene::Scene straight = read_and_init(text), resumed = read_and_init(text);
+  run(straight, 4);
+  std::vector<std::byte> bytes;
+  Archive out([&](const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), first, first + size);
+  });
+  straight.serialize(out);
+  Archive in{std::span<const std::byte>(bytes)};
+  resumed.serialize(in);
+  EXPECT_EQ(at<scene::ForceField>(resumed, "body").reals("youngModulus"), std::vector<double>{900});
+  run(straight, 4);
+  run(resumed, 4);
+  EXPECT_EQ(support::nodes(straight), support::nodes(resumed));
+}
+
+TEST(AttributeChange, RefusesWhatItCannotChange) {
+  const auto expect = [](const std::string& text, const std::string& error) {
+    const std::string said = errors_of(text);
+    EXPECT_NE(said.find("AttributeChange." + error), std::string::npos) << said;
+  };
+  expect(beam("<AttributeChange attribute='youngModulus'/>"), "component: is not given, must lead to a component");
+  expect(beam("<AttributeChange component='@/' attribute='dt'/>"), "component: ");
+  expect(change("attribute='youngsModulus' keyTimes='1' values='2'"),
+         "attribute: HexahedronElastoplasticFEMForceField 'body' has no attribute 'youngsModulus' that a scene gives");
+  expect(change("attribute='plasticStrain' keyTimes='1' values='2'"), "attribute: ");
+  expect(change("attribute='poissonRatio' keyTimes='1 2' values='0.3; 0.7'"),
+         "values: HexahedronElastoplasticFEMForceField.poissonRatio: 0.7 must lie in [0, 0.5)");
+  expect(change("attribute='youngModulus' keyTimes='1 2' values='3'"), "values: 1 values given for 2 times");
+  expect(change("attribute='youngModulus' keyTimes='2 1' values='3; 4'"),
+         "keyTimes: 2 is followed by 1, must be ascending");
+  expect(change("attribute='youngModulus'"), "keyTimes: is empty");
+}
+
+}  // namespace

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "view/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hexaplast/body.hpp"
+#include "scene/reader.hpp"
+#include "support/compare.hpp"
+#include "support/played.hpp"
+
+namespace hexaplast::view {
+namespace {
+
+using support::kTop;
+using support::Played;
+using support::wait_for;
+using support::wait_for_step;
+
+/// The scene that repeats what was done.
+std::string record(Played& played, const Session& session) {
+  scene::Diagnostics diagnostics;
+  return recorded_scene(played.scene(), scene::read_document(played.text(), "test.scn", diagnostics), {},
+                        session.deeds(), "");
+}
+
+std::string hash_of(const std::string& text) {
+  Played again(text);
+  scene::Component& settings = *scene::find_settings(again.scene());
+  return again.hash_after(settings.integer("steps"));
+}
+
+std::unique_ptr<scene::Component> make(std::string_view class_name) { return support::factory().make(class_name); }
+
+/// A session that is waited for.
+class Steps {
+ public:
+  explicit Steps(Session& session) : session_(session) {}
+
+  Snapshot advance(long steps) {
+    session_.advance(steps);
+    return wait_for_step(session_, step_ += steps);
+  }
+
+  /// The hand goes on after each step.
+  Snapshot drag(Vec3 from, const Vec3& by, int steps) {
+    Snapshot last;
+    for (int k = 0; k < steps; ++k) {
+      session_.drag(from += by);
+      last = advance(1);
+    }
+    return last;
+  }
+  void set(long step) { step_ = step; }
+  long get() const { return step_; }
+
+ private:
+  Session& session_;
+  long step_ = 0;
+};
+
+HandSettings with(HandSettings settings, Tool tool) {
+  settings.tool = tool;
+  return settings;
+}
+
+TEST(RecordedScene, RepeatsPullsAndSliders) {
+  Played played;
+  Session session(played.subject(), make);
+  Steps steps(session);
+  session.set("youngModulus", 6000);  // before the first step
+  steps.advance(3);
+  session.grab({.place = kTop}, session.suggested_hand());
+  steps.drag(kTop, Vec3(0.004, -0.001, 0.007), 20);
+  session.set("yieldStress", 90);
+  session.set("yieldStress", 110);
+  steps.drag(kTop, Vec3(-0.002, 0.003, 0.006), 10);
+  session.release();
+  steps.advance(7);
+  session.set("yieldStress", std::nullopt);
+  session.grab({.place = kTop}, session.suggested_hand());  // twice, and without a step between
+  session.grab({.place = Vec3(0, 0.05, 0.15)}, session.suggested_hand());
+  steps.drag(Vec3(0, 0.05, 0.15), Vec3(-0.005, 0, 0), 10);
+  session.stop();  // it still holds
+  EXPECT_EQ(session.deeds().holds.size(), 2u);
+  EXPECT_EQ(session.deeds().changes.size(), 3u) << "of two at the same time the last one counts";
+  EXPECT_EQ(session.deeds().num_steps, 50);
+  EXPECT_EQ(hash_of(record(played, session)), played.hash());
+  EXPECT_GT(std::ranges::max(played.body().fields(played.positions()).plastic_strain), 0.02);
+}
+
+TEST(RecordedScene, RepeatsWhatTouches) {
+  Played played;
+  Session session(played.subject(), make);
+  Steps steps(session);
+  EXPECT_EQ(session.touch_refusal(), "");
+  for (const Tool tool : {Tool::kSphere, Tool::kCapsule, Tool::kBox, Tool::kSphere}) {
+    const Vec3 side = steps.advance(1).positions.row(50).transpose();  // the middle of the side, below the top
+    session.grab({.place = side, .outwards = Vec3::UnitX(), .towards = Vec3(1, 0, 1).normalized()},
+                 with(session.suggested_hand(), tool));
+    const Vec3 coming = steps.advance(1).hand_force;
+    if (side == Vec3(0.1, 0.05, 0.25)) {
+      EXPECT_EQ(coming, Vec3(0, 0, 0)) << "it does not touch yet";
+    }
+    EXPECT_LT(steps.drag(side, Vec3(-0.003, 0, 0.0005), 12).hand_force.x(), -0.05) << "it pushes";
+    session.release();
+    if (tool != Tool::kCapsule) steps.advance(20);  // the box takes the place of the capsule at once
+  }
+  session.stop();
+  EXPECT_EQ(session.deeds().holds.size(), 4u);
+  EXPECT_EQ(hash_of(record(played, session)), played.hash());
+  EXPECT_GT((played.positions() - played.body().mesh().positions()).rowwise().norm().maxCoeff(), 0.005);
+}
+
+TEST(RecordedScene, LeavesOutWhatWasUndone) {
+  Played played;
+  Session session(played.subject(), make);
+  Steps steps(session);
+  const auto pull = [&](const Vec3& by, Tool tool, int count) {
+    session.grab({.place = kTop}, with(session.suggested_hand(), tool));
+    steps.drag(kTop, by, count);
+    session.release();
+    return steps.advance(3);
+  };
+  pull(Vec3(0, 0, 0.01), Tool::kGrip, 12);
+  session.set("yieldStress", 120);
+  const Snapshot kept = pull(Vec3(0, 0, -0.004), Tool::kSphere, 9);
+  pull(Vec3(0.01, 0, 0), Tool::kGrip, 15);
+  session.set("youngModulus", 7000);
+  const Snapshot after = pull(Vec3(0, 0.002, -0.005), Tool::kBox, 9);
+  EXPECT_EQ(after.num_undo, 3) << "the first pull was before there were instruments that touch";
+  session.undo();
+  session.undo();
+  const Snapshot back = wait_for(session, [](const Snapshot& at) { return at.num_undo == 1; });
+  EXPECT_EQ(back.step, kept.step);
+  EXPECT_EQ(back.positions, kept.positions);
+  EXPECT_EQ(back.sample.time, kept.sample.time);
+  EXPECT_EQ(back.parameter_values, kept.parameter_values) << "the sliders too";
+  steps.set(kept.step);
+  pull(Vec3(0.003, 0, -0.006), Tool::kCapsule, 9);
+  session.stop();
+  EXPECT_EQ(session.deeds().holds.size(), 3u);
+  EXPECT_EQ(hash_of(record(played, session)), played.hash());
+}
+
+TEST(RecordedScene, BeginsAnewAfterAReset) {
+  Played played;
+  Session session(played.subject(), make);
+  Steps steps(session);
+  session.grab({.place = kTop}, with(session.suggested_hand(), Tool::kSphere));
+  steps.drag(kTop, Vec3(0.01, 0, -0.01), 10);
+  session.set("yieldStress", 90);
+  session.reset();
+  steps.set(0);
+  session.grab({.place = kTop}, session.suggested_hand());
+  steps.drag(kTop, Vec3(0.01, 0, 0.01), 10);
+  session.stop();
+  EXPECT_EQ(session.deeds().holds.size(), 1u);
+  EXPECT_EQ(session.deeds().changes.size(), 1u);
+  EXPECT_EQ(hash_of(record(played, session)), played.hash());
+}
+
+TEST(RecordedScene, KeepsOverridesAndNamesFilesFromItsOwnFolder) {
+  const std::string folder = HEXAPLAST_SOURCE_DIR "/scenes/";
+  const std::string text =
+      "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver iterations='20'/>"
+      "<Node name='inactive' activated='0'><MechanicalObject/></Node><MeshOBJLoader name='loader' filename='" +
+      folder.substr(1) + "mesh/liver.obj'/><Node name='body'>" +
+      "<RegularGridTopology name='grid' n='2 2 3' max='0.1 0.1 0.3'/><MechanicalObject name='nodes'/>"
+      "<UniformMass totalMass='3'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' "
+      "poissonRatio='0.4'/></Node></Node>";
+  scene::PluginLoader& plugins = support::plugins();
+  scene::Scene scene = scene::read_scene_text(text, "/test.scn", support::factory(), plugins);
+  const std::vector<std::string> overrides{"body/body.youngModulus=8000"};
+  scene::override_attribute(scene, overrides.front());
+  scene.init();
+  scene::Diagnostics diagnostics;
+  const std::string written = recorded_scene(scene, scene::read_document(text, "/test.scn", diagnostics), overrides,
+                                             {.num_steps = 12, .holds = {}, .changes = {}}, folder + "sofa");
+  EXPECT_NE(written.find("youngModulus=\"8000\""), std::string::npos) << written;
+  EXPECT_EQ(written.find("youngModulus=\"5000\""), std::string::npos) << written;
+  EXPECT_NE(written.find("<RunSettings steps=\"12\"/>"), std::string::npos) << written;
+  EXPECT_NE(written.find("filename=\"../mesh/liver.obj\""), std::string::npos) << written;
+  EXPECT_NE(written.find("name=\"inactive\""), std::string::npos) << written;
+}
+
+}  // namespace
+}  // namespace hexaplast::view

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "view/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <thread>
+
+#include "support/compare.hpp"
+#include "support/output.hpp"
+#include "support/played.hpp"
+#include "view/page_picture.hpp"
+#include "view/trace.hpp"
+
+namespace hexaplast::view {
+namespace {
+
+/// A run of 12 steps, each third of which is saved, and the positions then.
+struct Written {
+  explicit Written(const std::filesystem::path& directory) {
+    std::string text = support::kBar;
+    text.insert(text.find("</Node>"), "<ConstantForceField indices='54-62' totalForce='1 0 8'/>");
+    support::Played played(text);
+    output::RunPlan plan;
+    plan.title = "bar";
+    plan.num_steps = 12;
+    plan.dt = 0.01;
+    plan.output_every = 3;
+    plan.num_frames = 0;
+    output::Recorder recorder(directory, played.body(), plan);
+    auto& state = support::at<scene::MechanicalState>(played.scene(), "nodes");
+    recorder.record({}, state.positions(), state.velocities());
+    for (int step = 1; step <= 12; ++step) {
+      output::StepRecord record = played.step();
+      record.time = played.scene().time();
+      recorder.record(record, state.positions(), state.velocities());
+      positions.push_back(state.positions());
+    }
+    strain = std::ranges::max(played.body().fields(state.positions()).plastic_strain);
+    recorder.finish();
+  }
+  std::vector<PointArray> positions;  // after each step
+  double strain;
+};
+
+TEST(Replay, GoesFromStateToState) {
+  const support::Scratch scratch;
+  const Written written(scratch / "run");
+  Replay replay{output::RecordedRun(scratch / "run")};
+  ASSERT_EQ(replay.num_states(), 5);
+  EXPECT_EQ(replay.title(), "run");
+  EXPECT_NEAR(replay.dt(), 0.03, 1e-12);
+  Snapshot now;
+  ASSERT_TRUE(replay.take(now));
+  EXPECT_EQ(now.step, 0);
+  EXPECT_FALSE(replay.take(now)) << "nothing has changed";
+  replay.advance(2);
+  ASSERT_TRUE(replay.take(now));
+  EXPECT_EQ(now.step, 6);
+  EXPECT_NEAR(now.sample.time, 0.06, 1e-12);
+  EXPECT_TRUE(support::agrees(now.positions, written.positions[5], 1e-6));
+  replay.advance(-1);
+  replay.take(now);
+  EXPECT_EQ(now.step, 3);
+  replay.go_to(4);
+  replay.take(now);
+  EXPECT_EQ(now.step, 12);
+  EXPECT_NEAR(std::ranges::max(now.of_hexahedra), written.strain, 1e-6);
+  EXPECT_EQ(now.values.size(), 63u);
+  replay.show(Quantity::kSpeed);
+  ASSERT_TRUE(replay.take(now));
+  EXPECT_TRUE(now.of_hexahedra.empty());
+  EXPECT_GT(std::ranges::max(now.values), 0.01);
+  replay.advance(9);
+  replay.take(now);
+  EXPECT_EQ(now.step, 12) << "the last one";
+  replay.reset();
+  replay.take(now);
+  EXPECT_EQ(now.step, 0);
+
+  const Traces traces = traces_of(replay.directory());
+  EXPECT_NEAR(traces.kinetic.latest_time(), 0.12, 1e-12);
+  EXPECT_GT(traces.world_elongation.latest(), 0.1) << "[%]";
+  EXPECT_EQ(traces.step_ms.latest_time(), 12);
+}
+
+TEST(Replay, PlaysInRealTimeAndStopsAtTheEnd) {
+  const support::Scratch scratch;
+  const Written written(scratch / "run");
+  Replay replay{output::RecordedRun(scratch / "run")};
+  replay.set_pace(Pace::kRealTime, 0.5);
+  const auto begin = std::chrono::steady_clock::now();
+  replay.run();
+  Snapshot now;
+  std::vector<long> steps;
+  do {
+    if (replay.take(now)) steps.push_back(now.step);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  } while (now.is_running);
+  EXPECT_GE(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 0.24);
+  EXPECT_TRUE(std::ranges::is_sorted(steps));
+  EXPECT_EQ(steps.back(), 12);
+  replay.set_pace(Pace::kFree);
+  replay.run();  // from the beginning again, and a state at each look
+  replay.take(now);
+  EXPECT_EQ(now.step, 3);
+}
+
+TEST(Replay, TellsOfAFileThatIsDamaged) {
+  const support::Scratch scratch;
+  const Written written(scratch / "run");
+  Replay replay{output::RecordedRun(scratch / "run")};
+  Snapshot now;
+  replay.take(now);
+  std::ofstream(scratch / "run" / "mesh_000003.vtu") << "nothing";
+  replay.advance(1);
+  ASSERT_TRUE(replay.take(now));
+  EXPECT_NE(now.failure.find("mesh_000003.vtu"), std::string::npos) << now.failure;
+  replay.reset();
+  replay.take(now);
+  EXPECT_EQ(now.failure, "");
+  EXPECT_EQ(now.step, 0);
+}
+
+TEST(PagePicture, IsDrawnAsTheWindowLooks) {
+  const support::Scratch scratch;
+  const Written written(scratch / "run");
+  Replay replay{output::RecordedRun(scratch / "run")};
+  Snapshot now;
+  replay.go_to(4);
+  replay.take(now);
+  Camera camera(Vec3::UnitY(), Vec3(1, 0.4, 2));
+  camera.resize(1280, 720);
+  camera.fit(Eigen::AlignedBox3d(Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.3)));
+  const auto words = [](const output::Drawing& drawing) {
+    std::string all;
+    for (const output::Drawing::Text& text : drawing.texts) all += text.words + "|";
+    return all;
+  };
+  const output::Drawing whole = page_picture(replay, now, {}, {}, camera, std::pair(0.0, 0.5));
+  EXPECT_NE(words(whole).find("run|"), std::string::npos) << words(whole);
+  EXPECT_NE(words(whole).find("t = 0.12 s|"), std::string::npos) << words(whole);
+  EXPECT_NE(words(whole).find("initial shape|"), std::string::npos) << words(whole);
+  const Look cut{.ghost = Ghost::kNone, .cut = Plane{Vec3::UnitZ(), 0.15}};
+  const output::Drawing half = page_picture(replay, now, {}, cut, camera, {});
+  EXPECT_EQ(words(half).find("initial shape|"), std::string::npos) << words(half);
+  EXPECT_NE(half.triangles.size(), whole.triangles.size());
+}
+
+}  // namespace
+}  // namespace hexaplast::view
