@@ -40,7 +40,14 @@ std::optional<std::vector<double>> evaluate(const Experiment& experiment, const 
 Evaluations::Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free, int jobs, int threads)
     : experiment_(experiment), free_(free) {
   workers_.reserve(static_cast<std::size_t>(jobs));
-  for (int w = 0; w < jobs && jobs > 1; ++w) workers_.emplace_back(threads);
+  for (int w = 0; w < jobs && jobs > 1; ++w) workers_.push_back(Worker::start(threads));
+}
+
+Evaluations::Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free,
+                         const std::vector<int>& sockets)
+    : experiment_(experiment), free_(free) {
+  workers_.reserve(sockets.size());
+  for (const int socket : sockets) workers_.push_back(Worker::at(socket));
 }
 
 const std::vector<double>& Evaluations::first(const Point& point) {
