@@ -16,7 +16,8 @@ namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr hsize_t kChunkBytes = 256 * 1024;  // several states of small bodies together; a part of one state of large ones
+constexpr hsize_t kChunkBytes =
+    256 * 1024;  // several states of small bodies together; a part of one state of large ones
 constexpr unsigned kCompression = 4;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 using Shape = std::vector<hsize_t>;
@@ -62,13 +63,15 @@ Handle text_type(std::size_t size, const fs::path& file) {
   return type;
 }
 
+/// An attribute of variable length, which readers take for a text, and not for bytes.
 void set_text(hid_t object, const std::string& name, std::string_view text, const fs::path& file) {
-  const Handle type = text_type(text.size(), file);
+  const Handle type = text_type(H5T_VARIABLE, file);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, file, "cannot make a data space");
   const Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, file,
                          "cannot write an attribute");
-  const std::string written = text.empty() ? std::string(1, '\0') : std::string(text);
-  require(H5Awrite(attribute, type, written.data()) >= 0, file, "cannot write an attribute");
+  const std::string written(text);
+  const char* begin = written.c_str();
+  require(H5Awrite(attribute, type, &begin) >= 0, file, "cannot write an attribute");
 }
 
 /// A data set, with the groups that its name tells.
@@ -315,8 +318,9 @@ std::map<std::string, Found> find_sets(const fs::path& path) {
     H5Sget_simple_extent_dims(space, one.shape.data(), nullptr);
     if (H5Aexists(set, "unit") > 0) {
       const hid_t attribute = H5Aopen(set, "unit", H5P_DEFAULT), text = H5Aget_type(attribute);
-      one.unit.resize(H5Tget_size(text));
-      H5Aread(attribute, text, one.unit.data());
+      char* unit = nullptr;
+      if (H5Tis_variable_str(text) > 0 && H5Aread(attribute, text, &unit) >= 0 && unit) one.unit = unit;
+      H5free_memory(unit);
       H5Tclose(text);
       H5Aclose(attribute);
     }
@@ -349,8 +353,7 @@ void write_virtual(hid_t file_id, const std::string& name, const Found& one, std
             path, "cannot refer to a file");
   }
   const Handle space = space_of(all, path);
-  const Handle set =
-      make(file_id, name, one.is_whole_number ? H5T_STD_I64LE : H5T_IEEE_F64LE, space, made_with, path);
+  const Handle set = make(file_id, name, one.is_whole_number ? H5T_STD_I64LE : H5T_IEEE_F64LE, space, made_with, path);
   if (!one.unit.empty()) set_text(set, "unit", one.unit, path);
 }
 

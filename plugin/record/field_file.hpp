@@ -43,8 +43,10 @@ inline constexpr std::array<FieldEntry, 10> kFields{{
     {Field::kVelocity, "velocity", "m/s", "of the node", true},
     {Field::kPlasticDisplacement, "plasticDisplacement", "m",
      "of the plastic rest position (without load) from the initial position", true},
-    {Field::kLoads, "load", "N", "external forces without weight, at the beginning of the step", true},
-    {Field::kContactForce, "contactForce", "N", "forces of instruments, at the beginning of the step", true},
+    {Field::kLoads, "load", "N",
+     "external forces without weight: of the beginning of the step, at the positions of its end", true},
+    {Field::kContactForce, "contactForce", "N",
+     "forces of instruments: of the beginning of the step, at the positions of its end", true},
     {Field::kPlasticStrain, "plasticStrain", "1", "accumulated, mean of the corners", false},
     {Field::kStrain, "strain", "1", "largest of the corners", false},
     {Field::kStress, "stress", "Pa", "norm that is compared with the yield stress, largest of the corners", false},
@@ -62,7 +64,7 @@ using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 /// What a data set of a run is to hold.
 struct FieldPlan {
   std::vector<Field> fields;
-  long every = 1;                   ///< steps between two states; the last one is always there
+  long every = 1;                        ///< steps between two states; the last one is always there
   std::vector<std::string> probes = {};  ///< their names, one per value of a state
   NamedTexts attributes = {};            ///< of the file
   NamedTexts overrides = {};             ///< what has been replaced in the scene: PATH.attribute and its value

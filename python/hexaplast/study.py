@@ -215,20 +215,20 @@ def _receive(connection):
     return None if rest is None else head + rest
 
 
-_evaluators = {}  # of this process, by their words
+_evaluators = {}  # by process and thread, which must not share one (a forked process finds those of its parent), and words
 
 
 def _end_evaluators():
-    while _evaluators:
-        _evaluators.popitem()[1].close()
+    for key in [key for key in _evaluators if key[0] == os.getpid()]:
+        _evaluators.pop(key).close()
 
 
 def _evaluate(words, question):
     """One evaluation; for executors. The process stays for the next one."""
-    if not _evaluators:
-        atexit.register(_end_evaluators)
-    key = (threading.get_ident(), *words)
+    key = (os.getpid(), threading.get_ident(), *words)
     if key not in _evaluators:
+        atexit.unregister(_end_evaluators)
+        atexit.register(_end_evaluators)
         _evaluators[key] = _Evaluator(words)
     try:
         return _evaluators[key].ask(question)

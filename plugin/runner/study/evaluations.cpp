@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
+#include "record/files.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -75,8 +76,15 @@ std::vector<std::optional<std::vector<double>>> Evaluations::at(const std::vecto
 }
 
 std::vector<std::optional<std::vector<double>>> Evaluations::run(const std::vector<Point>& points) {
-  if (!workers_.empty()) return ask_all(workers_, points);
   std::vector<std::optional<std::vector<double>>> found;
+  if (!workers_.empty()) {
+    found = ask_all(workers_, points);
+    const std::size_t num_values = experiment_.target().columns.size() * experiment_.target().num_rows();
+    for (const std::optional<std::vector<double>>& values : found)
+      if (values && values->size() != num_values)
+        throw output::OutputError("a process that evaluates has given the answer to another question");
+    return found;
+  }
   for (const Point& point : points) found.push_back(evaluate(experiment_, free_, point));
   return found;
 }

@@ -38,7 +38,8 @@ std::vector<output::StudyColumn> columns_of(const SweepTable& table, const std::
   for (long run = 0; run < table.num_runs(); ++run) numbers.numbers.push_back(static_cast<double>(run + 1));
   for (std::size_t f = 0; f < table.factors().size(); ++f) {
     const Factor& factor = table.factors()[f];
-    output::StudyColumn& column = columns.emplace_back(output::StudyColumn{"vary/" + factor.attribute, units[f], {}, {}});
+    output::StudyColumn& column =
+        columns.emplace_back(output::StudyColumn{"vary/" + factor.attribute, units[f], {}, {}});
     for (long run = 0; run < table.num_runs(); ++run) {
       const std::size_t value = table.choice(run)[f];
       if (factor.numbers.empty())
@@ -78,8 +79,8 @@ void write_data(const SweepDirectory& directory, const Json& plan, const SweepTa
        {"scene", fs::path(plan.at("scene").get<std::string>()).filename().string()},
        {"scene_hash", plan.at("scene_hash").get<std::string>()}});
   for (const std::string& name : differing)
-    spdlog::warn("warning: {}: does not have /{}: its shape is not the same in all runs",
-                 directory.data().string(), name);
+    spdlog::warn("warning: {}: does not have /{}: its shape is not the same in all runs", directory.data().string(),
+                 name);
 }
 
 }  // namespace
@@ -162,8 +163,7 @@ void open(const SweepDirectory& directory, const Json& plan, bool force, const I
 
 void write_overviews(const SweepDirectory& directory, const Json& plan, const SweepTable& table) {
   const auto labels = plan.at("labels").get<std::vector<std::string>>();
-  for (const std::string& warning :
-       draw_sweep(directory.picture(), plan.at("title").get<std::string>(), table, labels))
+  for (const std::string& warning : draw_sweep(directory.picture(), plan.at("title").get<std::string>(), table, labels))
     spdlog::warn("warning: {}", warning);
   if (plan.contains("fields")) write_data(directory, plan, table);
 }

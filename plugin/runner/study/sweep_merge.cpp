@@ -31,14 +31,14 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
 /// The plan of the whole sweep, from those of its shards.
 Json common_plan(const std::vector<fs::path>& shards) {
   Json plan = read_plan({shards.front()});
+  for (const char* key : {"title", "labels", "units", "scene", "scene_hash", "steps", "strict", "vary"})
+    if (!plan.contains(key))
+      throw output::OutputError(fmt::format("{}: is no plan of a sweep that can be merged: it has no {}",
+                                            SweepDirectory{shards.front()}.plan().string(), key));
   for (const fs::path& shard : shards)
     if (const std::string difference = difference_of(plan, read_plan({shard})); !difference.empty())
       throw output::OutputError(
           fmt::format("{} and {} are not of one sweep: {}", shards.front().string(), shard.string(), difference));
-  for (const char* key : {"title", "labels", "units", "scene"})
-    if (!plan.contains(key))
-      throw output::OutputError(fmt::format("{}: is of an earlier version, whose sweeps cannot be merged",
-                                            SweepDirectory{shards.front()}.plan().string()));
   plan.erase("shard");
   return plan;
 }
@@ -54,10 +54,10 @@ void take(const SweepDirectory& shard, const SweepDirectory& out, bool has_data,
     const std::optional<SweepRow>& row = of_shard.row(run);
     if (!row) continue;
     if (table.is_finished(run) && of_shard.is_finished(run) && !table.row(run)->is_same_as(*row))
-      throw output::OutputError(fmt::format("run {} has other results in {} than in {}: they are not of one version or "
-                                            "one instruction set",
-                                            run + 1, shard.path.string(),
-                                            origin.contains(run) ? origin[run].string() : out.path.string()));
+      throw output::OutputError(
+          fmt::format("run {} has other results in {} than in {}: they are not of one version or "
+                      "one instruction set",
+                      run + 1, shard.path.string(), origin.contains(run) ? origin[run].string() : out.path.string()));
     if (table.is_finished(run)) continue;
     if (row->exit_code == kOk && has_data) {
       if (!fs::exists(shard.fields(run)))
