@@ -9,6 +9,7 @@ surrogate.py [--runs 1000] [--workers N] [--out study]      The same call goes o
 """
 import argparse
 import concurrent.futures
+import itertools
 import pathlib
 
 import h5py
@@ -26,21 +27,27 @@ CAGE = {"liver/cage.n": "12 6 8",
 
 
 def grips(count, positions):
-    """Random places (count x 3) [m] at the left lobe and pulls [m] of 10 to 45 mm, away from its middle."""
+    """Places (count x 3) [m]: random nodes at the tip of the left lobe; and pulls [m]: 10 to 45 mm, outwards within 60°."""
     numbers = np.random.default_rng(1)
-    lobe = positions[positions[:, 0] > 0.03]
-    places = lobe[numbers.integers(len(lobe), size=count)] + numbers.uniform(-0.008, 0.008, (count, 3))
-    pulls = numbers.normal(size=(count, 3))
-    outward = places - lobe.mean(axis=0)
-    pulls *= np.where((pulls * outward).sum(axis=1) < 0, -1, 1)[:, None]
-    pulls *= (numbers.uniform(0.010, 0.045, count) / np.linalg.norm(pulls, axis=1))[:, None]
+    tip = positions[positions[:, 0] > 0.06]
+    places = tip[numbers.integers(len(tip), size=count)]
+    outwards = places - [0.02, 0.01, 0]
+    outwards /= np.linalg.norm(outwards, axis=1)[:, None]
+    pulls = np.empty((count, 3))
+    for pull, outward in zip(pulls, outwards):
+        while True:
+            direction = numbers.normal(size=3)
+            direction /= np.linalg.norm(direction)
+            if direction @ outward > 0.5:
+                break
+        pull[:] = numbers.uniform(0.010, 0.045) * direction
     return places.round(6), pulls.round(6)
 
 
 class Surrogate:
     """Modes of the outputs, and a regression of their coefficients on the inputs."""
 
-    def __init__(self, inputs, outputs, energy=0.9999):
+    def __init__(self, inputs, outputs, energy=0.999):
         self.inputs, self.scale = inputs, inputs.std(axis=0)
         self.mean = outputs.mean(axis=0)
         left, size, modes = np.linalg.svd(outputs - self.mean, full_matrices=False)
@@ -50,9 +57,9 @@ class Surrogate:
 
         # what leaves the smallest error where each run is predicted by all others
         best = np.inf
-        for width in (1.0, 1.5, 2.0, 3.0, 4.0, 6.0):
+        for width in itertools.product((0.2, 0.5, 1.0, 2.0), (1.0, 2.0, 4.0)):  # of places, of pulls
             kernel = self._kernel(inputs, width)
-            for ridge in 10.0 ** np.arange(-7, 0):
+            for ridge in 10.0 ** np.arange(-6, 0):
                 inverse = np.linalg.inv(kernel + ridge * np.eye(len(inputs)))
                 weights = inverse @ coefficients
                 error = np.sum((weights / np.diag(inverse)[:, None]) ** 2)
@@ -60,7 +67,7 @@ class Surrogate:
                     best, self.width, self.ridge, self.weights = error, width, ridge, weights
 
     def _kernel(self, inputs, width):
-        differences = (inputs[:, None, :] - self.inputs[None, :, :]) / (width * self.scale)
+        differences = (inputs[:, None, :] - self.inputs[None, :, :]) / (np.repeat(width, 3) * self.scale)
         return np.exp(-0.5 * np.sum(differences**2, axis=2))
 
     def __call__(self, inputs):
@@ -87,8 +94,8 @@ def main():
     inputs, outputs = np.hstack([places, pulls])[good], shapes[good].reshape(good.sum(), -1)
     count = 4 * len(inputs) // 5
     surrogate = Surrogate(inputs[:count], outputs[:count])
-    print(f"learned from     {count} runs: {len(surrogate.modes)} modes, kernel of {surrogate.width:g} deviations, "
-          f"ridge {surrogate.ridge:g}")
+    print(f"learned from     {count} runs: {len(surrogate.modes)} modes; kernel of {surrogate.width[0]:g} and {surrogate.width[1]:g} "
+          f"deviations, ridge {surrogate.ridge:g}")
 
     truth = outputs[count:].reshape(-1, shapes.shape[1], 3)
     found = surrogate(inputs[count:]).reshape(truth.shape)

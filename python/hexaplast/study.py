@@ -153,13 +153,14 @@ def sweep(scene, grid, executor=None, *, out, steps=None, overrides=None, fields
     else:
         waiting = [executor.submit(_run, task) for task in tasks]
         try:
-            ended = [future.result() for future in concurrent.futures.as_completed(waiting)]
+            concurrent.futures.wait(waiting, return_when=concurrent.futures.FIRST_EXCEPTION)
+            ended = [future.result() for future in waiting]
         except BaseException:
             for future in waiting:
                 future.cancel()
             raise
-    for code, messages in ended:
-        if code in (2, 5, 6) or code < 0 or code > 128:
+    for (code, messages), place in zip(ended, places):
+        if code not in (0, 3, 4) or not (place / "sweep.json").exists():
             _raise(code, messages)
 
     code, messages = _run(["sweep", "--out", str(out), *["--force"] * bool(force), "--merge", *map(str, places)])
