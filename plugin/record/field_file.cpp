@@ -48,8 +48,8 @@ void require(bool is_well, const fs::path& file, const char* what) {
   if (!is_well) throw OutputError(fmt::format("{}: HDF5 {}", file.string(), what));
 }
 
-/// Messages of the library go nowhere: failures are exceptions of ours. At the end of the program it must not try once more
-/// to write what a full disk has refused, which it does not survive.
+/// Messages of the library go nowhere: failures are exceptions of ours. At the end of the program it must not try once
+/// more to write what a full disk has refused, which it does not survive.
 void keep_quiet() {
   H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -60,6 +61,13 @@ Process::Process(const std::vector<std::string>& arguments, const std::filesyste
   ::close(log);
   ::close(nothing);
   if (id_ < 0) refuse(error);
+  descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, id_, 0));
+}
+
+void Process::forget() {
+  id_ = -1;
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
 }
 
 Process::~Process() {
@@ -67,15 +75,19 @@ Process::~Process() {
   send(SIGTERM);
   while (::waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
   }
+  forget();
 }
 
-Process::Process(Process&& other) noexcept : id_(std::exchange(other.id_, -1)), exit_code_(other.exit_code_) {}
+Process::Process(Process&& other) noexcept
+    : id_(std::exchange(other.id_, -1)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      exit_code_(other.exit_code_) {}
 
 std::optional<int> Process::exit_code() {
   if (id_ < 0) return exit_code_;
   int status = 0;
   if (::waitpid(id_, &status, WNOHANG) != id_) return {};
-  id_ = -1;
+  forget();
   exit_code_ = exit_code_of(status);
   return exit_code_;
 }

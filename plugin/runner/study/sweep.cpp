@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <list>
@@ -37,7 +39,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr auto kPatience = std::chrono::milliseconds(1);  // between two looks at the processes
+constexpr int kPatience = 100;                           // [ms] a signal may come just before the wait for processes
+constexpr auto kBetweenTimes = std::chrono::seconds(1);  // wall times may be lost, results not
 
 std::vector<Factor> read_factors(const std::vector<std::string>& texts) {
   std::vector<Factor> factors;
@@ -163,11 +166,12 @@ class Runs {
         ++next;
         skip_finished();
       }
-      if (!take_finished()) std::this_thread::sleep_for(kPatience);
+      if (!take_finished()) wait();
       progress_.show(table_.num_finished(),
                      fmt::format("{} failed  {} under way", table_.num_failed(), under_way_.size()));
     }
     end_all();
+    table_.write_times(place_.times());
     progress_.clear();
   }
 
@@ -176,6 +180,13 @@ class Runs {
     long number;
     Process process;
   };
+
+  /// Until a run ends, or a signal comes.
+  void wait() const {
+    std::vector<pollfd> waited;
+    for (const Run& run : under_way_) waited.push_back({run.process.descriptor(), POLLIN, 0});
+    ::poll(waited.data(), waited.size(), kPatience);
+  }
 
   bool take_finished() {
     bool has_any = false;
@@ -194,8 +205,11 @@ class Runs {
   void take(long run, int exit_code) {
     const Json summary = collect(exit_code, place_.summary(run));
     table_.set(run, SweepRow::of(exit_code, summary));
-    table_.write_times(place_.times());
     table_.write(place_.table());
+    if (const auto now = std::chrono::steady_clock::now(); now - times_written_ > kBetweenTimes) {
+      table_.write_times(place_.times());
+      times_written_ = now;
+    }
     const std::string which =
         fmt::format("run {} of {}: {}", run + 1, table_.num_runs(), fmt::join(table_.assignments(run), " "));
     const SweepRow& row = *table_.row(run);
@@ -234,6 +248,7 @@ class Runs {
   bool is_terminal_;
   Progress progress_;
   std::list<Run> under_way_;
+  std::chrono::steady_clock::time_point times_written_;
 };
 
 }  // namespace
