@@ -37,6 +37,7 @@ if(TARGET hexaplast_python)
   set(CPACK_COMPONENT_PYTHON_DEPENDS library components)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
       "python3 (>= ${python_version}), python3 (<< ${python_next_version}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS hexaplast-tools)  # which hexaplast.study calls
 endif()
 
 # Debian's tools read a changelog of their own form; ours goes beside it.

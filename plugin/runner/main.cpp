@@ -120,6 +120,11 @@ void add_run(CLI::App& app, RunOptions& options) {
           ->type_name("DIR");
   add_final_state(*run, options.final_state);
   run->add_option("--summary", options.summary, "Write the results of the run as JSON")->type_name("FILE");
+  CLI::Option* data =
+      run->add_option("--data", options.data, "Write states for other programs into an HDF5 file (docs/studies.md)")
+          ->type_name("FILE.h5");
+  data->needs(add_fields(*run, options.fields));
+  add_every(*run, options.every)->needs(data);
   add_threads(*run, options.threads);
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")
@@ -561,7 +566,9 @@ int main(int argc, char** argv) {
   std::string page_format;
   add_page(app, page_format);
   SweepOptions sweep_options;
-  add_scene(*add_sweep(app, sweep_options), sweep_options.scene);
+  CLI::App* sweep_command = add_sweep(app, sweep_options);
+  add_scene(*sweep_command, sweep_options.scene);
+  sweep_command->get_option("scene")->required(false);  // --merge takes none
   FitOptions fit_options;
   add_scene(*add_fit(app, fit_options), fit_options.scene);
   refuse_empty_values(app);
@@ -591,7 +598,8 @@ int main(int argc, char** argv) {
   if (app.got_subcommand("list")) return report_errors("hexaplast", [&] { list(list_options); });
   if (app.got_subcommand("render")) return report_errors(render_options.run.string(), [&] { render(render_options); });
   if (app.got_subcommand("sweep"))
-    return report_errors(sweep_options.scene.file.string(), [&] { return sweep(sweep_options); });
+    return report_errors(sweep_options.merge.empty() ? sweep_options.scene.file.string() : "hexaplast sweep",
+                         [&] { return sweep(sweep_options); });
   if (app.got_subcommand("fit"))
     return report_errors(fit_options.scene.file.string(), [&] { return fit(fit_options); });
   // the stream alone: warnings are kept for the manifest of the run

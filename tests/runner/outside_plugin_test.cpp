@@ -166,7 +166,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   const std::string exactly = " (= " HEXAPLAST_VERSION ")";
   const std::string needs = field(kLibrary, "Depends"), dev_needs = field("libhexaplast-dev", "Depends"),
                     tools_need = field("hexaplast-tools", "Depends");
-  EXPECT_TRUE(has(needs, "libcholmod3")) << needs;
+  EXPECT_TRUE(has(needs, "libcholmod3") && has(needs, "libhdf5-")) << needs;
   EXPECT_TRUE(has(dev_needs, "libeigen3-dev") && has(dev_needs, kLibrary + exactly)) << dev_needs;
   EXPECT_TRUE(has(tools_need, kLibrary + exactly) && has(tools_need, "hexaplast-components" + exactly)) << tools_need;
 

@@ -65,7 +65,7 @@ TEST_F(Sweep, RunsEveryCombinationAndTellsWhatItCameTo) {
   EXPECT_EQ(hexaplast("run bar.scn --quiet --summary one.json --set body.youngModulus=4000").code, 0);
   EXPECT_EQ(Json::parse(content(directory_ / "one.json"))["state_hash"], found.text(2, "state_hash"));
   EXPECT_NE(content(directory_ / "found/sweep.svg").find("body.youngModulus [Pa]"), std::string::npos);
-  EXPECT_EQ(std::distance(fs::directory_iterator(directory_ / "found"), {}), 3);  // plan, table and picture
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_ / "found"), {}), 4);  // plan, table, times and picture
 }
 
 // Two springs in series: the elongation of each half of 0.5 m is F / (2 E A).

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/run/common_options.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "hexaplast/base/parallel.hpp"
 
@@ -17,6 +20,32 @@ CLI::Option* add_steps(CLI::App& command, std::optional<long>& steps, const char
 
 void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& file) {
   command.add_option("--final", file, "Write the last state as JSON")->type_name("FILE");
+}
+
+CLI::Option* add_fields(CLI::App& command, std::vector<output::Field>& fields) {
+  std::string names;
+  for (const output::FieldEntry& entry : output::kFields)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", entry.word);
+  const auto take = [&fields, names](const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+      const std::optional<output::Field> field = output::field_of(word);
+      if (!field) throw CLI::ValidationError("--fields", fmt::format("'{}' is none of {}", word, names));
+      if (std::ranges::count(words, word) > 1)
+        throw CLI::ValidationError("--fields", fmt::format("'{}' is given twice", word));
+      fields.push_back(*field);
+    }
+  };
+  return command
+      .add_option_function<std::vector<std::string>>("--fields", take, fmt::format("What data sets hold: {}", names))
+      ->type_name("FIELD,...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
+CLI::Option* add_every(CLI::App& command, long& every) {
+  return command.add_option("--every", every, "Steps between two states in data sets. Default 1")
+      ->type_name("N")
+      ->check(CLI::Range(1L, 1'000'000'000L));
 }
 
 void add_strict(CLI::App& command, bool& strict) {

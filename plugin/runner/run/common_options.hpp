@@ -4,6 +4,9 @@
 #include <CLI/App.hpp>
 #include <filesystem>
 #include <optional>
+#include <vector>
+
+#include "record/field_file.hpp"
 
 namespace hexaplast::runner {
 
@@ -17,6 +20,10 @@ CLI::Option* add_steps(CLI::App& command, std::optional<long>& steps,
 
 /// --final
 void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& file);
+
+/// --fields and --every: what data sets hold.
+CLI::Option* add_fields(CLI::App& command, std::vector<output::Field>& fields);
+CLI::Option* add_every(CLI::App& command, long& every);
 
 void add_strict(CLI::App& command, bool& strict);
 

@@ -31,6 +31,7 @@
 #include "runner/run/result_checks.hpp"
 #include "runner/run/rounded.hpp"
 #include "runner/run/scene_identity.hpp"
+#include "runner/run/scene_record.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
 #include "runner/run/summary_file.hpp"
@@ -67,7 +68,7 @@ path place_of(const path& file, const RunOptions& options, const InputFiles& inp
 /// The scene's options with the rules of what its components write.
 SceneOptions scene_of(const RunOptions& options, bool goes_on) {
   SceneOptions scene = options.scene;
-  scene.output = rules_beside({options.out, {options.final_state, options.summary, options.video}},
+  scene.output = rules_beside({options.out, {options.final_state, options.summary, options.video, options.data}},
                               directory_of(options), scene.output);
   scene.output.replaces |= goes_on;  // they are its own
   return scene;
@@ -128,12 +129,55 @@ void complete(output::Recorder& recorder, Simulation& simulation, const RunOptio
   for (const std::string& warning : recorder.finish()) spdlog::warn("warning: {}", warning);
 }
 
+/// What a run writes; absent: not asked for.
+struct Files {
+  std::optional<output::Recorder> recorder;
+  std::optional<output::WholeFile> final_state, summary;
+  std::optional<output::FieldFile> data;
+  std::optional<Journal> journal;
+};
+
+/// What a data set says of its run, so that it can be used without the scene at hand.
+output::FieldPlan data_plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
+  output::FieldPlan plan{.fields = options.fields, .every = options.every};
+  for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
+  plan.attributes = {{"format", "hexaplast run 1"},
+                     {"version", HEXAPLAST_VERSION},
+                     {"simd", std::string(simd_target())},
+                     {"scene", options.scene.file.filename().string()},
+                     {"scene_hash", hash_scene(simulation.scene())},
+                     {"steps", std::to_string(num_steps)},
+                     {"dt", fmt::format("{}", simulation.dt())}};
+  for (const std::string& assignment : options.scene.overrides) {
+    const std::size_t equals = assignment.find('=');
+    plan.overrides.emplace_back(assignment.substr(0, equals), assignment.substr(equals + 1));
+  }
+  // of several for one attribute the last one counts
+  std::ranges::reverse(plan.overrides);
+  std::ranges::stable_sort(plan.overrides, {}, &std::pair<std::string, std::string>::first);
+  const auto repeated = std::ranges::unique(plan.overrides, {}, &std::pair<std::string, std::string>::first);
+  plan.overrides.erase(repeated.begin(), repeated.end());
+  return plan;
+}
+
+void record_fields(Simulation& simulation, output::FieldFile& data) {
+  const output::StepRecord& latest = simulation.latest();
+  data.record({.step = latest.step,
+               .time = latest.time,
+               .positions = simulation.positions(),
+               .velocities = simulation.velocities(),
+               .conditions = conditions_of(simulation),
+               .probes = latest.probes});
+}
+
 // Steps until the end, a signal, or a failure. After a failure the files hold everything up to the last good step.
-void advance(Simulation& simulation, long num_steps, output::Recorder* recorder, const RunOptions& options,
-             RunRecord& kept, bool begins) {
+void advance(Simulation& simulation, long num_steps, Files& files, const RunOptions& options, RunRecord& kept,
+             bool begins) {
+  std::optional<output::Recorder>& recorder = files.recorder;
   const auto record = [&] {
     if (recorder)
       recorder->record(simulation.latest(), simulation.positions(), simulation.velocities(), conditions_of(simulation));
+    if (files.data && files.data->wants(simulation.latest().step)) record_fields(simulation, *files.data);
   };
   std::optional<long> saved;  // step of the newest checkpoint
   if (!begins) saved = simulation.latest().step;
@@ -290,13 +334,6 @@ void warn_of_stalls(const Simulation& simulation) {
   warn(simulation.totals().stalled_averaging, "the rest-to-material averaging");
 }
 
-/// What a run writes; absent: not asked for.
-struct Files {
-  std::optional<output::Recorder> recorder;
-  std::optional<output::WholeFile> final_state, summary;
-  std::optional<Journal> journal;
-};
-
 output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {
   output::Manifest manifest = describe_run(simulation.scene());
   manifest.command = options.command;
@@ -316,8 +353,12 @@ output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOp
 // Steps, completes the files and says what came out.
 void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOptions& options, RunRecord& kept,
                bool begins) {
-  advance(simulation, num_steps, files.recorder ? &*files.recorder : nullptr, options, kept, begins);
+  advance(simulation, num_steps, files, options, kept, begins);
 
+  if (files.data && simulation.latest().step == num_steps) {  // one that is not complete goes
+    if (files.data->last_step() < num_steps) record_fields(simulation, *files.data);
+    files.data->complete({{"state_hash", simulation.state_hash()}});
+  }
   if (files.recorder) complete(*files.recorder, simulation, options);
   if (files.final_state)
     output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.positions(),
@@ -382,9 +423,10 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   const KeptWarnings warnings;
   Simulation simulation(scene_of(options, start != nullptr));
   const output::Bodies* bodies = simulation.bodies();
-  if (!bodies && (options.out || options.final_state || options.summary))
-    throw scene::SceneError(scene::format_error(
-        simulation.scene().root().place(), "no body in the scene: --out, --final and --summary have nothing to write"));
+  if (!bodies && (options.out || options.final_state || options.summary || options.data))
+    throw scene::SceneError(
+        scene::format_error(simulation.scene().root().place(),
+                            "no body in the scene: --out, --final, --summary and --data have nothing to write"));
   const long num_steps = required_steps(simulation, options.steps);
   RunRecord kept;
   if (options.out) kept = record_of(options, num_steps);
@@ -409,6 +451,8 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   const InputFiles& inputs = simulation.scene().root().files().inputs;
   if (options.final_state) files.final_state.emplace(place_of(*options.final_state, options, inputs));
   if (options.summary) files.summary.emplace(place_of(*options.summary, options, inputs));
+  if (options.data)
+    files.data.emplace(place_of(*options.data, options, inputs), *bodies, data_plan_of(simulation, num_steps, options));
   if (options.out && start) {
     Archive saved = start->section("output");
     files.recorder.emplace(*options.out, *bodies, std::move(plan), saved);

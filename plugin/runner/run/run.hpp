@@ -7,6 +7,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "record/checkpoint.hpp"
+#include "record/field_file.hpp"
 #include "runner/run/scene_file.hpp"
 
 namespace hexaplast::runner {
@@ -19,6 +20,9 @@ struct RunOptions {
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
   std::optional<std::filesystem::path> summary;      ///< JSON of what the run came to (summary_file.hpp)
+  std::optional<std::filesystem::path> data;         ///< HDF5 file of states (field_file.hpp)
+  std::vector<output::Field> fields;                 ///< that it holds
+  long every = 1;                                    ///< steps between its states
   std::optional<int> threads;
   std::optional<int> frames;                   ///< pictures; needs `out`
   std::string field;                           ///< what pictures show, by the word of a quantity; empty: plastic strain

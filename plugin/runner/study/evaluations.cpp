@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
+#include "record/files.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -40,7 +41,14 @@ std::optional<std::vector<double>> evaluate(const Experiment& experiment, const 
 Evaluations::Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free, int jobs, int threads)
     : experiment_(experiment), free_(free) {
   workers_.reserve(static_cast<std::size_t>(jobs));
-  for (int w = 0; w < jobs && jobs > 1; ++w) workers_.emplace_back(threads);
+  for (int w = 0; w < jobs && jobs > 1; ++w) workers_.push_back(Worker::start(threads));
+}
+
+Evaluations::Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free,
+                         const std::vector<int>& sockets)
+    : experiment_(experiment), free_(free) {
+  workers_.reserve(sockets.size());
+  for (const int socket : sockets) workers_.push_back(Worker::at(socket));
 }
 
 const std::vector<double>& Evaluations::first(const Point& point) {
@@ -68,8 +76,15 @@ std::vector<std::optional<std::vector<double>>> Evaluations::at(const std::vecto
 }
 
 std::vector<std::optional<std::vector<double>>> Evaluations::run(const std::vector<Point>& points) {
-  if (!workers_.empty()) return ask_all(workers_, points);
   std::vector<std::optional<std::vector<double>>> found;
+  if (!workers_.empty()) {
+    found = ask_all(workers_, points);
+    const std::size_t num_values = experiment_.target().columns.size() * experiment_.target().num_rows();
+    for (const std::optional<std::vector<double>>& values : found)
+      if (values && values->size() != num_values)
+        throw output::OutputError("a process that evaluates has given the answer to another question");
+    return found;
+  }
   for (const Point& point : points) found.push_back(evaluate(experiment_, free_, point));
   return found;
 }

@@ -28,6 +28,9 @@ class Evaluations {
   /// jobs: processes; 1: none but this one. threads: of each. Throws OutputError.
   Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free, int jobs, int threads);
 
+  /// By others, at these sockets (Worker::at). Throws UsageError.
+  Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free, const std::vector<int>& sockets);
+
   /// In this process. What is wrong with the scene is thrown.
   const std::vector<double>& first(const Point& point);
 

@@ -68,33 +68,37 @@ double parse_number(std::string_view text, std::string_view whole) {
   return *found;
 }
 
-Factor parse_factor(std::string_view text) {
-  const std::size_t equals = text.find('=');
-  if (equals == text.npos || equals == 0) refuse(text, std::string(kForm));
-  Factor factor;
-  factor.attribute = text.substr(0, equals);
-  const std::string_view given = text.substr(equals + 1);
-
-  const std::vector<std::string_view> parts = split(given, ':');
-  if (parts.size() > 1) {
-    factor.is_logarithmic = parts.size() == 4 && parts[3] == "log";
-    if (parts.size() != 3 && !factor.is_logarithmic) refuse(text, std::string(kForm));
-    const std::string whole = fmt::format("--vary {}", text);
-    const double a = parse_number(parts[0], whole), b = parse_number(parts[1], whole);
-    if (factor.is_logarithmic && !(a > 0 && b > 0)) refuse(text, "equal factors need limits greater than 0");
-    factor.values = spread(a, b, count(parts[2], text), factor.is_logarithmic);
-  } else {
-    for (const std::string_view value : split(given, ',')) factor.values.emplace_back(value);
-  }
-
+Factor factor_of(std::string attribute, std::vector<std::string> values, bool is_logarithmic, std::string_view whole) {
+  Factor factor{std::move(attribute), std::move(values), {}, is_logarithmic};
   std::set<std::string_view> taken;
   for (const std::string& value : factor.values) {
-    if (value.empty()) refuse(text, "a value is empty");
-    if (!taken.insert(value).second) refuse(text, fmt::format("the value {} comes twice", value));
+    if (value.empty()) refuse(whole, "a value is empty");
+    if (!taken.insert(value).second) refuse(whole, fmt::format("the value {} comes twice", value));
     if (const std::optional<double> found = number(value)) factor.numbers.push_back(*found);
   }
   if (factor.numbers.size() != factor.values.size()) factor.numbers.clear();
   return factor;
+}
+
+Factor parse_factor(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  if (equals == text.npos || equals == 0) refuse(text, std::string(kForm));
+  const std::string_view given = text.substr(equals + 1);
+
+  std::vector<std::string> values;
+  bool is_logarithmic = false;
+  const std::vector<std::string_view> parts = split(given, ':');
+  if (parts.size() > 1) {
+    is_logarithmic = parts.size() == 4 && parts[3] == "log";
+    if (parts.size() != 3 && !is_logarithmic) refuse(text, std::string(kForm));
+    const std::string whole = fmt::format("--vary {}", text);
+    const double a = parse_number(parts[0], whole), b = parse_number(parts[1], whole);
+    if (is_logarithmic && !(a > 0 && b > 0)) refuse(text, "equal factors need limits greater than 0");
+    values = spread(a, b, count(parts[2], text), is_logarithmic);
+  } else {
+    for (const std::string_view value : split(given, ',')) values.emplace_back(value);
+  }
+  return factor_of(std::string(text.substr(0, equals)), std::move(values), is_logarithmic, text);
 }
 
 }  // namespace hexaplast::runner

@@ -17,6 +17,10 @@ struct Factor {
   bool operator==(const Factor& other) const { return attribute == other.attribute && values == other.values; }
 };
 
+/// A factor with these values; finds their numbers. Throws UsageError where a value is empty or comes twice; `whole`
+/// begins its message.
+Factor factor_of(std::string attribute, std::vector<std::string> values, bool is_logarithmic, std::string_view whole);
+
 /// Reads PATH.attribute=a:b:n (n values from a to b, at equal distances), a:b:n:log (in equal factors) or v1,v2,...;
 /// computed values are rounded to twelve digits. Throws UsageError.
 Factor parse_factor(std::string_view text);

@@ -288,7 +288,8 @@ CLI::App* add_fit(CLI::App& app, FitOptions& options) {
       ->check(CLI::Range(1, 1024));
   add_threads(*command, options.threads, "Threads of each run; results do not depend on it");
   command->add_flag("--force", options.force, "Write over an earlier fit")->needs(out);
-  command->add_flag("--worker", options.is_worker)->group("");  // for processes that a fit starts itself
+  command->add_option("--asks", options.asks)->delimiter(',')->group("");  // for the Python module
+  command->add_flag("--worker", options.is_worker)->group("");             // for processes that a fit starts itself
   return command;
 }
 
@@ -313,7 +314,8 @@ int fit(const FitOptions& options) {
     const Experiment experiment(options.scene, std::move(target), options.steps, assignments(free, start));
     std::optional<FitFiles> files;
     if (options.out) files.emplace(*options.out, experiment.inputs());
-    Evaluations evaluations(experiment, free, split.jobs, split.threads);
+    Evaluations evaluations = options.asks.empty() ? Evaluations(experiment, free, split.jobs, split.threads)
+                                                   : Evaluations(experiment, free, options.asks);
     const FitResult result = FitSearch(experiment, free, options, evaluations).carry_out();
     const std::vector<std::string> warnings = warnings_of(result, experiment.target(), options.evaluations);
     print(result, experiment.target(), options);

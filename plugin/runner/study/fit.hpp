@@ -23,6 +23,7 @@ struct FitOptions {
   std::optional<int> threads;                ///< of each run
   int evaluations = 200;   ///< runs of the scene at most, without those that tell how well the values are known
   bool force = false;      ///< write over an earlier fit; needs `out`
+  std::vector<int> asks;   ///< sockets of programs that evaluate, in place of processes of this one
   bool is_worker = false;  ///< answers another fit's questions (worker.hpp)
 };
 

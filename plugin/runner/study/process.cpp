@@ -3,7 +3,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,22 +23,51 @@ int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 
 
 }  // namespace
 
+// Not posix_spawn, which cannot ask for the signal: a run whose sweep has been killed must not go on beside the one
+// that takes the sweep up again. Between fork and exec only what is safe after a fork is called.
 Process::Process(const std::vector<std::string>& arguments, const std::filesystem::path& messages) {
   std::vector<char*> words = {const_cast<char*>("hexaplast")};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
-
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  ::unlink(messages.c_str());  // not emptied: other names of that file keep it
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, messages.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0666);
-  const int error = ::posix_spawn(&id_, "/proc/self/exe", &files, nullptr, words.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (error != 0)
+  const auto refuse = [&](int error) {
     throw output::OutputError(
         fmt::format("a run with messages in {} cannot be started: {}", messages.string(), std::strerror(error)));
+  };
+  ::unlink(messages.c_str());  // not emptied: other names of that file keep it
+  const int log = ::open(messages.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (log < 0) refuse(errno);
+  const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+
+  // a signal that comes before the new program is there ends the run, and is not taken by what it has of this one
+  sigset_t all, before;
+  ::sigfillset(&all);
+  ::sigprocmask(SIG_BLOCK, &all, &before);
+  const pid_t parent = ::getpid();
+  id_ = ::fork();
+  if (id_ == 0) {
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    ::sigprocmask(SIG_SETMASK, &before, nullptr);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) ::_exit(kSignalled + SIGKILL);  // it was too late for the signal
+    ::dup2(nothing, STDIN_FILENO);
+    ::dup2(nothing, STDOUT_FILENO);
+    ::dup2(log, STDERR_FILENO);
+    ::execve("/proc/self/exe", words.data(), environ);
+    ::_exit(kInputOutput);
+  }
+  const int error = errno;
+  ::sigprocmask(SIG_SETMASK, &before, nullptr);
+  ::close(log);
+  ::close(nothing);
+  if (id_ < 0) refuse(error);
+  descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, id_, 0));
+}
+
+void Process::forget() {
+  id_ = -1;
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
 }
 
 Process::~Process() {
@@ -45,15 +75,19 @@ Process::~Process() {
   send(SIGTERM);
   while (::waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
   }
+  forget();
 }
 
-Process::Process(Process&& other) noexcept : id_(std::exchange(other.id_, -1)), exit_code_(other.exit_code_) {}
+Process::Process(Process&& other) noexcept
+    : id_(std::exchange(other.id_, -1)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      exit_code_(other.exit_code_) {}
 
 std::optional<int> Process::exit_code() {
   if (id_ < 0) return exit_code_;
   int status = 0;
   if (::waitpid(id_, &status, WNOHANG) != id_) return {};
-  id_ = -1;
+  forget();
   exit_code_ = exit_code_of(status);
   return exit_code_;
 }

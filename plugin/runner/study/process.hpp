@@ -21,6 +21,9 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
+  /// What can be waited for until it has ended; -1: it has.
+  int descriptor() const { return descriptor_; }
+
   /// Its exit code, 128 plus the signal that ended it; empty: it still runs.
   std::optional<int> exit_code();
 
@@ -28,7 +31,10 @@ class Process {
   void send(int signal);
 
  private:
+  void forget();  // it has ended
+
   pid_t id_;  // -1: it has ended
+  int descriptor_ = -1;
   int exit_code_ = 0;
 };
 

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <list>
@@ -26,7 +28,8 @@
 #include "runner/run/scene_record.hpp"
 #include "runner/standard_output.hpp"
 #include "runner/study/process.hpp"
-#include "runner/study/sweep_picture.hpp"
+#include "runner/study/sweep_directory.hpp"
+#include "runner/study/sweep_merge.hpp"
 #include "runner/study/sweep_table.hpp"
 #include "scene/reader.hpp"
 
@@ -36,8 +39,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostRuns = 100'000;
-constexpr auto kPatience = std::chrono::milliseconds(5);  // between two looks at the processes
+constexpr int kPatience = 100;                           // [ms] a signal may come just before the wait for processes
+constexpr auto kBetweenTimes = std::chrono::seconds(1);  // wall times may be lost, results not
 
 std::vector<Factor> read_factors(const std::vector<std::string>& texts) {
   std::vector<Factor> factors;
@@ -54,15 +57,15 @@ std::vector<Factor> read_factors(const std::vector<std::string>& texts) {
   return factors;
 }
 
-// What makes two sweeps the same. Checks every value against its attribute, so that no run is spent on a mistyped one.
-Json plan_of(const SweepOptions& options, scene::Scene& scene, const std::vector<Factor>& factors,
-             std::vector<std::string>& labels) {
+// Checks every value against its attribute, so that no run is spent on a mistyped one.
+Json plan_of(const SweepOptions& options, scene::Scene& scene, const std::vector<Factor>& factors, const Shard& shard) {
   scene.diagnostics().throw_errors();
   scene::Component* settings = find_settings(scene);
   if (!options.steps && !(settings && settings->is_given("steps")))
     throw UsageError("the number of steps is not given: neither --steps nor RunSettings.steps in the scene");
 
-  Json plan = {{"scene", options.scene.file.string()},
+  Json plan = {{"title", options.scene.file.stem().string()},
+               {"scene", options.scene.file.string()},
                {"scene_hash", hash_scene(scene)},
                {"steps", nullptr},
                {"strict", options.strict}};
@@ -71,76 +74,21 @@ Json plan_of(const SweepOptions& options, scene::Scene& scene, const std::vector
     for (const std::string& value : factor.values)
       scene::override_attribute(scene, fmt::format("{}={}", factor.attribute, value), "--vary");
     const std::string_view unit = scene::named_attribute(scene, factor.attribute, "--vary").attribute().unit;
-    labels.push_back(unit.empty() ? factor.attribute : fmt::format("{} [{}]", factor.attribute, unit));
     plan["vary"].push_back({{"attribute", factor.attribute}, {"values", factor.values}});
+    if (factor.is_logarithmic) plan["vary"].back()["logarithmic"] = true;
+    plan["units"].push_back(unit);
+    plan["labels"].push_back(unit.empty() ? factor.attribute : fmt::format("{} [{}]", factor.attribute, unit));
   }
+  if (!options.fields.empty()) {
+    for (const output::Field field : options.fields) plan["fields"].push_back(output::entry_of(field).word);
+    plan["every"] = options.every;
+  }
+  if (!shard.is_whole()) plan["shard"] = shard.text();
   return plan;
 }
 
-/// The directory of a sweep.
-struct Place {
-  fs::path directory;
-  fs::path plan() const { return directory / "sweep.json"; }
-  fs::path table() const { return directory / "sweep.csv"; }
-  fs::path picture() const { return directory / "sweep.svg"; }
-  fs::path messages(long run) const { return directory / fmt::format("messages_{}.txt", run + 1); }
-  fs::path files(long run) const { return directory / fmt::format("run_{}", run + 1); }
-  fs::path summary(long run) const { return files(run) / "summary.json"; }
-
-  /// All that stands in it, plan and table first.
-  std::vector<fs::path> contents(long num_runs) const {
-    std::vector<fs::path> all = {plan(), table(), picture()};
-    for (long run = 0; run < num_runs; ++run) all.insert(all.end(), {messages(run), files(run)});
-    return all;
-  }
-};
-
-void refuse_another_sweep(const Place& place, const Json& plan) {
-  Json found;
-  try {
-    found = output::read_json(place.plan());
-  } catch (const Json::exception&) {
-    throw output::OutputError(fmt::format("{}: is no plan of a sweep; --force begins anew", place.plan().string()));
-  }
-  for (const auto& [key, difference] : {std::pair{"vary", "the varied attributes or their values differ"},
-                                        {"steps", "the number of steps differs"},
-                                        {"strict", "--strict is given to one of them only"},
-                                        {"scene_hash", "the scene, or what --set makes of it, differs"}})
-    if (!found.is_object() || !found.contains(key) || found[key] != plan[key])
-      throw output::OutputError(
-          fmt::format("{}: holds another sweep: {}; --force replaces it", place.directory.string(), difference));
-}
-
-// Takes up a sweep that is there, or begins one. The directory is there, and ours alone.
-void open(const Place& place, const Json& plan, bool force, const InputFiles& inputs, SweepTable& table) {
-  const auto require_no_input = [&](const fs::path& file) {
-    if (const fs::path input = inputs.replaced_by(file); !input.empty())
-      throw output::OutputError(input.string() + ": is an input of this sweep");
-  };
-  const std::vector<fs::path> contents = place.contents(table.num_runs());
-  for (const fs::path& file : contents) {
-    if (fs::is_symlink(file)) throw output::OutputError(file.string() + kIsLink);
-    require_no_input(file);
-  }
-  for (long run = 0; run < table.num_runs(); ++run) require_no_input(place.summary(run));
-  if (fs::exists(place.plan()) && !force) {
-    refuse_another_sweep(place, plan);
-    if (fs::exists(place.table())) table.read(place.table());
-    return;
-  }
-  for (const fs::path& file : contents)
-    if (fs::exists(file) && !force)
-      throw output::OutputError(fmt::format("{}: is there without a plan; --force replaces it", file.string()));
-  // in this order, so that a table never stands beside the plan of another one; runs replace their own files
-  for (const fs::path& file : contents)
-    if (!fs::is_directory(file)) fs::remove(file);
-  output::WholeFile file(place.plan());
-  file.write(plan.dump(1) + "\n");
-  file.commit();
-}
-
 std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTable& table, long run,
-                                      const Place& place) {
+                                      const SweepDirectory& place) {
   std::vector<std::string> words = {"run",           "--quiet",
                                     "--threads",     std::to_string(options.threads.value_or(1)),
                                     "--summary",     place.summary(run).string(),
@@ -151,6 +99,13 @@ std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTa
     words.push_back(value);
   };
   if (options.steps) add("--steps", std::to_string(*options.steps));
+  if (!options.fields.empty()) {
+    std::vector<std::string_view> fields;
+    for (const output::Field field : options.fields) fields.push_back(output::entry_of(field).word);
+    add("--data", place.fields(run).string());
+    add("--fields", fmt::format("{}", fmt::join(fields, ",")));
+    add("--every", std::to_string(options.every));
+  }
   for (const std::string& assignment : options.scene.overrides) add("--set", assignment);
   for (const std::string& assignment : table.assignments(run)) add("--set", assignment);
   for (const std::string& plugin : options.scene.plugins) add("--plugin", plugin);
@@ -189,19 +144,19 @@ std::string first_line(const fs::path& file) {
 /// The runs of a sweep on their way.
 class Runs {
  public:
-  Runs(const SweepOptions& options, const Place& place, SweepTable& table)
+  Runs(const SweepOptions& options, const SweepDirectory& place, SweepTable& table)
       : options_(options),
         place_(place),
         table_(table),
         most_(static_cast<std::size_t>(options.jobs)),
         is_terminal_(isatty(STDERR_FILENO) != 0),
-        progress_(table.num_runs(), true) {}
+        progress_(table.num_own(), true) {}
 
   /// Carries out what is not finished, until all is done or a signal asks to end.
   void carry_out() {
     long next = 0;
     const auto skip_finished = [&] {
-      while (next < table_.num_runs() && table_.is_finished(next)) ++next;
+      while (next < table_.num_runs() && (!table_.has(next) || table_.is_finished(next))) ++next;
     };
     for (skip_finished(); requested_signal() == 0 && (next < table_.num_runs() || !under_way_.empty());
          skip_finished()) {
@@ -211,11 +166,12 @@ class Runs {
         ++next;
         skip_finished();
       }
-      if (!take_finished()) std::this_thread::sleep_for(kPatience);
+      if (!take_finished()) wait();
       progress_.show(table_.num_finished(),
                      fmt::format("{} failed  {} under way", table_.num_failed(), under_way_.size()));
     }
     end_all();
+    table_.write_times(place_.times());
     progress_.clear();
   }
 
@@ -224,6 +180,13 @@ class Runs {
     long number;
     Process process;
   };
+
+  /// Until a run ends, or a signal comes.
+  void wait() const {
+    std::vector<pollfd> waited;
+    for (const Run& run : under_way_) waited.push_back({run.process.descriptor(), POLLIN, 0});
+    ::poll(waited.data(), waited.size(), kPatience);
+  }
 
   bool take_finished() {
     bool has_any = false;
@@ -243,6 +206,10 @@ class Runs {
     const Json summary = collect(exit_code, place_.summary(run));
     table_.set(run, SweepRow::of(exit_code, summary));
     table_.write(place_.table());
+    if (const auto now = std::chrono::steady_clock::now(); now - times_written_ > kBetweenTimes) {
+      table_.write_times(place_.times());
+      times_written_ = now;
+    }
     const std::string which =
         fmt::format("run {} of {}: {}", run + 1, table_.num_runs(), fmt::join(table_.assignments(run), " "));
     const SweepRow& row = *table_.row(run);
@@ -275,12 +242,13 @@ class Runs {
   }
 
   const SweepOptions& options_;
-  const Place& place_;
+  const SweepDirectory& place_;
   SweepTable& table_;
   std::size_t most_;
   bool is_terminal_;
   Progress progress_;
   std::list<Run> under_way_;
+  std::chrono::steady_clock::time_point times_written_;
 };
 
 }  // namespace
@@ -293,8 +261,17 @@ CLI::App* add_sweep(CLI::App& app, SweepOptions& options) {
           "--vary", options.vary,
           "Values of an attribute: n from a to b, the same in equal factors (:log), or a list; may be repeated")
       ->type_name("PATH.attribute=a:b:n|a:b:n:log|v1,v2,...")
-      ->allow_extra_args(false)
-      ->required();
+      ->allow_extra_args(false);
+  command
+      ->add_option("--shard", options.shard,
+                   "Only the runs of shard i of n, which depend on their values alone; --merge gathers the shards")
+      ->type_name("i/n");
+  command
+      ->add_option("--merge", options.merge,
+                   "Gather the runs of one sweep from the directories of its shards; without SCENE and --vary")
+      ->type_name("DIR...");
+  CLI::Option* fields = add_fields(*command, options.fields);
+  add_every(*command, options.every)->needs(fields);
   command->add_option("--out", options.out, "Directory of sweep.csv, sweep.svg and sweep.json")
       ->type_name("DIR")
       ->required();
@@ -310,36 +287,39 @@ CLI::App* add_sweep(CLI::App& app, SweepOptions& options) {
 
 int sweep(const SweepOptions& given) {
   watch_signals();
+  if (!given.merge.empty()) {
+    if (!given.scene.file.empty() || !given.vary.empty() || !given.shard.empty() || !given.fields.empty() ||
+        given.steps)
+      throw UsageError("--merge takes --out and --force alone: what the sweep is, its shards know");
+    return merge_sweep(given.merge, given.out, given.force);
+  }
+  if (given.scene.file.empty()) throw UsageError("SCENE is required, or --merge");
+  if (given.vary.empty()) throw UsageError("--vary is required, or --merge");
   SweepOptions options = given;
   if (options.jobs == 0)
     options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / options.threads.value_or(1));
 
-  SweepTable table(read_factors(options.vary));
-  std::vector<std::string> labels;
+  const Shard shard = options.shard.empty() ? Shard() : parse_shard(options.shard);
+  SweepTable table(read_factors(options.vary), shard);
   scene::Scene scene = read_scene(options.scene);
-  const Json plan = plan_of(options, scene, table.factors(), labels);
-  const Place place{options.out};
-  output::make_directory(place.directory);
-  const DirectoryLock lock(place.directory);
+  const Json plan = plan_of(options, scene, table.factors(), shard);
+  const SweepDirectory place{options.out};
+  output::make_directory(place.path);
+  const DirectoryLock lock(place.path);
   open(place, plan, options.force, scene.root().files().inputs, table);
   if (const long done = table.num_finished(); done > 0)
-    fmt::print("{} of {} runs are done already\n", done, table.num_runs());
+    fmt::print("{} of {} runs are done already\n", done, table.num_own());
+  table.write_times(place.times());
   table.write(place.table());
   Runs(options, place, table).carry_out();
 
-  const std::string title = options.scene.file.stem().string();
-  for (const std::string& warning : draw_sweep(place.picture(), title, table, labels))
-    spdlog::warn("warning: {}", warning);
-  const long num_failed = table.num_failed();
-  fmt::print("{}: {} of {} runs done, {} failed: {}\n", printable_line(title), table.num_finished(), table.num_runs(),
-             num_failed, printable_line(place.table().string()));
-  flush_standard_output();
+  if (shard.is_whole()) write_overviews(place, plan, table);
+  const int code = conclude(place, plan, table);
   if (const int signal = requested_signal(); signal != 0) {
     spdlog::warn("warning: ended by signal {}; the same command resumes it", signal);
     return kSignalled + signal;
   }
-  if (num_failed > 0) spdlog::error("{}: error: {} of {} runs failed", title, num_failed, table.num_runs());
-  return table.exit_code();
+  return code;
 }
 
 }  // namespace hexaplast::runner

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "record/files.hpp"
 
@@ -33,22 +34,26 @@ SweepRow SweepRow::of(int exit_code, const nlohmann::ordered_json& summary) {
     const nlohmann::ordered_json& value = summary.at(std::string(result));
     row.results.push_back(value.is_string() ? value.get<std::string>() : value.dump());
   }
+  if (!summary.is_null()) row.step_ms = summary.at("step_ms").dump();
   return row;
 }
 
 double SweepRow::number(std::string_view result) const {
   const auto column = std::ranges::find(kResults, result) - kResults.begin();
-  const std::string& text = results[static_cast<std::size_t>(column)];
+  const std::string& text = result == "step_ms" ? step_ms : results[static_cast<std::size_t>(column)];
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && !text.empty() ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
-SweepTable::SweepTable(std::vector<Factor> factors) : factors_(std::move(factors)) {
+SweepTable::SweepTable(std::vector<Factor> factors, Shard shard) : factors_(std::move(factors)) {
   std::size_t num_runs = 1;
   for (const Factor& factor : factors_) num_runs *= factor.values.size();
   rows_.resize(num_runs);
+  for (long run = 0; run < this->num_runs(); ++run) is_own_.push_back(shard.is_whole() || shard.has(assignments(run)));
 }
+
+long SweepTable::num_own() const { return std::ranges::count(is_own_, true); }
 
 std::vector<std::size_t> SweepTable::choice(long run) const {
   std::vector<std::size_t> choice(factors_.size());
@@ -89,10 +94,10 @@ long SweepTable::num_failed() const {
 
 int SweepTable::exit_code() const {
   if (num_failed() == 0) return kOk;
-  const auto& first = rows_.front();
-  const bool are_alike =
-      std::ranges::all_of(rows_, [&](const auto& row) { return row && first && row->exit_code == first->exit_code; });
-  return are_alike ? first->exit_code : kNumerical;
+  std::set<int> codes;
+  for (long run = 0; run < num_runs(); ++run)
+    if (has(run)) codes.insert(row(run) ? row(run)->exit_code : kOk);
+  return codes.size() == 1 ? *codes.begin() : kNumerical;
 }
 
 std::string SweepTable::head() const {
@@ -133,7 +138,8 @@ void SweepTable::read(const std::filesystem::path& file) {
     long number = 0;
     std::from_chars(line.data(), line.data() + line.size(), number);
     const long run = number - 1;
-    if (run < 0 || run >= num_runs() || !line.starts_with(beginning(run))) refuse("is no run of this sweep");
+    if (run < 0 || run >= num_runs() || !has(run) || !line.starts_with(beginning(run)))
+      refuse("is no run of this sweep");
 
     // results hold no commas
     SweepRow row;
@@ -147,6 +153,29 @@ void SweepTable::read(const std::filesystem::path& file) {
     }
     if (at != rest.size() || row.results.size() != kResults.size()) refuse("is no row of results");
     set(run, std::move(row));
+  }
+}
+
+void SweepTable::write_times(const std::filesystem::path& file) const {
+  output::WholeFile out(file);
+  out.write("run,step_ms\n");
+  for (long run = 0; run < num_runs(); ++run)
+    if (row(run) && !row(run)->step_ms.empty()) out.write(fmt::format("{},{}\n", run + 1, row(run)->step_ms));
+  out.commit();
+}
+
+void SweepTable::read_times(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    long number = 0;
+    const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+    const std::string time = line.substr(static_cast<std::size_t>(end - line.data()));
+    double value = 0;
+    const bool is_time =
+        error == std::errc() && time.starts_with(',') && time.size() > 1 &&
+        std::from_chars(time.data() + 1, time.data() + time.size(), value).ptr == time.data() + time.size();
+    if (is_time && number >= 1 && number <= num_runs())
+      if (std::optional<SweepRow>& known = rows_[static_cast<std::size_t>(number - 1)]) known->step_ms = time.substr(1);
   }
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/study/worker.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +21,7 @@
 
 #include "hexaplast/base/parallel.hpp"
 #include "record/files.hpp"
+#include "runner/exit_code.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/study/experiment.hpp"
 
@@ -80,7 +83,7 @@ std::vector<std::string> own_arguments() {
 
 }  // namespace
 
-Worker::Worker(int threads) {
+Worker Worker::start(int threads) {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) refuse_to_start(errno);
   std::vector<std::string> arguments = own_arguments();
@@ -93,23 +96,32 @@ Worker::Worker(int threads) {
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
-  const int error = ::posix_spawn(&id_, "/proc/self/exe", &files, nullptr, words.data(), environ);
+  pid_t id = -1;
+  const int error = ::posix_spawn(&id, "/proc/self/exe", &files, nullptr, words.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   ::close(ends[1]);
-  socket_ = ends[0];
   if (error != 0) {
-    ::close(socket_);
+    ::close(ends[0]);
     refuse_to_start(error);
   }
-  write_values(socket_, {{static_cast<double>(threads)}});
+  write_values(ends[0], {{static_cast<double>(threads)}});
+  return {id, ends[0]};
+}
+
+Worker Worker::at(int socket) {
+  struct stat found {};
+  if (::fstat(socket, &found) != 0 || !S_ISSOCK(found.st_mode))
+    throw UsageError(fmt::format("--asks {}: must be the number of a socket", socket));
+  ::fcntl(socket, F_SETFD, FD_CLOEXEC);
+  return {-1, socket};
 }
 
 Worker::Worker(Worker&& other) noexcept
     : id_(std::exchange(other.id_, -1)), socket_(std::exchange(other.socket_, -1)) {}
 
 Worker::~Worker() {
+  if (socket_ >= 0) ::close(socket_);
   if (id_ < 0) return;
-  ::close(socket_);
   ::kill(id_, SIGTERM);
   while (::waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
   }

@@ -9,12 +9,18 @@
 
 namespace hexaplast::runner {
 
-/// This program once more, with the same arguments and --worker: it is asked for numbers again and again.
+/// Somebody who is asked for numbers again and again.
 class Worker {
  public:
-  /// threads: that it is to use. Throws OutputError where the system starts no more processes.
-  explicit Worker(int threads);
-  ~Worker();  ///< ends it
+  /// This program once more, with the same arguments and --worker. threads: that it is to use. Throws OutputError where
+  /// the system starts no more processes.
+  static Worker start(int threads);
+
+  /// Whoever is at the other end of a socket that this process has been given, and answers as serve() does. Throws
+  /// UsageError where it is none.
+  static Worker at(int socket);
+
+  ~Worker();  ///< ends it: the other side finds that nobody asks any more
   Worker(Worker&& other) noexcept;
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -28,7 +34,9 @@ class Worker {
   std::optional<std::vector<double>> answer() const;
 
  private:
-  pid_t id_ = -1;
+  Worker(pid_t id, int socket) : id_(id), socket_(socket) {}
+
+  pid_t id_ = -1;  // -1: none of ours
   int socket_ = -1;
 };
 

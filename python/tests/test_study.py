@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Studies by executors, against the command alone; what their data sets hold, against scenes."""
+import concurrent.futures
+import csv
+import json
+import os
+import pathlib
+import pickle
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+import hexaplast
+from hexaplast import study
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
+BAR = SCENES / "bar_stretch_high.scn"
+YIELD, FLOW = "bar/material.yieldStress", "bar/material.plasticFlowRate"
+GRID = {YIELD: (200, 400.0), FLOW: "1,2"}
+
+
+def command(*arguments):
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    return subprocess.run([os.environ["HEXAPLAST_COMMAND"], *map(str, arguments)], env=environment, capture_output=True,
+                          text=True)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The sweep by the command."""
+    out = tmp_path_factory.mktemp("alone")
+    ended = command("sweep", BAR, "--vary", f"{YIELD}=200,400.0", "--vary", f"{FLOW}=1,2", "--steps", 20, "--out", out,
+                    "--fields", "displacement,plasticStrain", "--every", 8)
+    assert ended.returncode == 0, ended.stderr
+    return out
+
+
+def assert_same(out, alone):
+    for name in ("sweep.csv", "sweep.svg", "sweep.json", "sweep.h5", *[f"run_{n}.h5" for n in range(1, 5)]):
+        assert (out / name).read_bytes() == (alone / name).read_bytes(), name
+
+
+def sweep(executor, out):
+    return study.sweep(BAR, GRID, executor, out=out, steps=20, fields=["displacement", "plasticStrain"], every=8)
+
+
+def test_a_sweep_by_processes_is_that_of_the_command(tmp_path, alone):
+    with concurrent.futures.ProcessPoolExecutor(2) as executor:
+        found = sweep(executor, tmp_path / "out")
+    assert_same(tmp_path / "out", alone)
+    assert len(found) == 4 and not found.failed.any()
+    assert found[YIELD].tolist() == [200, 200, 400, 400] and found[FLOW].tolist() == [1, 2, 1, 2]
+    scene = hexaplast.run(BAR, steps=20, overrides={YIELD: 400, FLOW: 1})
+    assert found["state_hash"][2] == scene.state_hash()
+    assert pickle.loads(pickle.dumps(found))["state_hash"] == found["state_hash"]
+
+    # once more costs nothing, and without an executor it is the same
+    before = (tmp_path / "out" / "run_1.h5").stat().st_mtime_ns
+    sweep(None, tmp_path / "alone")
+    assert_same(tmp_path / "alone", alone)
+    with concurrent.futures.ThreadPoolExecutor(2) as executor:
+        sweep(executor, tmp_path / "out")
+    assert (tmp_path / "out" / "run_1.h5").stat().st_mtime_ns == before
+
+
+def test_a_sweep_by_dask_is_that_of_the_command(tmp_path, alone):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            sweep(client.get_executor(), tmp_path)
+    assert_same(tmp_path, alone)
+
+
+def test_a_sweep_by_mpi_is_that_of_the_command(tmp_path, alone):
+    pytest.importorskip("mpi4py")
+    script = tmp_path / "by_mpi.py"
+    script.write_text(f"""
+from mpi4py.futures import MPIPoolExecutor
+from hexaplast import study
+if __name__ == "__main__":
+    with MPIPoolExecutor() as executor:
+        study.sweep({str(BAR)!r}, {GRID!r}, executor, out={str(tmp_path / "out")!r}, steps=20,
+                    fields=["displacement", "plasticStrain"], every=8)
+""")
+    environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+                       OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_btl="self,vader", OMPI_MCA_plm="isolated",
+                       OMPI_MCA_btl_vader_single_copy_mechanism="none")
+    ended = subprocess.run(["mpiexec", "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)], env=environment,
+                           capture_output=True, text=True, timeout=200)
+    assert ended.returncode == 0, ended.stderr
+    assert_same(tmp_path / "out", alone)
+
+
+def test_runs_that_fail_are_rows(tmp_path):
+    found = study.sweep(BAR, {FLOW: [1, 1000]}, out=tmp_path, steps=3)
+    assert found.failed.tolist() == [False, True]
+    assert np.isnan(found["elastic_energy"][1]) and found["state_hash"][1] == ""
+    assert found.data is None
+
+
+@pytest.mark.parametrize("grid, error, message", [({FLOW: [1, -1]}, ValueError, "plasticFlowRate"),
+                                                  ({"bar/material.yield": [1]}, ValueError, "has no attribute .yield."),
+                                                  ({FLOW: "1:2"}, ValueError, "must be PATH.attribute=a:b:n")])
+def test_mistakes_are_exceptions(tmp_path, grid, error, message):
+    with pytest.raises(error, match=message):
+        study.sweep(BAR, grid, out=tmp_path / "out")
+    with pytest.raises(OSError, match="absent.scn"):
+        study.sweep("absent.scn", {FLOW: [1]}, out=tmp_path / "out")
+
+
+def test_data_sets_hold_what_scenes_hold(alone):
+    scene = hexaplast.Scene(BAR, {YIELD: 400, FLOW: 2})
+    initial = scene.positions.copy()
+    with h5py.File(alone / "run_4.h5") as run, h5py.File(alone / "sweep.h5") as all_runs:
+        assert run["step"][:].tolist() == [0, 8, 16, 20]
+        assert np.array_equal(run["positions"], initial)
+        assert run["hexahedra"].shape == (90, 8)
+        for state, step in enumerate(run["step"]):
+            while scene.num_steps < step:
+                scene.step()
+            assert np.array_equal(run["fields/displacement"][state], scene.positions - initial)
+            strain = scene.body.fields(scene.positions).plastic_strain
+            assert np.array_equal(run["fields/plasticStrain"][state], strain)
+            assert run["time"][state] == scene.time
+        assert run.attrs["state_hash"] == scene.state_hash()
+        assert run.attrs["scene"] == "bar_stretch_high.scn" and run.attrs["version"] == hexaplast.__version__
+        assert run.attrs["simd"] == hexaplast.simd_target()
+        assert dict(run["overrides"].attrs) == {YIELD: "400.0", FLOW: "2"}
+        assert run["fields/displacement"].attrs["unit"] == "m" and run["time"].attrs["unit"] == "s"
+        assert run["fields/displacement"].compression == "gzip" and run["fields/displacement"].chunks[1:] == (176, 3)
+
+        assert all_runs["fields/displacement"].shape == (4, 4, 176, 3)
+        assert np.array_equal(all_runs["fields/displacement"][3], run["fields/displacement"])
+        assert all_runs["vary"][YIELD][:].tolist() == [200, 200, 400, 400]
+        assert all_runs["vary"][YIELD].attrs["unit"] == "Pa"
+        assert all_runs["results/state_hash"].asstr()[3] == scene.state_hash()
+
+
+TORN = """<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><RunSettings steps='100'/>
+<EulerImplicitSolver rayleighMass='1' rayleighStiffness='0.05'/><SparseLDLSolver/>
+<RegularGridTopology n='6 2 2' max='.5 .1 .1'/><MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>
+<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' poissonRatio='0.3' yieldStress='200'
+ plasticFlowRate='4' fractureStretch='1.3'/><FixedProjectiveConstraint indices='0 6 12 18'/>
+<GraspForceField name='forceps' radius='0.16' graspTime='0' keyTimes='0 0.8' positions='.5 .05 .05  1.2 .05 .05'
+ stiffness='500'/><Probe name='pull' value='@forceps.force' component='x'/></Node>"""
+
+
+def test_what_is_not_there_has_no_number(tmp_path):
+    """Runs that failed, hexahedra that are gone. Probes are those of history.csv."""
+    scene = tmp_path / "torn.scn"
+    scene.write_text(TORN)
+    path = tmp_path / "torn.h5"
+    assert command("run", scene, "--quiet", "--data", path, "--fields", "plasticStrain,contactForce,load,volumeRatio",
+                   "--every", 10).returncode == 0
+    assert command("run", scene, "--quiet", "--out", tmp_path / "run", "--frames", 0).returncode == 0
+    with open(tmp_path / "run" / "history.csv", newline="") as file:
+        pull = [float(row["probe_pull"]) for row in list(csv.DictReader(file))[::10]]
+    torn = hexaplast.run(scene)
+    gone = ~torn.body.alive.astype(bool)
+    assert gone.any() and not gone.all()
+    with h5py.File(path) as run:
+        assert np.array_equal(np.isnan(run["fields/plasticStrain"][-1]), gone)
+        assert not np.isnan(run["fields/plasticStrain"][0]).any()
+        assert np.abs(run["fields/contactForce"]).max() > 0
+        assert np.array_equal(run["fields/contactForce"], run["fields/load"])  # forceps are the only load there
+        assert run["probes/pull"][:].tolist() == pull
+    study.sweep(BAR, {FLOW: [1, 1000]}, out=tmp_path / "half", steps=4, fields=["displacement"], every=2)
+    with h5py.File(tmp_path / "half" / "sweep.h5") as half:
+        assert np.isnan(half["fields/displacement"][1]).all() and not np.isnan(half["fields/displacement"][0]).any()
+        assert half["exit_code"][:].tolist() == [0, 3] and half["step"][:].tolist() == [[0, 2, 4], [-1, -1, -1]]
+
+
+@pytest.fixture(scope="module")
+def curve(tmp_path_factory):
+    out = tmp_path_factory.mktemp("curve") / "truth"
+    ended = command("run", BAR, "--out", out, "--frames", 0, "--steps", 60, "--set", f"{YIELD}=420")
+    assert ended.returncode == 0, ended.stderr
+    return out / "history.csv"
+
+
+@pytest.mark.parametrize("pool", [None, concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
+def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, pool):
+    free = {YIELD: (50, 2000)}
+    arguments = dict(compare=["world_elongation", "plastic_elongation"], evaluations=30)
+    if pool is None:
+        found = study.fit(BAR, curve, free, out=tmp_path / "fit", **arguments)
+    else:
+        with pool(2) as executor:
+            found = study.fit(BAR, curve, free, executor, out=tmp_path / "fit", **arguments)
+    assert abs(found.values_found[YIELD] - 420) < 0.1
+    assert found["parameters"][0]["confidence_from"] is not None and len(found["columns"]) == 2
+    ended = command("fit", BAR, "--target", curve, "--compare", "world_elongation,plastic_elongation", "--free",
+                    f"{YIELD}=50:2000", "--evaluations", 30, "--out", tmp_path / "alone")
+    assert ended.returncode == 0, ended.stderr
+    assert json.loads((tmp_path / "alone" / "fit.json").read_text()) == found
+
+
+def test_a_fit_that_cannot_be_is_an_exception(tmp_path, curve):
+    with concurrent.futures.ThreadPoolExecutor(2) as executor:
+        with pytest.raises(ValueError, match="plasticFlowRaet"):
+            study.fit(BAR, curve, {"bar/material.plasticFlowRaet": (1, 2)}, executor, out=tmp_path / "fit")
+
+
+def broken(*_):
+    raise RuntimeError("a node died")
+
+
+def test_a_worker_that_dies_ends_the_fit(tmp_path, curve, monkeypatch):
+    monkeypatch.setattr(study, "_evaluate", broken)
+    with concurrent.futures.ThreadPoolExecutor(2) as executor:
+        with pytest.raises(RuntimeError, match="a node died"):
+            study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["world_elongation"])
+    assert not list((tmp_path / "fit").glob("*"))

@@ -1,0 +1,124 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""examples/cluster/sweep.sbatch on a Slurm of one node that is started for it: a task that is killed and sent again, and
+the merged table, against one process.
+
+slurm_test.py HEXAPLAST SCENE DIRECTORY; ends with 77 where there is no Slurm."""
+import os
+import pathlib
+import shutil
+import socket
+import subprocess
+import sys
+import time
+
+EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "examples" / "cluster" / "sweep.sbatch"
+VARY = ["--vary", "bar/material.yieldStress=100:800:4", "--vary", "bar/material.plasticFlowRate=1,2,4", "--steps", "60"]
+
+CONF = """ClusterName=test
+SlurmctldHost={host}(127.0.0.1)
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/none
+CredType=cred/none
+SlurmctldPort={ports[0]}
+SlurmdPort={ports[1]}
+StateSaveLocation={place}/state
+SlurmdSpoolDir={place}/spool
+SlurmctldPidFile={place}/slurmctld.pid
+SlurmdPidFile={place}/slurmd.pid
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SwitchType=switch/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerParameters=sched_interval=1
+MinJobAge=2
+ReturnToService=2
+NodeName={host} NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
+PartitionName=test Nodes={host} Default=YES State=UP MaxTime=INFINITE
+"""
+
+
+def skip(reason):
+    print(f"skipped: {reason}")
+    sys.exit(77)
+
+
+def free_ports(count):
+    sockets = [socket.socket() for _ in range(count)]
+    for one in sockets:
+        one.bind(("127.0.0.1", 0))
+    ports = [one.getsockname()[1] for one in sockets]
+    for one in sockets:
+        one.close()
+    return ports
+
+
+def call(*words, **options):
+    return subprocess.run(words, check=True, capture_output=True, text=True, **options).stdout
+
+
+def wait_for(condition, what, seconds=120):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            sys.exit(f"slurm_test: {what} did not happen in {seconds} s")
+        time.sleep(0.2)
+
+
+def is_up():
+    asked = subprocess.run(["sinfo", "-h", "-o", "%t"], capture_output=True, text=True)
+    return asked.stdout.strip() == "idle"
+
+
+def main():
+    command, scene, place = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])
+    os.environ["PATH"] += ":/usr/sbin"
+    if not all(shutil.which(name) for name in ("slurmctld", "slurmd", "sbatch")):
+        skip("slurm-wlm is not installed")
+    if os.geteuid() != 0:
+        skip("only root can start a Slurm")
+    shutil.rmtree(place, ignore_errors=True)
+    (place / "state").mkdir(parents=True)
+    (place / "spool").mkdir()
+    conf = place / "slurm.conf"
+    conf.write_text(CONF.format(host=socket.gethostname().split(".")[0], place=place, ports=free_ports(2)))
+    os.environ["SLURM_CONF"] = str(conf)
+    os.environ["PATH"] = f"{command.parent}:{os.environ['PATH']}"
+
+    daemons = []
+    try:
+        for name in ("slurmctld", "slurmd"):
+            with open(place / f"{name}.log", "w") as log:
+                daemons.append(subprocess.Popen([name, "-D", "-f", str(conf)], stdout=log, stderr=log))
+        wait_for(is_up, "a Slurm of one node")
+        def submit(array):
+            return call("sbatch", "--parsable", f"--array={array}", EXAMPLE, "study", "3", scene, *VARY, cwd=place).strip()
+
+        def is_idle():
+            return not call("squeue", "-h", "-o", "%T").strip()
+
+        # a task that is killed in the middle, and sent again
+        job = submit("1-3")
+        first = place / "study" / "shard_1" / "sweep.csv"
+        wait_for(lambda: first.exists() and first.read_text().count("\n") > 1, "a run")
+        call("scancel", "--signal=KILL", "--full", f"{job}_1")
+        wait_for(is_idle, "the end of all tasks")
+        submit("1")
+        wait_for(is_idle, "the end of the task that is sent again")
+        print(call("hexaplast", "sweep", "--out", "study", "--merge", "study/shard_1", "study/shard_2", "study/shard_3",
+                   cwd=place), end="")
+    finally:
+        for daemon in reversed(daemons):
+            daemon.terminate()
+            daemon.wait()
+    call("hexaplast", "sweep", scene, *VARY, "--out", "one", "--jobs", "2", cwd=place)
+    for name in ("sweep.csv", "sweep.svg", "sweep.json"):
+        if (place / "study" / name).read_bytes() != (place / "one" / name).read_bytes():
+            sys.exit(f"slurm_test: {name} of the job array is not that of one process")
+
+
+if __name__ == "__main__":
+    main()
