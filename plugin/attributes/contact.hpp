@@ -31,6 +31,12 @@ inline constexpr Attribute kContactDamping{.name = "damping",
                                            .range = kNotNegative,
                                            .help = "Pressure per speed of approach."};
 
+inline constexpr Attribute kActive{
+    .name = "active",
+    .type = Type::kBool,
+    .initial = "true",
+    .help = "Whether these two touch. If not, they pass through each other as if this component were not there."};
+
 inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "shape",
      .type = Type::kWord,
@@ -97,6 +103,7 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .help = "Contact is found at points of the surface: at its nodes, and between them at distances of half the "
              "instrument's smallest radius, but at not more than this number of parts of an edge. A warning appears if "
              "they do not suffice."},
+    kActive,
     {.name = "force",
      .type = Type::kVector3,
      .unit = "N",
@@ -146,6 +153,7 @@ inline constexpr Attribute kTissueContactAttributes[] = {
      .range = {.min = 1, .max = 64},
      .help = "Contact is found at points of each surface: at its nodes, and between them at distances of half the mean "
              "edge of the other surface, but at not more than this number of parts of an edge."},
+    kActive,
     {.name = "force",
      .type = Type::kVector3,
      .unit = "N",

@@ -77,7 +77,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   void add_damping_blocks(double factor, BlockMatrix& A) const override {
     instrument_->contact().terms().add_damping_blocks(factor, A);
   }
-  bool is_in_matrix() const override { return instrument_->contact().num_touching() > 0; }
+  bool is_in_matrix() const override { return !instrument_->contact().terms().empty(); }
   double rayleigh_stiffness() const override { return instrument_->rayleigh_stiffness(); }
   bool is_one_sided() const override { return true; }
   bool release(ConstPoints x_end, ConstPoints v_end) override { return instrument_->contact().release(x_end, v_end); }
@@ -142,7 +142,8 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
                                      .friction = real("friction"),
                                      .contact_distance = real("contactDistance"),
                                      .damping = real("damping"),
-                                     .max_subdivision = integer("maxSubdivision")};
+                                     .max_subdivision = integer("maxSubdivision"),
+                                     .is_active = boolean("active")};
     if (is_given("size")) options.size = vector3("size");
     options.surface_triangles =
         cells_of<3>(*this, "surfaceTriangles", static_cast<int>(options.surface_positions.rows()));

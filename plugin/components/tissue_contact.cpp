@@ -77,7 +77,7 @@ class TissueContactForceField final : public scene::InteractionForceField {
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {
     tissues_->contact().terms().add_damping_blocks(factor, A, first_nodes);
   }
-  bool is_in_matrix() const override { return tissues_->contact().num_touching() > 0; }
+  bool is_in_matrix() const override { return !tissues_->contact().terms().empty(); }
   double rayleigh_stiffness() const override { return tissues_->rayleigh_stiffness(); }
   bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) override {
     return tissues_->contact().release(x_end, v_end);
@@ -106,7 +106,8 @@ class TissueContactForceField final : public scene::InteractionForceField {
             .friction = real("friction"),
             .contact_distance = real("contactDistance"),
             .damping = real("damping"),
-            .max_subdivision = integer("maxSubdivision")};
+            .max_subdivision = integer("maxSubdivision"),
+            .is_active = boolean("active")};
   }
 
   std::array<scene::MechanicalState*, 2> states_ = {};

@@ -107,7 +107,8 @@ void Instrument::set_options(InstrumentOptions options) {
                                  .tangential_stiffness = options_.tangential_stiffness.value_or(stiffness),
                                  .friction = options_.friction,
                                  .distance = options_.contact_distance,
-                                 .damping = options_.damping};
+                                 .damping = options_.damping,
+                                 .is_active = options_.is_active};
   if (has_same_shape) {
     contact_->set_settings(settings);
     return;

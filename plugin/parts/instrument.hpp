@@ -34,6 +34,7 @@ struct InstrumentOptions {
   double contact_distance = 0;  ///< [m]
   double damping = 0;           ///< [Pa s/m]
   int max_subdivision = 8;      ///< parts of the edge of a face, at most
+  bool is_active = true;        ///< otherwise nothing touches
 };
 inline constexpr std::array<std::string_view, 5> kInstrumentShapes = {"sphere", "capsule", "cylinder", "box",
                                                                       "surface"};

@@ -38,7 +38,8 @@ void Tissues::set_options(TissueContactOptions options) {
                                  .tangential_stiffness = options.tangential_stiffness.value_or(stiffness),
                                  .friction = options.friction,
                                  .distance = options.contact_distance,
-                                 .damping = options.damping};
+                                 .damping = options.damping,
+                                 .is_active = options.is_active};
   std::optional<TissueContact> other;
   if (!contact_ || options.max_subdivision != options_.max_subdivision) {
     other.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);

@@ -18,6 +18,7 @@ struct TissueContactOptions {
   double contact_distance = 0;  ///< [m]
   double damping = 0;           ///< [Pa s/m]
   int max_subdivision = 8;      ///< parts of the edge of a face, at most
+  bool is_active = true;        ///< otherwise nothing touches
 };
 
 /// Two bodies that touch, or one that touches itself.

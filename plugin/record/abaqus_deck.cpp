@@ -30,14 +30,19 @@ std::string list(const std::vector<int>& indices) {
   return lines;
 }
 
-std::string material_lines(const Body& body) {
+std::string material_lines(const Bodies& bodies) {
   std::map<std::pair<double, double>, std::vector<int>> elements_of;  // by Young's modulus and Poisson's ratio
-  for (int e = 0; e < body.mesh().num_elements(); ++e) {
-    const Material& m = body.material(e);
-    elements_of[{m.young_modulus, m.poisson_ratio}].push_back(e + 1);
+  std::string lines;
+  for (const Bodies::Entry& entry : bodies.all()) {
+    const int first = entry.first_hexahedron + 1, num_elements = entry.body->mesh().num_elements();
+    for (int e = 0; e < num_elements; ++e) {
+      const Material& m = entry.body->material(e);
+      elements_of[{m.young_modulus, m.poisson_ratio}].push_back(first + e);
+    }
+    if (!bodies.is_one())
+      lines += fmt::format("*ELSET, ELSET=BODY_{}, GENERATE\n{}, {}\n", entry.name, first, first + num_elements - 1);
   }
 
-  std::string lines;
   int count = 0;
   for (const auto& [constants, elements] : elements_of) {
     const std::string name = fmt::format("MATERIAL{}", ++count);
@@ -79,13 +84,13 @@ std::string load_lines(const AbaqusDeck& deck) {
 
 }  // namespace
 
-void write_abaqus_deck(const std::filesystem::path& file, const Body& body, const AbaqusDeck& deck) {
+void write_abaqus_deck(const std::filesystem::path& file, const Bodies& bodies, const AbaqusDeck& deck) {
   WholeFile out(file);
   out.write(fmt::format("*HEADING\n{}\n", deck.title));
-  const PointArray& x = body.mesh().positions();
+  const PointArray& x = bodies.mesh().positions();
   out.write(
-      abaqus_text({.points = {x.data(), static_cast<std::size_t>(x.size())}, .hexahedra = body.mesh().hexahedra()}));
-  out.write(material_lines(body));
+      abaqus_text({.points = {x.data(), static_cast<std::size_t>(x.size())}, .hexahedra = bodies.mesh().hexahedra()}));
+  out.write(material_lines(bodies));
   out.write(boundary_lines(deck.is_free));
   // the first increment is a tenth of the load; the program shortens it where it has to
   out.write("*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1\n");

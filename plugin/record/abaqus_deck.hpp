@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <string>
 
-#include "hexaplast/body.hpp"
+#include "picture/bodies.hpp"
 
 namespace hexaplast::output {
 
-/// What a static analysis of a body needs besides the body.
+/// What a static analysis of bodies needs besides them.
 struct AbaqusDeck {
   std::string title;
   double time = 0;     ///< [s] to which the loads belong; told in a comment
@@ -16,10 +16,10 @@ struct AbaqusDeck {
   PointArray loads;    ///< num_nodes x 3 [N], dead
 };
 
-/// Writes the undeformed body as an Abaqus input deck, which CalculiX's ccx runs as it is: nodes, C3D8 elements (in our
-/// order), one *ELASTIC per pair of Young's modulus and Poisson's ratio, the node set FIXED and its *BOUNDARY, the
-/// loads as *CLOAD, one *STATIC step with NLGEOM that prints all displacements. Node and element numbers are ours plus
-/// one. Throws OutputError.
-void write_abaqus_deck(const std::filesystem::path& file, const Body& body, const AbaqusDeck& deck);
+/// Writes the undeformed bodies as an Abaqus input deck, which CalculiX's ccx runs as it is: nodes, C3D8 elements (in
+/// our order), of several bodies an element set BODY_name of each, one *ELASTIC per pair of Young's modulus and
+/// Poisson's ratio, the node set FIXED and its *BOUNDARY, the loads as *CLOAD, one *STATIC step with NLGEOM that prints
+/// all displacements. Node and element numbers are ours plus one. Throws OutputError.
+void write_abaqus_deck(const std::filesystem::path& file, const Bodies& bodies, const AbaqusDeck& deck);
 
 }  // namespace hexaplast::output

@@ -5,19 +5,10 @@
 
 #include <algorithm>
 
+#include "hexaplast/body.hpp"
+
 namespace hexaplast::scene {
 namespace {
-
-template <class T>
-T& only_one(Scene& scene, const std::vector<T*>& all, const char* what) {
-  if (all.size() != 1) {
-    const std::string place =
-        all.empty() ? "" : fmt::format("; the second one is {} '{}'", all[1]->class_name(), all[1]->name());
-    throw SceneError(format_error(all.empty() ? scene.root().place() : all[1]->place(),
-                                  fmt::format("{} {} in the scene, must be one{}", all.size(), what, place)));
-  }
-  return *all[0];
-}
 
 template <class T>
 std::vector<T*> at_least_one(Scene& scene, std::vector<T*> all, const char* what) {
@@ -49,10 +40,6 @@ std::vector<OdeSolver*> integrators_of(Scene& scene) {
   return at_least_one(scene, scene.root().all<OdeSolver>(), "time integrator");
 }
 
-MechanicalState& only_state(Scene& scene) { return only_one(scene, moving_points(scene), "mechanical states"); }
-
-OdeSolver& only_solver(Scene& scene) { return only_one(scene, scene.root().all<OdeSolver>(), "time integrators"); }
-
 namespace {
 
 /// Whether a name can be that of a column, or stand in one.
@@ -77,12 +64,66 @@ std::vector<SceneBody> bodies_of(Scene& scene) {
   return bodies;
 }
 
+FlowReport flow_of(const std::vector<SceneBody>& bodies) {
+  FlowReport sum = bodies.empty() ? FlowReport() : *bodies.front().field->flow_report();
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const FlowReport& own = *bodies[i].field->flow_report();
+    sum.yielded += own.yielded;
+    sum.inverted += own.inverted;
+    sum.skipped += own.skipped;
+    sum.repaired += own.repaired;
+    sum.removed += own.removed;
+    sum.worst_volume_error = std::max(sum.worst_volume_error, own.worst_volume_error);
+    sum.averaging.skipped = sum.averaging.skipped && own.averaging.skipped;
+    sum.averaging.fell_back = sum.averaging.fell_back || own.averaging.fell_back;
+    sum.averaging.iterations += own.averaging.iterations;
+    sum.averaging.residual = std::max(sum.averaging.residual, own.averaging.residual);
+    sum.averaging.converged = sum.averaging.converged && own.averaging.converged;
+  }
+  return sum;
+}
+
+namespace {
+
+template <class FieldOf>
+const PointArray& field_of(const std::vector<MechanicalState*>& states, PointArray& of_all,
+                           const FieldOf& field_of_state) {
+  if (states.size() == 1) return field_of_state(*states.front());
+  Eigen::Index num_nodes = 0;
+  for (MechanicalState* state : states) num_nodes += state->num_nodes();
+  of_all.resize(num_nodes, 3);
+  Eigen::Index first = 0;
+  for (MechanicalState* state : states) {
+    of_all.middleRows(first, state->num_nodes()) = field_of_state(*state);
+    first += state->num_nodes();
+  }
+  return of_all;
+}
+
+}  // namespace
+
+const PointArray& positions_of(const std::vector<MechanicalState*>& states, PointArray& of_all) {
+  return field_of(
+      states, of_all, [](MechanicalState & state) -> auto& { return state.positions(); });
+}
+
+const PointArray& velocities_of(const std::vector<MechanicalState*>& states, PointArray& of_all) {
+  return field_of(
+      states, of_all, [](MechanicalState & state) -> auto& { return state.velocities(); });
+}
+
+std::vector<MechanicalState*> shown_states(Scene& scene) {
+  std::vector<MechanicalState*> states;
+  for (const SceneBody& body : bodies_of(scene)) states.push_back(body.state);
+  return states.empty() ? moving_states(scene) : states;
+}
+
 ForceField* find_body(Scene& scene) {
   const std::vector<SceneBody> bodies = bodies_of(scene);
   if (bodies.size() > 1)
-    throw SceneError(format_error(bodies[1].field->place(),
-                                  fmt::format("{} '{}': a second body; only `run`, `check` and `view` take several",
-                                              bodies[1].field->class_name(), bodies[1].field->name())));
+    throw SceneError(
+        format_error(bodies[1].field->place(), fmt::format("{} '{}': a second body; `bench` takes scenes of one",
+                                                           bodies[1].field->class_name(), bodies[1].field->name())));
   return bodies.empty() ? nullptr : bodies[0].field;
 }
 

@@ -6,10 +6,6 @@
 
 namespace hexaplast::scene {
 
-/// The parts of a scene of one body. Throw SceneError unless there is exactly one.
-MechanicalState& only_state(Scene& scene);
-OdeSolver& only_solver(Scene& scene);
-
 /// The states of points that follow no other one, or all of points where all follow frames; and the time integrators.
 /// Throw SceneError where there is none.
 std::vector<MechanicalState*> moving_states(Scene& scene);
@@ -24,6 +20,16 @@ struct SceneBody {
 
 /// In the order of the scene.
 std::vector<SceneBody> bodies_of(Scene& scene);
+
+/// What the bodies report of their flow in the latest step: counts are sums, and the averaging is the worst of them.
+FlowReport flow_of(const std::vector<SceneBody>& bodies);
+
+/// Of states, those of one behind those of another: those of a single state themselves, else `of_all`.
+const PointArray& positions_of(const std::vector<MechanicalState*>& states, PointArray& of_all);
+const PointArray& velocities_of(const std::vector<MechanicalState*>& states, PointArray& of_all);
+
+/// The states of bodies; where there is none, those of moving_states.
+std::vector<MechanicalState*> shown_states(Scene& scene);
 
 /// The force field that has the only body; null: there is none. Throws SceneError where there are two.
 ForceField* find_body(Scene& scene);

@@ -15,6 +15,14 @@ namespace {
 
 constexpr std::array kGhosts{"none", "initial", "without load"};
 
+bool is_switch(const Parameter& parameter) { return parameter.attribute->type == attributes::Type::kBool; }
+
+void draw_switch(Session& session, const Parameter& parameter, std::optional<double> value) {
+  bool is_on = value.value_or(0) != 0;
+  if (ImGui::Checkbox(parameter.name.c_str(), &is_on)) session.set(parameter.name, is_on ? 1 : 0);
+  explain(std::string(parameter.attribute->help));
+}
+
 void draw_parameter(Session& session, const Parameter& parameter, std::optional<double> value) {
   const std::string &name = parameter.name, unit(parameter.attribute->unit);
   const bool is_factor = !parameter.of_hexahedra.empty();
@@ -94,8 +102,13 @@ void draw_controls(WindowState& window) {
   }
 
   heading("material");
-  for (std::size_t k = 0; k < window.session.parameters().size(); ++k)
-    draw_parameter(window.session, window.session.parameters()[k], window.now.parameter_values[k]);
+  const std::vector<Parameter>& parameters = window.session.parameters();
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (!is_switch(parameters[k])) draw_parameter(window.session, parameters[k], window.now.parameter_values[k]);
+
+  if (std::ranges::any_of(parameters, is_switch)) heading("contact");
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (is_switch(parameters[k])) draw_switch(window.session, parameters[k], window.now.parameter_values[k]);
 
   heading("hand");
   ImGui::PushItemWidth(across * 0.5f);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/pick.hpp"
@@ -52,10 +53,11 @@ std::vector<int> surface_nodes(const Body& body) {
   return nodes;
 }
 
-/// The value of an attribute of one number, or of a list; none where it has none.
+/// The value of an attribute of one number, or of a list; 1 or 0 of a switch; none where it has none.
 std::optional<double> first_value(scene::Data& data) {
   const scene::Value& value = data.value();
   if (const auto* real = std::get_if<double>(&value)) return *real;
+  if (const auto* is_on = std::get_if<bool>(&value)) return *is_on ? 1 : 0;
   const auto* reals = std::get_if<std::vector<double>>(&value);
   return reals && !reals->empty() ? std::optional(reals->front()) : std::nullopt;
 }
@@ -139,6 +141,15 @@ Session::Session(Subject subject, const MakeHand& make_hand)
         parameter.name = region->name() + "." + parameter.name;
       }
   }
+
+  for (scene::Component* component : subject_.scene.root().all<scene::Component>())
+    if (scene::Data* data = component->find_data(attributes::kActive.name);
+        data && data->attribute().type == Type::kBool && data->attribute().access == attributes::Access::kInput)
+      parameters_.push_back({.attribute = &data->attribute(),
+                             .component = component,
+                             .name = component->name() + "." + std::string(attributes::kActive.name),
+                             .value = first_value(*data),
+                             .max = 1});
 
   // a hand that is about as strong as a cube of the softest matter, and holds a handful of nodes
   const double size = std::cbrt(shown_.initial_volume());
@@ -273,6 +284,8 @@ void Session::set(std::string_view name, std::optional<double> value) {
   post([this, &parameter = *parameter, value] {
     const std::string_view attribute = parameter.attribute->name;
     if (!value) return change(*parameter.component, attribute, std::nullopt);
+    if (parameter.attribute->type == Type::kBool)
+      return change(*parameter.component, attribute, scene::Value(*value != 0));
     if (parameter.attribute->type != Type::kReals) return change(*parameter.component, attribute, scene::Value(*value));
     std::vector<double> values = parameter.of_hexahedra.empty() ? std::vector{1.0} : parameter.of_hexahedra;
     for (double& one : values) one *= *value;

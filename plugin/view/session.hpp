@@ -45,12 +45,13 @@ struct HandSettings {
   double damping = 0;    ///< [N s/m]
 };
 
-/// A number of a body's material, or one that a region of it has given, that may change while it moves.
+/// A number of a body's material, or one that a region of it has given, that may change while it moves; or whether a
+/// contact is active, 1 or 0.
 struct Parameter {
   const attributes::Attribute* attribute;
   scene::Component* component = nullptr;  ///< that has the attribute
   std::string name = {};                  ///< "youngModulus" of the only body, "liver.youngModulus" of one of several,
-                                          ///< "tumour.youngModulus" of a region
+                                          ///< "tumour.youngModulus" of a region, "probe.active" of a contact
   std::optional<double> value;            ///< at first; none: not given
   std::vector<double> of_hexahedra = {};  ///< own values; the slider is then a factor on all of them, at first 1
   bool may_be_none = false;               ///< the body, or the region, can do without
@@ -111,7 +112,7 @@ class Session {
   void drag(const Vec3& place);  ///< moves the hand [m]
   void release();
 
-  /// Changes a number of the material, by the parameter's name, or the factor of one that each hexahedron has for
+  /// Changes a parameter by its name, or the factor of one that each hexahedron has for
   /// itself; none: as if it had never been given. What the body does not admit becomes a message, and nothing changes.
   void set(std::string_view name, std::optional<double> value);
 

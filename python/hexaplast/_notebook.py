@@ -57,18 +57,24 @@ def to_meshio(self):
         import meshio
     except ImportError as error:
         raise ImportError("to_meshio() needs meshio (Debian: python3-meshio; elsewhere: pip install meshio)") from error
-    body = self.body
-    if body is None:
+    bodies = self.bodies if isinstance(self, Scene) else [self.body]
+    if not bodies:
         raise ValueError("the scene has no body: there are no hexahedra")
-    kept = np.flatnonzero(body.alive)
-    fields = body.fields(self.positions)
+    first_nodes = np.cumsum([0] + [body.num_nodes for body in bodies])
+    kept = np.flatnonzero(np.concatenate([body.alive for body in bodies]))
+    hexahedra = np.concatenate([body.hexahedra + first for body, first in zip(bodies, first_nodes)])
+    fields = [body.fields(self.positions[first:first + body.num_nodes]) for body, first in zip(bodies, first_nodes)]
     names = ("plastic_strain", "strain", "stress_norm", "volume_ratio", "yield_stress")
+    cell_data = {name: [np.concatenate([getattr(of, name) for of in fields])[kept]] for name in names}
+    if len(bodies) > 1:
+        cell_data["body"] = [np.repeat(np.arange(len(bodies)), [body.num_hexahedra for body in bodies])[kept]]
     return meshio.Mesh(
         self.positions.copy(),
-        [("hexahedron", body.hexahedra[kept])],
-        point_data={"displacement": self.positions - body.initial_positions, "velocity": self.velocities.copy(),
-                    "material_position": body.plastic_rest_positions.copy()},
-        cell_data={"id": [kept], **{name: [getattr(fields, name)[kept]] for name in names}},
+        [("hexahedron", hexahedra[kept])],
+        point_data={"displacement": self.positions - np.concatenate([body.initial_positions for body in bodies]),
+                    "velocity": self.velocities.copy(),
+                    "material_position": np.concatenate([body.plastic_rest_positions for body in bodies])},
+        cell_data={"id": [kept], **cell_data},
     )
 
 

@@ -29,14 +29,17 @@ class Turn {
 /// here, in places that stay, and are filled anew after every change.
 class BodyState {
  public:
-  explicit BodyState(std::shared_ptr<const hexaplast::Body> body) : body_(std::move(body)) {}
+  /// taken: of bodies that are stepped together.
+  explicit BodyState(std::shared_ptr<const hexaplast::Body> body,
+                     std::shared_ptr<std::atomic_flag> taken = std::make_shared<std::atomic_flag>())
+      : body_(std::move(body)), taken_(std::move(taken)) {}
 
   const hexaplast::Body& body() const { return *body_; }
 
   /// Keeps the body alive for an array that shows a part of it that never changes.
   py::capsule keeper() const;
 
-  std::atomic_flag& taken() { return taken_; }
+  std::atomic_flag& taken() { return *taken_; }
 
   const PointArray& material();
   const std::vector<CornerValues>& plastic_strain();
@@ -50,7 +53,7 @@ class BodyState {
   std::shared_ptr<const hexaplast::Body> body_;
 
  private:
-  std::atomic_flag taken_;
+  std::shared_ptr<std::atomic_flag> taken_;
   std::optional<PointArray> material_;
   std::optional<std::vector<CornerValues>> plastic_strain_, yield_stress_;
   std::optional<std::vector<unsigned char>> alive_;

@@ -3,26 +3,31 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "hexaplast/base/error.hpp"
 #include "page/html.hpp"
 
 namespace hexaplast::python {
 namespace {
 
-const hexaplast::Body& small_enough(const std::shared_ptr<const hexaplast::Body>& body) {
-  if (!body) throw InputError("the scene has no body to show");
-  const int num_nodes = body->mesh().num_nodes();
+output::Bodies small_enough(std::vector<output::Bodies::Entry> entries) {
+  if (entries.empty()) throw InputError("the scene has no body to show");
+  output::Bodies bodies(std::move(entries));
+  const int num_nodes = bodies.mesh().num_nodes();
   if (num_nodes > output::ViewerStates::kMostNodes)
-    throw InputError(
-        fmt::format("the body has {} nodes: the viewer shows at most {}", num_nodes, output::ViewerStates::kMostNodes));
-  return *body;
+    throw InputError(fmt::format("the {} {} nodes: the viewer shows at most {}",
+                                 bodies.is_one() ? "body has" : "bodies have", num_nodes,
+                                 output::ViewerStates::kMostNodes));
+  return bodies;
 }
 
 }  // namespace
 
-MotionRecord::MotionRecord(std::shared_ptr<const hexaplast::Body> body, std::string title, double dt, long first_step)
-    : body_(std::move(body)),
-      bodies_(small_enough(body_)),
+MotionRecord::MotionRecord(std::vector<output::Bodies::Entry> bodies, std::shared_ptr<const void> owner,
+                           std::string title, double dt, long first_step)
+    : owner_(std::move(owner)),
+      bodies_(small_enough(std::move(bodies))),
       title_(std::move(title)),
       first_step_(first_step),
       states_(bodies_, title_, first_step, dt, {}, {}),

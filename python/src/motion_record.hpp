@@ -3,16 +3,18 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "record/viewer_states.hpp"
 
 namespace hexaplast::python {
 
-/// The motion of a body for the viewer: states at equal distances of steps, which grow where there are too many.
+/// The motion of bodies for the viewer: states at equal distances of steps, which grow where there are too many.
 class MotionRecord {
  public:
-  /// Throws InputError where there is no body, or too large a one for the viewer.
-  MotionRecord(std::shared_ptr<const hexaplast::Body> body, std::string title, double dt, long first_step);
+  /// owner: keeps the bodies alive. Throws InputError where there is no body, or too large a mesh for the viewer.
+  MotionRecord(std::vector<output::Bodies::Entry> bodies, std::shared_ptr<const void> owner, std::string title,
+               double dt, long first_step);
 
   MotionRecord(const MotionRecord&) = delete;  // the states refer to bodies_
   MotionRecord& operator=(const MotionRecord&) = delete;
@@ -25,7 +27,7 @@ class MotionRecord {
                    const output::BoundaryConditions& conditions) const;
 
  private:
-  std::shared_ptr<const hexaplast::Body> body_;
+  std::shared_ptr<const void> owner_;
   output::Bodies bodies_;
   std::string title_;
   long first_step_, stride_ = 1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -59,6 +60,24 @@ void warn(scene::Scene& scene) {
     if (PyErr_WarnEx(PyExc_UserWarning, scene::format(message).c_str(), 1) != 0) throw py::error_already_set();
 }
 
+/// One of the bodies of a scene, with its state.
+class SceneBody final : public BodyState {
+ public:
+  SceneBody(const std::shared_ptr<scene::Scene>& scene, const scene::SceneBody& of,
+            std::shared_ptr<std::atomic_flag> taken)
+      : BodyState(std::shared_ptr<const hexaplast::Body>(scene, of.field->body()), std::move(taken)),
+        name_(of.name),
+        state_(of.state) {}
+
+  const std::string& name() const { return name_; }
+  const PointArray& positions() { return state_->positions(); }
+  const PointArray& velocities() { return state_->velocities(); }
+
+ private:
+  std::string name_;
+  scene::MechanicalState* state_;
+};
+
 /// A scene in motion, as `hexaplast run` has it.
 class Scene {
  public:
@@ -66,12 +85,17 @@ class Scene {
         std::vector<path> plugin_path, bool sofa_compat, std::vector<path> mesh_path, scene::OutputRules output)
       : scene_(std::make_shared<scene::Scene>(load(file, assignments, plugins, std::move(plugin_path), sofa_compat,
                                                    std::move(mesh_path), std::move(output)))),
-        state_(&scene::only_state(*scene_)),
-        solver_(&scene::only_solver(*scene_)),
-        field_(scene::find_body(*scene_)),
+        states_(scene::moving_states(*scene_)),
+        shown_states_(scene::shown_states(*scene_)),
+        solvers_(scene::integrators_of(*scene_)),
+        scene_bodies_(scene::bodies_of(*scene_)),
         title_(file.stem().string()) {
-    // the arrays of the body keep the whole scene alive
-    if (field_) body_ = std::make_shared<BodyState>(std::shared_ptr<const hexaplast::Body>(scene_, field_->body()));
+    // the arrays of a body keep the whole scene alive
+    for (const scene::SceneBody& of : scene_bodies_) {
+      entries_.push_back({.name = of.name, .body = of.field->body()});
+      bodies_.push_back(std::make_shared<SceneBody>(scene_, of, taken_));
+    }
+    refresh();
     if (scene::Component* settings = scene::find_settings(*scene_); settings && settings->is_given("steps"))
       planned_steps_ = settings->integer("steps");
     warn(*scene_);
@@ -102,7 +126,7 @@ class Scene {
     const Turn turn(taken());
     scene_->reset();
     num_steps_ = 0;
-    if (body_) body_->refresh();
+    refresh();
     if (record_) begin_record();
   }
 
@@ -114,21 +138,39 @@ class Scene {
   std::string page() {
     const Turn turn(taken());
     const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
-    return shown->page(num_steps_, state_->positions(), state_->velocities(), {});
+    return shown->page(num_steps_, positions(), velocities(), {});
   }
 
-  const PointArray& positions() { return state_->positions(); }
-  const PointArray& velocities() { return state_->velocities(); }
-  const std::shared_ptr<BodyState>& body() const { return body_; }
-  scene::OdeSolver& solver() { return *solver_; }
+  /// Of the bodies, of several those of one behind those of another; in places that stay.
+  const PointArray& positions() { return shown_states_.size() == 1 ? shown_states_[0]->positions() : positions_; }
+  const PointArray& velocities() { return shown_states_.size() == 1 ? shown_states_[0]->velocities() : velocities_; }
+  const std::vector<std::shared_ptr<SceneBody>>& bodies() const { return bodies_; }
+  std::shared_ptr<SceneBody> body() const {
+    if (bodies_.size() <= 1) return bodies_.empty() ? nullptr : bodies_.front();
+    std::vector<std::string> names;
+    for (const std::shared_ptr<SceneBody>& one : bodies_) names.push_back(one->name());
+    throw InputError(fmt::format("the scene has {} bodies ({}): use bodies", names.size(), fmt::join(names, ", ")));
+  }
+  double kinetic_energy() const {
+    double sum = 0;
+    for (const scene::OdeSolver* solver : solvers_) sum += solver->kinetic_energy();
+    return sum;
+  }
+  double elastic_energy() const {
+    double sum = 0;
+    for (const std::shared_ptr<SceneBody>& one : bodies_) sum += one->body().energy(one->positions());
+    return sum;
+  }
+  std::string state_hash() {
+    PointArray x, v;
+    return output::state_hash(num_steps_, scene::positions_of(states_, x), scene::velocities_of(states_, v), entries_);
+  }
   long num_steps() const { return num_steps_; }
   std::optional<long> planned_steps() const { return planned_steps_; }
   double time() { return scene_->time(); }
   double dt() { return scene_->dt(); }
 
-  /// Null where the scene has only masses.
-  const hexaplast::Body* core_body() const { return field_ ? field_->body() : nullptr; }
-  std::atomic_flag& taken() { return body_ ? body_->taken() : taken_; }
+  std::atomic_flag& taken() { return *taken_; }
 
  private:
   static scene::Scene load(const path& file, const std::vector<std::string>& assignments,
@@ -151,13 +193,20 @@ class Scene {
   }
 
   std::shared_ptr<MotionRecord> new_record() {
-    const std::shared_ptr<const hexaplast::Body> shown(scene_, field_ ? field_->body() : nullptr);
-    return std::make_shared<MotionRecord>(field_ ? shown : nullptr, title_, dt(), num_steps_);
+    return std::make_shared<MotionRecord>(entries_, scene_, title_, dt(), num_steps_);
   }
 
   void begin_record() {
     record_ = new_record();
-    record_->add(num_steps_, state_->positions(), state_->velocities(), {});
+    record_->add(num_steps_, positions(), velocities(), {});
+  }
+
+  void refresh() {
+    if (shown_states_.size() > 1) {
+      scene::positions_of(shown_states_, positions_);
+      scene::velocities_of(shown_states_, velocities_);
+    }
+    for (const std::shared_ptr<SceneBody>& one : bodies_) one->refresh();
   }
 
   void advance(RunReport& report) {
@@ -165,24 +214,25 @@ class Scene {
       const py::gil_scoped_release others_may_run;
       try {
         const SolveReport solved = scene_->step();
-        report.add(solved, field_ ? *field_->flow_report() : FlowReport());
+        report.add(solved, scene::flow_of(scene_bodies_));
       } catch (const NumericalError& error) {
         throw NumericalError(fmt::format("step {}: {}", num_steps_ + 1, error.what()));
       }
       ++num_steps_;
-      if (body_) body_->refresh();
-      if (record_ && record_->wants(num_steps_))
-        record_->add(num_steps_, state_->positions(), state_->velocities(), {});
+      refresh();
+      if (record_ && record_->wants(num_steps_)) record_->add(num_steps_, positions(), velocities(), {});
     }
     warn(*scene_);
   }
 
   std::shared_ptr<scene::Scene> scene_;
-  scene::MechanicalState* state_;
-  scene::OdeSolver* solver_;
-  const scene::ForceField* field_;
-  std::shared_ptr<BodyState> body_;
-  std::atomic_flag taken_;  // of a scene without body
+  std::vector<scene::MechanicalState*> states_, shown_states_;  // independent ones; those of the bodies
+  std::vector<scene::OdeSolver*> solvers_;
+  std::vector<scene::SceneBody> scene_bodies_;
+  std::vector<output::Bodies::Entry> entries_;
+  std::shared_ptr<std::atomic_flag> taken_ = std::make_shared<std::atomic_flag>();  // of the scene with its bodies
+  std::vector<std::shared_ptr<SceneBody>> bodies_;
+  PointArray positions_, velocities_;  // of several shown states
   std::optional<long> planned_steps_;
   long num_steps_ = 0;
   std::string title_;
@@ -204,6 +254,15 @@ std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, c
 }  // namespace
 
 void add_scene(py::module_& module) {
+  py::class_<SceneBody, BodyState, std::shared_ptr<SceneBody>>(
+      module, "SceneBody", "One of the bodies of a Scene. positions and velocities are read-only views that follow it.")
+      .def_property_readonly("name", &SceneBody::name, "that of its node, or body_2 where that is no name or another's")
+      .def_property_readonly(
+          "positions", [](py::object self) { return view(self.cast<SceneBody&>().positions(), self); }, "(n, 3) [m]")
+      .def_property_readonly(
+          "velocities", [](py::object self) { return view(self.cast<SceneBody&>().velocities(), self); },
+          "(n, 3) [m/s]");
+
   py::class_<Scene>(module, "Scene",
                     "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
                     "velocities are read-only views that follow it.")
@@ -215,11 +274,16 @@ void add_scene(py::module_& module) {
            "mesh_path: directories to look for the scene's meshes and includes in\n"
            "out: directory below which the scene's exporters write; allow_outside: also elsewhere; force: also over\n"
            "files that are there already")
-      .def_property_readonly("body", &Scene::body, "BodyState; None where the scene has only masses")
+      .def_property_readonly("bodies", &Scene::bodies, "list of SceneBody, in the order of the scene")
       .def_property_readonly(
-          "positions", [](py::object self) { return view(self.cast<Scene&>().positions(), self); }, "(n, 3) [m]")
+          "body", &Scene::body,
+          "The only SceneBody; None where the scene has only masses. ValueError where it has several")
       .def_property_readonly(
-          "velocities", [](py::object self) { return view(self.cast<Scene&>().velocities(), self); }, "(n, 3) [m/s]")
+          "positions", [](py::object self) { return view(self.cast<Scene&>().positions(), self); },
+          "(n, 3) [m]; of several bodies the nodes of one behind those of another")
+      .def_property_readonly(
+          "velocities", [](py::object self) { return view(self.cast<Scene&>().velocities(), self); },
+          "(n, 3) [m/s], as positions")
       .def_property_readonly("dt", &Scene::dt, "[s]")
       .def_property_readonly("time", &Scene::time, "[s]")
       .def_property_readonly("num_steps", &Scene::num_steps, "steps so far")
@@ -228,14 +292,14 @@ void add_scene(py::module_& module) {
           "kinetic_energy",
           [](Scene& s) {
             const Turn turn(s.taken());
-            return s.solver().kinetic_energy();
+            return s.kinetic_energy();
           },
           "[J]")
       .def_property_readonly(
           "elastic_energy",
           [](Scene& s) {
             const Turn turn(s.taken());
-            return s.core_body() ? s.core_body()->energy(s.positions()) : 0.0;
+            return s.elastic_energy();
           },
           "[J]")
       .def("step", &Scene::step, "One time step")
@@ -249,7 +313,7 @@ void add_scene(py::module_& module) {
           "state_hash",
           [](Scene& s) {
             const Turn turn(s.taken());
-            return output::state_hash(s.num_steps(), s.positions(), s.velocities(), s.core_body());
+            return s.state_hash();
           },
           "16 hexadecimal digits, as `hexaplast run` prints them");
 

@@ -101,8 +101,8 @@ class Simulation {
   output::BoundaryConditions conditions() const { return {.fixed = fixed_, .loads = *forces_, .instruments = {}}; }
 
   std::shared_ptr<MotionRecord> new_record() const {
-    return std::make_shared<MotionRecord>(std::shared_ptr<const hexaplast::Body>(moving_, &moving_->body), "Simulation",
-                                          moving_->dt(), moving_->steps());
+    return std::make_shared<MotionRecord>(std::vector<output::Bodies::Entry>{{.name = "body", .body = &moving_->body}},
+                                          moving_, "Simulation", moving_->dt(), moving_->steps());
   }
 
   void begin_record() {

@@ -219,6 +219,28 @@ def results_of_cells(notebook):
     return results
 
 
+def test_several_bodies_are_one_mesh(tmp_path):
+    meshio = pytest.importorskip("meshio")
+    bar = ("<Node name='{0}'><RegularGridTopology n='2 2 {1}' min='{0} 0 0' max='{0}.5 1 1'/>"
+           "<MechanicalObject name='nodes'/><UniformMass totalMass='1'/>"
+           "<HexahedronElastoplasticFEMForceField youngModulus='1000'/></Node>")
+    file = tmp_path / "two.scn"
+    file.write_text("<Node dt='0.01'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+                    "<RunSettings steps='2' outputEvery='1'/>" + bar.format(0, 3) + bar.format(2, 4) + "</Node>")
+    scene = hexaplast.run(file, record=True)
+    data, arrays = shown(hexaplast.show(scene))
+    assert data["nodes"] == 28 and [state["step"] for state in data["states"]] == [0, 1, 2]
+    assert np.abs(positions_shown(data, arrays, 2) - scene.positions).max() < rounding(data)
+
+    subprocess.run([os.environ["HEXAPLAST_COMMAND"], "run", file, "--frames", "0", "--quiet", "--out", tmp_path / "out"],
+                   check=True)
+    of_run, ours = meshio.read(tmp_path / "out" / "mesh_000002.vtu"), scene.to_meshio()
+    assert (ours.points == of_run.points).all()
+    assert (ours.cells_dict["hexahedron"] == of_run.cells_dict["hexahedron"]).all()
+    assert (ours.cell_data["body"][0] == of_run.cell_data["body"][0]).all()
+    assert (ours.point_data["displacement"] == of_run.point_data["displacement"]).all()
+
+
 def test_the_notebook_shows_two_viewers_that_draw():
     pytest.importorskip("meshio")
     results = results_of_cells(ROOT / "python" / "examples" / "notebook.py")

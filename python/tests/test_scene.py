@@ -124,7 +124,7 @@ def test_what_the_command_refuses_is_refused_with_its_message(tmp_path):
     with pytest.raises(ValueError, match="wrong.scn"):
         hexaplast.Scene(wrong)
     wrong.write_text("<Node/>")
-    with pytest.raises(ValueError, match="0 mechanical states"):
+    with pytest.raises(ValueError, match="no time integrator in the scene"):
         hexaplast.Scene(wrong)
 
     with pytest.raises(ImportError, match="Absent"):
@@ -190,6 +190,52 @@ def test_a_scene_of_masses_alone_has_no_body(tmp_path):
     assert scene.body is None and scene.elastic_energy == 0
     assert scene.positions[0] == pytest.approx([0, 0, 0.9])
     assert scene.kinetic_energy == pytest.approx(2 * 1.0**2 / 2)
+
+
+def bar(name, begin, young_modulus):
+    return (f"<Node name='{name}'><RegularGridTopology n='3 3 4' min='{begin} 0 0' max='{begin + 0.02} 0.02 0.03'/>"
+            "<MechanicalObject name='nodes'/><UniformMass totalMass='0.1'/><FixedProjectiveConstraint indices='0-8'/>"
+            f"<HexahedronElastoplasticFEMForceField name='body' youngModulus='{young_modulus}' yieldStress='200' "
+            "plasticFlowRate='5'/><ConstantForceField indices='27-35' totalForce='0 0 .5'/></Node>")
+
+
+def test_a_scene_of_several_bodies(tmp_path):
+    file = tmp_path / "two.scn"
+    file.write_text("<Node dt='0.01' gravity='0 -1 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='1'/>"
+                    "<SparseLDLSolver/>" + bar("liver", 0, 3000) + bar("sac", 0.05, 9000) + "</Node>")
+    final = tmp_path / "final.json"
+    command("run", file, "--steps", 20, "--final", final, "--quiet")
+    state = json.loads(final.read_text())
+
+    scene = hexaplast.Scene(file)
+    liver, sac = scene.bodies
+    views = scene.positions, scene.velocities, liver.positions, sac.velocities
+    assert (views[0][36:] == sac.initial_positions).all()
+    assert scene.run(20).flow.yielded == 24
+    assert [body.name for body in scene.bodies] == ["liver", "sac"]
+    assert scene.state_hash() == state["state_hash"]
+    assert views[0].tolist() == state["positions"] and views[1].tolist() == state["velocities"]
+    assert (views[2] == views[0][:36]).all() and (views[3] == views[1][36:]).all()
+    assert np.concatenate([liver.plastic_rest_positions, sac.plastic_rest_positions]).tolist() == (
+        state["material_positions"])
+    assert scene.elastic_energy == pytest.approx(liver.energy(liver.positions) + sac.energy(sac.positions))
+    with pytest.raises(ValueError, match=r"the scene has 2 bodies \(liver, sac\): use bodies"):
+        scene.body
+    scene.reset()
+    assert (views[0][36:] == sac.initial_positions).all() and (views[1] == 0).all()
+    assert (sac.corner_plastic_strain == 0).all()
+
+    keeps, expected = sac.positions, sac.positions.copy()
+    del scene, liver, sac, views
+    gc.collect()
+    assert (keeps == expected).all()
+
+
+def test_the_bodies_of_a_scene_are_listed_also_where_there_is_one():
+    scene = hexaplast.Scene(BAR)
+    assert [body.name for body in scene.bodies] == ["bar"]
+    assert scene.bodies[0] is scene.body
+    assert (scene.body.positions == scene.positions).all()
 
 
 def test_what_a_scene_writes_lies_below_out(tmp_path, monkeypatch):

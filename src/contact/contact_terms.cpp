@@ -36,6 +36,12 @@ void ContactSettings::require_valid(const char* whose) const {
   require(damping >= 0, damping, "damping", "at least 0");
 }
 
+void ContactCounts::require_of(std::size_t num_samples) const {
+  if (slipping < 0 || slipping > touching || touching > static_cast<int>(num_samples))
+    throw InputError(fmt::format("contact is saved with {} of {} samples that touch, {} of which slip", touching,
+                                 num_samples, slipping));
+}
+
 void ContactTerm::set_friction(double N, const Vec3& expected) {
   tangential = stick;
   limit = friction * N;

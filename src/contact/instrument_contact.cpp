@@ -44,11 +44,12 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
   pose_before_ = begin;
   pose_ = end;
   terms_.terms.clear();
+  loaded_ = {};
   const auto num_samples = static_cast<int>(samples_.samples.size());
   found_.assign(samples_.samples.size(), {});
   const double distance = settings_.distance, near = solid_.reach() + distance;
 
-  parallel_for(num_samples, [&](int i) {
+  parallel_for(settings_.is_active ? num_samples : 0, [&](int i) {
     const SurfaceSamples::Sample& sample = samples_.samples[i];
     const Vec3 p = sample.at(x), expected = p + h * sample.at(v);
     // against the instrument, in its own frame
@@ -137,6 +138,7 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
 void InstrumentContact::reset() {
   states_.assign(states_.size(), {});
   terms_.terms.clear();
+  loaded_ = {};
   force_.setZero();
   torque_.setZero();
   depth_ = energy_ = work_ = friction_loss_ = 0;
@@ -148,8 +150,9 @@ void InstrumentContact::serialize(Archive& archive) {
     numbers.insert(numbers.end(), {state.anchor.x(), state.anchor.y(), state.anchor.z(), state.normal_force});
   Vec3 force = force_, torque = torque_;
   double depth = depth_, energy = energy_, work = work_, friction_loss = friction_loss_;
+  ContactCounts counts{num_touching(), num_slipping()};
   archive(numbers, force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z(), depth, energy, work,
-          friction_loss);
+          friction_loss, counts.touching, counts.slipping);
   if (!archive.reads()) return;
   if (numbers.size() != 4 * states_.size())
     throw InputError(fmt::format("contact is saved of {} samples, there are {}", numbers.size() / 4, states_.size()));
@@ -157,9 +160,11 @@ void InstrumentContact::serialize(Archive& archive) {
                          force.allFinite() && torque.allFinite() && std::isfinite(depth) && std::isfinite(energy) &&
                          std::isfinite(work) && std::isfinite(friction_loss);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
+  counts.require_of(states_.size());
   for (std::size_t i = 0; i < states_.size(); ++i)
     states_[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, std::max(numbers[4 * i + 3], 0.0)};
   terms_.terms.clear();
+  loaded_ = counts;
   force_ = force;
   torque_ = torque;
   depth_ = depth;

@@ -119,6 +119,7 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
 
 void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h) {
   terms_.terms.clear();
+  loaded_ = {};
   first_sample_.clear();
   const bool with_itself = meshes_[0] == meshes_[1];
   const std::array<const ConstPoints*, 2> xs = {&x.first, &x.second}, vs = {&v.first, &v.second};
@@ -128,7 +129,8 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
                     static_cast<double>(v.first.rows() + v.second.rows());
   const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean));
   const int looks =
-      edge > 0 && way > 0
+      !settings_.is_active ? 0
+      : edge > 0 && way > 0
           ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMostTissueLooks}))
           : 1;
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
@@ -258,6 +260,7 @@ void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
 void TissueContact::reset() {
   for (const auto& side : sides_) side->states.assign(side->states.size(), {});
   terms_.terms.clear();
+  loaded_ = {};
   force_.setZero();
   depth_ = energy_ = 0;
 }
@@ -287,13 +290,15 @@ void TissueContact::serialize(Archive& archive) {
     }
   Vec3 force = force_;
   double depth = depth_, energy = energy_;
-  archive(numbers, places, force.x(), force.y(), force.z(), depth, energy);
+  ContactCounts counts{num_touching(), num_slipping()};
+  archive(numbers, places, force.x(), force.y(), force.z(), depth, energy, counts.touching, counts.slipping);
   if (!archive.reads()) return;
   if (numbers.size() != (1 + kCorners) * count || places.size() != 2 * count)
     throw InputError(fmt::format("contact is saved of {} samples, there are {}", places.size() / 2, count));
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
                          force.allFinite() && std::isfinite(depth) && std::isfinite(energy);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
+  counts.require_of(count);
   std::size_t k = 0;
   for (const auto& side : sides_)
     for (SampleState& state : side->states) {
@@ -309,6 +314,7 @@ void TissueContact::serialize(Archive& archive) {
                                      state.hexahedron, state.face));
     }
   terms_.terms.clear();
+  loaded_ = counts;
   force_ = force;
   depth_ = depth;
   energy_ = energy;

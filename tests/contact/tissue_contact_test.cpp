@@ -249,11 +249,15 @@ TEST(TissueContact, KeepsItsState) {
     saved.insert(saved.end(), first, first + size);
   });
   stacked.contact.serialize(writes);
+  const int touching = stacked.contact.num_touching(), slipping = stacked.contact.num_slipping();
   const std::vector<std::byte> expected = bytes_after(stacked.contact, stacked);
 
   TissueContact other(stacked.below, stacked.above, kSettings, 8);
   Archive reads{std::span<const std::byte>(saved)};
   other.serialize(reads);
+  EXPECT_GT(touching, 50);
+  EXPECT_EQ(other.num_touching(), touching);
+  EXPECT_EQ(other.num_slipping(), slipping);
   for (const int threads : {2, 7}) {
     TissueContact again(stacked.below, stacked.above, kSettings, 8);
     Archive archive{std::span<const std::byte>(saved)};

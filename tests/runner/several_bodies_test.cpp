@@ -117,13 +117,56 @@ TEST_F(SeveralBodiesRun, ChecksEach) {
   EXPECT_NE(hexaplast("check both.scn").out.find("body                sac"), std::string::npos);
 }
 
-// Verbs for one body say so.
-TEST_F(SeveralBodiesRun, OtherCommandsRefuseThem) {
-  for (const std::string verb : {"mesh export both.scn --format vtu --out x.vtu", "bench --scene both.scn"}) {
-    const support::Outcome refused = hexaplast(verb);
-    EXPECT_NE(refused.code, 0) << verb;
-    EXPECT_NE(refused.err.find("both.scn:1: error: "), std::string::npos) << verb << refused.err;
-  }
+// As .vtu what step 0 of a run is; as a deck the parts of each alone, with the numbers of all.
+TEST_F(SeveralBodiesRun, AreExportedAsOneMesh) {
+  ASSERT_EQ(hexaplast("mesh export both.scn --format vtu -o both.vtu").code, 0);
+  ASSERT_EQ(hexaplast("run both.scn --quiet --steps 1 --frames 0 --out both").code, 0);
+  const ImportedState exported = state("both.vtu"), ran = state("both/mesh_000000.vtu");
+  EXPECT_EQ(exported.mesh.positions, ran.mesh.positions);
+  EXPECT_EQ(exported.mesh.hexahedra, ran.mesh.hexahedra);
+  EXPECT_EQ(array(exported.cell_data, "body"), array(ran.cell_data, "body"));
+
+  ASSERT_EQ(hexaplast("mesh export both.scn --format inp -o both.inp").code, 0);
+  const std::string deck = support::content(directory_ / "both.inp");
+  EXPECT_NE(deck.find("\n48, 0.06, 0.02, 0.01\n"), std::string::npos) << deck;
+  EXPECT_NE(deck.find("*ELSET, ELSET=BODY_liver, GENERATE\n1, 12\n*ELSET, ELSET=BODY_sac, GENERATE\n13, 14\n"),
+            std::string::npos)
+      << deck;
+  EXPECT_NE(deck.find("\n13, 14\n*MATERIAL, NAME=MATERIAL1\n*ELASTIC\n1000, 0.45\n"), std::string::npos) << deck;
+  EXPECT_NE(deck.find("*NSET, NSET=FIXED\n1, 2, 3, 4, 5, 6, 7, 8, 9, 37, 38\n"), std::string::npos) << deck;
+  const std::string loads = deck.substr(deck.find("*CLOAD"));
+  EXPECT_NE(loads.find("\n28, 3, 0.0555555555556\n"), std::string::npos) << "the pull of the liver" << loads;
+  EXPECT_NE(loads.find("\n39, 2, -0.0008"), std::string::npos) << "the weight of the sac" << loads;
+}
+
+// A curve of one body of two, as a Probe records it.
+TEST_F(SeveralBodiesRun, AreFitted) {
+  std::string scene = support::content(directory_ / "both.scn");
+  scene.insert(scene.rfind("</Node>"),
+               "<Probe name='sag' value='@sac/nodes.position' indices='11' component='y' change='true'/>");
+  write("probed.scn", scene);
+  ASSERT_EQ(hexaplast("run probed.scn --quiet --steps 30 --frames 0 --out truth --set sac/body.youngModulus=2300").code,
+            0);
+  const support::Outcome fitted = hexaplast(
+      "fit probed.scn --target truth/history.csv --compare probe_sag --out found --free "
+      "sac/body.youngModulus=300:9000");
+  ASSERT_EQ(fitted.code, 0) << fitted.err;
+  EXPECT_NEAR(json("found/fit.json")["parameters"][0]["value"].get<double>(), 2300, 2);
+
+  write("force.csv", "time,force\n0.1,1\n0.2,2\n");
+  const support::Outcome refused =
+      hexaplast("fit both.scn --target force.csv --out none --free sac/body.youngModulus=300:9000");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("force.csv:1: error: column 'force': is that of the only body, and the scene has 2"),
+            std::string::npos)
+      << refused.err;
+}
+
+TEST_F(SeveralBodiesRun, ABenchmarkIsOfOne) {
+  const support::Outcome refused = hexaplast("bench --scene both.scn");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("both.scn:1: error: "), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("`bench` takes scenes of one"), std::string::npos) << refused.err;
 }
 
 }  // namespace

@@ -148,4 +148,19 @@ TEST(State, SecondTransformationLeavesTheRestShapeAlone) {
   EXPECT_TRUE(state.positions().isApprox(rows({{5, 2, 0}, {1, 0, 0}}), 1e-15));
 }
 
+TEST(State, ComponentsOfVectorsReplaceThem) {
+  const auto placed = [](const std::string& attributes) {
+    scene::Scene scene = read_and_init(in_root(
+        "", "<MechanicalObject name='nodes' position='1 0 0  0 2 0' " + attributes + "/><UniformMass totalMass='1'/>"));
+    return at<scene::MechanicalState>(scene, "nodes").positions();
+  };
+  EXPECT_EQ(placed("dy='3'"), placed("translation='0 3 0'"));
+  EXPECT_EQ(placed("translation='7 7 7' dx='1' dz='2'"), placed("translation='1 0 2'"));
+  EXPECT_EQ(placed("rz='90' ry='20'"), placed("rotation='0 20 90'"));
+  EXPECT_EQ(placed("sx='2' scale3d='5 5 5'"), placed("scale3d='2 1 1'"));
+  EXPECT_EQ(placed("force='1 2' derivX='3'"), placed(""));
+  EXPECT_EQ(errors_of(in_root("", "<MechanicalObject dx='a' position='0 0 0'/>")),
+            "test.scn:1: error: MechanicalObject.dx: 'a' is not a number");
+}
+
 }  // namespace

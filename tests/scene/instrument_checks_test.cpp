@@ -211,6 +211,47 @@ TEST(InstrumentChecks, ToolsOfShippedScenesDoNotSinkIn) {
   EXPECT_LT(deepest("slope", 340, {"block/plate"}), 0.01);
 }
 
+// A cube of 2 cm, 3 mm deep in a block of cells of 5 mm, is moved along its surface without friction. Where its edges
+// are sharp, points that they run over jump from its bottom to its sides. contactDistance rounds edges by as much.
+TEST(InstrumentChecks, AContactDistanceRoundsEdges) {
+  struct Stroke {
+    double greatest_jump = 0, drag = 0;  // between two steps, and on average: in parts of the mean normal force
+  };
+  const auto stroke = [](double rounding) {
+    const double size = 0.02 - 2 * rounding, down = 0.03 - 0.003 + 0.01;
+    scene::Scene scene = read_and_init(fmt::format(
+        "<Node dt='.005' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='.01'/>"
+        "<MultigridCGLinearSolver tolerance='1e-4'/><RegularGridTopology n='17 9 7' max='.08 .04 .03'/>"
+        "<MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
+        "<BoxROI name='bottom' box='-1 -1 -1  1 1 .001'/><FixedProjectiveConstraint indices='@bottom.indices'/>"
+        "<HexahedronElastoplasticFEMForceField youngModulus='5000' poissonRatio='.4'/>"
+        "<InstrumentContactForceField name='tool' shape='box' size='{0} {0} {0}' contactDistance='{1}' "
+        "keyTimes='0 .3 2' positions='.025 .02 {2}  .025 .02 {3}  .055 .02 {3}'/></Node>",
+        size, rounding, down + 0.005, down));
+    support::run(scene, 70);
+    Stroke found;
+    Vec3 before = force_on(scene, "tool"), sum = Vec3::Zero();
+    double jump = 0;
+    constexpr int kSteps = 200;
+    for (int k = 0; k < kSteps; ++k) {
+      scene.step();
+      const Vec3 force = force_on(scene, "tool");
+      jump = std::max(jump, (force - before).norm());
+      sum += force;
+      before = force;
+    }
+    found.greatest_jump = jump * kSteps / sum.z();
+    found.drag = -sum.x() / sum.z();
+    return found;
+  };
+  const Stroke sharp = stroke(0), rounded = stroke(0.002);
+  std::cout << fmt::format("sharp: jumps of {:.3f}, drag {:.3f}; rounded by 2 mm: {:.3f}, {:.3f} of the normal force\n",
+                           sharp.greatest_jump, sharp.drag, rounded.greatest_jump, rounded.drag);
+  EXPECT_LT(rounded.greatest_jump, 0.1);
+  EXPECT_LT(rounded.drag, 0.1);
+  EXPECT_GT(sharp.greatest_jump, 3 * rounded.greatest_jump);
+}
+
 // What files and pictures show is the shape that touches: closed, seen from outside, with its volume, where it is.
 TEST(InstrumentChecks, ShapesAreThoseThatTouch) {
   constexpr double pi = std::numbers::pi;

@@ -200,6 +200,33 @@ TEST(InstrumentContactForceField, AScenesTurnTurnsIt) {
   EXPECT_NEAR(second.y(), first.y(), 1e-6 * first.norm());
 }
 
+// One that is not active is one that is not there, to the last bit; it may be switched while the scene moves.
+TEST(InstrumentContactForceField, CanBeSwitchedOff) {
+  for (const std::string solver : {"<SparseLDLSolver/>", "<MultigridCGLinearSolver/>"}) {
+    scene::Scene without = read_and_init(block("", solver)), off = support::read(block(std::string(kPoke), solver)),
+                 on = read_and_init(block(std::string(kPoke), solver));
+    scene::override_attribute(off, "probe.active=false");
+    off.init();
+    for (scene::Scene* scene : {&without, &off, &on}) support::run(*scene, 35);
+    EXPECT_EQ(nodes(off), nodes(without)) << solver;
+    EXPECT_EQ(force_on(off, "probe"), Vec3(0, 0, 0));
+    EXPECT_NE(nodes(on), nodes(without));
+    EXPECT_GT(force_on(on, "probe").z(), 0.05);
+
+    auto& probe = at<scene::Component>(on, "probe");
+    const auto switch_to = [&](bool is_active) {
+      probe.find_data("active")->give(is_active, {});
+      probe.follow_inputs();
+      on.step();
+    };
+    switch_to(false);
+    EXPECT_EQ(force_on(on, "probe"), Vec3(0, 0, 0));
+    EXPECT_EQ(probe.reals("touching")[0], 0);
+    switch_to(true);
+    EXPECT_GT(force_on(on, "probe").z(), 0.05);
+  }
+}
+
 TEST(InstrumentContactForceField, ContinuesWhereItSticks) {
   const std::string text = block(
       "<InstrumentContactForceField name='probe' radius='.01' friction='.8' keyTimes='0 .1 .4' "
@@ -215,6 +242,9 @@ TEST(InstrumentContactForceField, ContinuesWhereItSticks) {
   Archive in{std::span<const std::byte>(bytes)};
   second.serialize(in);
   EXPECT_EQ(force_on(second, "probe"), force_on(straight, "probe"));
+  EXPECT_GT(at<scene::Component>(second, "probe").reals("touching")[0], 0);
+  for (const char* count : {"touching", "slipping"})
+    EXPECT_EQ(at<scene::Component>(second, "probe").reals(count), at<scene::Component>(straight, "probe").reals(count));
   support::run(straight, 15);
   support::run(second, 15);
   EXPECT_EQ(nodes(straight), nodes(second));

@@ -237,6 +237,22 @@ TEST(TissueContactForceField, AStripLiesOnItself) {
   EXPECT_GT(at<scene::Component>(with, "contact").reals("touching")[0], 5);
 }
 
+// Two that do not touch fall through each other as they do without the component, to the last bit.
+TEST(TissueContactForceField, CanBeSwitchedOff) {
+  for (const std::string solver : {"<SparseLDLSolver/>", "<MultigridCGLinearSolver/>"}) {
+    Stack off{.contact = "friction='.4' active='false'", .solver = solver}, on{.solver = solver};
+    std::string without = off.text();
+    without.erase(without.find("<TissueContact"),
+                  without.find("/>", without.find("<TissueContact")) + 2 - without.find("<TissueContact"));
+    scene::Scene first = read_and_init(off.text()), second = read_and_init(without), third = read_and_init(on.text());
+    for (scene::Scene* scene : {&first, &second, &third}) support::run(*scene, 20);
+    for (const char* body : {"lower", "upper"}) EXPECT_EQ(positions(first, body), positions(second, body)) << solver;
+    EXPECT_EQ(number(first, "touching"), 0);
+    EXPECT_LT(positions(first, "upper").col(2).minCoeff(), 0.01) << "10 mm below the surface";
+    EXPECT_GT(positions(third, "upper").col(2).minCoeff(), 0.019);
+  }
+}
+
 TEST(TissueContactForceField, RefusesWhatCannotBe) {
   Stack two;
   two.above_solver = "<EulerImplicitSolver/><SparseLDLSolver/>";

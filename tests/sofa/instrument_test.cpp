@@ -65,6 +65,10 @@ TEST_F(InstrumentAdapter, PressesAgainstTheSurfaceAndShowsIt) {
   EXPECT_EQ(contact.d_slipping.getValue(), 0);
   contact.reset();
   EXPECT_EQ(contact.d_touching.getValue(), 0);
+  contact.d_active.setValue(false);
+  tell<AnimateBeginEvent>();
+  EXPECT_FALSE(contact.isInMatrix());
+  EXPECT_TRUE(force(contact, mesh.positions()).isZero(0));
 }
 
 // df/dx = -k A n n^T in every form in which SOFA may ask for it, without what the integrator adds.

@@ -82,6 +82,9 @@ TEST_F(TissueAdapter, PressesBothBodiesAndShowsIt) {
   EXPECT_GT(contact.d_touching.getValue(), 0);
   contact.reset();
   EXPECT_EQ(contact.d_touching.getValue(), 0);
+  contact.d_active.setValue(false);
+  tell<AnimateBeginEvent>();
+  EXPECT_FALSE(contact.isInMatrix());
 }
 
 // In every form in which SOFA may ask for it, without what the integrator adds.

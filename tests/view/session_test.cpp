@@ -327,6 +327,27 @@ TEST(Session, AFailureIsToldAndResetLeadsOut) {
   EXPECT_EQ(session.failure(), "");
 }
 
+// A contact is switched off and on again, as by the box in the window.
+TEST(Session, ContactsCanBeSwitchedOff) {
+  std::string text = kBar;
+  text.insert(text.rfind("</Node>"),
+              "<InstrumentContactForceField name='plate' shape='box' size='1 1 1' keyTimes='0' positions='0 0 .798'/>");
+  Played played(text);
+  Session session(played.subject(), hand);
+  const auto found = std::ranges::find(session.parameters(), "plate.active", &Parameter::name);
+  ASSERT_NE(found, session.parameters().end());
+  EXPECT_EQ(found->value, 1);
+  session.set("plate.active", 0);
+  session.advance(1);
+  const Snapshot off = wait_for_step(session, 1);
+  EXPECT_EQ(off.parameter_values[static_cast<std::size_t>(found - session.parameters().begin())], 0);
+  EXPECT_LT((off.positions - session.mesh().positions()).cwiseAbs().maxCoeff(), 1e-12) << "2 mm inside the plate";
+  session.set("plate.active", 1);
+  session.advance(1);
+  EXPECT_LT(wait_for_step(session, 2).positions.bottomRows(9).col(2).maxCoeff(), 0.299);
+  session.stop();
+}
+
 // Two bars beside each other, in one system.
 TEST(Session, TheHandTakesHoldOfTheNearestBody) {
   const auto bar = [](const std::string& name, const std::string& begin, const std::string& end) {

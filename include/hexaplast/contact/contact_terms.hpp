@@ -17,6 +17,7 @@ struct ContactSettings {
   double friction = 0;              ///< mu
   double distance = 0;              ///< d [m] contact begins there
   double damping = 0;               ///< c [Pa s/m] pressure per speed of approach
+  bool is_active = true;            ///< otherwise nothing touches
 
   /// Throws InputError for what is negative or not finite, or a stiffness that is 0; `whose` begins the message.
   void require_valid(const char* whose) const;
@@ -95,6 +96,14 @@ struct ContactTerm {
   /// Sets it to what N and the displacement at the end of the step stand for, unless it is that to 1 % of mu N.
   /// Returns by how much the force differs [N].
   double correct_friction(const Vec3& r, const Vec3& change);
+};
+
+/// Of the contacts of a step that is over, in saved states.
+struct ContactCounts {
+  int touching = 0, slipping = 0;
+
+  /// Throws InputError for numbers that contacts of so many samples cannot have.
+  void require_of(std::size_t num_samples) const;
 };
 
 /// What acts on the nodes by the contacts of one step.

@@ -76,8 +76,9 @@ class InstrumentContact {
   /// Throws InputError for the state of other samples.
   void serialize(Archive& archive);
 
-  int num_touching() const { return static_cast<int>(terms_.terms.size()); }
-  int num_slipping() const { return terms_.num_slipping(); }
+  /// In the present step; of a state that was just loaded, in the step before it.
+  int num_touching() const { return terms_.empty() ? loaded_.touching : static_cast<int>(terms_.terms.size()); }
+  int num_slipping() const { return terms_.empty() ? loaded_.slipping : terms_.num_slipping(); }
 
   /// On the instrument, at the end of the latest step.
   const Vec3& force() const { return force_; }    ///< [N]
@@ -111,6 +112,7 @@ class InstrumentContact {
   };
   std::vector<Found> found_;  // scratch, per sample
   ContactTerms terms_;
+  ContactCounts loaded_;
   PointArray expected_;  // scratch
   Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
   double depth_ = 0, energy_ = 0, work_ = 0, friction_loss_ = 0;

@@ -60,8 +60,9 @@ class TissueContact {
   /// Throws InputError for the state of other samples or hexahedra.
   void serialize(Archive& archive);
 
-  int num_touching() const { return static_cast<int>(terms_.terms.size()); }
-  int num_slipping() const { return terms_.num_slipping(); }
+  /// In the present step; of a state that was just loaded, in the step before it.
+  int num_touching() const { return terms_.empty() ? loaded_.touching : static_cast<int>(terms_.terms.size()); }
+  int num_slipping() const { return terms_.empty() ? loaded_.slipping : terms_.num_slipping(); }
   double edge() const;     ///< [m] the smaller one of the mean edges of the two surfaces; 0: there is none
   double spacing() const;  ///< [m] the largest distance between neighbouring samples
 
@@ -80,6 +81,7 @@ class TissueContact {
   std::array<double, 2> wanted_ = {};         // [m] between the samples of each surface
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
   ContactTerms terms_;
+  ContactCounts loaded_;
   std::vector<int> first_sample_;  // per side, in ContactTerm::sample
   std::array<PointArray, 2> expected_;
   Vec3 force_ = Vec3::Zero();

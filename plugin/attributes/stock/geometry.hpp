@@ -9,6 +9,12 @@
 /// Nodes and elements. See stock.hpp.
 namespace hexaplast::attributes {
 
+/// A component of a vector, by which older scenes give it.
+constexpr Attribute component_attribute(std::string_view name, std::string_view initial, std::string_view unit,
+                                        std::string_view help) {
+  return {.name = name, .type = Type::kReal, .initial = initial, .unit = unit, .help = help};
+}
+
 inline constexpr Attribute kMechanicalObjectAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,
@@ -53,7 +59,18 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
      .initial = "1",
      .range = kPositive,
      .help = "Factor of the rest positions."},
+    component_attribute("sx", "1", "", "Along x. Where sx, sy or sz is given, the three replace scale3d, as in SOFA."),
+    component_attribute("sy", "1", "", "Along y."),
+    component_attribute("sz", "1", "", "Along z."),
+    component_attribute("rx", "0", "deg", "About x. Where rx, ry or rz is given, the three replace rotation."),
+    component_attribute("ry", "0", "deg", "About y."),
+    component_attribute("rz", "0", "deg", "About z."),
+    component_attribute("dx", "0", "m", "Along x. Where dx, dy or dz is given, the three replace translation."),
+    component_attribute("dy", "0", "m", "Along y."),
+    component_attribute("dz", "0", "m", "Along z."),
     ignored_attribute("size", "Ignored here: there are as many nodes as positions."),
+    ignored_attribute("force", "Ignored here: forces are computed in every step, in SOFA too."),
+    ignored_attribute("derivX", "Ignored here: it is computed in every step, in SOFA too."),
     visual_attribute("showObject"),
     visual_attribute("showObjectScale"),
     visual_attribute("showIndices"),

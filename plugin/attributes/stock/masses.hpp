@@ -41,7 +41,7 @@ inline constexpr Attribute kUniformMassAttributes[] = {
 inline constexpr Description kUniformMass{.class_name = "UniformMass",
                                           .category = "Mass",
                                           .help = "The same mass at every node.",
-                                          .templates = "Vec3 Vec3d Vec3,double Vec3d,double",
+                                          .templates = "Vec3 Vec3d Vec3,double Vec3d,double Vec3,Vec3",
                                           .attributes = kUniformMassAttributes};
 
 inline constexpr Attribute kMassTopology{
@@ -80,7 +80,7 @@ inline constexpr Attribute kDiagonalMassAttributes[] = {
 inline constexpr Description kDiagonalMass{.class_name = "DiagonalMass",
                                            .category = "Mass",
                                            .help = "Each hexahedron gives an eighth of its mass to each of its nodes.",
-                                           .templates = "Vec3 Vec3d Vec3,double Vec3d,double",
+                                           .templates = "Vec3 Vec3d Vec3,double Vec3d,double Vec3,Vec3",
                                            .attributes = kDiagonalMassAttributes};
 
 inline constexpr Attribute kMeshMatrixMassAttributes[] = {

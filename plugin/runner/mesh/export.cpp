@@ -11,15 +11,19 @@
 namespace hexaplast::runner {
 namespace {
 
-output::AbaqusDeck deck_of(scene::Scene& scene, const MeshExportOptions& options) {
-  scene::MechanicalState& state = only_state(scene);
+output::AbaqusDeck deck_of(scene::Scene& scene, const output::Bodies& bodies,
+                           const std::vector<scene::MechanicalState*>& states, const MeshExportOptions& options) {
   output::AbaqusDeck deck;
   deck.title = options.scene.file.stem().string();
   scene::Component* settings = find_settings(scene);
   const long num_steps = settings && settings->is_given("steps") ? settings->integer("steps") : 1;
-  deck.time = options.time ? *options.time : time_of_greatest_loads(scene, state, num_steps);
-  deck.loads = loads_at(deck.time, scene, state);
-  deck.is_free = free_directions(scene, state);
+  deck.time = options.time ? *options.time : time_of_greatest_loads(scene, states, num_steps);
+  deck.loads.resize(bodies.mesh().num_nodes(), 3);
+  deck.is_free = deck.loads;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    output::Bodies::rows(bodies.all()[i], deck.loads) = loads_at(deck.time, scene, *states[i]);
+    output::Bodies::rows(bodies.all()[i], deck.is_free) = free_directions(scene, *states[i]);
+  }
   return deck;
 }
 
@@ -30,17 +34,21 @@ void export_mesh(const MeshExportOptions& options) {
   scene_options.output.writes = false;
   scene::Scene scene = load_scene(scene_options);
   const std::filesystem::path out = output_place(options.out, scene.root().files().inputs);
-  scene::MechanicalState& state = only_state(scene);
-  const scene::ForceField* field = find_body(scene);
-  if (!field)
+  std::vector<output::Bodies::Entry> entries;
+  for (const scene::SceneBody& body : scene::bodies_of(scene))
+    entries.push_back({.name = body.name, .body = body.field->body()});
+  if (entries.empty())
     throw scene::SceneError(
         scene::format_error(scene.root().place(), "no body in the scene: there is nothing to export"));
+  const output::Bodies bodies(std::move(entries));
+  const std::vector<scene::MechanicalState*> states = scene::shown_states(scene);
 
   if (options.format == "vtu") {
-    output::write_vtu(out, *field->body(), state.positions(), state.velocities(),
-                      field->body()->fields(state.positions()));
+    PointArray x, v;
+    const PointArray& positions = scene::positions_of(states, x);
+    output::write_vtu(out, bodies, positions, scene::velocities_of(states, v), bodies.fields(positions));
   } else {
-    output::write_abaqus_deck(out, *field->body(), deck_of(scene, options));
+    output::write_abaqus_deck(out, bodies, deck_of(scene, bodies, states, options));
   }
 }
 

@@ -59,7 +59,8 @@ Findings look_at(scene::Scene& scene) {
   const std::vector<scene::MechanicalState*> states = scene::moving_states(scene);
   const long num_steps = std::max(found.steps.value_or(1), 1);
   for (scene::MechanicalState* state : states) {
-    const double time = time_of_greatest_loads(scene, *state, num_steps, (num_steps + kMostMoments - 1) / kMostMoments);
+    const double time =
+        time_of_greatest_loads(scene, std::span(&state, 1), num_steps, (num_steps + kMostMoments - 1) / kMostMoments);
     const double size = loads_at(time, scene, *state).rowwise().norm().sum();
     if (size > found.load_size) {
       found.loads_time = time;

@@ -41,6 +41,6 @@ scene::Scene load_scene(const SceneOptions& options);
 /// Logs what components have remarked since the last time.
 void log_warnings(scene::Scene& scene);
 
-using scene::probes_of, scene::find_body, scene::find_settings, scene::only_solver, scene::only_state;
+using scene::probes_of, scene::find_body, scene::find_settings;
 
 }  // namespace hexaplast::runner

@@ -28,28 +28,6 @@ std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody
   return entries;
 }
 
-std::vector<scene::MechanicalState*> states_of(const std::vector<scene::SceneBody>& bodies) {
-  std::vector<scene::MechanicalState*> states;
-  for (const scene::SceneBody& body : bodies) states.push_back(body.state);
-  return states;
-}
-
-/// A nodal field of states, one behind the other.
-template <class FieldOf>
-const PointArray& field_of(const std::vector<scene::MechanicalState*>& states, PointArray& of_all,
-                           const FieldOf& field_of_state) {
-  if (states.size() == 1) return field_of_state(*states.front());
-  Eigen::Index num_nodes = 0;
-  for (scene::MechanicalState* state : states) num_nodes += state->num_nodes();
-  of_all.resize(num_nodes, 3);
-  Eigen::Index first = 0;
-  for (scene::MechanicalState* state : states) {
-    of_all.middleRows(first, state->num_nodes()) = field_of_state(*state);
-    first += state->num_nodes();
-  }
-  return of_all;
-}
-
 /// Of all solvers; none where one keeps no balance.
 std::optional<EnergyBalance> sum_of(const std::vector<scene::OdeSolver*>& solvers) {
   std::optional<EnergyBalance> sum;
@@ -64,26 +42,6 @@ std::optional<EnergyBalance> sum_of(const std::vector<scene::OdeSolver*>& solver
   return sum;
 }
 
-/// Of all bodies: counts are sums, and the averaging is the worst of them.
-FlowReport sum_of(const std::vector<scene::SceneBody>& bodies) {
-  FlowReport sum = bodies.empty() ? FlowReport() : *bodies.front().field->flow_report();
-  for (std::size_t i = 1; i < bodies.size(); ++i) {
-    const FlowReport& own = *bodies[i].field->flow_report();
-    sum.yielded += own.yielded;
-    sum.inverted += own.inverted;
-    sum.skipped += own.skipped;
-    sum.repaired += own.repaired;
-    sum.removed += own.removed;
-    sum.worst_volume_error = std::max(sum.worst_volume_error, own.worst_volume_error);
-    sum.averaging.skipped = sum.averaging.skipped && own.averaging.skipped;
-    sum.averaging.fell_back = sum.averaging.fell_back || own.averaging.fell_back;
-    sum.averaging.iterations += own.averaging.iterations;
-    sum.averaging.residual = std::max(sum.averaging.residual, own.averaging.residual);
-    sum.averaging.converged = sum.averaging.converged && own.averaging.converged;
-  }
-  return sum;
-}
-
 }  // namespace
 
 Simulation::Simulation(const SceneOptions& options)
@@ -91,7 +49,7 @@ Simulation::Simulation(const SceneOptions& options)
       states_(scene::moving_states(scene_)),
       solvers_(scene::integrators_of(scene_)),
       scene_bodies_(scene::bodies_of(scene_)),
-      shown_states_(scene_bodies_.empty() ? states_ : states_of(scene_bodies_)),
+      shown_states_(scene::shown_states(scene_)),
       probes_(probes_of(scene_)),
       scene_identity_(identity_of(scene_)) {
   if (scene::Component* settings = find_settings(scene_)) {
@@ -104,15 +62,9 @@ Simulation::Simulation(const SceneOptions& options)
   load_time_ = scene_.time();
 }
 
-const PointArray& Simulation::positions() {
-  return field_of(
-      shown_states_, positions_, [](scene::MechanicalState & state) -> auto& { return state.positions(); });
-}
+const PointArray& Simulation::positions() { return scene::positions_of(shown_states_, positions_); }
 
-const PointArray& Simulation::velocities() {
-  return field_of(
-      shown_states_, velocities_, [](scene::MechanicalState & state) -> auto& { return state.velocities(); });
-}
+const PointArray& Simulation::velocities() { return scene::velocities_of(shown_states_, velocities_); }
 
 int Simulation::num_nodes() {
   int count = 0;
@@ -122,17 +74,8 @@ int Simulation::num_nodes() {
 
 std::string Simulation::state_hash() {
   PointArray x, v;
-  const PointArray& positions = field_of(
-      states_, x, [](scene::MechanicalState & state) -> auto& { return state.positions(); });
-  const PointArray& velocities = field_of(
-      states_, v, [](scene::MechanicalState & state) -> auto& { return state.velocities(); });
-  return output::state_hash(latest_.step, positions, velocities,
+  return output::state_hash(latest_.step, scene::positions_of(states_, x), scene::velocities_of(states_, v),
                             bodies_ ? bodies_->all() : std::span<const output::Bodies::Entry>());
-}
-
-scene::MechanicalState& Simulation::state() {
-  if (shown_states_.size() > 1) scene::only_state(scene_);  // throws
-  return *shown_states_.front();
 }
 
 const Body* Simulation::body() {
@@ -221,7 +164,7 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
       record.friction_loss += energy->friction_loss;
     }
   record.energy = sum_of(solvers_);
-  record.flow = sum_of(scene_bodies_);
+  record.flow = scene::flow_of(scene_bodies_);
   record.solver_iterations = solve.iterations;
   record.residual = solve.residual;
   record.step_ms = step_ms;

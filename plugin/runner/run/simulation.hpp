@@ -82,8 +82,6 @@ class Simulation {
   /// Of everything in motion (output::state_hash).
   std::string state_hash();
 
-  /// The state of the only body, or the only state. Throws SceneError where there are several.
-  scene::MechanicalState& state();
   const std::vector<scene::Probe*>& probes() const { return probes_; }  ///< in the order of StepRecord::probes
 
   /// The only one; null: only masses. Throws SceneError where there are several.

@@ -20,11 +20,11 @@ namespace {
 
 constexpr double kSameMoment = 1e-6;  // of a step: the running time is rounded
 
-const Body& required_body(Simulation& simulation) {
-  if (!simulation.body())
+const output::Bodies& required_bodies(Simulation& simulation) {
+  if (!simulation.bodies())
     throw scene::SceneError(
         scene::format_error(simulation.scene().root().place(), "no body in the scene: there is nothing to fit"));
-  return *simulation.body();
+  return *simulation.bodies();
 }
 
 /// As many as there are probes: there is none of that name.
@@ -52,6 +52,18 @@ void find_probes(TargetCurve& target, const Simulation& simulation) {
   }
 }
 
+/// Refuses a curve of or over the force that the only body carries or is loaded with, where there are several.
+void require_one_body(const TargetCurve& target, Simulation& simulation) {
+  const auto of_force = [](const TargetCurve::Column& column) { return column.quantity == Quantity::kForce; };
+  if (required_bodies(simulation).is_one()) return;
+  if (target.times.empty() || std::ranges::any_of(target.columns, of_force))
+    throw scene::SceneError(scene::format_error(
+        {target.file.string(), target.head_line},
+        fmt::format("column 'force': is that of the only body, and the scene has {}; a Probe of the scene can be "
+                    "compared over time",
+                    simulation.scene_bodies().size())));
+}
+
 /// Refuses to compare elongation or twist where the scene does not stretch or twist its body by its ends.
 void require_ends(const TargetCurve& target, Simulation& simulation) {
   for (const TargetCurve::Column& column : target.columns)
@@ -69,12 +81,12 @@ class Reader {
  public:
   explicit Reader(Simulation& simulation)
       : simulation_(simulation),
-        body_(required_body(simulation)),
-        measurement_(body_),
-        ends_(end_sections(body_.mesh())) {}
+        bodies_(required_bodies(simulation)),
+        measurement_(bodies_),
+        ends_(end_sections(bodies_.mesh())) {}
 
   std::vector<double> read(const std::vector<TargetCurve::Column>& columns) {
-    const output::Measures measures = measurement_.measure(simulation_.state().positions());
+    const output::Measures measures = measurement_.measure(simulation_.positions());
     std::vector<double> values;
     for (const TargetCurve::Column& column : columns) values.push_back(value_of(column, measures));
     return values;
@@ -99,29 +111,30 @@ class Reader {
     return 0;
   }
 
-  // Axial force [N] that the middle of the body carries.
+  // Axial force [N] that the middle of the only body carries.
   double carried_force() {
-    scene::MechanicalState& state = simulation_.state();
+    scene::MechanicalState& state = *simulation_.scene_bodies().front().state;
     PointArray forces = PointArray::Zero(state.num_nodes(), 3);
     for (scene::ForceField* field : simulation_.scene().root().all<scene::ForceField>())
       if (field->body()) field->add_force(simulation_.time(), state.positions(), state.velocities(), forces);
-    return axial_pull(body_.mesh(), ends_, -forces);
+    return axial_pull(bodies_.mesh(), ends_, -forces);
   }
 
   Simulation& simulation_;
-  const Body& body_;
+  const output::Bodies& bodies_;
   output::Measurement measurement_;
   EndSections ends_;
 };
 
 /// Pull [N] of the loads per step: what led to the state after it. None led to the first state.
 std::vector<double> pulls_of(Simulation& simulation, long num_steps) {
-  const HexMesh& mesh = required_body(simulation).mesh();
+  const HexMesh& mesh = required_bodies(simulation).mesh();
   const EndSections ends = end_sections(mesh);
   std::vector<double> pulls = {0};
   for (long step = 0; step < num_steps; ++step)
-    pulls.push_back(axial_pull(
-        mesh, ends, loads_at(static_cast<double>(step) * simulation.dt(), simulation.scene(), simulation.state())));
+    pulls.push_back(axial_pull(mesh, ends,
+                               loads_at(static_cast<double>(step) * simulation.dt(), simulation.scene(),
+                                        *simulation.scene_bodies().front().state)));
   return pulls;
 }
 
@@ -164,8 +177,9 @@ Experiment::Experiment(SceneOptions scene, TargetCurve target, std::optional<lon
     : scene_(std::move(scene)), target_(std::move(target)), moments_(target_.times) {
   scene_.output.writes = false;  // hundreds of runs that are only tried
   Simulation simulation(with(assignments));
-  required_body(simulation);
+  required_bodies(simulation);
   find_probes(target_, simulation);
+  require_one_body(target_, simulation);
   require_ends(target_, simulation);
   inputs_ = simulation.scene().root().files().inputs;
   inputs_.add(target_.file);

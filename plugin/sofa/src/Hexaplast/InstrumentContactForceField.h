@@ -38,6 +38,7 @@ public:
     Data<SReal> d_contactDistance;                     ///< [m] from the shape
     Data<SReal> d_damping;                             ///< [Pa s/m]
     Data<int> d_maxSubdivision;                        ///< parts of the edge of a face, at most
+    Data<bool> d_active;                               ///< otherwise it passes through the body
     sofa::core::objectmodel::SingleLink<InstrumentContactForceField, sofa::core::behavior::BaseMechanicalState,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
@@ -58,7 +59,7 @@ public:
     void computeBBox(const sofa::core::ExecParams* params, bool onlyVisible = false) override;
 
     bool hasPart() const override { return m_instrument.has_value(); }
-    bool isInMatrix() const override { return m_instrument->contact().num_touching() > 0; }
+    bool isInMatrix() const override { return !m_instrument->contact().terms().empty(); }
     bool isOneSided() const override { return !m_isSettled && isInMatrix(); }
     bool release(ConstPoints x, ConstPoints v) override { return m_instrument->contact().release(x, v); }
     void settle() override { m_isSettled = true; }

@@ -38,6 +38,7 @@ InstrumentContactForceField<TDataTypes>::InstrumentContactForceField()
       d_contactDistance(from_table(*this, d_contactDistance, row(kContact, "contactDistance"), "Contact")),
       d_damping(from_table(*this, d_damping, row(kContact, "damping"), "Contact")),
       d_maxSubdivision(from_table(*this, d_maxSubdivision, row(kContact, "maxSubdivision"), "Contact")),
+      d_active(from_table(*this, d_active, row(kContact, "active"), "Contact")),
       l_rigid(this->initLink("rigid", row(kContact, "rigid").help.data())),
       d_rigidIndex(from_table(*this, d_rigidIndex, row(kContact, "rigidIndex"), "Path")),
       d_force(from_table(*this, d_force, row(kContact, "force"))),
@@ -156,7 +157,8 @@ parts::InstrumentOptions InstrumentContactForceField<TDataTypes>::options() cons
                                      .friction = d_friction.getValue(),
                                      .contact_distance = d_contactDistance.getValue(),
                                      .damping = d_damping.getValue(),
-                                     .max_subdivision = d_maxSubdivision.getValue()};
+                                     .max_subdivision = d_maxSubdivision.getValue(),
+                                     .is_active = d_active.getValue()};
     if (d_size.isSet()) options.size = vec3(d_size.getValue());
     return options;
 }

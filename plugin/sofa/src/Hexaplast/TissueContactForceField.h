@@ -30,6 +30,7 @@ public:
     Data<SReal> d_contactDistance;      ///< [m] between the surfaces
     Data<SReal> d_damping;              ///< [Pa s/m]
     Data<int> d_maxSubdivision;         ///< parts of the edge of a face, at most
+    Data<bool> d_active;                ///< otherwise the bodies pass through each other
     Data<sofa::type::Vec3> d_force;     ///< output [N]: on the body of object1
     Data<SReal> d_depth;                ///< output [m]: of the deepest point
     Data<int> d_touching;               ///< output: number of points that touch
@@ -62,7 +63,7 @@ public:
     bool works() const { return m_tissues && !is_invalid(*this); }
 
     /// For MultigridCGLinearSolver, as those of PartForceField; fields of the two states.
-    bool isInMatrix() const { return works() && m_tissues->contact().num_touching() > 0; }
+    bool isInMatrix() const { return works() && !m_tissues->contact().terms().empty(); }
     bool isOneSided() const { return !m_isSettled && isInMatrix(); }
     bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v)
     {

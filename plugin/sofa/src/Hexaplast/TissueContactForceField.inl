@@ -30,6 +30,7 @@ TissueContactForceField<TDataTypes>::TissueContactForceField()
       d_contactDistance(from_table(*this, d_contactDistance, row(kTissueContact, "contactDistance"), "Contact")),
       d_damping(from_table(*this, d_damping, row(kTissueContact, "damping"), "Contact")),
       d_maxSubdivision(from_table(*this, d_maxSubdivision, row(kTissueContact, "maxSubdivision"), "Contact")),
+      d_active(from_table(*this, d_active, row(kTissueContact, "active"), "Contact")),
       d_force(from_table(*this, d_force, row(kTissueContact, "force"))),
       d_depth(from_table(*this, d_depth, row(kTissueContact, "depth"))),
       d_touching(from_table(*this, d_touching, row(kTissueContact, "touching"))),
@@ -117,7 +118,8 @@ parts::TissueContactOptions TissueContactForceField<TDataTypes>::options() const
             .friction = d_friction.getValue(),
             .contact_distance = d_contactDistance.getValue(),
             .damping = d_damping.getValue(),
-            .max_subdivision = d_maxSubdivision.getValue()};
+            .max_subdivision = d_maxSubdivision.getValue(),
+            .is_active = d_active.getValue()};
 }
 
 template <class TDataTypes>
