@@ -325,7 +325,7 @@ ElementFields Body::fields(ConstPoints x) const {
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
       out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));
-      out.strain[e] = std::max(out.strain[e], largest_strain(samples.F[i]));
+      out.strain[e] = std::max(out.strain[e], (signed_svd(samples.F[i]).d.array() - 1).abs().maxCoeff());
     }
   });
   return out;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kinematics/polar.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <limits>
 
@@ -27,14 +26,6 @@ SignedSvd signed_svd(const Mat3& F) {
     }
   }
   return out;
-}
-
-double largest_strain(const Mat3& F) {
-  if (!F.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::SelfAdjointEigenSolver<Mat3> squared(F.transpose() * F, Eigen::EigenvaluesOnly);  // in ascending order
-  Vec3 d = squared.eigenvalues().cwiseMax(0).cwiseSqrt();
-  if (F.determinant() < 0) d[0] = -d[0];
-  return (d.array() - 1).abs().maxCoeff();
 }
 
 Polar polar(const SignedSvd& F) { return {F.U * F.V.transpose(), F.V * F.d.asDiagonal() * F.V.transpose()}; }

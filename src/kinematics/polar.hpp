@@ -16,9 +16,6 @@ struct SignedSvd {
 };
 SignedSvd signed_svd(const Mat3& F);
 
-/// max_k |d_k - 1| from the eigenvalues of F^T F alone: to rounding where no d is small, to 1e-7 elsewhere.
-double largest_strain(const Mat3& F);
-
 /// F = R S, R a rotation (det R = +1 for every F, reflections and singular ones included), S symmetric.       theory.md
 /// eq. 6
 struct Polar {

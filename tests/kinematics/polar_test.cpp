@@ -132,20 +132,6 @@ TEST(Polar, HoldsForAMillionGradientsAndIsEigensWhereItIsUnique) {
   EXPECT_GT(num_unique, 500000);
 }
 
-TEST(LargestStrain, IsThatOfTheSingularValues) {
-  Random random(7);
-  const auto by_svd = [](const Mat3& F) { return (signed_svd(F).d.array() - 1).abs().maxCoeff(); };
-  const Mat3 turned = random.rotation();
-  EXPECT_NEAR(largest_strain(turned), 0, 1e-14);
-  for (int n = 0; n < 1000; ++n) {
-    const Mat3 near_one = Mat3::Identity() + 1e-6 * random.matrix(1), any = random.matrix(1);
-    EXPECT_NEAR(largest_strain(near_one), by_svd(near_one), 1e-14);
-    EXPECT_NEAR(largest_strain(any), by_svd(any), 1e-7) << any;
-    const Mat3 stretched = with_singular_values(random, {1.5, 1.5, n % 2 ? -0.8 : 0.8});
-    EXPECT_NEAR(largest_strain(stretched), n % 2 ? 1.8 : 0.5, 1e-14);
-  }
-}
-
 TEST(RotationLog, GoesThereAndBack) {
   Random random(14);
   for (int k = 0; k < 2000; ++k) {
