@@ -92,23 +92,20 @@ struct FieldState {
 /// Every data set with a unit has it as attribute `unit`. All throw OutputError.
 class FieldFile {
  public:
-  /// The bodies must outlive it.
-  FieldFile(const std::filesystem::path& file, Bodies bodies, FieldPlan plan);
-  ~FieldFile();  ///< without complete(): removes what there is
+  virtual ~FieldFile() = default;  ///< without complete(): removes what there is
 
   /// Whether the state after a step is one of those to be recorded.
-  bool wants(long step) const;
-  void record(const FieldState& state);
+  virtual bool wants(long step) const = 0;
+  virtual void record(const FieldState& state) = 0;
 
-  long last_step() const;  ///< that was recorded; -1: none
+  virtual long last_step() const = 0;  ///< that was recorded; -1: none
 
   /// Puts the file in place, with more attributes.
-  void complete(const NamedTexts& attributes);
-
- private:
-  struct Contents;
-  std::unique_ptr<Contents> contents_;
+  virtual void complete(const NamedTexts& attributes) = 0;
 };
+
+/// Begins a file. The bodies must outlive it.
+std::unique_ptr<FieldFile> make_field_file(const std::filesystem::path& file, Bodies bodies, FieldPlan plan);
 
 /// What is known of each run of a study beside its fields, one value per run.
 struct StudyColumn {
@@ -125,5 +122,12 @@ struct StudyColumn {
 std::vector<std::string> write_study_file(const std::filesystem::path& file,
                                           std::span<const std::filesystem::path> runs,
                                           std::span<const StudyColumn> columns, const NamedTexts& attributes);
+
+/// What the module with the HDF5 library does. It is loaded when the first such file is written, so that programs that
+/// write none stay small.
+struct FieldFileModule {
+  decltype(&make_field_file) make;
+  decltype(&write_study_file) write_study;
+};
 
 }  // namespace hexaplast::output

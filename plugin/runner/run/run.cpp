@@ -133,7 +133,7 @@ void complete(output::Recorder& recorder, Simulation& simulation, const RunOptio
 struct Files {
   std::optional<output::Recorder> recorder;
   std::optional<output::WholeFile> final_state, summary;
-  std::optional<output::FieldFile> data;
+  std::unique_ptr<output::FieldFile> data;
   std::optional<Journal> journal;
 };
 
@@ -452,7 +452,8 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (options.final_state) files.final_state.emplace(place_of(*options.final_state, options, inputs));
   if (options.summary) files.summary.emplace(place_of(*options.summary, options, inputs));
   if (options.data)
-    files.data.emplace(place_of(*options.data, options, inputs), *bodies, data_plan_of(simulation, num_steps, options));
+    files.data = output::make_field_file(place_of(*options.data, options, inputs), *bodies,
+                                         data_plan_of(simulation, num_steps, options));
   if (options.out && start) {
     Archive saved = start->section("output");
     files.recorder.emplace(*options.out, *bodies, std::move(plan), saved);
