@@ -48,7 +48,8 @@ inline constexpr std::array kExamples = {
     Example{"RequiredPlugin", R"xml(<RequiredPlugin name="Sofa.Component.Mass"/>)xml"},
     Example{"RunSettings", R"xml(<RunSettings steps="500" outputEvery="25"/>)xml"},
     Example{"AttributeChange", R"xml(<AttributeChange component="@material" attribute="youngModulus" keyTimes="0.2 0.6"
-    values="2e4; 4e4"/>)xml"},
+    values="2e4; 4e4"/>
+<HexahedronElastoplasticFEMForceField name="material" youngModulus="5e4" poissonRatio="0.4"/>)xml"},
     Example{"EulerImplicitSolver", R"xml(<EulerImplicitSolver rayleighMass="0.1" rayleighStiffness="0.05"/>)xml"},
     Example{"StaticSolver", R"xml(<StaticSolver newtonSolver="@newton"/>
 <NewtonRaphsonSolver name="newton" maxNbIterationsNewton="50" absoluteResidualStoppingThreshold="1e-8"/>)xml"},

@@ -20,7 +20,8 @@ class RunSettings final : public scene::Component {
   RunSettings() : Component(attributes::kRunSettings) {}
 };
 
-/// Changes an attribute of another component between two steps.
+/// Changes an attribute of another component between two steps. The component stands behind it, and so looks at all its
+/// inputs together, when it begins the step itself.
 class AttributeChange final : public scene::Component {
  public:
   AttributeChange() : Component(attributes::kAttributeChange) {}
@@ -32,6 +33,7 @@ class AttributeChange final : public scene::Component {
     if (!component_)
       reject("component",
              fmt::format("leads to {} '{}', must lead to a component", target->class_name(), target->name()));
+    require_order();
     data_ = component_->find_data(text("attribute"));
     if (!data_ || data_->attribute().access != attributes::Access::kInput) {
       std::vector<std::string_view> known;
@@ -52,27 +54,38 @@ class AttributeChange final : public scene::Component {
     if (due <= num_done_) return;
     num_done_ = due;
     put();
-    component_->follow_inputs();
   }
 
   void reset() override {
     if (num_done_ == 0) return;
     num_done_ = 0;
     put();
-    component_->follow_inputs();
   }
 
   void serialize(Archive& archive) override {
     std::int64_t num_done = num_done_;
-    archive(num_done);
+    Present present = data_->source() ? Present::kFollows : data_->is_given() ? Present::kGiven : Present::kNotGiven;
+    std::string value = present == Present::kGiven ? scene::write_value(data_->value()) : std::string();
+    archive(num_done, present, value);
     if (!archive.reads()) return;
     if (num_done < 0 || num_done > std::ssize(times_))
       throw InputError(fmt::format("{} changes are saved of {}", num_done, times_.size()));
     num_done_ = num_done;
-    put();  // the host makes the component follow
+    // the host makes the component follow
+    if (present == Present::kGiven)
+      data_->give(scene::read_value(data_->attribute(), value), place());
+    else if (present == Present::kNotGiven)
+      data_->unset();
+    else if (before_ && before_->source)
+      put_back();
+    else
+      throw InputError("the attribute followed another one when it was saved");
   }
 
  private:
+  /// What the attribute is at present: others may have changed it too.
+  enum class Present : std::uint8_t { kNotGiven, kGiven, kFollows };
+
   struct Given {
     scene::Value value;
     scene::Data* source;
@@ -90,13 +103,29 @@ class AttributeChange final : public scene::Component {
     return all;
   }
 
+  void require_order() {
+    const scene::Component* first = nullptr;
+    node().root().for_each<scene::Component>([&](const scene::Component& component) {
+      if (!first && (&component == this || &component == component_)) first = &component;
+    });
+    if (first != this)
+      reject("component", fmt::format("leads to {} '{}' before it, must lead to a component behind it in the scene",
+                                      component_->class_name(), component_->name()));
+  }
+
   void put() {
     if (num_done_ > 0) {
       if (const Change& change = values_[static_cast<std::size_t>(num_done_ - 1)])
         data_->give(*change, place());
       else
         data_->unset();
-    } else if (!before_) {
+    } else {
+      put_back();
+    }
+  }
+
+  void put_back() {
+    if (!before_) {
       data_->unset();
     } else {
       data_->give(before_->value, place());
