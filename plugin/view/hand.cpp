@@ -168,7 +168,12 @@ void Hand::add_tools(const HandSettings& settings) {
     give(*tool, "orientations", std::vector<double>(turn_.begin(), turn_.end()));
     if (scene::VisualModel* skin = embedded_surface(scene_, body)) give_skin(*tool, *skin);
     tools_.push_back(tool.get());
-    scene_.add(body.state->node(), std::move(tool), "tool");
+    try {
+      scene_.add(body.state->node(), std::move(tool), "tool");
+    } catch (const std::exception& error) {
+      damage_ = error.what();
+      throw;
+    }
   }
   has_grown();
 }
@@ -292,7 +297,13 @@ void Hand::end_step() {
   }
 }
 
+void Hand::require_whole() const {
+  if (!damage_.empty())
+    throw scene::SceneError("the scene has refused an instrument and must be opened anew: " + damage_);
+}
+
 void Hand::reset() {
+  require_whole();
   request_.reset();
   if (state_ == State::kHolding) release();
   state_ = State::kIdle;
@@ -372,6 +383,7 @@ Hand::Saved Hand::save() const {
 }
 
 void Hand::restore(const Saved& saved) {
+  require_whole();
   release();
   state_ = State::kIdle;
   request_.reset();

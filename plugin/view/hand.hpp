@@ -77,7 +77,8 @@ class Hand {
   void begin_step();  ///< leads the instrument, before each step
   void end_step();    ///< after it
 
-  /// Empty-handed, at the beginning of the scene; nothing has been done.
+  /// Empty-handed, at the beginning of the scene; nothing has been done. Throws SceneError, as restore does, after the
+  /// scene has refused an instrument: a part of it is there.
   void reset();
 
   bool is_holding() const { return state_ == State::kHolding; }
@@ -112,6 +113,7 @@ class Hand {
   void close_grip(const Vec3& place, const HandSettings& settings);
   void bring_tool(const Touch& touch, const HandSettings& settings);
   void add_tools(const HandSettings& settings);
+  void require_whole() const;
   void put_path(std::initializer_list<double> times, std::initializer_list<Vec3> places);
   void begin_holds();
   void add_key(double time, const Vec3& place);
@@ -122,6 +124,7 @@ class Hand {
   MakeComponent make_;
   double reach_;
   std::string touch_refusal_;
+  std::string damage_;  // why an instrument was refused that is in the scene; empty: none was
   std::vector<scene::Component*> grips_, tools_;  // of each body; no tools before they are needed
   std::vector<std::string> messages_;
 

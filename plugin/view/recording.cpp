@@ -96,7 +96,6 @@ std::string recorded_scene(scene::Scene& scene, Element document, std::span<cons
                            const Deeds& deeds, const fs::path& folder) {
   bool has_settings = false;
   scene::for_each_element(scene, document, [&](scene::Object& object, Element& element) {
-    rename_files(scene, object, element, folder);
     for (const std::string& assignment : overrides) {
       const std::size_t equals = assignment.find('=');
       const scene::Data& data = scene::named_attribute(scene, assignment.substr(0, equals), "--set");
@@ -105,6 +104,7 @@ std::string recorded_scene(scene::Scene& scene, Element document, std::span<cons
                     [&](const scene::ElementAttribute& given) { return object.find_data(given.name) == &data; });
       set(element, data.attribute().name, assignment.substr(equals + 1));
     }
+    rename_files(scene, object, element, folder);
     if (object.class_name() == attributes::kRunSettings.class_name) {
       has_settings = true;
       set(element, "steps", fmt::format("{}", deeds.num_steps));

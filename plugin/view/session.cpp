@@ -31,6 +31,21 @@ constexpr auto kPatience = std::chrono::milliseconds(100);  // by which real tim
 
 const scene::Place kSliders{.file = "window"};
 
+/// Several components may have one name: theirs begin with the path of the node, or else end with a number.
+void make_names_unique(std::vector<Parameter>& parameters) {
+  const auto count = [&](const std::string& name) { return std::ranges::count(parameters, name, &Parameter::name); };
+  std::vector<std::string> names;
+  for (const Parameter& parameter : parameters) {
+    const std::string path = parameter.component->node().path();
+    names.push_back(count(parameter.name) == 1 ? parameter.name
+                                               : fmt::format("{}{}{}", path, path == "/" ? "" : "/", parameter.name));
+  }
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const auto number = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(k), names[k]) + 1;
+    parameters[k].name = number == 1 ? names[k] : fmt::format("{} {}", names[k], number);
+  }
+}
+
 double size_of(const HexMesh& mesh) {
   return (mesh.positions().colwise().maxCoeff() - mesh.positions().colwise().minCoeff()).norm();
 }
@@ -147,6 +162,7 @@ Session::Session(Subject subject, MakeComponent make)
                              .name = component->name() + "." + std::string(attributes::kActive.name),
                              .value = first_value(*data),
                              .max = 1});
+  make_names_unique(parameters_);
 
   // a hand that is about as strong as a cube of the softest matter, and holds a handful of nodes
   const double size = std::cbrt(shown_.initial_volume());
@@ -209,18 +225,26 @@ void Session::advance(long steps) {
 
 void Session::reset() {
   post([this] {
-    hand_.reset();
-    subject_.reset();
     is_running_ = false;
     steps_asked_ = 0;
-    latest_ = {};
-    failure_.clear();
-    step_ms_.clear();
-    saved_.clear();
-    changes_.clear();
-    const std::vector<Given> given = given_parameters();
-    for (std::size_t k = 0; k < parameters_.size(); ++k)
-      if (given[k].value != first_parameters_[k].value) note_change(parameters_[k]);
+    attempt([this] {
+      hand_.reset();
+      const std::vector<Given> given = given_parameters();
+      subject_.reset();
+      latest_ = {};
+      failure_.clear();
+      step_ms_.clear();
+      saved_.clear();
+      const std::vector<Change> earlier = std::exchange(changes_, {});
+      for (std::size_t k = 0; k < parameters_.size(); ++k) {
+        const bool is_moved = std::ranges::any_of(earlier, [&](const Change& change) {
+          return change.component == parameters_[k].component && change.attribute == parameters_[k].attribute->name;
+        });
+        if (!is_moved || given[k].value == first_parameters_[k].value) continue;
+        put(parameters_[k], given[k]);  // what the scene itself changes has gone back
+        note_change(parameters_[k]);
+      }
+    });
   });
 }
 
@@ -375,26 +399,28 @@ void Session::save() {
   saved.latest = latest_;
   saved.hand = hand_.save();
   saved.parameters = given_parameters();
-  saved.num_changes = changes_.size();
+  saved.changes = changes_;
   if (saved_.size() > kMostUndo) saved_.pop_front();
 }
 
 void Session::restore(const Saved& saved) {
   hand_.restore(saved.hand);
-  for (std::size_t k = 0; k < parameters_.size(); ++k) {
-    scene::Data& data = *parameters_[k].component->find_data(parameters_[k].attribute->name);
-    const Given& given = saved.parameters[k];
-    if (given.value)
-      data.give(*given.value, kSliders);
-    else
-      data.unset();
-    if (given.source) data.follow(*given.source, given.link);
-  }
+  for (std::size_t k = 0; k < parameters_.size(); ++k) put(parameters_[k], saved.parameters[k]);
   Archive archive(saved.bytes);
   subject_.serialize(archive);
   latest_ = saved.latest;
   step_ms_.clear();
-  changes_.resize(saved.num_changes);
+  changes_ = saved.changes;
+}
+
+/// The component follows when it begins the next step.
+void Session::put(const Parameter& parameter, const Given& given) {
+  scene::Data& data = *parameter.component->find_data(parameter.attribute->name);
+  if (given.value)
+    data.give(*given.value, kSliders);
+  else
+    data.unset();
+  if (given.source) data.follow(*given.source, given.link);
 }
 
 /// Its present value, from the present time on.

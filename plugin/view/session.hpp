@@ -36,7 +36,7 @@ struct Subject {
 struct Parameter {
   const attributes::Attribute* attribute;
   scene::Component* component = nullptr;  ///< that has the attribute
-  std::string name = {};                  ///< "youngModulus" of the only body, "liver.youngModulus" of one of several,
+  std::string name = {};                  ///< unique: "youngModulus" of the only body, "liver.youngModulus" of one of several,
                                           ///< "tumour.youngModulus" of a region, "probe.active" of a contact
   std::optional<double> value;            ///< at first; none: not given
   std::vector<double> of_hexahedra = {};  ///< own values; the slider is then a factor on all of them, at first 1
@@ -113,7 +113,7 @@ class Session final : public Source {
     output::StepRecord latest;
     Hand::Saved hand;
     std::vector<Given> parameters;
-    std::size_t num_changes = 0;
+    std::vector<Change> changes;
   };
 
   void post(std::function<void()> command);
@@ -127,6 +127,7 @@ class Session final : public Source {
   void attempt(const Call& call);
   void save();
   void restore(const Saved& saved);
+  static void put(const Parameter& parameter, const Given& given);
   void note_change(const Parameter& parameter);
   std::vector<Given> given_parameters() const;
   const PointArray& gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const;

@@ -63,9 +63,8 @@ TEST(AttributeChange, ThoseOfOneTimeHappenTogether) {
   const auto change_of = [](const std::string& attribute, const std::string& value) {
     return "<AttributeChange component='@body' attribute='" + attribute + "' keyTimes='0.2' values='" + value + "'/>";
   };
-  scene::Scene scene =
-      read_and_init(beam(change_of("yieldStress", "500") + change_of("fractureStress", "900"),
-                         "youngModulus='5000' yieldStress='100' fractureStress='300'"));
+  scene::Scene scene = read_and_init(beam(change_of("yieldStress", "500") + change_of("fractureStress", "900"),
+                                          "youngModulus='5000' yieldStress='100' fractureStress='300'"));
   const auto material = [&] { return at<scene::ForceField>(scene, "body").body()->material(1); };
   for (int round = 0; round < 2; ++round) {
     run(scene, 2);
@@ -131,8 +130,9 @@ TEST(AttributeChange, RefusesWhatItCannotChange) {
   expect(change("attribute='youngModulus' keyTimes='2 1' values='3; 4'"),
          "keyTimes: 2 is followed by 1, must be ascending");
   expect(change("attribute='youngModulus'"), "keyTimes: is empty");
-  expect(beam("", "youngModulus='5000'/><AttributeChange component='@body' attribute='youngModulus' keyTimes='1' "
-                  "values='2'"),
+  expect(beam("",
+              "youngModulus='5000'/><AttributeChange component='@body' attribute='youngModulus' keyTimes='1' "
+              "values='2'"),
          "component: leads to HexahedronElastoplasticFEMForceField 'body' before it, must lead to a component behind");
 }
 

@@ -170,8 +170,9 @@ TEST(RecordedScene, KeepsOverridesAndNamesFilesFromItsOwnFolder) {
       "poissonRatio='0.4'/></Node></Node>";
   scene::PluginLoader& plugins = support::plugins();
   scene::Scene scene = scene::read_scene_text(text, "/test.scn", support::factory(), plugins);
-  const std::vector<std::string> overrides{"body/body.youngModulus=8000"};
-  scene::override_attribute(scene, overrides.front());
+  const std::vector<std::string> overrides{"body/body.youngModulus=8000",
+                                           "loader.filename=" + folder.substr(1) + "mesh/liver.obj"};
+  for (const std::string& assignment : overrides) scene::override_attribute(scene, assignment);
   scene.init();
   scene::Diagnostics diagnostics;
   const std::string written = recorded_scene(scene, scene::read_document(text, "/test.scn", diagnostics), overrides,

@@ -334,6 +334,105 @@ TEST(Session, ContactsCanBeSwitchedOff) {
   session.stop();
 }
 
+// What the scene changes goes back, and what was set on a slider stays.
+TEST(Session, ResetKeepsSlidersAndNoChangesOfTheScene) {
+  std::string text = kBar;
+  text.insert(text.find("<RegularGridTopology"),
+              "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.02' values='9000'/>"
+              "<AttributeChange component='@body' attribute='yieldStress' keyTimes='0.02' values='70'/>");
+  Played played(text);
+  Session session(played.subject(), hand);
+  session.advance(4);
+  wait_for_step(session, 4);
+  session.set("yieldStress", 60);
+  session.grab(touch(kTop), session.suggested_hand());
+  session.release();
+  session.set("yieldStress", 50);
+  session.undo();
+  session.advance(1);
+  wait_for_step(session, 5);
+  session.reset();
+  session.advance(1);
+  wait_for_step(session, 1);
+  session.stop();
+  EXPECT_EQ(played.body().materials().front().young_modulus, 5000);
+  EXPECT_EQ(played.body().materials().front().yield_stress, 60);
+  ASSERT_EQ(session.deeds().changes.size(), 1u);
+  EXPECT_EQ(session.deeds().changes.front().attribute, "yieldStress");
+}
+
+// The later one at the same time takes the place of the earlier one, and undo brings that back.
+TEST(Session, UndoBringsBackWhatWasRecorded) {
+  Played played;
+  Session session(played.subject(), hand);
+  session.set("youngModulus", 6000);
+  session.set("yieldStress", 110);
+  session.grab(touch(kTop), session.suggested_hand());
+  session.release();
+  session.set("youngModulus", 7000);
+  session.undo();
+  session.stop();
+  ASSERT_EQ(session.deeds().changes.size(), 2u);
+  EXPECT_EQ(session.deeds().changes[0].value, "6000");
+  EXPECT_EQ(session.deeds().changes[1].value, "110");
+}
+
+TEST(Session, AResetThatFailsIsTold) {
+  Played played;
+  Subject subject = played.subject();
+  subject.reset = [] { throw InputError("no way back"); };
+  Session session(subject, hand);
+  session.reset();
+  EXPECT_EQ(wait_for(session, [](const Snapshot& at) { return !at.failure.empty(); }).failure, "no way back");
+}
+
+// What is left of it in the scene would be used.
+TEST(Session, AfterARefusedInstrumentThereIsNoResetAndNoUndo) {
+  Played played;
+  Session session(played.subject(), [](std::string_view class_name) {
+    std::unique_ptr<scene::Component> made = hand(class_name);
+    if (scene::Data* triangles = made->find_data("skinTriangles"))
+      triangles->give(std::vector<std::int64_t>{0, 1, 99}, {.file = "test"});
+    return made;
+  });
+  session.grab(touch(kTop), session.suggested_hand());
+  session.release();
+  HandSettings settings = session.suggested_hand();
+  settings.tool = Tool::kSphere;
+  session.grab(touch(kTop), settings);
+  session.undo();
+  session.reset();
+  session.advance(1);
+  session.stop();
+  EXPECT_NE(session.failure().find("the scene has refused an instrument and must be opened anew"), std::string::npos)
+      << session.failure();
+  EXPECT_EQ(session.deeds().num_steps, 0);
+}
+
+TEST(Session, NamesOfParametersAreUnique) {
+  const std::string_view all = kBar;
+  const std::size_t begin = all.find("<EulerImplicitSolver"), end = all.rfind("</Node>");
+  const std::string bar =
+      std::string(all.substr(begin, end - begin)) +
+      "<InstrumentContactForceField name='plate' radius='0.1' keyTimes='0' positions='0 0 9'/></Node>";
+  const std::string text =
+      std::string(all.substr(0, begin)) + "<Node name='first'>" + bar + "<Node name='second'>" + bar + "</Node>";
+  Played played(text);
+  Session session(played.subject(), hand);
+  std::vector<std::string> names;
+  for (const Parameter& parameter : session.parameters()) names.push_back(parameter.name);
+  for (const char* name : {"/first/plate.active", "/second/plate.active"})
+    EXPECT_EQ(std::ranges::count(names, name), 1) << name;
+  std::ranges::sort(names);
+  EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
+  session.set("/second/plate.active", 0);
+  session.stop();
+  for (const Parameter& parameter : session.parameters())
+    if (parameter.name.ends_with("plate.active")) {
+      EXPECT_EQ(parameter.component->boolean("active"), parameter.name == "/first/plate.active");
+    }
+}
+
 // Two bars beside each other, in one system.
 TEST(Session, TheHandTakesHoldOfTheNearestBody) {
   const auto bar = [](const std::string& name, const std::string& begin, const std::string& end) {
