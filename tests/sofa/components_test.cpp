@@ -268,11 +268,34 @@ TEST_F(AttributeChangeAdapter, ChangesADataBeforeTheStepOfItsTime) {
   expect("5", true);
   const int counter = steps->getCounter();
   root.setTime(3.2 * kStep);
-  expect("5", false);
+  expect("3", false);
   EXPECT_NE(steps->getCounter(), counter) << "who looks at it sees that it has changed";
   expect("7", true);
   change.reset();
   EXPECT_EQ(steps->getValueString(), "3");
+}
+
+// SOFA writes six digits, and forgets only that a value was given.
+TEST_F(AttributeChangeAdapter, PutsBackAllDigitsAndTheDefault) {
+  auto& grasp = make("GraspForceField", {});
+  auto* stiffness = dynamic_cast<Data<SReal>*>(grasp.findData("stiffness"));
+  ASSERT_TRUE(stiffness);
+  const double initial = stiffness->getValue();
+  auto& change = dynamic_cast<AttributeChange&>(make("AttributeChange", {{"attribute", "stiffness"}, {"values", "7;"}}));
+  change.d_keyTimes.setValue({0, kStep});
+  change.l_component.set(&grasp);
+  const double given = 123.456789012345;
+  stiffness->setValue(given);
+  change.bwdInit();
+  tell<AnimateBeginEvent>();
+  EXPECT_EQ(stiffness->getValue(), 7);
+  root.setTime(kStep);
+  tell<AnimateBeginEvent>();
+  EXPECT_EQ(stiffness->getValue(), initial);
+  EXPECT_FALSE(stiffness->isSet());
+  change.reset();
+  EXPECT_EQ(stiffness->getValue(), given);
+  EXPECT_TRUE(stiffness->isSet());
 }
 
 TEST_F(AttributeChangeAdapter, RefusesADataThatIsNotThere) {

@@ -13,6 +13,34 @@
 namespace hexaplast::sofa_plugin
 {
 
+namespace
+{
+
+/// Its default in the tables; none: it has none, or the component is not one of ours.
+std::string_view default_of(const std::string& class_name, const std::string& name)
+{
+    for (const attributes::Description* description : registered())
+        if (description->class_name == class_name)
+            for (const Attribute& attribute : description->attributes)
+                if (attribute.name == name) return attribute.initial;
+    return {};
+}
+
+/// Gives a Data the value again that it has now. SOFA writes real numbers with six digits: they are kept as they are.
+template <class... Reals>
+std::function<void()> keep(sofa::core::BaseData& data)
+{
+    std::function<void()> put_back = [&data, text = data.getValueString()] { data.read(text); };
+    const auto keep_as = [&]<class T>(Data<T>* typed)
+    {
+        if (typed) put_back = [typed, value = typed->getValue()] { typed->setValue(value); };
+    };
+    (keep_as(dynamic_cast<Data<Reals>*>(&data)), ...);
+    return put_back;
+}
+
+}  // namespace
+
 AttributeChange::AttributeChange()
     : d_attribute(from_table(*this, d_attribute, row(attributes::kAttributeChange, "attribute"))),
       d_keyTimes(from_table(*this, d_keyTimes, row(attributes::kAttributeChange, "keyTimes"))),
@@ -40,14 +68,18 @@ void AttributeChange::bwdInit()
                 const auto& times = d_keyTimes.getValue();
                 m_times.assign(times.begin(), times.end());
                 parts::check_key_times("key_times", m_times, "values", m_values.size());
-                m_before = m_data->isSet() ? std::optional(m_data->getValueString()) : std::nullopt;
+                using sofa::type::Vec3, sofa::type::vector;
+                m_putBack = keep<SReal, vector<SReal>, Vec3, vector<Vec3>>(*m_data);
+                m_wasSet = m_data->isSet();
             });
 }
 
 void AttributeChange::reset()
 {
-    if (m_numDone > 0) put(m_before);
+    if (m_numDone == 0) return;
     m_numDone = 0;
+    m_putBack();
+    if (!m_wasSet) m_data->unset();
 }
 
 void AttributeChange::handleEvent(sofa::core::objectmodel::Event* event)
@@ -65,11 +97,18 @@ void AttributeChange::put(const std::optional<std::string>& value)
     attempt(*this,
             [&]
             {
-                if (!m_data->read(value ? *value : m_data->getValueString()))
-                    throw parts::OptionError(
-                        "values", fmt::format("'{}' is no value of {}", value.value_or(""), d_attribute.getValue()));
-                if (!value) m_data->unset();
+                if (!value) return put_default();
+                if (!m_data->read(*value))
+                    throw parts::OptionError("values",
+                                             fmt::format("'{}' is no value of {}", *value, d_attribute.getValue()));
             });
+}
+
+void AttributeChange::put_default()
+{
+    const std::string_view text = default_of(l_component->getClassName(), d_attribute.getValue());
+    if (text.empty() || !m_data->read(std::string(text))) m_putBack();
+    m_data->unset();
 }
 
 void registerAttributeChange(sofa::core::ObjectFactory* factory)

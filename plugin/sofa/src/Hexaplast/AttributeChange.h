@@ -6,6 +6,7 @@
 #include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/core/objectmodel/Link.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,11 +38,13 @@ protected:
 
 private:
     void put(const std::optional<std::string>& value);
+    void put_default();
 
     sofa::core::BaseData* m_data = nullptr;
     std::vector<std::optional<std::string>> m_values;  // none: not given
     std::vector<double> m_times;                       // [s]
-    std::optional<std::string> m_before;
+    std::function<void()> m_putBack;                   // the value that it had before, to the last bit
+    bool m_wasSet = false;
     std::ptrdiff_t m_numDone = 0;
 };
 

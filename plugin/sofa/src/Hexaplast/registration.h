@@ -5,6 +5,7 @@
 #include <sofa/core/ObjectFactory.h>
 
 #include <string>
+#include <vector>
 
 #include "attributes/attribute.hpp"
 
@@ -12,9 +13,17 @@ namespace hexaplast::sofa_plugin
 {
 
 /// Adds a class under the name and with the help of the attribute table.
+/// The tables of the components that are registered.
+inline std::vector<const attributes::Description*>& registered()
+{
+    static std::vector<const attributes::Description*> all;
+    return all;
+}
+
 template <class T>
 void register_component(sofa::core::ObjectFactory* factory, const attributes::Description& description)
 {
+    registered().push_back(&description);
     factory->registerObjects(sofa::core::ObjectRegistrationData(std::string(description.help)).add<T>());
 }
 

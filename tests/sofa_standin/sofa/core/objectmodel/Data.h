@@ -95,7 +95,6 @@ class Data : public BaseData {
   }
   std::string getValueString() const override {
     std::ostringstream out;
-    out.precision(17);
     if constexpr (requires { out << std::boolalpha << value_; }) out << std::boolalpha << getValue();
     return out.str();
   }
