@@ -198,7 +198,9 @@ inline constexpr Description kRunSettings{.class_name = "RunSettings",
                                           .attributes = kRunSettingsAttributes};
 
 inline constexpr Attribute kAttributeChangeAttributes[] = {
-    {.name = "component", .type = Type::kLink, .help = "The component that has the attribute. It stands behind this one in the scene."},
+    {.name = "component",
+     .type = Type::kLink,
+     .help = "The component that has the attribute. It stands behind this one in the scene."},
     {.name = "attribute",
      .type = Type::kText,
      .help = "Its name. The component must accept a new value during the run, as bodies accept those of their material "

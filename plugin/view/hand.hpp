@@ -74,7 +74,7 @@ class Hand {
   void drag(const Vec3& place);  ///< where the place that was taken hold of is to go [m]
   void release();
 
-  void begin_step();  ///< leads the instrument, before each step
+  void begin_step();  ///< prescribes the instrument's motion, before each step
   void end_step();    ///< after it
 
   /// Empty-handed, at the beginning of the scene; nothing has been done. Throws SceneError, as restore does, after the
@@ -124,12 +124,12 @@ class Hand {
   MakeComponent make_;
   double reach_;
   std::string touch_refusal_;
-  std::string damage_;  // why an instrument was refused that is in the scene; empty: none was
+  std::string damage_;                            // why an instrument was refused that is in the scene; empty: none was
   std::vector<scene::Component*> grips_, tools_;  // of each body; no tools before they are needed
   std::vector<std::string> messages_;
 
   State state_ = State::kIdle;
-  std::vector<scene::Component*> active_;  // that are led now
+  std::vector<scene::Component*> active_;  // whose motion is prescribed now
   int held_body_ = 0;
   bool is_tool_ = false;                       // what is active touches
   bool is_coming_ = false;                     // it is to be at its target after the next step

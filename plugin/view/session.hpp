@@ -36,8 +36,8 @@ struct Subject {
 struct Parameter {
   const attributes::Attribute* attribute;
   scene::Component* component = nullptr;  ///< that has the attribute
-  std::string name = {};                  ///< unique: "youngModulus" of the only body, "liver.youngModulus" of one of several,
-                                          ///< "tumour.youngModulus" of a region, "probe.active" of a contact
+  std::string name = {};                  ///< "youngModulus" of the only body, "liver.youngModulus" of one of several,
+                                          ///< "tumour.youngModulus" of a region, "probe.active" of a contact; unique
   std::optional<double> value;            ///< at first; none: not given
   std::vector<double> of_hexahedra = {};  ///< own values; the slider is then a factor on all of them, at first 1
   bool may_be_none = false;               ///< the body, or the region, can do without
