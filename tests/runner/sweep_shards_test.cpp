@@ -157,18 +157,17 @@ TEST_F(SweepShards, WhatDoesNotBelongTogetherIsRefused) {
     refused("--out merged --merge bad", 5, "bad/sweep.json");
   }
 
-  using Json = nlohmann::ordered_json;
   const std::string plan = content(directory_ / "part_1/sweep.json");
   for (const char* key : {"units", "labels"})
-    for (const Json& damaged : {Json::array(), Json(3)}) {
-      Json found = Json::parse(plan);
+    for (const nlohmann::json& damaged : {nlohmann::json::array(), nlohmann::json(3)}) {
+      auto found = nlohmann::ordered_json::parse(plan);
       found[key] = damaged;
       write("bad/sweep.json", found.dump());
       refused("--out merged --merge bad", 5, std::string(key) + " must have as many entries as vary");
     }
   for (const auto& [key, message] :
        {std::pair{"version", "the version of Hexaplast differs"}, std::pair{"simd", "the instruction set differs"}}) {
-    Json found = Json::parse(plan);
+    auto found = nlohmann::ordered_json::parse(plan);
     found[key] = "other";
     write("bad/sweep.json", found.dump());
     refused("--out merged --merge part_2 bad", 5, std::string("are not of one sweep: ") + message);
