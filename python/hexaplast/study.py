@@ -7,15 +7,18 @@ takes nothing else with it.
 
 import atexit
 import concurrent.futures
+import contextlib
 import csv
 import json
 import os
 import pathlib
+import re
 import signal
 import socket
 import struct
 import subprocess
 import threading
+import uuid
 
 import numpy as np
 
@@ -37,9 +40,17 @@ def _environment():
 
 
 def _run(words):
-    """Runs the command. Returns its exit code and messages; for executors, which pass it to other processes."""
-    ended = subprocess.run([_command(), *words], env=_environment(), stdin=subprocess.DEVNULL,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    """Runs `hexaplast sweep`. Returns its exit code and messages; for executors, which pass it to other processes.
+
+    It ends when this process does, whose end of the pipe is gone then.
+    """
+    theirs, ours = os.pipe()
+    try:
+        ended = subprocess.run([_command(), *words], env=_environment(), stdin=theirs,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    finally:
+        os.close(theirs)
+        os.close(ours)
     return ended.returncode, ended.stderr
 
 
@@ -123,19 +134,15 @@ def sweep(scene, grid, executor=None, *, out, steps=None, overrides=None, fields
     `hexaplast sweep --fields`.
 
     Runs that fail are rows with their exit code. Raises ValueError for a scene, an attribute or a value that is not
-    accepted, and OSError for files.
+    accepted, and OSError for files. Raises OSError also where runs are missing because they were killed: `out` holds
+    the others, and the same call carries out what is missing.
     """
     out = pathlib.Path(out).resolve()
     words = _scene_words(scene, steps, overrides, mesh_path, plugins, plugin_path)
     num_runs = 1
     for name, values in grid.items():
-        if isinstance(values, str):
-            text = values
-            num_runs *= int(values.split(":")[2]) if values.count(":") >= 2 else values.count(",") + 1
-        else:
-            entries = [_text(value) for value in values]
-            text = ",".join(entries)
-            num_runs *= len(entries)
+        text, count = _values(name, values)
+        num_runs *= count
         words += ["--vary", f"{name}={text}"]
     if fields:
         words += ["--fields", ",".join(fields), "--every", str(every)]
@@ -145,7 +152,7 @@ def sweep(scene, grid, executor=None, *, out, steps=None, overrides=None, fields
     if executor is None:
         count = shards or 1
     places = [out / f"shard_{index}_of_{count}" for index in range(1, count + 1)]
-    tasks = [["sweep", *words, "--shard", f"{index}/{count}", "--out", str(place)]
+    tasks = [["sweep", "--ends-with-stdin", *words, "--shard", f"{index}/{count}", "--out", str(place)]
              for index, place in enumerate(places, 1)]
     out.mkdir(parents=True, exist_ok=True)
     if executor is None:
@@ -159,14 +166,36 @@ def sweep(scene, grid, executor=None, *, out, steps=None, overrides=None, fields
             for future in waiting:
                 future.cancel()
             raise
-    for (code, messages), place in zip(ended, places):
-        if code not in (0, 3, 4) or not (place / "sweep.json").exists():
+    for code, messages in ended:
+        # a scene that is refused has the code of runs that are; one that ended by a signal has runs that are missing
+        if 0 < code < 128 and not re.search(r"error: \d+ of \d+ runs failed$", messages.strip()):
             _raise(code, messages)
 
-    code, messages = _run(["sweep", "--out", str(out), *["--force"] * bool(force), "--merge", *map(str, places)])
-    if code in (2, 5):
-        _raise(code, messages)
+    begun = [str(place) for place in places if (place / "sweep.json").exists()]
+    if not begun:
+        raise OSError(f"{out}: no run was carried out: the processes of the sweep were killed")
+    code, messages = _run(["sweep", "--out", str(out), *["--force"] * bool(force), "--merge", *begun])
+    if code not in (0, 3, 4):
+        raise OSError(messages.strip() or f"hexaplast sweep --merge ended with {code}")
     return Sweep(out)
+
+
+def _values(name, values):
+    """The values of an attribute as the command takes them, and how many they are."""
+    if isinstance(values, str):
+        parts = values.split(":")
+        if len(parts) < 3:
+            return values, values.count(",") + 1
+        if not parts[2].isdecimal() or int(parts[2]) < 2:
+            raise ValueError(f"{name}: {values!r}: must be a:b:n or a:b:n:log, with n of at least 2")
+        return values, int(parts[2])
+    entries = [_text(value) for value in values]
+    if not entries:
+        raise ValueError(f"{name}: there are no values: at least one is needed")
+    for entry in entries:
+        if "," in entry or ":" in entry:
+            raise ValueError(f"{name}: {entry!r}: values of a sequence must have no comma and no colon")
+    return ",".join(entries), len(entries)
 
 
 class _Evaluator:
@@ -187,8 +216,15 @@ class _Evaluator:
         return answer
 
     def close(self):
-        self.socket.close()
+        _hang_up(self.socket)
         self.process.wait()
+
+
+def _hang_up(connection):
+    """For all copies of the socket that forked processes have, which keep it open otherwise."""
+    with contextlib.suppress(OSError):
+        connection.shutdown(socket.SHUT_RDWR)
+    connection.close()
 
 
 def _send(to, message):
@@ -216,25 +252,29 @@ def _receive(connection):
     return None if rest is None else head + rest
 
 
-_evaluators = {}  # by process and thread, which must not share one (a forked process finds those of its parent), and words
+_evaluators = {}  # by process and thread, which must not share one (a forked process finds those of its parent)
 
 
-def _end_evaluators():
-    for key in [key for key in _evaluators if key[0] == os.getpid()]:
-        _evaluators.pop(key).close()
+def _end_evaluators(of=None):
+    """Those of this process: all, or those of one fit."""
+    for key, (study, _) in list(_evaluators.items()):
+        if key[0] == os.getpid() and of in (None, study):
+            _evaluators.pop(key)[1].close()
 
 
-def _evaluate(words, question):
-    """One evaluation; for executors. The process stays for the next one."""
-    key = (os.getpid(), threading.get_ident(), *words)
+def _evaluate(study, words, question):
+    """One evaluation; for executors. The process stays for the next one of the same fit."""
+    key = (os.getpid(), threading.get_ident())
+    if key in _evaluators and _evaluators[key][0] != study:  # its target or scene may be another one
+        _evaluators.pop(key)[1].close()
     if key not in _evaluators:
         atexit.unregister(_end_evaluators)
         atexit.register(_end_evaluators)
-        _evaluators[key] = _Evaluator(words)
+        _evaluators[key] = study, _Evaluator(words)
     try:
-        return _evaluators[key].ask(question)
+        return _evaluators[key][1].ask(question)
     except OSError:
-        _evaluators.pop(key).close()
+        _evaluators.pop(key)[1].close()
         raise
 
 
@@ -283,16 +323,18 @@ def _fit_by(executor, call, words, jobs):
     for _, other in pairs:
         other.close()
     failures = []
+    study = uuid.uuid4().hex
 
     def serve(connection):
-        with connection:
-            try:
-                while (question := _receive(connection)) is not None:
-                    connection.sendall(executor.submit(_evaluate, words, question).result())
-            except BrokenPipeError:
-                pass  # the fit has ended
-            except BaseException as failure:  # of the executor, or of a process of it
-                failures.append(failure)
+        try:
+            while (question := _receive(connection)) is not None:
+                connection.sendall(executor.submit(_evaluate, study, words, question).result())
+        except BrokenPipeError:
+            pass  # the fit has ended
+        except BaseException as failure:  # of the executor, or of a process of it
+            failures.append(failure)
+        finally:
+            _hang_up(connection)
 
     threads = [threading.Thread(target=serve, args=[connection]) for connection, _ in pairs]
     for thread in threads:
@@ -306,6 +348,7 @@ def _fit_by(executor, call, words, jobs):
     finally:
         for thread in threads:
             thread.join()
+        _end_evaluators(study)  # of executors of threads; other processes end theirs with the next fit, or themselves
     if failures and process.returncode != 0:
         raise failures[0]
     return process.returncode, messages

@@ -6,8 +6,10 @@ import json
 import os
 import pathlib
 import pickle
+import signal
 import subprocess
 import sys
+import time
 
 import h5py
 import numpy as np
@@ -103,12 +105,77 @@ def test_runs_that_fail_are_rows(tmp_path):
 
 @pytest.mark.parametrize("grid, error, message", [({FLOW: [1, -1]}, ValueError, "plasticFlowRate"),
                                                   ({"bar/material.yield": [1]}, ValueError, "has no attribute .yield."),
-                                                  ({FLOW: "1:2"}, ValueError, "must be PATH.attribute=a:b:n")])
+                                                  ({FLOW: "1:2"}, ValueError, "must be PATH.attribute=a:b:n"),
+                                                  ({FLOW: "1:2:0"}, ValueError, "plasticFlowRate: '1:2:0'.*at least 2"),
+                                                  ({FLOW: []}, ValueError, "plasticFlowRate: there are no values"),
+                                                  ({FLOW: ["1,2"]}, ValueError, "'1,2'.*no comma"),
+                                                  ({FLOW: ["1:2:3", 4]}, ValueError, "'1:2:3'.*no comma and no colon")])
 def test_mistakes_are_exceptions(tmp_path, grid, error, message):
     with pytest.raises(error, match=message):
         study.sweep(BAR, grid, out=tmp_path / "out")
     with pytest.raises(OSError, match="absent.scn"):
         study.sweep("absent.scn", {FLOW: [1]}, out=tmp_path / "out")
+
+
+def test_an_earlier_sweep_hides_no_refused_scene(tmp_path):
+    scene = tmp_path / "bar.scn"
+    scene.write_bytes(BAR.read_bytes())
+    study.sweep(scene, {FLOW: [1, 2]}, out=tmp_path / "out", steps=2)
+    scene.write_text(scene.read_text().replace("yieldStress", "yieldStres"))
+    with pytest.raises(ValueError, match="yieldStres"):
+        study.sweep(scene, {FLOW: [1, 2]}, out=tmp_path / "out", steps=2)
+
+
+def test_a_killed_run_keeps_the_others(tmp_path):
+    grid, arguments = {"RunSettings1.steps": [1, 200000, 2]}, dict(out=tmp_path / "out", shards=1)
+
+    def kill():
+        table = tmp_path / "out" / "shard_1_of_1" / "sweep.csv"
+        wait_for(lambda: table.exists() and table.read_text().count("\n") == 2)
+        found = wait_for(lambda: processes(" run ", "steps=200000", str(tmp_path / "out")))
+        os.kill(found[0], signal.SIGKILL)
+
+    with concurrent.futures.ThreadPoolExecutor(1) as other:
+        killer = other.submit(kill)
+        with pytest.raises(OSError, match="1 of 3 runs are missing"):
+            study.sweep(BAR, grid, **arguments)
+        killer.result()
+    rows = list(csv.DictReader((tmp_path / "out" / "sweep.csv").open(newline="")))
+    assert [(row["run"], row["exit_code"]) for row in rows] == [("1", "0"), ("2", "137"), ("3", "0")]
+
+
+def processes(*words):
+    """Those of the command that have these words, by /proc."""
+    found = []
+    for entry in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            line = entry.read_text().replace("\0", " ")
+        except OSError:
+            continue
+        if all(word in line for word in words):
+            found.append(int(entry.parent.name))
+    return found
+
+
+def wait_for(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return found
+
+
+def test_a_sweep_ends_with_its_worker(tmp_path):
+    with concurrent.futures.ProcessPoolExecutor(1) as executor:
+        worker = executor.submit(os.getpid).result()
+        with concurrent.futures.ThreadPoolExecutor(1) as other:
+            call = other.submit(study.sweep, BAR, {"RunSettings1.steps": [1, 200000]}, executor, out=tmp_path, shards=1)
+            wait_for(lambda: processes(" run ", str(tmp_path)))
+            os.kill(worker, signal.SIGKILL)
+            with pytest.raises(concurrent.futures.process.BrokenProcessPool):
+                call.result()
+    wait_for(lambda: not processes("--ends-with-stdin", str(tmp_path)), 20)
+    assert not processes(str(tmp_path), " run ")
 
 
 def test_data_sets_hold_what_scenes_hold(alone):
@@ -132,6 +199,7 @@ def test_data_sets_hold_what_scenes_hold(alone):
         assert run["fields/displacement"].attrs["unit"] == "m" and run["time"].attrs["unit"] == "s"
         assert run["fields/displacement"].compression == "gzip" and run["fields/displacement"].chunks[1:] == (176, 3)
 
+        assert all_runs.attrs["version"] == hexaplast.__version__ and all_runs.attrs["simd"] == hexaplast.simd_target()
         assert all_runs["fields/displacement"].shape == (4, 4, 176, 3)
         assert np.array_equal(all_runs["fields/displacement"][3], run["fields/displacement"])
         assert all_runs["vary"][YIELD][:].tolist() == [200, 200, 400, 400]
@@ -204,13 +272,30 @@ def test_a_fit_that_cannot_be_is_an_exception(tmp_path, curve):
             study.fit(BAR, curve, {"bar/material.plasticFlowRaet": (1, 2)}, executor, out=tmp_path / "fit")
 
 
+@pytest.mark.parametrize("pool", [concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
+def test_a_fit_forgets_the_one_before_it(tmp_path, pool):
+    """Another curve in the same file. No process is left."""
+    target, free = tmp_path / "truth" / "history.csv", {YIELD: (50, 2000)}
+    with pool(2) as executor:
+        for value in (420, 300):
+            ended = command("run", BAR, "--out", target.parent, "--frames", 0, "--steps", 60, "--set", f"{YIELD}={value}",
+                            "--force")
+            assert ended.returncode == 0, ended.stderr
+            found = study.fit(BAR, target, free, executor, out=tmp_path / "fit", compare=["plastic_elongation"],
+                              evaluations=30, force=True)
+            assert abs(found.values_found[YIELD] - value) < 0.5
+            assert len(processes("--worker", str(target))) <= (0 if pool is concurrent.futures.ThreadPoolExecutor else 2)
+    wait_for(lambda: not processes("--worker", str(target)), 20)
+
+
 def broken(*_):
     raise RuntimeError("a node died")
 
 
-def test_a_worker_that_dies_ends_the_fit(tmp_path, curve, monkeypatch):
+@pytest.mark.parametrize("pool", [concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
+def test_a_worker_that_dies_ends_the_fit(tmp_path, curve, monkeypatch, pool):
     monkeypatch.setattr(study, "_evaluate", broken)
-    with concurrent.futures.ThreadPoolExecutor(2) as executor:
+    with pool(2) as executor:
         with pytest.raises(RuntimeError, match="a node died"):
             study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["world_elongation"])
     assert not list((tmp_path / "fit").glob("*"))

@@ -136,6 +136,10 @@ TEST_F(SweepShards, WhatDoesNotBelongTogetherIsRefused) {
   refused("--out no", 2, "SCENE is required, or --merge");
   refused("bar.scn --out no", 2, "--vary is required, or --merge");
   refused("bar.scn --out no --merge part_1", 2, "--merge takes --out and --force alone");
+  for (const char* option : {"--strict", "--jobs 2", "--threads 2", "--set body.yieldStress=1", "--mesh-path ."})
+    refused("--out no --merge part_1 part_2 " + std::string(option), 2, "--merge takes --out and --force alone");
+  refused("bar.scn --out no --vary body.yieldStress=1,2 --vary /body.yieldStress=3,4", 2,
+          "--vary /body.yieldStress: this attribute is varied already, as body.yieldStress");
   refused("bar.scn --out no --vary body.yieldStress=1,2 --every 2", 2, "--every requires --fields");
   refused("bar.scn --out no --vary body.yieldStress=1,2 --fields displacement,strane", 2, "'strane' is none of");
   refused("bar.scn --out no --vary body.yieldStress=1,2 --fields strain,strain", 2, "'strain' is given twice");
@@ -151,6 +155,23 @@ TEST_F(SweepShards, WhatDoesNotBelongTogetherIsRefused) {
   for (const char* text : {"{", "[]", "{\"vary\": 3}", "{}"}) {
     write("bad/sweep.json", text);
     refused("--out merged --merge bad", 5, "bad/sweep.json");
+  }
+
+  const std::string plan = content(directory_ / "part_1/sweep.json");
+  for (const char* key : {"units", "labels"})
+    for (const nlohmann::json& damaged : {nlohmann::json::array(), nlohmann::json(3)}) {
+      auto found = nlohmann::ordered_json::parse(plan);
+      found[key] = damaged;
+      write("bad/sweep.json", found.dump());
+      refused("--out merged --merge bad", 5, std::string(key) + " must have as many entries as vary");
+    }
+  for (const auto& [key, message] :
+       {std::pair{"version", "the version of Hexaplast differs"}, std::pair{"simd", "the instruction set differs"}}) {
+    auto found = nlohmann::ordered_json::parse(plan);
+    found[key] = "other";
+    write("bad/sweep.json", found.dump());
+    refused("--out merged --merge part_2 bad", 5, std::string("are not of one sweep: ") + message);
+    refused(kSweep.substr(6) + " --steps 2 --shard 1/2 --out bad", 5, std::string("holds another sweep: ") + message);
   }
 
   // another result of the same run

@@ -13,9 +13,11 @@
 #include <csignal>
 #include <fstream>
 #include <list>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "hexaplast/base/simd.hpp"
 #include "hexaplast/formats/text.hpp"
 #include "record/files.hpp"
 #include "record/json_file.hpp"
@@ -67,13 +69,20 @@ Json plan_of(const SweepOptions& options, scene::Scene& scene, const std::vector
   Json plan = {{"title", options.scene.file.stem().string()},
                {"scene", options.scene.file.string()},
                {"scene_hash", hash_scene(scene)},
+               {"version", HEXAPLAST_VERSION},
+               {"simd", simd_target()},
                {"steps", nullptr},
                {"strict", options.strict}};
   if (options.steps) plan["steps"] = *options.steps;
+  std::map<const scene::Data*, std::string> varied;
   for (const Factor& factor : factors) {
     for (const std::string& value : factor.values)
       scene::override_attribute(scene, fmt::format("{}={}", factor.attribute, value), "--vary");
-    const std::string_view unit = scene::named_attribute(scene, factor.attribute, "--vary").attribute().unit;
+    const scene::Data& data = scene::named_attribute(scene, factor.attribute, "--vary");
+    if (const auto [other, is_new] = varied.emplace(&data, factor.attribute); !is_new)
+      throw UsageError(
+          fmt::format("--vary {}: this attribute is varied already, as {}", factor.attribute, other->second));
+    const std::string_view unit = data.attribute().unit;
     plan["vary"].push_back({{"attribute", factor.attribute}, {"values", factor.values}});
     if (factor.is_logarithmic) plan["vary"].back()["logarithmic"] = true;
     plan["units"].push_back(unit);
@@ -185,7 +194,9 @@ class Runs {
   void wait() const {
     std::vector<pollfd> waited;
     for (const Run& run : under_way_) waited.push_back({run.process.descriptor(), POLLIN, 0});
+    if (options_.ends_with_stdin) waited.push_back({STDIN_FILENO, 0, 0});
     ::poll(waited.data(), waited.size(), kPatience);
+    if (options_.ends_with_stdin && waited.back().revents != 0) std::raise(SIGTERM);
   }
 
   bool take_finished() {
@@ -282,14 +293,17 @@ CLI::App* add_sweep(CLI::App& app, SweepOptions& options) {
   add_threads(*command, options.threads, "Threads of each run. Default 1");
   add_strict(*command, options.strict);
   command->add_flag("--force", options.force, "Begin anew in a directory that holds a sweep");
+  command->add_flag("--ends-with-stdin", options.ends_with_stdin)->group("");  // for the Python module
   return command;
 }
 
 int sweep(const SweepOptions& given) {
   watch_signals();
   if (!given.merge.empty()) {
-    if (!given.scene.file.empty() || !given.vary.empty() || !given.shard.empty() || !given.fields.empty() ||
-        given.steps)
+    const SceneOptions& scene = given.scene;
+    if (!scene.file.empty() || !scene.overrides.empty() || !scene.plugins.empty() || !scene.plugin_path.empty() ||
+        !scene.mesh_path.empty() || scene.sofa_compat || !given.vary.empty() || !given.shard.empty() ||
+        !given.fields.empty() || given.steps || given.threads || given.jobs != 0 || given.strict)
       throw UsageError("--merge takes --out and --force alone: what the sweep is, its shards know");
     return merge_sweep(given.merge, given.out, given.force);
   }

@@ -26,6 +26,7 @@ struct SweepOptions {
   std::optional<int> threads;                ///< of each run; otherwise 1
   bool strict = false;                       ///< runs whose results are not to be trusted have failed
   bool force = false;                        ///< begin anew in a directory that holds a sweep
+  bool ends_with_stdin = false;              ///< as by a signal, when nobody holds the other end of the pipe any more
 };
 
 /// Adds the subcommand with the options that are its own.

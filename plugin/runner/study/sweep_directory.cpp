@@ -77,7 +77,9 @@ void write_data(const SweepDirectory& directory, const Json& plan, const SweepTa
       directory.data(), runs, columns_of(table, plan.at("units").get<std::vector<std::string>>()),
       {{"format", "hexaplast sweep 1"},
        {"scene", fs::path(plan.at("scene").get<std::string>()).filename().string()},
-       {"scene_hash", plan.at("scene_hash").get<std::string>()}});
+       {"scene_hash", plan.at("scene_hash").get<std::string>()},
+       {"version", plan.at("version").get<std::string>()},
+       {"simd", plan.at("simd").get<std::string>()}});
   for (const std::string& name : differing)
     spdlog::warn("warning: {}: does not have /{}: its shape is not the same in all runs", directory.data().string(),
                  name);
@@ -123,7 +125,9 @@ std::string difference_of(const Json& plan, const Json& other) {
   for (const auto& [key, difference] : {std::pair{"vary", "the varied attributes or their values differ"},
                                         {"steps", "the number of steps differs"},
                                         {"strict", "--strict is given to one of them only"},
-                                        {"scene_hash", "the scene, or what --set makes of it, differs"}})
+                                        {"scene_hash", "the scene, or what --set makes of it, differs"},
+                                        {"version", "the version of Hexaplast differs"},
+                                        {"simd", "the instruction set differs"}})
     if (!plan.contains(key) || !other.contains(key) || plan[key] != other[key]) return difference;
   for (const char* key : {"fields", "every"})
     if (plan.value(key, Json()) != other.value(key, Json())) return "--fields or --every differ";

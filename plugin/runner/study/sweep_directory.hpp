@@ -30,7 +30,8 @@ struct SweepDirectory {
 };
 
 /// The plan of a sweep is what makes two sweeps the same, and all that merging its shards needs: title, scene,
-/// scene_hash, steps, strict, vary, labels; fields and every where there are data sets; shard where it is one.
+/// scene_hash, version, simd, steps, strict, vary, labels, units; fields and every where there are data sets; shard
+/// where it is one.
 nlohmann::ordered_json read_plan(const SweepDirectory& directory);
 std::vector<Factor> factors_of(const nlohmann::ordered_json& plan);
 

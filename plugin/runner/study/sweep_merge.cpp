@@ -31,10 +31,16 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
 /// The plan of the whole sweep, from those of its shards.
 Json common_plan(const std::vector<fs::path>& shards) {
   Json plan = read_plan({shards.front()});
-  for (const char* key : {"title", "labels", "units", "scene", "scene_hash", "steps", "strict", "vary"})
+  for (const char* key :
+       {"title", "labels", "units", "scene", "scene_hash", "version", "simd", "steps", "strict", "vary"})
     if (!plan.contains(key))
       throw output::OutputError(fmt::format("{}: is no plan of a sweep that can be merged: it has no {}",
                                             SweepDirectory{shards.front()}.plan().string(), key));
+  for (const char* key : {"labels", "units"})
+    if (!plan[key].is_array() || plan[key].size() != plan["vary"].size())
+      throw output::OutputError(
+          fmt::format("{}: is no plan of a sweep that can be merged: {} must have as many entries as vary",
+                      SweepDirectory{shards.front()}.plan().string(), key));
   for (const fs::path& shard : shards)
     if (const std::string difference = difference_of(plan, read_plan({shard})); !difference.empty())
       throw output::OutputError(
