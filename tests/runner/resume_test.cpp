@@ -326,7 +326,7 @@ TEST_F(ResumeOfAStranger, LoadsNothingBeforeEverythingIsChecked) {
   bytes[8] = 1;  // an earlier format, which told where to look for plugins
   write("theirs/checkpoint_000000020.hxc", bytes);
   expect_harmless(resume + "--steps 40", 3, "has format version 1, must be 5");
-  bytes[8] = 4;
+  bytes[8] = 5;
   bytes[100] = static_cast<char>(bytes[100] ^ 1);
   write("theirs/checkpoint_000000020.hxc", bytes);
   expect_harmless(resume + "--steps 40", 3, "is damaged");
