@@ -281,7 +281,8 @@ TEST_F(AttributeChangeAdapter, PutsBackAllDigitsAndTheDefault) {
   auto* stiffness = dynamic_cast<Data<SReal>*>(grasp.findData("stiffness"));
   ASSERT_TRUE(stiffness);
   const double initial = stiffness->getValue();
-  auto& change = dynamic_cast<AttributeChange&>(make("AttributeChange", {{"attribute", "stiffness"}, {"values", "7;"}}));
+  auto& change =
+      dynamic_cast<AttributeChange&>(make("AttributeChange", {{"attribute", "stiffness"}, {"values", "7;"}}));
   change.d_keyTimes.setValue({0, kStep});
   change.l_component.set(&grasp);
   const double given = 123.456789012345;
