@@ -76,8 +76,8 @@ TEST(AttributeChange, ThoseOfOneTimeHappenTogether) {
   }
 }
 
-TEST(AttributeChange, GoesOnFromACheckpoint) {
-  const std::string text = change("attribute='youngModulus' keyTimes='0.2 0.5' values='900; 7000'");
+/// A scene that is put down when its first change has happened goes on as one that is not.
+void expect_to_go_on(const std::string& text) {
   scene::Scene straight = read_and_init(text), resumed = read_and_init(text);
   run(straight, 4);
   std::vector<std::byte> bytes;
@@ -94,24 +94,15 @@ TEST(AttributeChange, GoesOnFromACheckpoint) {
   EXPECT_EQ(support::nodes(straight), support::nodes(resumed));
 }
 
+TEST(AttributeChange, GoesOnFromACheckpoint) {
+  expect_to_go_on(change("attribute='youngModulus' keyTimes='0.2 0.5' values='900; 7000'"));
+}
+
+// The second one has not changed anything yet.
 TEST(AttributeChange, ACheckpointHasTheValueThatIsThere) {
-  const std::string text = beam(
-      "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.1' values='900'/>"
-      "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.9' values='7000'/>");
-  scene::Scene straight = read_and_init(text), resumed = read_and_init(text);
-  run(straight, 4);
-  std::vector<std::byte> bytes;
-  Archive out([&](const void* data, std::size_t size) {
-    const auto* first = static_cast<const std::byte*>(data);
-    bytes.insert(bytes.end(), first, first + size);
-  });
-  straight.serialize(out);
-  Archive in{std::span<const std::byte>(bytes)};
-  resumed.serialize(in);
-  EXPECT_EQ(at<scene::ForceField>(resumed, "body").reals("youngModulus"), std::vector<double>{900});
-  run(straight, 2);
-  run(resumed, 2);
-  EXPECT_EQ(support::nodes(straight), support::nodes(resumed));
+  expect_to_go_on(
+      beam("<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.1' values='900'/>"
+           "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.9' values='7000'/>"));
 }
 
 TEST(AttributeChange, RefusesWhatItCannotChange) {
