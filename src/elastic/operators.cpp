@@ -180,6 +180,7 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
 }
 
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work) {
+  if (work.version == history.version && work.x == x) return work.sum;
   const Partition& partition = *model.partition;
   slots.resize(partition);
   AlignedVector<double>&material = slots.first, &world = slots.second;
@@ -190,7 +191,10 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
     work.energy[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
   });
   find_recovery(model, history, material, world, {}, x, work.recovery);
-  return std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
+  work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
+  work.x = x;
+  work.version = history.version;
+  return work.sum;
 }
 
 double energy(const Model& model, const History& history, ConstPoints x) {
