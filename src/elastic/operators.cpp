@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -29,6 +30,11 @@ void add_slots(const Partition& partition, double factor, const AlignedVector<T>
   for_each_node(partition, [&](int node, int slot) {
     for (int i = 0; i < 3; ++i) nodal(node, i) += factor * slots[4 * static_cast<std::size_t>(slot) + i];
   });
+}
+
+long next_revision() {
+  static std::atomic<long> latest = 0;
+  return ++latest;
 }
 
 /// A bit per element of a block that is there and alive.
@@ -111,7 +117,7 @@ void set_positions(const Model& model, const History& history, ConstPoints x, Li
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at) {
   set_positions(model, history, x, at);
   if (at.is_current) return;
-  ++at.revision;
+  at.revision = next_revision();
   const Partition& partition = *model.partition;
   std::fill(at.force.begin(), at.force.end(), 0.0);
   std::visit(
