@@ -42,9 +42,9 @@ void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints w
 
 constexpr double kSinglePrecision = 1e-5;  // the screen may be wrong by this share
 
-/// Whether the plastic step would leave an element as it is, as far as single precision can tell. Errs on the safe
-/// side.
-bool is_idle(const Model& model, const Linearization& at, int e, const History& history) {
+/// Whether the plastic step would leave an element as it is but for its volume, as far as single precision can tell.
+/// Errs on the safe side.
+bool does_not_flow(const Model& model, const Linearization& at, int e, const History& history) {
   const int place = model.partition->place_of_element[e];
   const float* screen =
       at.screen.data() + static_cast<std::size_t>(place / kBlock) * YieldScreen::kQuantities * kBlock + place % kBlock;
@@ -59,17 +59,15 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
   }
   const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
   return screen[YieldScreen::kMinDet * kBlock] > guard &&
-         screen[YieldScreen::kMinJacobian * kBlock] > guard * model.largest_jacobian[e] &&
-         std::abs(at.volume[place] / model.volume[e] - 1) < kVolumeAtRest;
+         screen[YieldScreen::kMinJacobian * kBlock] > guard * model.largest_jacobian[e];
 }
 
-/// The rotation maps of one element of a history into another, bit for bit, and the rest of it.
+/// The rotation maps of one element of a history into another, bit for bit, and all but these and the rest shape.
 void copy_maps(const History& from, int e, History& to) {
   const std::size_t maps = from.rotation_map.size() / from.rest_shape.size();
   std::copy_n(from.rotation_map.begin() + e * maps, maps, to.rotation_map.begin() + e * maps);
 }
-void copy_but_maps(const History& from, int e, History& to) {
-  to.rest_shape[e] = from.rest_shape[e];
+void copy_others(const History& from, int e, History& to) {
   to.yield_stress[e] = from.yield_stress[e];
   if (!from.rotation_yield.empty()) to.rotation_yield[e] = from.rotation_yield[e];
   to.plastic_strain[e] = from.plastic_strain[e];
@@ -82,8 +80,14 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
                    FlowWorkspace& work) {
   const bool can_skip_idle = at.is_current && model.maps_per_element() == 1;
   parallel_for(model.mesh.num_elements(), [&](int e) {
-    work.flows[e] = {};
-    work.flows[e].idle = !history.alive[e] || (can_skip_idle && is_idle(model, at, e, history));
+    ElementFlow& f = work.flows[e] = {};
+    f.idle = !history.alive[e];
+    if (f.idle || !can_skip_idle || !does_not_flow(model, at, e, history)) return;
+    f.volume_error = std::abs(at.volume[model.partition->place_of_element[e]] / model.volume[e] - 1);
+    f.restores = f.volume_error >= kVolumeAtRest;
+    if (f.restores) return;
+    f.idle = true;
+    f.volume_error = 0;
   });
   if (std::all_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.idle; })) return false;
 
@@ -117,23 +121,33 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
 
   const bool knows_trial = work.version == history.version;
   parallel_for(model.partition->num_blocks, [&](int block) {
-    bool any = false;
+    const unsigned char before = knows_trial ? work.differs[block] : FlowWorkspace::kAll;
+    unsigned char now = 0;
+    bool restores = false;
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e < 0) continue;
-      any = any || !work.flows[e].idle;
-      if (!work.flows[e].idle) continue;
+      const ElementFlow& f = work.flows[e];
+      if (!f.idle && !f.restores) {
+        now = FlowWorkspace::kAll;
+        continue;
+      }
       copy_maps(history, e, work.trial);
-      if (!knows_trial || work.differs[block]) copy_but_maps(history, e, work.trial);
+      if (before == FlowWorkspace::kAll) copy_others(history, e, work.trial);
+      if (f.restores)
+        restores = true;
+      else if (before != 0)
+        work.trial.rest_shape[e] = history.rest_shape[e];
     }
-    work.differs[block] = any;
-    if (!any) return;
+    if (restores) restore_block(model, at, dt, history, block, work.trial, work.flows.data());
+    work.differs[block] = restores ? now | FlowWorkspace::kRestShapes : now;
+    if (now != FlowWorkspace::kAll) return;
     const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place)
       if (left >> place & 1) flow_alone(model.partition->element(block, place));
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
-      if (e >= 0 && !work.flows[e].idle)
+      if (e >= 0 && !work.flows[e].idle && !work.flows[e].restores)
         work.flows[e].overflowed = !work.trial.is_finite(e) || !std::isfinite(work.flows[e].dissipated);
     }
   });
@@ -147,7 +161,7 @@ void adopt_material_shape(const Model& model, int e, const History& history, Flo
   const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
   for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
   work.trial.set_element(e, element);
-  work.differs[model.partition->place_of_element[e] / kBlock] = 1;
+  work.differs[model.partition->place_of_element[e] / kBlock] = FlowWorkspace::kAll;
   work.flows[e].yielded = false;
   work.flows[e].dissipated = 0;
 }
@@ -226,7 +240,7 @@ FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
       averaging(model),
       flows(model.mesh.num_elements()),
       changed(model.mesh.num_elements()),
-      differs(model.partition->num_blocks, 1) {
+      differs(model.partition->num_blocks, kAll) {
   trial.removed.reserve(model.mesh.num_elements());  // a step allocates nothing
 }
 

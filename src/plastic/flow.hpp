@@ -12,7 +12,8 @@ namespace hexaplast {
 
 /// What is left of an element's step once it is in the trial history.
 struct ElementFlow {
-  bool idle = false;  ///< gone, or at rest: the step leaves it as it is
+  bool idle = false;      ///< gone, or at rest: the step leaves it as it is
+  bool restores = false;  ///< does not flow; its volume is restored, and nothing else
   bool yielded = false, inverted = false, skipped = false, repaired = false;
   bool collapsing = false;  ///< the averaging pressed it towards inversion
   bool overflowed = false;  ///< some number of its history, or its dissipated energy, is not finite
@@ -38,8 +39,9 @@ struct FlowWorkspace {
   std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
 
   // what is in `trial` beforehand: all but its rotation maps is as in the history of this version, but for some blocks
+  static constexpr unsigned char kRestShapes = 1, kAll = 3;
   long version = -1;
-  std::vector<unsigned char> differs;  ///< per block
+  std::vector<unsigned char> differs;  ///< per block: 0, kRestShapes or kAll
 };
 
 /// What the plastic step reports of a body that cannot flow, whose history never changes: the inverted elements and

@@ -237,7 +237,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
   std::uint32_t wanted = 0;
   for (int place = 0; place < kBlock; ++place) {
     const int e = model.partition->element(block, place);
-    if (e >= 0 && !flows[e].idle) wanted |= 1u << place;
+    if (e >= 0 && !flows[e].idle && !flows[e].restores) wanted |= 1u << place;
   }
   if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1) return wanted;
 
@@ -248,6 +248,30 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
     left |= flow_lanes(model, at, dt, history, block, lane, here, trial, flows) << lane;
   }
   return left;
+}
+
+// In lanes, so that volumes have the bits that they have where the whole block flows.
+void restore(const Model& model, const Linearization& at, double dt, const History& history, int block, History& trial,
+             const ElementFlow* flows) {
+  std::uint32_t wanted = 0;
+  for (int place = 0; place < kBlock; ++place) {
+    const int e = model.partition->element(block, place);
+    if (e >= 0 && flows[e].restores) wanted |= 1u << place;
+  }
+  const V rate(model.settings.volume_restitution * dt);
+  for (int lane = 0; lane < kBlock; lane += V::kCount) {
+    const std::uint32_t here = wanted >> lane & ((1u << V::kCount) - 1);
+    if (!here) continue;
+    const LaneElements elements(model, block, lane);
+    const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
+    V rest_shape[3 * kCorners];
+    load_elements<3 * kCorners>(addresses<const double>(elements.number, y_of(history)), rest_shape);
+    const V volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
+    const V beta = volume / gather_numbers(elements.number, [&](int e) { return model.volume[e]; });
+    const V scale = restitution_scale(beta, rate);
+    for (V& number : rest_shape) number = scale * number;
+    store_elements<3 * kCorners>(rest_shape, here, addresses<double>(elements.number, y_of(trial)));
+  }
 }
 
 std::uint32_t collapsed(const Model& model, const double* positions, double ratio, int block) {
@@ -283,6 +307,13 @@ HWY_EXPORT(flow);
 std::uint32_t flow_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
                          History& trial, ElementFlow* flows) {
   return HWY_DYNAMIC_DISPATCH(flow)(model, at, dt, history, block, trial, flows);
+}
+
+HWY_EXPORT(restore);
+
+void restore_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
+                   History& trial, const ElementFlow* flows) {
+  HWY_DYNAMIC_DISPATCH(restore)(model, at, dt, history, block, trial, flows);
 }
 
 HWY_EXPORT(collapsed);

@@ -203,6 +203,39 @@ TEST(Flow, LeavesWhatIsAtRestAsItIsWhateverFlowedBefore) {
   EXPECT_EQ(hash_of_bar_whose_ends_flow(false), hash_of_bar_whose_ends_flow(true));
 }
 
+// Most of the bar does not yield, but averaging changes its volume, which is restored.
+TEST(Flow, IsTheSameWithAndWithoutAScreen) {
+  Material m = kSoft;
+  m.yield_stress = 300;
+  m.rotation_yield = 0.05;
+  const Model model(support::block({16, 3, 3}, kEdge), {m}, Settings{});
+  History screened(model), all(model);
+  FlowWorkspace of_screened(model, screened), of_all(model, all);
+  Linearization at(model), positions(model);
+  PreconditionedConjugateGradients solver(1e-12, 10000);
+  int restored = 0;
+  for (int step = 0; step < 12; ++step) {
+    PointArray world = screened.material;
+    const double end = (step < 8 ? 3.5 : 6.5) * kEdge;
+    for (int n = 0; n < world.rows(); ++n)
+      if (world(n, 0) < end) world(n, 0) -= 0.2 * (end - world(n, 0));
+    linearize(model, screened, world, at);
+    set_positions(model, all, world, positions);
+    const FlowReport report = flow(model, at, kStep, solver, screened, of_screened);
+    EXPECT_EQ(flow(model, positions, kStep, solver, all, of_all).yielded, report.yielded);
+    EXPECT_GT(report.yielded, 0);
+    for (const ElementFlow& f : of_screened.flows) restored += f.restores;
+    ASSERT_EQ(screened.material, all.material);
+    for (int e = 0; e < model.mesh.num_elements(); ++e) {
+      const ElementHistory one = screened.element(e), other = all.element(e);
+      ASSERT_EQ(one.rest_shape, other.rest_shape) << e;
+      ASSERT_EQ(one.yield_stress, other.yield_stress) << e;
+      ASSERT_EQ(one.plastic_strain, other.plastic_strain) << e;
+    }
+  }
+  EXPECT_GT(restored, 12 * model.mesh.num_elements() / 2);
+}
+
 /// Volume ratio of a body whose material shape starts 3 % too large, after some steps of volume restitution alone.
 double volume_ratio_after(int steps, double rate) {
   Settings settings;
