@@ -179,6 +179,7 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
   if (!system.wants_coarse) return;
   if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
   body.coarse = state_->hierarchy->update(state_->model, state_->at);
+  body.cycle_operator = state_->hierarchy->cycle_operator();
 }
 
 double Body::recovery_work(ConstPoints x) const {

@@ -198,6 +198,7 @@ bool is_broken(const Material& material, const History& before, const History& n
   if (!std::isfinite(material.fracture_stretch)) return false;
   const CornerTensors& stretch = now.plastic_stretch[e];
   return std::any_of(stretch.begin(), stretch.end(), [&](const Mat3& Fp) {
+    if (Fp.norm() < material.fracture_stretch) return false;  // no singular value is above the norm
     return Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch;
   });
 }

@@ -368,7 +368,7 @@ struct PreconditionedConjugateGradients::Spaces {
     }
     const KernelBody& body = system.bodies.front();
     if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles);
-    if (!body.single_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles);
+    if (!body.cycle_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles);
     multigrid_single.setup(body, rest);
     in_double.setup(system, false, &single_precision);
     return in_double;

@@ -185,6 +185,8 @@ template <class T>
 void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest) {
   operators_ = body.coarse;
   fine_.op = body.op<T>();
+  if constexpr (std::is_same_v<T, float>)
+    if (body.cycle_operator) fine_.op = body.cycle_operator;
   const Partition& partition = fine_.op->partition();
   for (std::size_t k = 0; k < coarse_.size() && k < operators_.size(); ++k) coarse_[k].op = operators_[k].op;
   if (rest.version != 0 && rest.version == diagonal_version_) return;

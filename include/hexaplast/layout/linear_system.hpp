@@ -24,9 +24,9 @@ using NodeMask = Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor
 /// One body's part of a linear system: factor L, L applied chunk by chunk on slots.
 struct KernelBody {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
-  const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null; beside
-                                                             ///< double_operator it serves multigrid cycles alone
+  const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null
   const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
+  const ChunkedOperator<float>* cycle_operator = nullptr;    ///< what multigrid cycles take for L, or null
   double factor = 0;                                         ///< of L
   int first_node = 0;                                        ///< of the system's: where the body's nodes begin
   SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
