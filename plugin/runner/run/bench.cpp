@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
@@ -144,10 +145,13 @@ bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
 bench::BatchOutcome measure_batch(const BenchOptions& options, bool prints) {
   bench::BatchOptions wanted{.threads = options.threads, .num_bodies = options.bodies, .quick = options.quick};
   if (!options.sizes.empty()) wanted.sizes = parse_sizes(options.sizes);
-  for (const int size : wanted.sizes)
-    if (const std::int64_t sum = std::int64_t{size} * options.bodies; sum > kLargestSize)
+  for (const int size : wanted.sizes) {
+    const std::array<int, 3> cells = bench::batch_cells(size);
+    const std::int64_t each = std::int64_t{cells[0]} * cells[1] * cells[2], sum = each * options.bodies;
+    if (sum > kLargestSize)
       throw UsageError(fmt::format("--bodies {}: with {} hexahedra each these are {}, must be at most {}k together",
-                                   options.bodies, size, sum, kLargestSize / 1000));
+                                   options.bodies, each, sum, kLargestSize / 1000));
+  }
   if (prints)
     fmt::print("{}, {}; steps of a body per second of processor time, and how many times as fast as alone:\n{}",
                bench::MachineLimits::processor(), simd_target(), bench::batch_head());

@@ -41,6 +41,7 @@ struct Planned {
   SceneOptions scene;
   std::filesystem::path target;
   std::vector<std::string> compare;
+  std::vector<std::string> own = {};  ///< PATH.attribute=VALUE for this one alone
 };
 
 std::vector<Planned> planned(const FitOptions& options) {
@@ -53,10 +54,11 @@ std::vector<Planned> planned(const FitOptions& options) {
     one.scene.file = words[0];
     for (std::size_t k = 2; k < words.size(); ++k) {
       if (words[k].find('=') != std::string::npos)
-        one.scene.overrides.push_back(words[k]);
+        one.own.push_back(words[k]);
       else
         for (const std::string_view column : split(words[k], ',')) one.compare.emplace_back(column);
     }
+    one.scene.overrides.insert(one.scene.overrides.end(), one.own.begin(), one.own.end());
     all.push_back(std::move(one));
   }
   return all;
@@ -72,6 +74,11 @@ std::vector<FreeAttribute> read_free(const std::vector<std::string>& texts, cons
       scene_hashes.push_back(hash_scene(scene));
       for (const std::string& text : texts) {
         FreeAttribute one = parse_free(text, scene);
+        for (const std::string& own : experiment.own)
+          if (own.starts_with(one.name + "="))
+            throw UsageError(fmt::format("--experiment {} {}: {}: must not be a free attribute, which has the same value "
+                                         "in all experiments",
+                                         experiment.scene.file.string(), experiment.target.string(), own));
         if (scene_hashes.size() > 1) continue;
         if (std::ranges::find(free, one.name, &FreeAttribute::name) != free.end())
           throw UsageError(fmt::format("--free {}: this attribute is free already", text));
