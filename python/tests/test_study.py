@@ -271,8 +271,10 @@ def test_a_fit_of_several_experiments_is_that_of_the_command(tmp_path, curve):
     command("run", BAR, "--quiet", "--steps", "40", "--frames", "0", "--out", tmp_path / "other", "--set",
             f"{YIELD}=420", "--set", "bar/material.plasticFlowRate=2")
     other = tmp_path / "other" / "history.csv"
-    found = study.fit(BAR, curve, {YIELD: (50, 2000)}, out=tmp_path / "fit", compare=["world_elongation"],
-                      experiments=[dict(scene=BAR, target=other, compare=["plastic_elongation"], overrides=stronger)])
+    with concurrent.futures.ThreadPoolExecutor(2) as executor:
+        found = study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["world_elongation"],
+                          experiments=[dict(scene=BAR, target=other, compare=["plastic_elongation"], overrides=stronger)])
+    assert abs(found.values_found[YIELD] - 420) < 0.1
     assert len(found["further_experiments"]) == 1 and [c["target"] for c in found["columns"]] == [str(curve), str(other)]
     ended = command("fit", BAR, "--target", curve, "--compare", "world_elongation", "--free", f"{YIELD}=50:2000", "--out",
                     tmp_path / "alone", "--experiment", BAR, other, "plastic_elongation", "bar/material.plasticFlowRate=2")

@@ -85,7 +85,7 @@ TEST_F(Command, BenchRefusesWhatMeansNothing) {
   for (const char* arguments :
        {"--sizes 0", "--sizes 3q", "--sizes 9999k", "--threads 0", "--simd SSE9", "--ratio 0.5",
         "--scene a.scn --quick", "--batch --scene a.scn", "--batch --baseline now.json", "--batch --bodies 0",
-        "--bodies 5", "--batch --bodies 30000 --sizes 90", "--batch --bodies 100000 --sizes 3", "--batch --sizes 0"})
+        "--bodies 5", "--batch --bodies 30000 --sizes 90", "--batch --bodies 60000 --sizes 23", "--batch --sizes 0"})
     EXPECT_EQ(hexaplast(std::string("bench ") + arguments).code, 2) << arguments;
   EXPECT_EQ(hexaplast("bench --quick --sizes 50 --baseline missing.json").code, 3);
   EXPECT_EQ(hexaplast("bench --quick --sizes 50 --json missing/now.json").code, 5);
