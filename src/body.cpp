@@ -163,6 +163,7 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
   state_->require_linearized("describe");
   KernelBody& body = system.bodies.emplace_back();
   body.factor = -factor;  // L = - df/dx
+  body.revision = state_->at.revision;
   body.double_operator = std::get_if<ElementOperator<double, double>>(&state_->at.op);
   if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
   if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;

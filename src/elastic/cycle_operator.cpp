@@ -14,8 +14,9 @@ constexpr double kLeastCorner = 0.5;  // of the volume over 8, that a corner's J
 
 /// Whether each element of a block is nearly a parallelepiped.
 bool is_well_shaped(const Linearization& at, int block) {
-  const float* least = at.screen.data() +
-                       (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinJacobian) * kBlock;
+  const float* least =
+      at.screen.data() +
+      (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinJacobian) * kBlock;
   const double* volume = at.volume.data() + static_cast<std::size_t>(block) * kBlock;
   for (int place = 0; place < kBlock; ++place)
     if ((at.present[block] >> place & 1) && !(kCorners * least[place] > kLeastCorner * volume[place])) return false;
@@ -29,10 +30,9 @@ CycleOperator::CycleOperator(const Model& model)
       rounded_(model.partition),
       is_simple_(model.partition->num_blocks),
       keeps_its_own_(model.partition->num_blocks) {
-  simple_.kind = {.sampling = {.assumed = Assumed::kModes,
-                               .share = sampling_of(model.settings).share,
-                               .one_rotation = true},
-                  .volumetric = model.settings.volumetric};
+  simple_.kind = {
+      .sampling = {.assumed = Assumed::kModes, .share = sampling_of(model.settings).share, .one_rotation = true},
+      .volumetric = model.settings.volumetric};
   simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));
 }
 
@@ -57,13 +57,14 @@ void CycleOperator::update(const Model& model, const Linearization& at) {
   refer_to(at);
   const Partition& partition = *model.partition;
   // parallelepipeds without assumed strain have a fast product of their own
-  const bool always_gains = model.settings.precision == Precision::kDouble ||
-                            sampling_of(model.settings).assumed != Assumed::kNothing;
+  const bool always_gains =
+      model.settings.precision == Precision::kDouble || sampling_of(model.settings).assumed != Assumed::kNothing;
   parallel_for(partition.num_blocks, [&](int block) {
     is_simple_[block] = (always_gains || at.is_general[block]) && is_well_shaped(at, block);
     keeps_its_own_[block] = !is_simple_[block];
   });
-  parallel_for(partition.num_chunks, [&](int chunk) { linearize_simple(model, at, is_simple_.data(), chunk, simple_); });
+  parallel_for(partition.num_chunks,
+               [&](int chunk) { linearize_simple(model, at, is_simple_.data(), chunk, simple_); });
 
   const auto* wide = std::get_if<ElementOperator<double, double>>(&at.op);
   if (!wide) return;

@@ -7,9 +7,10 @@
 
 namespace hexaplast {
 
-/// What multigrid cycles take for the stiffness of a body: elements with one rotation, as parallelepipeds. Their product
-/// takes a quarter of the time, and conjugate gradients about as many iterations. Blocks with an element that has no
-/// such shape, and those that gain nothing, keep their own coefficients.               theory.md sections 9.3 and 9.5
+/// What multigrid cycles take for the stiffness of a body: elements with one rotation, as parallelepipeds. Their
+/// product takes a quarter of the time, and conjugate gradients about as many iterations. Blocks with an element that
+/// has no such shape, and those that gain nothing, keep their own coefficients.               theory.md sections 9.3
+/// and 9.5
 class CycleOperator final : public ChunkedOperator<float> {
  public:
   explicit CycleOperator(const Model& model);
@@ -31,10 +32,10 @@ class CycleOperator final : public ChunkedOperator<float> {
   void visit_others(const Visit& visit) const;
 
   ElementOperator<float, Half> simple_;
-  ElementOperator<float, float> rounded_;      // of others in double precision
-  std::vector<unsigned char> is_simple_;       // per block
-  std::vector<unsigned char> keeps_its_own_;   // per block: the opposite
-  const Linearization* at_ = nullptr;          // of the latest update
+  ElementOperator<float, float> rounded_;     // of others in double precision
+  std::vector<unsigned char> is_simple_;      // per block
+  std::vector<unsigned char> keeps_its_own_;  // per block: the opposite
+  const Linearization* at_ = nullptr;         // of the latest update
 };
 
 }  // namespace hexaplast

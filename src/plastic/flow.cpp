@@ -63,11 +63,13 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
          std::abs(at.volume[place] / model.volume[e] - 1) < kVolumeAtRest;
 }
 
-/// One element of a history into another, bit for bit.
-void copy_element(const History& from, int e, History& to) {
-  to.rest_shape[e] = from.rest_shape[e];
+/// The rotation maps of one element of a history into another, bit for bit, and the rest of it.
+void copy_maps(const History& from, int e, History& to) {
   const std::size_t maps = from.rotation_map.size() / from.rest_shape.size();
   std::copy_n(from.rotation_map.begin() + e * maps, maps, to.rotation_map.begin() + e * maps);
+}
+void copy_but_maps(const History& from, int e, History& to) {
+  to.rest_shape[e] = from.rest_shape[e];
   to.yield_stress[e] = from.yield_stress[e];
   if (!from.rotation_yield.empty()) to.rotation_yield[e] = from.rotation_yield[e];
   to.plastic_strain[e] = from.plastic_strain[e];
@@ -113,14 +115,18 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
                      .dissipated = step.dissipated};
   };
 
+  const bool knows_trial = work.version == history.version;
   parallel_for(model.partition->num_blocks, [&](int block) {
     bool any = false;
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e < 0) continue;
-      if (work.flows[e].idle) copy_element(history, e, work.trial);
       any = any || !work.flows[e].idle;
+      if (!work.flows[e].idle) continue;
+      copy_maps(history, e, work.trial);
+      if (!knows_trial || work.differs[block]) copy_but_maps(history, e, work.trial);
     }
+    work.differs[block] = any;
     if (!any) return;
     const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place)
@@ -131,6 +137,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
         work.flows[e].overflowed = !work.trial.is_finite(e) || !std::isfinite(work.flows[e].dissipated);
     }
   });
+  work.version = history.version;
   return true;
 }
 
@@ -140,6 +147,7 @@ void adopt_material_shape(const Model& model, int e, const History& history, Flo
   const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
   for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
   work.trial.set_element(e, element);
+  work.differs[model.partition->place_of_element[e] / kBlock] = 1;
   work.flows[e].yielded = false;
   work.flows[e].dissipated = 0;
 }
@@ -168,10 +176,6 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
 
 /// Rest-to-material averaging that never inverts an element.
 AveragingReport average_safely(const Model& model, LinearSolver& solver, const History& history, FlowWorkspace& work) {
-  for (std::size_t e = 0; e < work.flows.size(); ++e) {
-    const ElementFlow& f = work.flows[e];
-    work.changed[e] = f.yielded || f.repaired || f.volume_error >= kVolumeAtRest;
-  }
   AveragingReport report = work.averaging.advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
@@ -191,7 +195,7 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
 /// plastic stretch. A yield stress that lies beyond the limit without having grown there breaks nothing: an element
 /// without one, for which it is infinite, may still flow by rotation.
 bool is_broken(const Material& material, const History& before, const History& now, int e) {
-  for (int i = 0; i < kCorners; ++i) {
+  for (int i = 0; i < kCorners && std::isfinite(material.fracture_stress); ++i) {
     const double tau = now.yield_stress[e][i];
     if (tau > before.yield_stress[e][i] && tau > material.fracture_stress) return true;
   }
@@ -218,7 +222,11 @@ int remove_broken(const Model& model, const History& history, FlowWorkspace& wor
 }  // namespace
 
 FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
-    : trial(history), averaging(model), flows(model.mesh.num_elements()), changed(model.mesh.num_elements()) {
+    : trial(history),
+      averaging(model),
+      flows(model.mesh.num_elements()),
+      changed(model.mesh.num_elements()),
+      differs(model.partition->num_blocks, 1) {
   trial.removed.reserve(model.mesh.num_elements());  // a step allocates nothing
 }
 
@@ -240,21 +248,17 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
                 FlowWorkspace& work) {
   FlowReport report;
   if (!flow_elements(model, at, dt, history, work)) return report;
-  if (const auto bad = std::ranges::find(work.flows, true, &ElementFlow::overflowed); bad != work.flows.end())
-    throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", bad - work.flows.begin()));
-
-  const auto count = [&](bool ElementFlow::*mark) {
-    return static_cast<int>(
-        std::count_if(work.flows.begin(), work.flows.end(), [&](const ElementFlow& f) { return f.*mark; }));
-  };
-  report.inverted = count(&ElementFlow::inverted);
-  report.skipped = count(&ElementFlow::skipped);
-  report.repaired = count(&ElementFlow::repaired);
-  for (const ElementFlow& f : work.flows)
+  for (std::size_t e = 0; e < work.flows.size(); ++e) {
+    const ElementFlow& f = work.flows[e];
+    if (f.overflowed) throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
+    report.yielded += f.yielded;
+    report.inverted += f.inverted;
+    report.skipped += f.skipped;
+    report.repaired += f.repaired;
     report.worst_volume_error = std::max(report.worst_volume_error, f.volume_error);
-  const bool at_rest =
-      count(&ElementFlow::yielded) == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest;
-  if (at_rest) return report;
+    work.changed[e] = f.yielded || f.repaired || f.volume_error >= kVolumeAtRest;
+  }
+  if (report.yielded == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest) return report;
 
   work.trial.material = history.material;
   work.trial.dissipated_energy = history.dissipated_energy;
@@ -263,11 +267,15 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
   work.trial.averaging_increment = history.averaging_increment;
   report.averaging = average_safely(model, solver, history, work);
   require_finite(work.trial.material, "material position");
-  report.yielded = count(&ElementFlow::yielded);
   report.removed = remove_broken(model, history, work);
-  for (const ElementFlow& f : work.flows) work.trial.dissipated_energy += f.dissipated;
+  report.yielded = 0;  // averaging may have taken some back
+  for (const ElementFlow& f : work.flows) {
+    report.yielded += f.yielded;
+    work.trial.dissipated_energy += f.dissipated;
+  }
   work.trial.version = history.version + 1;
   std::swap(history, work.trial);
+  work.version = history.version;
   return report;
 }
 

@@ -357,7 +357,8 @@ struct PreconditionedConjugateGradients::Spaces {
     const NodalPart rest{.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
                          .free = system.free,
                          .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
-                         .version = system.diagonal_version};
+                         .version = system.diagonal_version,
+                         .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
     const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (!system.has_one_body()) {

@@ -28,7 +28,8 @@ struct KernelBody {
   const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
   const ChunkedOperator<float>* cycle_operator = nullptr;    ///< what multigrid cycles take for L, or null
   double factor = 0;                                         ///< of L
-  int first_node = 0;                                        ///< of the system's: where the body's nodes begin
+  long revision = 0;               ///< not 0: L and what stands for it are those of every other body of this number
+  int first_node = 0;              ///< of the system's: where the body's nodes begin
   SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
   double spectral_radius = 0;      ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
   std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
