@@ -166,7 +166,8 @@ class KindRun {
       const double before = processor_time();
       batch.run(way, num_steps_);
       found.processor = std::min(found.processor, processor_time() - before);
-      found.wall = std::min(found.wall, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+      found.wall =
+          std::min(found.wall, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     }
     found.hashes = batch.hashes();
     if (alone_.empty()) alone_ = found.hashes;
@@ -176,7 +177,8 @@ class KindRun {
       wrong.push_back(fmt::format("only {:.2f} % of the hexahedra yield", 100 * yielded));
     for (const std::string& what : wrong) {
       if (what.empty()) continue;
-      const std::string sentence = fmt::format("{} hexahedra, {}, {} threads: {}", size_, name(kind_.mode), threads, what);
+      const std::string sentence =
+          fmt::format("{} hexahedra, {}, {} threads: {}", size_, name(kind_.mode), threads, what);
       if (std::ranges::find(outcome_.failures, sentence) == outcome_.failures.end())
         outcome_.failures.push_back(sentence);
     }
@@ -186,7 +188,7 @@ class KindRun {
   const BatchOptions& options_;
   BatchOutcome& outcome_;
   int num_steps_, num_rounds_;
-  int size_;  // hexahedra of each body
+  int size_;                        // hexahedra of each body
   std::vector<std::string> alone_;  // hash of each body, stepped alone
 };
 

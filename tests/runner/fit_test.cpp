@@ -198,7 +198,8 @@ TEST_F(Fit, AnExperimentHasColumnsAndSettingsOfItsOwn) {
                  "strong.csv:1: error: no column that could be compared is called 'height'");
   expect_refused(strong + "elongation", 3, "strong.csv:3: error: force 60 N: the loads of the scene do not have");
   expect_refused(strong + "elongation pull.forse=1", 2, "(of the scene bar.scn)");
-  expect_refused(strong + "elongation body.youngModulus=1", 2, "strong.csv: body.youngModulus=1: must not be a free attribute");
+  expect_refused(strong + "elongation body.youngModulus=1", 2,
+                 "strong.csv: body.youngModulus=1: must not be a free attribute");
   expect_refused("--experiment bar.scn", 2, "--experiment bar.scn: must be SCENE CURVE.csv");
   expect_refused("--experiment bar.scn absent.csv", 5, "absent.csv");
   expect_refused("--experiment absent.scn weak.csv", 5, "absent.scn");

@@ -13,13 +13,13 @@ Experiments::Experiments(std::vector<Experiment> all) : all_(std::move(all)) {
     const TargetCurve& curve = experiment.target();
     for (std::size_t c = 0; c < curve.columns.size(); ++c) {
       const TargetCurve::Column& column = curve.columns[c];
-      columns_.push_back({.curve = &curve,
-                          .column = &column,
-                          .greatest = experiment.greatest(c),
-                          .begin = begin,
-                          .num_rows = curve.num_rows(),
-                          .name = all_.size() == 1 ? column.name
-                                                   : fmt::format("{} of {}", column.name, curve.file.string())});
+      columns_.push_back(
+          {.curve = &curve,
+           .column = &column,
+           .greatest = experiment.greatest(c),
+           .begin = begin,
+           .num_rows = curve.num_rows(),
+           .name = all_.size() == 1 ? column.name : fmt::format("{} of {}", column.name, curve.file.string())});
       begin += curve.num_rows();
     }
   }

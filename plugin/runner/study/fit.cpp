@@ -76,9 +76,10 @@ std::vector<FreeAttribute> read_free(const std::vector<std::string>& texts, cons
         FreeAttribute one = parse_free(text, scene);
         for (const std::string& own : experiment.own)
           if (own.starts_with(one.name + "="))
-            throw UsageError(fmt::format("--experiment {} {}: {}: must not be a free attribute, which has the same value "
-                                         "in all experiments",
-                                         experiment.scene.file.string(), experiment.target.string(), own));
+            throw UsageError(
+                fmt::format("--experiment {} {}: {}: must not be a free attribute, which has the same value "
+                            "in all experiments",
+                            experiment.scene.file.string(), experiment.target.string(), own));
         if (scene_hashes.size() > 1) continue;
         if (std::ranges::find(free, one.name, &FreeAttribute::name) != free.end())
           throw UsageError(fmt::format("--free {}: this attribute is free already", text));
