@@ -180,7 +180,7 @@ std::vector<ComponentGroup> grouped(const std::vector<const Description*>& compo
   for (const std::string_view category :
        {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "Loader", "Topology",
         "TopologicalMapping", "MechanicalState", "Mass", "ForceField", "InteractionForceField", "MaterialRegion",
-        "ProjectiveConstraint", "Engine", "Mapping", "Probe", "Exporter"})
+        "ProjectiveConstraint", "InteractionProjectiveConstraint", "Engine", "Mapping", "Probe", "Exporter"})
     groups.push_back({category, {}});
   for (const Description* component : components) {
     if (component->takes_anything) continue;
