@@ -59,6 +59,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   }
 
   void project(OfTwo<Points> field) const override {
+    pairs();
     if (!is_active()) return;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       const auto& [first, second, factor] = pairs_[i];
@@ -89,8 +90,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
     }
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
       const auto& [first, second, factor] = pairs_[i];
-      if (!is_released_[i])
-        draw_together(v.first.row(first), v.second.row(second), .5 * velocity_factor_ * factor);
+      if (!is_released_[i]) draw_together(v.first.row(first), v.second.row(second), .5 * velocity_factor_ * factor);
     }
   }
 

@@ -34,9 +34,10 @@ scene::OdeSolver& require_one_integrator(scene::Component& component, std::array
   scene::OdeSolver* integrator = integrators[0] ? integrators[0] : integrators[1];
   if (!integrator) component.reject("object1", "no time integrator moves the states: needs one in a node above");
   if (!stands_in(component.node(), integrator->node()))
-    component.reject(fmt::format("stands outside of the node '{}' of {} '{}', which moves the states: must stand in it "
-                                 "or below, as in SOFA",
-                                 integrator->node().path(), integrator->class_name(), integrator->name()));
+    component.reject(
+        fmt::format("stands outside of the node '{}' of {} '{}', which moves the states: must stand in it "
+                    "or below, as in SOFA",
+                    integrator->node().path(), integrator->class_name(), integrator->name()));
   return *integrator;
 }
 

@@ -47,7 +47,8 @@ std::size_t NodeSystem::layer_of(const scene::State* state) const {
   return static_cast<std::size_t>(std::ranges::find(layers_, state, &Layer::state) - layers_.begin());
 }
 
-// They may stand anywhere in the scene. Where one of both states is not ours, nothing moves it, or the scene is rejected.
+// They may stand anywhere in the scene. Where one of both states is not ours, nothing moves it, or the scene is
+// rejected.
 void NodeSystem::find_interactions() {
   node_.root().for_each<scene::Interaction>([&](scene::Interaction& field) {
     const std::array<scene::MechanicalState*, 2> states = field.states();
@@ -84,27 +85,27 @@ void NodeSystem::find_constraints() {
         scene::MechanicalState* state = constraint.of_two->states()[end];
         const char* object = end == 0 ? "object1" : "object2";
         if (!is_ours(state))
-          component.reject(object, fmt::format("leads to '{}', which the time integrator of the node does not move",
-                                               state->name()));
+          component.reject(
+              object, fmt::format("leads to '{}', which the time integrator of the node does not move", state->name()));
         constraint.layers[end] = layer_of(state);
         if (layers_[constraint.layers[end]].mapping && (end == 1 || constraint.of_two->couples()))
           component.reject(object, fmt::format("leads to '{}', which follows another state: must lead to one that an "
                                                "integrator moves",
                                                state->name()));
       }
-      require_commuting(constraint);
     } else {
       return;
     }
     constraints_.push_back(constraint);
   });
+  for (const Constraint& constraint : constraints_)
+    if (constraint.of_two && constraint.of_two->couples()) require_commuting(constraint);
 }
 
 /// Projections of which one undoes what the other has done make none together.
 void NodeSystem::require_commuting(const Constraint& constraint) const {
   for (const Constraint& other : constraints_) {
-    const bool is_coupled = constraint.of_two->couples() || (other.of_two && other.of_two->couples());
-    if (!is_coupled) continue;
+    if (&other == &constraint) continue;
     PointArray one = irregular_numbers(num_nodes_), two = one;
     project(constraint, one);
     project(other, one);

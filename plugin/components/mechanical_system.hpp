@@ -76,9 +76,9 @@ class NodeSystem final : public MechanicalSystem {
   /// A state and what acts on it.
   struct Layer {
     scene::State* state = nullptr;
-    scene::Mapping* mapping = nullptr;                           // null: an independent state
-    std::size_t above = 0;                                       // layer that it follows; lies before this one
-    int first_node = 0;                                          // of the system's, for an independent state
+    scene::Mapping* mapping = nullptr;  // null: an independent state
+    std::size_t above = 0;              // layer that it follows; lies before this one
+    int first_node = 0;                 // of the system's, for an independent state
     std::vector<scene::MassMatrix*> masses = {};
     std::vector<scene::ForceField*> force_fields = {};
 
@@ -175,8 +175,8 @@ class NodeSystem final : public MechanicalSystem {
   static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
 
   scene::Node& node_;
-  mutable std::vector<Layer> layers_;  // the independent states first; mutable for their scratch
-  std::size_t num_roots_ = 0;          // independent states
+  mutable std::vector<Layer> layers_;              // the independent states first; mutable for their scratch
+  std::size_t num_roots_ = 0;                      // independent states
   mutable std::vector<Interaction> interactions_;  // likewise
   std::vector<Constraint> constraints_;            // in the order of the scene
   int num_nodes_ = 0;

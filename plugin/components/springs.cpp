@@ -116,9 +116,9 @@ class SpringForceField final : public SpringField, public scene::Interaction {
     for (auto n = numbers.begin(); n != numbers.end(); n += 5) {
       for (int end = 0; end < 2; ++end)
         if (n[end] != std::floor(n[end]) || n[end] < 0 || n[end] >= num_nodes[end])
-          reject("spring", fmt::format("{} is not a node{}, must be a whole number from 0 to {}", n[end],
-                                       states_[end] ? fmt::format(" of '{}'", states_[end]->name()) : "",
-                                       num_nodes[end] - 1));
+          reject("spring",
+                 fmt::format("{} is not a node{}, must be a whole number from 0 to {}", n[end],
+                             states_[end] ? fmt::format(" of '{}'", states_[end]->name()) : "", num_nodes[end] - 1));
       for (int i = 2; i < 5; ++i)
         if (n[i] < 0) reject("spring", fmt::format("{} must be at least 0", n[i]));
       springs.push_back({static_cast<int>(n[0]), static_cast<int>(n[1]), n[2], n[3], n[4]});
@@ -273,10 +273,10 @@ class RestShapeSpringsForceField final : public scene::ForceField {
  private:
   scene::MechanicalState* state_ = nullptr;
   std::vector<int> nodes_;
-  std::vector<double> stiffness_;                // [N/m] of each
-  scene::MechanicalState* external_ = nullptr;   // null: the rest positions count
-  std::vector<int> anchors_;                     // node of the external state for each of the nodes
-  PointArray rest_;                              // [m] where the external state has them
+  std::vector<double> stiffness_;               // [N/m] of each
+  scene::MechanicalState* external_ = nullptr;  // null: the rest positions count
+  std::vector<int> anchors_;                    // node of the external state for each of the nodes
+  PointArray rest_;                             // [m] where the external state has them
   double rayleigh_stiffness_ = 0;
 };
 

@@ -70,8 +70,9 @@ inline constexpr Attribute kSpringForceFieldAttributes[] = {
 inline constexpr Description kSpringForceField{
     .class_name = "SpringForceField",
     .category = "ForceField",
-    .help = "Springs between nodes of one state, or of two: a ligament. Damping acts along a spring and has no part in "
-            "the matrix, as in SOFA.",
+    .help =
+        "Springs between nodes of one state, or of two: a ligament. Damping acts along a spring and has no part in "
+        "the matrix, as in SOFA.",
     .templates = kVec3Templates,
     .attributes = kSpringForceFieldAttributes};
 
