@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Springs and ties between two mechanical states.
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/solve/energy_balance.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 
@@ -21,8 +21,9 @@ std::string node(const std::string& name, const std::string& content) {
 }
 
 const std::string kElastic = "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4'/>",
-                  kPlastic = "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4' "
-                             "yieldStress='60' plasticFlowRate='4'/>";
+                  kPlastic =
+                      "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4' "
+                      "yieldStress='60' plasticFlowRate='4'/>";
 const std::string kVertexMass = "<UniformMass vertexMass='.004'/>";
 
 /// Two blocks that springs join across a gap.
@@ -45,13 +46,13 @@ struct Blocks {
     for (Eigen::Index n = 0; n < x.rows(); ++n) positions += fmt::format("{} {} {}  ", x(n, 0), x(n, 1), x(n, 2));
     for (const Hexahedron& cell : cells)
       for (const int corner : cell) hexahedra += fmt::format("{} ", corner);
-    return "<MeshTopology position='" + positions + "' hexahedra='" + hexahedra + "'/><MechanicalObject name='state'/>" +
-           kVertexMass + material;
+    return "<MeshTopology position='" + positions + "' hexahedra='" + hexahedra +
+           "'/><MechanicalObject name='state'/>" + kVertexMass + material;
   }
 
   std::string text() const {
     const HexMesh first = regular_grid(kCells, {0, 0, 0}, {.04, .04, .04}),
-            second = regular_grid(kOtherCells, {.05, 0, .01}, {.07, .04, .04});
+                  second = regular_grid(kOtherCells, {.05, 0, .01}, {.07, .04, .04});
     const std::string held = is_held ? "<FixedProjectiveConstraint indices='0 3 6 9 12 15 18 21 24'/>" : "";
     std::string bodies;
     if (is_one_state) {
@@ -123,8 +124,9 @@ TEST(SpringsBetweenStates, MoveBodiesAsIfTheyWereOfOneState) {
         Case{implicit, "<SparseLDLSolver/>", .01, 60, 1e-8, kPlastic},
         Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='multigrid'/>"},
         Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='diagonal'/>"},
-        Case{implicit, "<PCGLinearSolver iterations='500' tolerance='1e-14' preconditioner='@part'/>"
-                       "<BlockJacobiPreconditioner name='part'/>"},
+        Case{implicit,
+             "<PCGLinearSolver iterations='500' tolerance='1e-14' preconditioner='@part'/>"
+             "<BlockJacobiPreconditioner name='part'/>"},
         Case{"<EulerImplicitSolver trapezoidalScheme='true' rayleighMass='.1' rayleighStiffness='.02'/>", exact, .004},
         Case{"<NewmarkImplicitSolver/>", "<SparseLDLSolver/>", .004},
         Case{"<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='40' "
@@ -132,7 +134,8 @@ TEST(SpringsBetweenStates, MoveBodiesAsIfTheyWereOfOneState) {
              "<SparseLDLSolver/>", .01, 3, 1e-8},
         Case{"<EulerExplicitSolver/>", "", 2e-4, 300}, Case{"<RungeKutta4Solver/>", "", 4e-4, 200},
         Case{"<CentralDifferenceSolver/>", "", 2e-4, 300}}) {
-    Blocks blocks{.integrator = c.integrator, .solver = c.solver, .gravity = "2 0 -3", .material = c.material, .dt = c.dt};
+    Blocks blocks{
+        .integrator = c.integrator, .solver = c.solver, .gravity = "2 0 -3", .material = c.material, .dt = c.dt};
     Blocks one = blocks;
     one.is_one_state = true;
     one.springs = kInOneState;
@@ -189,7 +192,8 @@ TEST(SpringsBetweenStates, MayLeadToStatesThatFollow) {
   support::run(scene, 40);
   EXPECT_TRUE(support::agrees(both(scene), expected, 1e-9));
 
-  text.replace(text.find("<CGLinearSolver"), text.find("/>", text.find("<CGLinearSolver")) + 2 - text.find("<CGLinearSolver"),
+  text.replace(text.find("<CGLinearSolver"),
+               text.find("/>", text.find("<CGLinearSolver")) + 2 - text.find("<CGLinearSolver"),
                "<SparseLDLSolver name='direct'/>");
   EXPECT_NE(errors_of(text).find("SpringForceField.object1: leads to 'points', which follows another state: no matrix "
                                  "has that, but SparseLDLSolver 'direct' needs one"),
@@ -203,13 +207,14 @@ TEST(SpringsBetweenStates, HangOnAStateThatNothingMoves) {
     return "<Node dt='.01' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + above +
            "<Node name='hanging'><EulerImplicitSolver/><SparseLDLSolver/>" + hanging + "</Node></Node>";
   };
-  scene::Scene scene = read_and_init(
-      scene_of(node("hook", "<MechanicalObject name='state' position='7 7 7  0 0 0'/>"),
-               "<MechanicalObject name='state' position='.3 0 -1  9 9 9'/><UniformMass vertexMass='1'/>"
-               "<SpringForceField object1='@/hook/state' spring='1 0 100 2 .9'/>"));
-  scene::Scene fixed = read_and_init(
-      scene_of("", "<MechanicalObject name='state' position='.3 0 -1  0 0 0'/><UniformMass vertexMass='1'/>"
-                   "<FixedProjectiveConstraint indices='1'/><SpringForceField spring='1 0 100 2 .9'/>"));
+  scene::Scene scene =
+      read_and_init(scene_of(node("hook", "<MechanicalObject name='state' position='7 7 7  0 0 0'/>"),
+                             "<MechanicalObject name='state' position='.3 0 -1  9 9 9'/><UniformMass vertexMass='1'/>"
+                             "<SpringForceField object1='@/hook/state' spring='1 0 100 2 .9'/>"));
+  scene::Scene fixed =
+      read_and_init(scene_of("",
+                             "<MechanicalObject name='state' position='.3 0 -1  0 0 0'/><UniformMass vertexMass='1'/>"
+                             "<FixedProjectiveConstraint indices='1'/><SpringForceField spring='1 0 100 2 .9'/>"));
   support::run(scene, 200);
   support::run(fixed, 200);
   EXPECT_TRUE(support::agrees(positions(scene, "hanging").row(0), positions(fixed, "hanging").row(0), 1e-13));
@@ -222,7 +227,8 @@ TEST(SpringsBetweenStates, TurnARigidFrame) {
       "<Node dt='.001' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/>"
       "<CGLinearSolver iterations='500' tolerance='1e-14' threshold='1e-40'/>"
       "<Node name='tool'><MechanicalObject name='frame' template='Rigid3d' position='0 0 0  0 0 0 1'/>"
-      "<UniformMass template='Rigid3d' vertexMass='2'/><Node name='tip'><MechanicalObject name='state' position='1 0 0'/>"
+      "<UniformMass template='Rigid3d' vertexMass='2'/><Node name='tip'><MechanicalObject name='state' position='1 0 "
+      "0'/>"
       "<RigidMapping/></Node></Node>"
       "<Node name='other'><MechanicalObject name='state' position='1 1 0'/><UniformMass vertexMass='3'/></Node>"
       "<SpringForceField object1='@tool/tip/state' object2='@other/state' spring='0 0 10 0 .5'/></Node>");
@@ -280,12 +286,14 @@ TEST(SpringsBetweenStates, ThatAreStiffCostFewIterations) {
         "<Node dt='.01' gravity='1 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver/>"
         "<MultigridCGLinearSolver tolerance='1e-6' preconditioner='" +
         preconditioner + "'/>" + springs +
-        node("first", "<RegularGridTopology n='9 9 9' max='.08 .08 .08'/><MechanicalObject name='state'/>"
-                      "<UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField youngModulus='3000'/>"
-                      "<FixedProjectiveConstraint indices='0-80'/>") +
-        node("second", "<RegularGridTopology n='9 9 9' min='.09 0 0' max='.17 .08 .08'/><MechanicalObject "
-                       "name='state'/><UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField "
-                       "youngModulus='2000'/>") +
+        node("first",
+             "<RegularGridTopology n='9 9 9' max='.08 .08 .08'/><MechanicalObject name='state'/>"
+             "<UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField youngModulus='3000'/>"
+             "<FixedProjectiveConstraint indices='0-80'/>") +
+        node("second",
+             "<RegularGridTopology n='9 9 9' min='.09 0 0' max='.17 .08 .08'/><MechanicalObject "
+             "name='state'/><UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField "
+             "youngModulus='2000'/>") +
         "</Node>");
     int all = 0;
     for (int k = 0; k < 5; ++k) all += scene.step().iterations;
@@ -296,49 +304,80 @@ TEST(SpringsBetweenStates, ThatAreStiffCostFewIterations) {
     for (int k = 2; k < 7; ++k) springs += fmt::format("{} {} 3000 0 .01  ", 8 + 9 * (j + 9 * k), 9 * (j + 9 * k));
   springs += "'/>";
   const double with = iterations(springs, "multigrid"), without = iterations("", "multigrid");
-  std::cout << without << " iterations without springs, " << with << " with them, "
-            << iterations(springs, "diagonal") << " with diagonal\n";
+  std::cout << without << " iterations without springs, " << with << " with them, " << iterations(springs, "diagonal")
+            << " with diagonal\n";
   EXPECT_LT(with, 2.5 * without);
   EXPECT_LT(with, .5 * iterations(springs, "diagonal"));
+}
+
+// They count as loads: of what a stretched spring has given, both masses have all but what the integrator takes.
+TEST(SpringsBetweenStates, AreLoadsInTheBalanceOfEnergy) {
+  scene::Scene scene = read_and_init(
+      "<Node dt='1e-3' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver name='euler'/><SparseLDLSolver/>" +
+      node("first", "<MechanicalObject name='state' position='0 0 0'/><UniformMass vertexMass='1'/>") +
+      node("second", "<MechanicalObject name='state' position='1.5 0 0'/><UniformMass vertexMass='3'/>") +
+      "<SpringForceField object1='@first' object2='@second' spring='0 0 200 4 1'/></Node>");
+  auto& euler = at<scene::OdeSolver>(scene, "euler");
+  euler.keep_energy_balance();
+  support::run(scene, 60);
+  const EnergyBalance& balance = *euler.energy_balance();
+  const double length = positions(scene, "second")(0, 0) - positions(scene, "first")(0, 0);
+  const double given = 200 * (.5 * .5 - (length - 1) * (length - 1)) / 2;
+  EXPECT_GT(given, 5);
+  EXPECT_NEAR(balance.load_work, given, .01 * given);
+  EXPECT_GT(balance.damping_loss, .05 * given);
+  EXPECT_NEAR(balance.kinetic, given - balance.damping_loss - balance.numerical_loss, .01 * given);
+  EXPECT_NEAR(balance.error(), 0, 1e-3 * given);
 }
 
 TEST(SpringsBetweenStates, MistakesAreNamed) {
   const auto errors = [](const std::string& springs, const std::string& in_second = "", const std::string& above = "") {
     return errors_of("<Node dt='.01'><DefaultAnimationLoop/>" + above +
                      "<Node name='all'>\n<EulerImplicitSolver name='euler'/><SparseLDLSolver/>\n<Node name='first'>"
-                     "<MechanicalObject name='state' position='0 0 0  1 0 0'/>" + kVertexMass +
-                     "</Node><Node name='second'>" + in_second + "<MechanicalObject name='state' position='0 0 0'/>" +
-                     kVertexMass + "</Node><Node name='tool'><MechanicalObject name='frame' template='Rigid3d' "
-                     "position='0 0 0 0 0 0 1'/><UniformMass vertexMass='1'/></Node>\n" + springs + "</Node></Node>");
+                     "<MechanicalObject name='state' position='0 0 0  1 0 0'/>" +
+                     kVertexMass + "</Node><Node name='second'>" + in_second +
+                     "<MechanicalObject name='state' position='0 0 0'/>" + kVertexMass +
+                     "</Node><Node name='tool'><MechanicalObject name='frame' template='Rigid3d' "
+                     "position='0 0 0 0 0 0 1'/><UniformMass vertexMass='1'/></Node>\n" +
+                     springs + "</Node></Node>");
   };
   const auto between = [](const std::string& rest) {
     return "<SpringForceField object1='@first/state' object2='@second/state' " + rest + "/>";
   };
   EXPECT_EQ(errors(between("spring='1 0 1 0 1'")), "");
-  EXPECT_EQ(errors(between("spring='0 1 1 0 1'")),
-            "test.scn:4: error: SpringForceField.spring: 1 is not a node of 'state', must be a whole number from 0 to 0");
-  EXPECT_EQ(errors(between("spring='2 0 1 0 1'")),
-            "test.scn:4: error: SpringForceField.spring: 2 is not a node of 'state', must be a whole number from 0 to 1");
+  EXPECT_EQ(
+      errors(between("spring='0 1 1 0 1'")),
+      "test.scn:4: error: SpringForceField.spring: 1 is not a node of 'state', must be a whole number from 0 to 0");
+  EXPECT_EQ(
+      errors(between("spring='2 0 1 0 1'")),
+      "test.scn:4: error: SpringForceField.spring: 2 is not a node of 'state', must be a whole number from 0 to 1");
   EXPECT_EQ(errors(between("indices1='0' indices2='1'")),
             "test.scn:4: error: SpringForceField.indices2: 1 must lie in [0, 1)");
   EXPECT_EQ(errors(between("indices1='0 1' indices2='0'")),
             "test.scn:4: error: SpringForceField.indices2: 1 nodes given for 2 of indices1, must be as many");
-  EXPECT_NE(errors("<SpringForceField object1='@first/state' object2='@third/state'/>").find("SpringForceField.object2"),
-            std::string::npos);
-  EXPECT_NE(errors("<SpringForceField object1='@first/state' object2='@euler'/>").find("must lead to a MechanicalState"),
-            std::string::npos);
+  EXPECT_NE(
+      errors("<SpringForceField object1='@first/state' object2='@third/state'/>").find("SpringForceField.object2"),
+      std::string::npos);
+  EXPECT_NE(
+      errors("<SpringForceField object1='@first/state' object2='@euler'/>").find("must lead to a MechanicalState"),
+      std::string::npos);
   EXPECT_EQ(errors("<SpringForceField object1='@first/state' object2='@tool'/>"),
             "test.scn:4: error: SpringForceField.object2: leads to 'frame', which has rigid frames: must lead to a "
             "state of points, such as one that follows the frames by a RigidMapping");
   EXPECT_EQ(errors("<SpringForceField object1='@first/state'/>"),
             "test.scn:4: error: SpringForceField: needs a MechanicalState in its node or above");
-  EXPECT_EQ(errors("", "", "<SpringForceField object1='@all/first' object2='@all/second' spring='0 0 1 0 1'/>"),
-            "test.scn:1: error: SpringForceField: stands outside of the node '/all' of EulerImplicitSolver 'euler', which "
-            "moves the states: must stand in it or below, as in SOFA");
+  EXPECT_EQ(
+      errors("", "", "<SpringForceField object1='@all/first' object2='@all/second' spring='0 0 1 0 1'/>"),
+      "test.scn:1: error: SpringForceField: stands outside of the node '/all' of EulerImplicitSolver 'euler', which "
+      "moves the states: must stand in it or below, as in SOFA");
   const std::string two =
       "<Node dt='.01'><DefaultAnimationLoop/><Node name='a'><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
-      "name='state' position='0 0 0'/>" + kVertexMass + "</Node><Node name='b'><EulerImplicitSolver/><SparseLDLSolver/>"
-      "<MechanicalObject name='other' position='0 0 0'/>" + kVertexMass + "</Node>"
+      "name='state' position='0 0 0'/>" +
+      kVertexMass +
+      "</Node><Node name='b'><EulerImplicitSolver/><SparseLDLSolver/>"
+      "<MechanicalObject name='other' position='0 0 0'/>" +
+      kVertexMass +
+      "</Node>"
       "<SpringForceField object1='@a' object2='@b' spring='0 0 1 0 1'/></Node>";
   EXPECT_EQ(errors_of(two),
             "test.scn:1: error: SpringForceField.object2: leads to 'other', which another time integrator moves than "
@@ -350,18 +389,19 @@ TEST(AttachProjectiveConstraint, TwoHalvesAreTheWhole) {
   const auto half = [](const std::string& name, const std::string& grid, const std::string& rest) {
     return node(name, "<RegularGridTopology " + grid +
                           "/><MechanicalObject name='state'/><DiagonalMass massDensity='1000'/>"
-                          "<HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.4'/>" + rest);
+                          "<HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.4'/>" +
+                          rest);
   };
   const std::string held = "<FixedProjectiveConstraint indices='0-8'/>", pulled = "<ConstantForceField indices='";
-  for (const std::string solver :
-       {"<CGLinearSolver iterations='2000' tolerance='1e-13' threshold='1e-40'/>",
-        "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='multigrid'/>",
-        "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='diagonal'/>"}) {
+  for (const std::string solver : {"<CGLinearSolver iterations='2000' tolerance='1e-13' threshold='1e-40'/>",
+                                   "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='multigrid'/>",
+                                   "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='diagonal'/>"}) {
     const std::string above =
         "<Node dt='.01' gravity='0 -9.81 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='.01'/>" +
         solver;
-    const std::string ties = "<AttachProjectiveConstraint twoWay='true' object1='@first' object2='@second' "
-                             "indices1='36 37 38 39 40 41 42 43 44' indices2='0 1 2 3 4 5 6 7 8'/>";
+    const std::string ties =
+        "<AttachProjectiveConstraint twoWay='true' object1='@first' object2='@second' "
+        "indices1='36 37 38 39 40 41 42 43 44' indices2='0 1 2 3 4 5 6 7 8'/>";
     scene::Scene scene = read_and_init(
         above + half("first", "n='3 3 5' max='.04 .04 .08'", held) +
         half("second", "n='3 3 5' min='0 0 .08' max='.04 .04 .16'", pulled + "36-44' totalForce='.3 0 .5'/>") + ties +
@@ -382,8 +422,8 @@ TEST(AttachProjectiveConstraint, TwoHalvesAreTheWhole) {
 std::string tied(const std::string& rest, const std::string& solver = "<CGLinearSolver/>",
                  const std::string& in_first = "") {
   return "<Node dt='.5' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/>" + solver +
-         node("first", "<MechanicalObject name='state' position='0 0 0  5 5 5'/><UniformMass vertexMass='1'/>" +
-                           in_first) +
+         node("first",
+              "<MechanicalObject name='state' position='0 0 0  5 5 5'/><UniformMass vertexMass='1'/>" + in_first) +
          node("second", "<MechanicalObject name='state' position='4 0 0  9 5 5'/><UniformMass vertexMass='1'/>") +
          "<AttachProjectiveConstraint object1='@first' object2='@second' " + rest + "/></Node>";
 }
@@ -414,6 +454,24 @@ TEST(AttachProjectiveConstraint, PassesForcesInBothWaysOrNone) {
     scene.step();
     EXPECT_NEAR(at<scene::MechanicalState>(scene, "first/state").velocities()(0, 0), two_way ? .5 : 0, 1e-15);
     EXPECT_NEAR(at<scene::MechanicalState>(scene, "second/state").velocities()(0, 0), two_way ? .5 : 0, 1e-15);
+  }
+}
+
+// One node at 1 m/s meets another one at rest: both go on with half of it, and half of the energy is the constraint's.
+TEST(AttachProjectiveConstraint, IsASupportInTheBalanceOfEnergy) {
+  for (const std::string two_way : {"", "twoWay='true' "}) {
+    std::string text = tied(two_way + "indices1='0' indices2='0'");
+    text.replace(text.find("<EulerImplicitSolver/>"), 22, "<EulerImplicitSolver name='euler'/>");
+    scene::Scene scene = read_and_init(text);
+    auto& euler = at<scene::OdeSolver>(scene, "euler");
+    at<scene::MechanicalState>(scene, "first/state").velocities().row(0) << 0, 1, 0;
+    euler.keep_energy_balance();
+    support::run(scene, 3);
+    const EnergyBalance& balance = *euler.energy_balance();
+    EXPECT_NEAR(balance.initial, .5, 1e-15);
+    EXPECT_NEAR(balance.kinetic, .25, 1e-15);
+    EXPECT_NEAR(balance.support_work, -.25, 1e-15);
+    EXPECT_NEAR(balance.error(), 0, 1e-15);
   }
 }
 
@@ -462,7 +520,8 @@ TEST(AttachProjectiveConstraint, MistakesAreNamed) {
   EXPECT_EQ(errors_of(tied("indices1='0' indices2='2'")), at_start + ".indices2: 2 must lie in [0, 2)");
   EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1'")),
             at_start + ".indices2: 1 nodes given for 2 of indices1, must be as many");
-  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1 1'")), at_start + ".indices2: 1 is given twice, must be tied once");
+  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1 1'")),
+            at_start + ".indices2: 1 is given twice, must be tied once");
   EXPECT_EQ(errors_of(tied("indices1='0 0' indices2='0 1'")), "") << "two may follow one";
   EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0 0' indices2='0 1'")),
             at_start + ".indices1: 0 is given twice, must be tied once");
@@ -471,12 +530,14 @@ TEST(AttachProjectiveConstraint, MistakesAreNamed) {
   EXPECT_EQ(errors_of(tied("constraintFactor='1 1' indices1='0' indices2='0'")),
             at_start + ".constraintFactor: 2 values given for 1 pairs, must be as many");
   EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<SparseLDLSolver name='direct'/>")),
-            at_start + ".twoWay: ties nodes in both ways: no matrix has that, but SparseLDLSolver 'direct' needs one: "
-                       "take a MultigridCGLinearSolver or a CGLinearSolver");
+            at_start +
+                ".twoWay: ties nodes in both ways: no matrix has that, but SparseLDLSolver 'direct' needs one: "
+                "take a MultigridCGLinearSolver or a CGLinearSolver");
   EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<CGLinearSolver/>",
                            "<FixedProjectiveConstraint name='fixed' indices='0'/>")),
-            at_start + ": ties nodes that FixedProjectiveConstraint 'fixed' constrains too: each node must have one of "
-                       "both");
+            at_start +
+                ": ties nodes that FixedProjectiveConstraint 'fixed' constrains too: each node must have one of "
+                "both");
   std::string same = tied("indices1='0' indices2='0'");
   same.replace(same.find("object2='@second'"), 17, "object2='@first/state'");
   EXPECT_EQ(errors_of(same), at_start + ".object2: leads to 'state', as object1 does: must lead to another state");
@@ -487,12 +548,13 @@ TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateIs) {
   const auto text = [](const std::string& springs) {
     return "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
            "<Node name='pulled'><MechanicalObject name='state' position='0 0 0  1 0 0'/><UniformMass vertexMass='1'/>" +
-           springs + "</Node><Node name='hook'><MechanicalObject name='state' position='3 4 0  0 0 2  1 1 0'/>"
+           springs +
+           "</Node><Node name='hook'><MechanicalObject name='state' position='3 4 0  0 0 2  1 1 0'/>"
            "<UniformMass vertexMass='1'/></Node></Node>";
   };
-  scene::Scene scene = read_and_init(text(
-      "<RestShapeSpringsForceField name='s' points='1 0' stiffness='10 100' external_rest_shape='@../hook/state' "
-      "external_points='2 0'/>"));
+  scene::Scene scene = read_and_init(
+      text("<RestShapeSpringsForceField name='s' points='1 0' stiffness='10 100' external_rest_shape='@../hook/state' "
+           "external_points='2 0'/>"));
   PointArray f = PointArray::Zero(2, 3);
   const PointArray x = support::rows({{0, 0, 1}, {1, 0, 0}}), still = PointArray::Zero(2, 3);
   at<scene::ForceField>(scene, "pulled/s").add_force(0, x, still, f);
@@ -507,16 +569,19 @@ TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateIs) {
   const auto errors = [&](const std::string& rest) {
     return errors_of(text("<RestShapeSpringsForceField external_rest_shape='@../hook/state' " + rest + "/>"));
   };
-  EXPECT_EQ(errors(""), "test.scn:1: error: RestShapeSpringsForceField.external_rest_shape: 3 points of 'state' for 2 "
-                        "nodes, must be as many");
-  EXPECT_EQ(errors("external_points='1'"),
-            "test.scn:1: error: RestShapeSpringsForceField.external_points: 1 points of 'state' for 2 nodes, must be as "
-            "many");
+  EXPECT_EQ(errors(""),
+            "test.scn:1: error: RestShapeSpringsForceField.external_rest_shape: 3 points of 'state' for 2 "
+            "nodes, must be as many");
+  EXPECT_EQ(
+      errors("external_points='1'"),
+      "test.scn:1: error: RestShapeSpringsForceField.external_points: 1 points of 'state' for 2 nodes, must be as "
+      "many");
   EXPECT_EQ(errors("external_points='1 3'"),
             "test.scn:1: error: RestShapeSpringsForceField.external_points: 3 must lie in [0, 3)");
-  EXPECT_EQ(errors_of(text("<RestShapeSpringsForceField external_points='1 2'/>")),
-            "test.scn:1: error: RestShapeSpringsForceField.external_points: given without external_rest_shape, the state "
-            "that has them");
+  EXPECT_EQ(
+      errors_of(text("<RestShapeSpringsForceField external_points='1 2'/>")),
+      "test.scn:1: error: RestShapeSpringsForceField.external_points: given without external_rest_shape, the state "
+      "that has them");
 }
 
 }  // namespace
