@@ -137,7 +137,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
     require_once("indices2", second);
     pairs_.clear();
     for (std::size_t i = 0; i < first.size(); ++i) pairs_.push_back({first[i], second[i], factors[i]});
-    is_released_.assign(pairs_.size(), 0);
+    is_released_.resize(pairs_.size(), 0);
     has_pairs_ = true;
     has_failed_ = false;
   }
