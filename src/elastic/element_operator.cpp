@@ -31,9 +31,11 @@ HWY_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, 
 }
 
 template <class T, class Coef>
-void add_product(const ElementOperator<T, Coef>& op, int chunk, T factor, const T* p, T* Ap) {
+void add_product(const ElementOperator<T, Coef>& op, const unsigned char* blocks, int chunk, T factor, const T* p,
+                 T* Ap) {
   const Partition& partition = op.partition();
-  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
+    if (blocks && !blocks[block]) continue;
     for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount)
       if (op.per_sample)
         add_product_of<Which::kPerSample, true, Assumed::kNothing>(op, block, lane, factor, p, Ap);
@@ -49,18 +51,20 @@ void add_product(const ElementOperator<T, Coef>& op, int chunk, T factor, const 
               else
                 add_product_of<Which::kCorotated, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
             });
+  }
 }
 
 /// Diagonal of L at corner a: sum_i mu |r_ia|^2 + (mu + lambda_f) r_ia,c^2 and the volume's part, r_ia = R_i g~_ia.
 /// What is assumed is left out.                                                                  eq. 17, E4, E7
 template <class T, class Coef>
-void add_diagonal(const ElementOperator<T, Coef>& op, int chunk, T factor, T* diagonal) {
+void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* blocks, int chunk, T factor, T* diagonal) {
   using V = Lanes<T>;
   const Partition& partition = op.partition();
   const StiffnessKind& kind = op.kind;
   const V share(static_cast<T>(kind.sampling.share)), quarter(static_cast<T>((1 - kind.sampling.share) / 4)), f(factor);
   const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
+    if (blocks && !blocks[block]) continue;
     const bool has_shared = (op.per_sample || op.is_general[block]) && kind.sampling.assumed != Assumed::kModes;
     const int of_shape = num_coefficients({.sampling = kind.sampling}, op.per_sample || op.is_general[block]);
     const int per_sample = kind.sampling.one_rotation ? 0 : 9 * kBlock;
@@ -131,25 +135,18 @@ void add_diagonal(const ElementOperator<T, Coef>& op, int chunk, T factor, T* di
   }
 }
 
-void add_product_double(const ElementOperator<double, double>& op, int chunk, double factor, const double* p,
-                        double* Ap) {
-  add_product(op, chunk, factor, p, Ap);
-}
-void add_diagonal_double(const ElementOperator<double, double>& op, int chunk, double factor, double* diagonal) {
-  add_diagonal(op, chunk, factor, diagonal);
-}
-void add_product_float(const ElementOperator<float, float>& op, int chunk, float factor, const float* p, float* Ap) {
-  add_product(op, chunk, factor, p, Ap);
-}
-void add_diagonal_float(const ElementOperator<float, float>& op, int chunk, float factor, float* diagonal) {
-  add_diagonal(op, chunk, factor, diagonal);
-}
-void add_product_half(const ElementOperator<float, Half>& op, int chunk, float factor, const float* p, float* Ap) {
-  add_product(op, chunk, factor, p, Ap);
-}
-void add_diagonal_half(const ElementOperator<float, Half>& op, int chunk, float factor, float* diagonal) {
-  add_diagonal(op, chunk, factor, diagonal);
-}
+#define HEXAPLAST_ELEMENT_OPERATOR(name, T, Coef)                                                                \
+  void add_product_##name(const ElementOperator<T, Coef>& op, const unsigned char* blocks, int chunk, T factor,  \
+                          const T* p, T* Ap) {                                                                   \
+    add_product(op, blocks, chunk, factor, p, Ap);                                                               \
+  }                                                                                                              \
+  void add_diagonal_##name(const ElementOperator<T, Coef>& op, const unsigned char* blocks, int chunk, T factor, \
+                           T* diagonal) {                                                                        \
+    add_diagonal(op, blocks, chunk, factor, diagonal);                                                           \
+  }
+HEXAPLAST_ELEMENT_OPERATOR(double, double, double)
+HEXAPLAST_ELEMENT_OPERATOR(float, float, float)
+HEXAPLAST_ELEMENT_OPERATOR(half, float, Half)
 
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -157,37 +154,22 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace hexaplast {
 
-HWY_EXPORT(add_product_double);
-HWY_EXPORT(add_diagonal_double);
-HWY_EXPORT(add_product_float);
-HWY_EXPORT(add_diagonal_float);
-HWY_EXPORT(add_product_half);
-HWY_EXPORT(add_diagonal_half);
-
-template <>
-void ElementOperator<double, double>::add_product(int chunk, double factor, const double* p, double* Ap) const {
-  HWY_DYNAMIC_DISPATCH(add_product_double)(*this, chunk, factor, p, Ap);
-}
-template <>
-void ElementOperator<double, double>::add_diagonal(int chunk, double factor, double* diagonal) const {
-  HWY_DYNAMIC_DISPATCH(add_diagonal_double)(*this, chunk, factor, diagonal);
-}
-template <>
-void ElementOperator<float, float>::add_product(int chunk, float factor, const float* p, float* Ap) const {
-  HWY_DYNAMIC_DISPATCH(add_product_float)(*this, chunk, factor, p, Ap);
-}
-template <>
-void ElementOperator<float, float>::add_diagonal(int chunk, float factor, float* diagonal) const {
-  HWY_DYNAMIC_DISPATCH(add_diagonal_float)(*this, chunk, factor, diagonal);
-}
-template <>
-void ElementOperator<float, Half>::add_product(int chunk, float factor, const float* p, float* Ap) const {
-  HWY_DYNAMIC_DISPATCH(add_product_half)(*this, chunk, factor, p, Ap);
-}
-template <>
-void ElementOperator<float, Half>::add_diagonal(int chunk, float factor, float* diagonal) const {
-  HWY_DYNAMIC_DISPATCH(add_diagonal_half)(*this, chunk, factor, diagonal);
-}
+#define HEXAPLAST_EXPORT_ELEMENT_OPERATOR(name, T, Coef)                                                             \
+  HWY_EXPORT(add_product_##name);                                                                                    \
+  HWY_EXPORT(add_diagonal_##name);                                                                                   \
+  template <>                                                                                                        \
+  void ElementOperator<T, Coef>::add_product_of(const unsigned char* blocks, int chunk, T factor, const T* p, T* Ap) \
+      const {                                                                                                        \
+    HWY_DYNAMIC_DISPATCH(add_product_##name)(*this, blocks, chunk, factor, p, Ap);                                   \
+  }                                                                                                                  \
+  template <>                                                                                                        \
+  void ElementOperator<T, Coef>::add_diagonal_of(const unsigned char* blocks, int chunk, T factor, T* diagonal)      \
+      const {                                                                                                        \
+    HWY_DYNAMIC_DISPATCH(add_diagonal_##name)(*this, blocks, chunk, factor, diagonal);                               \
+  }
+HEXAPLAST_EXPORT_ELEMENT_OPERATOR(double, double, double)
+HEXAPLAST_EXPORT_ELEMENT_OPERATOR(float, float, float)
+HEXAPLAST_EXPORT_ELEMENT_OPERATOR(half, float, Half)
 
 }  // namespace hexaplast
 #endif

@@ -405,6 +405,38 @@ void linearize_coarse(const Partition& partition, const double* material, const 
     }
 }
 
+void linearize_as_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
+                         ElementOperator<float, Half>& op) {
+  using V = Lanes<double>;
+  const Partition& partition = *model.partition;
+  const Sampling sampling = sampling_of(model.settings);
+  const double fourth_share = sampling.assumed == Assumed::kModes ? kFourthShare : sampling.share;
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock && blocks[block]; lane += V::kCount) {
+      const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
+      CornerLanes<V> x, u;
+      gather_shapes(partition, block, lane, present, at.material.data(), at.world.data(), x, u);
+      ElementLanes<false, Assumed::kModes, V> element;
+      place_mean(x, u, op.kind.sampling, element);
+      ModeLanes<V> world, of_volume;
+      if (op.kind.has_volume()) {
+        modes(u, world);
+        volume_of(world, of_volume);
+      }
+      const std::size_t first = static_cast<std::size_t>(block) * 2 * kBlock + lane;
+      const double* lame = model.lame_blocks.data() + first;
+      const V mu = load(lame), lambda = load(lame + kBlock);
+      const V per_sample = V(1 / (kCorners * model.length * model.length)) *
+                           load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
+      store_as(per_sample * mu, op.weight.data() + first);
+      store_as(per_sample * lambda, op.weight.data() + first + kBlock);
+      const Mat<V> j = scaled(V(model.length), element.j);
+      ModeStiffness<V> stiffness(j, element.rest.share, mu, free_modulus(op.kind.volumetric, mu, lambda), fourth_share);
+      store_one_rotation<kBlock>(element.rest, j, stiffness, op.kind.has_volume() ? &of_volume : nullptr,
+                                 V(model.length), const_cast<hwy::float16_t*>(stored(op, block)) + lane);
+    }
+}
+
 /// A hexahedron is a parallelepiped when the edges of each direction agree to `alike` of the longest one.
 void find_general(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
                   int chunk, unsigned char* is_general) {
@@ -444,6 +476,7 @@ HWY_EXPORT(linearize_float);
 HWY_EXPORT(linearize_half);
 HWY_EXPORT(find_general);
 HWY_EXPORT(linearize_coarse);
+HWY_EXPORT(linearize_as_simple);
 HWY_EXPORT(exact_product);
 HWY_EXPORT(energy_of);
 HWY_EXPORT(ratios_of);
@@ -478,6 +511,10 @@ void element_matrices(const Model& model, const Linearization& at, int block, do
 void linearize_cells(const Partition& partition, const double* material, const double* world, double length, int chunk,
                      ElementOperator<float, float>& op) {
   HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, material, world, length, chunk, op);
+}
+void linearize_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
+                      ElementOperator<float, Half>& op) {
+  HWY_DYNAMIC_DISPATCH(linearize_as_simple)(model, at, blocks, chunk, op);
 }
 void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
                          int chunk, unsigned char* is_general) {

@@ -48,6 +48,11 @@ void element_matrices(const Model& model, const Linearization& at, int block, do
 void linearize_cells(const Partition& partition, const double* material, const double* world, double length, int chunk,
                      ElementOperator<float, float>& op);
 
+/// Coefficients with one rotation, as if elements were parallelepipeds, of the blocks of a chunk whose entry in
+/// `blocks` is not 0. `op` is of that kind.
+void linearize_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
+                      ElementOperator<float, Half>& op);
+
 /// Marks the blocks of a chunk in which some element that is present is no parallelepiped: edges of one direction
 /// differ by more than `alike` of the longest.
 void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,

@@ -50,14 +50,17 @@ ElementHierarchy::Level::Level(const CoarseMesh& mesh)
 
 ElementHierarchy::ElementHierarchy(const Model& model) {
   for (const CoarseMesh& mesh : model.coarse_meshes()) levels_.emplace_back(mesh);
+  if (!levels_.empty() && CycleOperator::is_for(model.settings)) cycle_.emplace(model);
 }
 
 std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, const Linearization& at) {
   const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
   operators_.clear();
   for (std::size_t k = 0; k < levels_.size(); ++k) operators_.push_back({&levels_[k].op, &meshes[k]});
+  if (cycle_) cycle_->refer_to(at);
   if (revision_ == at.revision) return operators_;
   revision_ = at.revision;
+  if (cycle_) cycle_->update(model, at);
 
   const AlignedVector<double>*material = &at.material, *world = &at.world;
   const ElementOperator<float, float>* finer = nullptr;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <optional>
 #include <span>
 
+#include "elastic/cycle_operator.hpp"
 #include "hexaplast/layout/chunked_operator.hpp"
 #include "layout/coarse_mesh.hpp"
 #include "state/linearization.hpp"
@@ -22,6 +24,9 @@ class ElementHierarchy {
   /// until the next call.
   std::span<const CoarseOperator> update(const Model& model, const Linearization& at);
 
+  /// What stands for the stiffness itself in cycles, of the latest update; null: nothing does.
+  const ChunkedOperator<float>* cycle_operator() const { return cycle_ ? &*cycle_ : nullptr; }
+
  private:
   struct Level {
     explicit Level(const CoarseMesh& mesh);
@@ -30,6 +35,7 @@ class ElementHierarchy {
     ElementOperator<float, float> op;
   };
 
+  std::optional<CycleOperator> cycle_;
   std::vector<Level> levels_;              // of Model::coarse_meshes
   std::vector<CoarseOperator> operators_;  // of the levels
   long revision_ = -1;                     // Linearization::revision that the operators belong to

@@ -79,7 +79,7 @@ struct ModeStiffness {
   LowerLanes<9, N> of_two;
   LowerLanes<3, N> of_three;
 
-  HWY_NOINLINE ModeStiffness(const Mat<N>& j, N share, N mu, N free) {
+  HWY_NOINLINE ModeStiffness(const Mat<N>& j, N share, N mu, N free, double fourth_share = kFourthShare) {
     using T = ScalarOf<N>;
     const N one(T(1)), whole = one / max(mu + free, N(T(1e-200)));  // nothing where nothing is
     const N squared = share * share * whole, of_mu = squared * mu, of_free = squared * free;
@@ -113,7 +113,7 @@ struct ModeStiffness {
       }
       lengths += square;
     });
-    const N fourth(T(kFourthShare * kFourthShare)), of_lengths = fourth * whole * mu * lengths;
+    const N fourth(T(fourth_share * fourth_share)), of_lengths = fourth * whole * mu * lengths;
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k <= i; ++k) {
         const N sum = fourth * (j(0, i) * j(0, k) + j(1, i) * j(1, k) + j(2, i) * j(2, k));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -29,6 +30,11 @@ void add_slots(const Partition& partition, double factor, const AlignedVector<T>
   for_each_node(partition, [&](int node, int slot) {
     for (int i = 0; i < 3; ++i) nodal(node, i) += factor * slots[4 * static_cast<std::size_t>(slot) + i];
   });
+}
+
+long next_revision() {
+  static std::atomic<long> latest = 0;
+  return ++latest;
 }
 
 /// A bit per element of a block that is there and alive.
@@ -111,7 +117,7 @@ void set_positions(const Model& model, const History& history, ConstPoints x, Li
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at) {
   set_positions(model, history, x, at);
   if (at.is_current) return;
-  ++at.revision;
+  at.revision = next_revision();
   const Partition& partition = *model.partition;
   std::fill(at.force.begin(), at.force.end(), 0.0);
   std::visit(
@@ -180,6 +186,7 @@ void add_stiffness_blocks(const Model& model, const Linearization& at, double fa
 }
 
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work) {
+  if (work.version == history.version && work.x == x) return work.sum;
   const Partition& partition = *model.partition;
   slots.resize(partition);
   AlignedVector<double>&material = slots.first, &world = slots.second;
@@ -190,7 +197,10 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
     work.energy[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
   });
   find_recovery(model, history, material, world, {}, x, work.recovery);
-  return std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
+  work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
+  work.x = x;
+  work.version = history.version;
+  return work.sum;
 }
 
 double energy(const Model& model, const History& history, ConstPoints x) {

@@ -44,6 +44,9 @@ struct ProductWorkspace {
   AlignedVector<float> argument, product;
   std::vector<double> energy;  ///< [J] per block
   Recovery recovery;           ///< at the positions of the energy
+  double sum = 0;              ///< [J] the energy
+  PointArray x;                ///< [m] its positions
+  long version = -1;           ///< History::version that it belongs to
 };
 
 /// df += factor * (df/dx) dx with the rotations of `at`.                                                      eq. 16
@@ -53,7 +56,8 @@ void add_stiffness_product(const Model& model, const Linearization& at, double f
 /// K += factor * df/dx. Elements that are gone add zeros.                                                     eq. 17
 void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K);
 
-/// Elastic energy [J] at x, that of the springs of `recovery` included.                                  eq. 18, E25
+/// Elastic energy [J] at x, that of the springs of `recovery` included; asked for the same again, `work` has it.
+///                                                                                                      eq. 18, E25
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work);
 double energy(const Model& model, const History& history, ConstPoints x);
 

@@ -242,7 +242,7 @@ class Averaging::System final : public LinearSystem {
     body.double_operator = std::get_if<AveragingOperator<double>>(&kernels.op);
     body.single_operator = std::get_if<AveragingOperator<float>>(&kernels.op);
     if (system.wants_coarse) body.coarse = kernels.coarsen(model_, projects_);
-    if (body.double_operator && !body.coarse.empty()) body.single_operator = &kernels.narrow(projects_);
+    if (body.double_operator && !body.coarse.empty()) body.cycle_operator = &kernels.narrow(projects_);
     return true;
   }
 

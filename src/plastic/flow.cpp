@@ -63,11 +63,13 @@ bool is_idle(const Model& model, const Linearization& at, int e, const History& 
          std::abs(at.volume[place] / model.volume[e] - 1) < kVolumeAtRest;
 }
 
-/// One element of a history into another, bit for bit.
-void copy_element(const History& from, int e, History& to) {
-  to.rest_shape[e] = from.rest_shape[e];
+/// The rotation maps of one element of a history into another, bit for bit, and the rest of it.
+void copy_maps(const History& from, int e, History& to) {
   const std::size_t maps = from.rotation_map.size() / from.rest_shape.size();
   std::copy_n(from.rotation_map.begin() + e * maps, maps, to.rotation_map.begin() + e * maps);
+}
+void copy_but_maps(const History& from, int e, History& to) {
+  to.rest_shape[e] = from.rest_shape[e];
   to.yield_stress[e] = from.yield_stress[e];
   if (!from.rotation_yield.empty()) to.rotation_yield[e] = from.rotation_yield[e];
   to.plastic_strain[e] = from.plastic_strain[e];
@@ -113,14 +115,18 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
                      .dissipated = step.dissipated};
   };
 
+  const bool knows_trial = work.version == history.version;
   parallel_for(model.partition->num_blocks, [&](int block) {
     bool any = false;
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e < 0) continue;
-      if (work.flows[e].idle) copy_element(history, e, work.trial);
       any = any || !work.flows[e].idle;
+      if (!work.flows[e].idle) continue;
+      copy_maps(history, e, work.trial);
+      if (!knows_trial || work.differs[block]) copy_but_maps(history, e, work.trial);
     }
+    work.differs[block] = any;
     if (!any) return;
     const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place)
@@ -131,6 +137,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
         work.flows[e].overflowed = !work.trial.is_finite(e) || !std::isfinite(work.flows[e].dissipated);
     }
   });
+  work.version = history.version;
   return true;
 }
 
@@ -140,6 +147,7 @@ void adopt_material_shape(const Model& model, int e, const History& history, Flo
   const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
   for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
   work.trial.set_element(e, element);
+  work.differs[model.partition->place_of_element[e] / kBlock] = 1;
   work.flows[e].yielded = false;
   work.flows[e].dissipated = 0;
 }
@@ -198,6 +206,7 @@ bool is_broken(const Material& material, const History& before, const History& n
   if (!std::isfinite(material.fracture_stretch)) return false;
   const CornerTensors& stretch = now.plastic_stretch[e];
   return std::any_of(stretch.begin(), stretch.end(), [&](const Mat3& Fp) {
+    if (Fp.norm() < material.fracture_stretch) return false;  // no singular value is above the norm
     return Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch;
   });
 }
@@ -217,7 +226,11 @@ int remove_broken(const Model& model, const History& history, FlowWorkspace& wor
 }  // namespace
 
 FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
-    : trial(history), averaging(model), flows(model.mesh.num_elements()), changed(model.mesh.num_elements()) {
+    : trial(history),
+      averaging(model),
+      flows(model.mesh.num_elements()),
+      changed(model.mesh.num_elements()),
+      differs(model.partition->num_blocks, 1) {
   trial.removed.reserve(model.mesh.num_elements());  // a step allocates nothing
 }
 
@@ -267,6 +280,7 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
   for (const ElementFlow& f : work.flows) work.trial.dissipated_energy += f.dissipated;
   work.trial.version = history.version + 1;
   std::swap(history, work.trial);
+  work.version = history.version;
   return report;
 }
 

@@ -36,6 +36,10 @@ struct FlowWorkspace {
   std::vector<ElementFlow> flows;      ///< per element
   std::vector<PartFrame> frames;       ///< per connected part; empty unless the mode needs them
   std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
+
+  // what is in `trial` beforehand: all but its rotation maps is as in the history of this version, but for some blocks
+  long version = -1;
+  std::vector<unsigned char> differs;  ///< per block
 };
 
 /// What the plastic step reports of a body that cannot flow, whose history never changes: the inverted elements and

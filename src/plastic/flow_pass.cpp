@@ -89,6 +89,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
   fails |= bits<double>(hn::Not(element.least_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
   Mat<V> R_centre;
+  set_zero(R_centre);
   if (model.can_rotate) {
     const PolarLanes<V> centre = polar(centre_gradient(x, u));
     fails |= centre.doubtful;
@@ -96,6 +97,20 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   }
   Mat<V> Pi;
   for (int k = 0; k < 9; ++k) Pi(k % 3, k / 3) = map[k];
+
+  // a corner at a time: those of elements that fail are written again
+  const auto load_plastic_stretch = [&](int i, Mat<V>& stretch) {
+    V numbers[9];
+    load_elements<9>(addresses<const double>(elements, [&](int e) { return history.plastic_stretch[e][i].data(); }),
+                     numbers);
+    for (int k = 0; k < 9; ++k) stretch(k % 3, k / 3) = numbers[k];
+  };
+  const auto store_plastic_stretch = [&](int i, const Mat<V>& stretch) {
+    V numbers[9];
+    for (int k = 0; k < 9; ++k) numbers[k] = stretch(k % 3, k / 3);
+    store_elements<9>(numbers, wanted,
+                      addresses<double>(elements, [&](int e) { return trial.plastic_stretch[e][i].data(); }));
+  };
 
   V dissipated(0.0), flowing(0.0);
   V y[kCorners][3], mean[3] = {V(0.0), V(0.0), V(0.0)};
@@ -131,6 +146,9 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       fails |= bits<double>(hn::Not(min(min(xx, minor), whole) > V(0.0)));
     }
 
+    Mat<V> plastic_stretch;
+    set_zero(plastic_stretch);
+    if (model.tracks_plastic_stretch) load_plastic_stretch(i, plastic_stretch);
     if (model.can_stretch) {
       const Sym<V> sigma =
           stress(of.law, of.mooney_share, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
@@ -145,8 +163,15 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
         if (shares) increment = Sp;
         flowing = max(flowing, share);
         yield_stress[i] = hardened(tau, hardening, share, norm);
+        if (model.tracks_plastic_stretch) {
+          const Mat<V> next = transposed_product(Pi, Sp * (Pi * plastic_stretch));
+          for (int k = 0; k < 9; ++k)
+            plastic_stretch.m[k / 3][k % 3] =
+                select(share > V(0.0), next.m[k / 3][k % 3], plastic_stretch.m[k / 3][k % 3]);
+        }
       }
     }
+    if (model.tracks_plastic_stretch) store_plastic_stretch(i, plastic_stretch);
     if (model.can_rotate) {
       const RotationVector<V> Q = rotation_log(transposed_product(R_centre, R[i]));
       fails |= Q.near_half_turn;
@@ -214,8 +239,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
     const int e = model.partition->element(block, place);
     if (e >= 0 && !flows[e].idle) wanted |= 1u << place;
   }
-  if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1 || model.tracks_plastic_stretch)
-    return wanted;
+  if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1) return wanted;
 
   std::uint32_t left = 0;
   for (int lane = 0; lane < kBlock; lane += V::kCount) {

@@ -51,17 +51,18 @@ HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
 /// Powers of Z^2 beyond the second are taken down by its characteristic equation: three numbers per term.
 template <class V>
 HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
-  constexpr SeriesLength kLengths[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}};  // x^n / (2 n + 1) < 2e-17
-  constexpr double kLargest = kLengths[3].size;                                          // of |Z|^2
+  constexpr SeriesLength kLengths[] = {{1e-4, 4},  {2.5e-3, 6}, {0.012, 8},
+                                       {0.07, 13}, {0.2, 22},   {0.45, 44}};  // x^n / (2 n + 1) < 2e-17
+  constexpr double kLargest = kLengths[5].size;                               // of the largest eigenvalue of Z^2
   const V m = V(1.0 / 3) * (S.xx + S.yy + S.zz);
   const Mat<V> minus = matrix(Sym<V>{S.xx - m, S.yy - m, S.zz - m, S.yz, S.zx, S.xy});
   const Mat<V> plus = matrix(Sym<V>{S.xx + m, S.yy + m, S.zz + m, S.yz, S.zx, S.xy});
   V det;
   const Mat<V> Z = minus * reciprocal(plus, det);  // the reciprocal of a symmetric matrix is its inverse
-  const V size = dot(Z, Z);
+  const Mat<V> W = Z * Z, WW = W * W;
+  const V size = sqrt(sqrt(dot(WW, WW)));
   fails |= bits<double>(hn::Not(hn::And(size<V(kLargest), m> V(0.0))));
 
-  const Mat<V> W = Z * Z;
   const V i1 = W(0, 0) + W(1, 1) + W(2, 2);
   const V i2 = V(0.5) * (i1 * i1 - dot(W, W));
   const Mat<V> cof = cofactor(W);
@@ -74,7 +75,6 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
     b = a - above * i2;
     a = above * i3 + V(1.0 / (2 * k + 1));
   }
-  const Mat<V> WW = W * W;
   Mat<V> series;
   for (int r = 0; r < 3; ++r)
     for (int s = 0; s < 3; ++s) series(r, s) = (r == s ? a : V(0.0)) + b * W(r, s) + c * WW(r, s);
@@ -85,11 +85,13 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   return log;
 }
 
-/// exp M of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d.                  eq. 54
+/// exp M of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d; fails: bit per lane, the
+/// series does not suffice.                                                                                  eq. 54
 template <class V>
-HWY_INLINE Mat<V> exponential(const Mat<V>& M) {
-  constexpr SeriesLength kLengths[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}};
-  const V size = dot(M, M);  // |M|^2 < 0.5: the first term left out is below 2e-16, the others 2e-17
+HWY_INLINE Mat<V> exponential(const Mat<V>& M, std::uint32_t& fails) {
+  constexpr SeriesLength kLengths[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}, {3, 24}};
+  const V size = dot(M, M);  // the first term left out is below 2e-16, those after it 2e-17
+  fails |= bits<double>(hn::Not(size < V(kLengths[5].size)));
   const V j = V(0.5) * size;
   const Mat<V> cof = cofactor(M);
   const V d = M(0, 0) * cof(0, 0) + M(0, 1) * cof(0, 1) + M(0, 2) * cof(0, 2);
@@ -113,7 +115,7 @@ template <class V>
 HWY_INLINE Mat<V> stretch_power(const Sym<V>& S, V share, Mat<V>& log, std::uint32_t& fails) {
   log = deviatoric_log(S, fails);
   for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= share;
-  return exponential(log);
+  return exponential(log, fails);
 }
 template <std::same_as<double> N>
 HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N share, Mat<N>& log, std::uint32_t& /*fails*/) {

@@ -357,7 +357,8 @@ struct PreconditionedConjugateGradients::Spaces {
     const NodalPart rest{.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
                          .free = system.free,
                          .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
-                         .version = system.diagonal_version};
+                         .version = system.diagonal_version,
+                         .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
     const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (!system.has_one_body()) {
@@ -368,7 +369,7 @@ struct PreconditionedConjugateGradients::Spaces {
     }
     const KernelBody& body = system.bodies.front();
     if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles);
-    if (!body.single_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles);
+    if (!body.cycle_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles);
     multigrid_single.setup(body, rest);
     in_double.setup(system, false, &single_precision);
     return in_double;

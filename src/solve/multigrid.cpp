@@ -181,29 +181,55 @@ void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMes
   }
 }
 
+// Terms beside the bodies do not raise the spectral radii: they add the same to A and to D. So these are found without
+// them, and serve all solves with one linearization, however contacts come and go.
 template <class T>
 void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest) {
   operators_ = body.coarse;
   fine_.op = body.op<T>();
-  const Partition& partition = fine_.op->partition();
+  if constexpr (std::is_same_v<T, float>)
+    if (body.cycle_operator) fine_.op = body.cycle_operator;
   for (std::size_t k = 0; k < coarse_.size() && k < operators_.size(); ++k) coarse_[k].op = operators_[k].op;
   if (rest.version != 0 && rest.version == diagonal_version_) return;
   diagonal_version_ = rest.version;
+
+  const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
+  const bool knows_radii = body.spectral_radius > 0 ||
+                           (body.revision != 0 && body.revision == radii_of_.revision &&
+                            body.factor == radii_of_.factor && own_diagonal.rows() == radii_of_.diagonal.rows() &&
+                            own_diagonal == radii_of_.diagonal && rest.free == radii_of_.free);
+  if (!knows_radii) {
+    place(body, own_diagonal, rest.free, {});
+    const auto estimate = [](auto& level) { level.radius = kSafety * spectral_radius(level); };
+    estimate(fine_);
+    std::ranges::for_each(coarse_, estimate);
+    radii_of_.revision = body.revision;
+    if (body.revision != 0) {
+      radii_of_.factor = body.factor;
+      radii_of_.diagonal = own_diagonal;
+      radii_of_.free = rest.free;
+    }
+    if (!rest.own_diagonal && rest.blocks.empty()) return;
+  }
+  place(body, rest.diagonal, rest.free, rest.blocks);
+  if (!(body.spectral_radius > 0)) return;
+  fine_.radius = body.spectral_radius;
+  for (MultigridLevel<float>& level : coarse_) level.radius = body.spectral_radius;
+}
+
+template <class T>
+void Multigrid<T>::place(const KernelBody& body, const PointArray& diagonal, const NodeMask& free,
+                         std::span<const NodeBlock> blocks) {
+  const Partition& partition = fine_.op->partition();
   fine_.factor = static_cast<T>(body.factor);
   fine_.resize();
-  to_slots(partition, rest.diagonal, fine_.diagonal);
-  fine_.has_diagonal = !rest.diagonal.isZero(0);
+  to_slots(partition, diagonal, fine_.diagonal);
+  fine_.has_diagonal = !diagonal.isZero(0);
   invert_diagonal(*fine_.op, fine_.factor, fine_.diagonal, fine_.inverse);
-  const auto is_fixed = [&](int slot, int axis) { return rest.free(partition.node_of_slot[slot], axis) == 0; };
+  const auto is_fixed = [&](int slot, int axis) { return free(partition.node_of_slot[slot], axis) == 0; };
   fine_.fixed.find(partition, is_fixed);
-  // each level has its own: a distorted or mixed mesh is better shaped, and mixed, in its cells. Without blocks: D has
-  // them whole, so that they do not raise it
-  const auto bound = [&](auto& level) {
-    level.blocks.clear();
-    level.radius = body.spectral_radius > 0 ? body.spectral_radius : kSafety * spectral_radius(level);
-  };
-  bound(fine_);
-  fine_.blocks.setup(partition, rest.blocks, fine_.inverse);
+  fine_.blocks.clear();
+  fine_.blocks.setup(partition, blocks, fine_.inverse);
 
   coarse_.resize(operators_.size());
   const auto descend = [&](auto& finer, const auto& finer_is_fixed, int k) {
@@ -238,7 +264,7 @@ void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest) {
     invert_diagonal(*level.op, level.factor, level.diagonal, level.inverse);
     level.is_fixed.assign(4 * static_cast<std::size_t>(cells.num_nodes), 0);
     for (const std::size_t number : level.fixed.number) level.is_fixed[number] = 1;
-    bound(level);
+    level.blocks.clear();
     restrict_blocks(finer, mesh, level);
     level.blocks.complete(cells, level.inverse);
   };

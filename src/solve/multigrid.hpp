@@ -32,7 +32,7 @@ template <class T>
 class Multigrid final : public SlotPreconditioner<T> {
  public:
   /// Takes the body's operators, and the diagonal, blocks and fixed degrees of freedom of `rest`; finds the spectral
-  /// radii anew.
+  /// radii, anew unless they are those of the latest system.
   void setup(const KernelBody& body, const NodalPart& rest);
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
   double diagonal_norm(const AlignedVector<T>& x) override {
@@ -40,6 +40,8 @@ class Multigrid final : public SlotPreconditioner<T> {
   }
 
  private:
+  void place(const KernelBody& body, const PointArray& diagonal, const NodeMask& free,
+             std::span<const NodeBlock> blocks);
   template <class Finer>
   void restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMesh& mesh, MultigridLevel<float>& level);
   template <class U>
@@ -55,6 +57,12 @@ class Multigrid final : public SlotPreconditioner<T> {
   std::span<const CoarseOperator> operators_;  // of the coarse meshes
   std::vector<int> block_of_slot_;             // of a finer mesh: index, or -1; scratch
   long diagonal_version_ = 0;                  // MatrixFreeSystem::diagonal_version of the system that it refers to
+  struct {
+    long revision = 0;  // 0: of no system
+    double factor = 0;
+    PointArray diagonal;
+    NodeMask free;
+  } radii_of_;  // all that the spectral radii follow from
 };
 
 }  // namespace hexaplast

@@ -18,10 +18,11 @@ struct NodeBlock {
 
 /// A symmetric positive semi-definite matrix over nodes without entries between two of them.
 struct NodalPart {
-  const PointArray& diagonal;              ///< num_nodes x 3
-  const NodeMask& free;                    ///< num_nodes x 3: 1 where free, 0 where fixed
-  std::span<const NodeBlock> blocks = {};  ///< beside the diagonal; ascending nodes, 0 where fixed
-  long version = 0;                        ///< MatrixFreeSystem::diagonal_version
+  const PointArray& diagonal;                ///< num_nodes x 3
+  const NodeMask& free;                      ///< num_nodes x 3: 1 where free, 0 where fixed
+  std::span<const NodeBlock> blocks = {};    ///< beside the diagonal; ascending nodes, 0 where fixed
+  long version = 0;                          ///< MatrixFreeSystem::diagonal_version
+  const PointArray* own_diagonal = nullptr;  ///< the part of the diagonal that is not of other terms; null: all of it
 };
 
 /// A block B beside a diagonal D, along the three directions a that both have in common: a.D a' = 0 = a.B a', a.D a =

@@ -75,11 +75,18 @@ class ElementOperator final : public ChunkedOperator<T> {
   explicit ElementOperator(std::shared_ptr<const Partition> partition);
 
   const Partition& partition() const override { return *partition_; }
-  void add_product(int chunk, T factor, const T* p, T* Ap) const override;
-  void add_diagonal(int chunk, T factor, T* diagonal) const override;
+  void add_product(int chunk, T factor, const T* p, T* Ap) const override {
+    add_product_of(nullptr, chunk, factor, p, Ap);
+  }
+  void add_diagonal(int chunk, T factor, T* diagonal) const override {
+    add_diagonal_of(nullptr, chunk, factor, diagonal);
+  }
+  /// The same of the blocks whose entry is not 0.
+  void add_product_of(const unsigned char* blocks, int chunk, T factor, const T* p, T* Ap) const;
+  void add_diagonal_of(const unsigned char* blocks, int chunk, T factor, T* diagonal) const;
 
-  /// Makes room for blocks of these kinds.
-  void resize(const std::vector<unsigned char>& is_general);
+  /// Makes room for blocks of these kinds; has_coefficients: per block, not 0 where it has some, or null: all have.
+  void resize(const std::vector<unsigned char>& is_general, const unsigned char* has_coefficients = nullptr);
 
   /// Bytes that are kept, all of which one application reads.
   std::size_t bytes() const { return coef.size() * sizeof(Coef) + weight.size() * sizeof(T); }

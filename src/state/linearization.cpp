@@ -41,11 +41,12 @@ ElementOperator<T, Coef>::ElementOperator(std::shared_ptr<const Partition> parti
     : is_general(partition->num_blocks), offset(partition->num_blocks), partition_(std::move(partition)) {}
 
 template <class T, class Coef>
-void ElementOperator<T, Coef>::resize(const std::vector<unsigned char>& kinds) {
+void ElementOperator<T, Coef>::resize(const std::vector<unsigned char>& kinds, const unsigned char* has_coefficients) {
   is_general = kinds;
   std::size_t size = 0;
   for (std::size_t block = 0; block < kinds.size(); ++block) {
     offset[block] = size;
+    if (has_coefficients && !has_coefficients[block]) continue;
     size += static_cast<std::size_t>(kBlock) * num_coefficients(kind, kinds[block] || per_sample);
   }
   coef.resize(size);

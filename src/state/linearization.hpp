@@ -32,7 +32,7 @@ struct Linearization {
 
   // of the world positions
   bool is_current = false;              ///< what follows belongs to x and the material shape
-  long revision = 0;                    ///< grows whenever what follows changes
+  long revision = 0;                    ///< no two that differ in what follows have the same
   PointArray x;                         ///< [m] world positions
   AlignedVector<double> world;          ///< [m] slots
   AlignedVector<double> force;          ///< [N] slots

@@ -205,12 +205,12 @@ support::Load ball(const Vec3& centre, double radius) {
 }
 
 std::vector<int> at_height(const HexMesh& mesh, double z) { return support::nodes_at(mesh, 2, z); }
-const FindNodes kEnd = [](const HexMesh& mesh) { return at_height(mesh, 0); };
+const FindNodes kLowerEnd = [](const HexMesh& mesh) { return at_height(mesh, 0); };
 const FindNodes kMiddle = [](const HexMesh& mesh) { return at_height(mesh, 0.2); };
 const FindNodes kOneInside = [](const HexMesh&) { return std::vector<int>{22}; };
 
 const Ordeal kOrdeals[] = {
-    {.name = "HeldAtOneEnd", .held = kEnd},
+    {.name = "HeldAtOneEnd", .held = kLowerEnd},
     {.name = "HeldInTheMiddle", .held = kMiddle},
     {.name = "HeldAtOneNode", .held = kOneInside},
     {.name = "HeldWhereThrown", .held = kMiddle, .held_as_thrown = true, .is_released = true},
@@ -219,12 +219,12 @@ const Ordeal kOrdeals[] = {
     {.name = "HangingTogetherByEdges", .removed = {1, 2, 4, 7, 9, 10, 12, 15}},
     {.name = "Tearing", .material = {.yield_stress = 300, .flow_rate = 20, .hardening = 0.3, .fracture_stress = 3000}},
     {.name = "Plastic", .material = kSoft},
-    {.name = "PlasticHeldAtOneEnd", .material = kSoft, .held = kEnd, .is_released = true},
+    {.name = "PlasticHeldAtOneEnd", .material = kSoft, .held = kLowerEnd, .is_released = true},
     {.name = "BehindAWall", .load = wall(Vec3(0.6, 0, 0.8), 0.1, 0)},
     {.name = "OnAFloor", .load = wall(Vec3(0, 0, 1), 0, 16.0 / 45)},
     {.name = "AroundABallInACell", .load = ball(Vec3(0.05, 0.05, 0.15), 0.05)},
     {.name = "AroundALargeBall", .load = ball(Vec3(0, 0, 0.1), 0.1)},
-    {.name = "HeldWithABall", .held = kEnd, .load = ball(Vec3(0.1, 0.1, 0.35), 0.1)},
+    {.name = "HeldWithABall", .held = kLowerEnd, .load = ball(Vec3(0.1, 0.1, 0.35), 0.1)},
 };
 
 class Recovers : public testing::TestWithParam<Ordeal> {};

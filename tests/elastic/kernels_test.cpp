@@ -13,6 +13,8 @@
 #include "kinematics/polar.hpp"
 #include "material/corotated.hpp"
 #include "plastic/element_flow.hpp"
+#include "plastic/flow.hpp"
+#include "plastic/flow_pass.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/shapes.hpp"
@@ -187,6 +189,56 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
         }
       }
     }
+}
+
+/// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the scalar way.
+bool flows_in_lanes(double stretch) {
+  const HexMesh mesh = support::distorted_block({4, 4, 2}, kEdge, 0.1, 95);
+  Settings settings;
+  settings.yield_norm = YieldNorm::kVonMises;
+  const Model model(mesh, {Material{.yield_stress = 10, .flow_rate = 20, .fracture_stretch = 3}}, settings);
+  History history(model), trial = history;
+  Random random(96);
+  for (CornerTensors& tensors : history.plastic_stretch)
+    for (Mat3& tensor : tensors) tensor += random.matrix(0.1);
+  const Mat3 turn = random.rotation(),
+             F = turn * Vec3(stretch, 1 / std::sqrt(stretch), 1 / std::sqrt(stretch)).asDiagonal();
+  PointArray x = mesh.positions() * F.transpose();
+  Linearization at(model);
+  linearize(model, history, x, at);
+  std::vector<ElementFlow> flows(mesh.num_elements());
+  for (int block = 0; block < model.partition->num_blocks; ++block)
+    if (flow_block(model, at, 0.01, history, block, trial, flows.data()) != 0) return false;
+
+  for (int e = 0; e < mesh.num_elements(); ++e) {
+    const ElementPoints material = gather(mesh.positions(), mesh.hexahedra()[e]),
+                        world = gather(x, mesh.hexahedra()[e]);
+    const ElementSamples samples = element_samples(material, world, model.lame[e], settings);
+    const Mat3 axes = Mat3::Identity();
+    const ElementStep step = flow_element({.material = model.material(e),
+                                           .settings = settings,
+                                           .original_shape = model.original_shape(e),
+                                           .corner_jacobian = model.corner_jacobian(e),
+                                           .initial_volume = model.volume[e],
+                                           .x = material,
+                                           .samples = samples,
+                                           .world = world,
+                                           .frame = axes},
+                                          history.element(e), 0.01);
+    const ElementHistory found = trial.element(e);
+    EXPECT_TRUE(step.yielded);
+    EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);
+    for (int i = 0; i < kCorners; ++i) {
+      EXPECT_LE(support::max_abs(found.plastic_stretch[i] - step.next.plastic_stretch[i]), 1e-14);
+      EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], 1e-14);
+    }
+  }
+  return true;
+}
+
+TEST_P(OnEverySet, LargeStretchesFlowInLanes) {
+  for (const double stretch : {0.35, 0.6, 1.05, 1.6, 2.5, 3.8}) EXPECT_TRUE(flows_in_lanes(stretch)) << stretch;
+  EXPECT_FALSE(flows_in_lanes(7));
 }
 
 TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {

@@ -360,6 +360,33 @@ TEST(OtherTerms, AndBodiesHaveTheSameBitsOnAnyNumberOfThreads) {
   for (const bool has_two : {false, true}) EXPECT_EQ(answer(3, has_two), answer(1, has_two));
 }
 
+// What a solver keeps of the matrix of the body serves the next solve; ties that have come or gone, other masses, held
+// nodes and positions are seen.
+TEST(OtherTerms, ThatComeAndGoAndAllElseThatChangesLeavesNothingBehindInTheSolver) {
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    PreconditionedConjugateGradients kept(1e-6, 2000, Preconditioner::kMultigrid);
+    Slab slab = one_body(1e5, precision);
+    const auto expect_the_same = [&](const char* what) {
+      SCOPED_TRACE(what);
+      EXPECT_EQ(solve(slab, kept).x, solve(slab).x);
+    };
+    expect_the_same("alone");
+    tie_oblique_plane(slab, stiffness_of_node(1e5));
+    expect_the_same("tied");
+    slab.ties.blocks.clear();
+    tie_plane(slab, 10 * stiffness_of_node(1e5));
+    expect_the_same("tied otherwise");
+    slab.ties.blocks.clear();
+    expect_the_same("free again");
+    slab.diagonal *= 0.01;
+    expect_the_same("lighter");
+    slab.held.pop_back();
+    expect_the_same("held at fewer nodes");
+    slab.bodies.front().linearize(slab.mesh.positions() * 1.2);
+    expect_the_same("stretched");
+  }
+}
+
 // The direct solver's answer, by the solvers of SOFA's kinds too, which ask for the product.
 TEST(OtherTerms, AreSolvedForByEverySolver) {
   Slab slab = one_body(1e5);

@@ -24,11 +24,12 @@ using NodeMask = Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor
 /// One body's part of a linear system: factor L, L applied chunk by chunk on slots.
 struct KernelBody {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
-  const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null; beside
-                                                             ///< double_operator it serves multigrid cycles alone
+  const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null
   const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
+  const ChunkedOperator<float>* cycle_operator = nullptr;    ///< what multigrid cycles take for L, or null
   double factor = 0;                                         ///< of L
-  int first_node = 0;                                        ///< of the system's: where the body's nodes begin
+  long revision = 0;               ///< not 0: L and what stands for it are those of every other body of this number
+  int first_node = 0;              ///< of the system's: where the body's nodes begin
   SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
   double spectral_radius = 0;      ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
   std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice

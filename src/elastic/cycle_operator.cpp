@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "elastic/cycle_operator.hpp"
+
+#include <algorithm>
+
+#include "elastic/element_pass.hpp"
+#include "hexaplast/base/parallel.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+constexpr double kLeastCorner = 0.5;  // of the volume over 8, that a corner's Jacobian of a simple element has
+
+/// Whether each element of a block is nearly a parallelepiped.
+bool is_well_shaped(const Linearization& at, int block) {
+  const float* least =
+      at.screen.data() +
+      (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinJacobian) * kBlock;
+  const double* volume = at.volume.data() + static_cast<std::size_t>(block) * kBlock;
+  for (int place = 0; place < kBlock; ++place)
+    if ((at.present[block] >> place & 1) && !(kCorners * least[place] > kLeastCorner * volume[place])) return false;
+  return true;
+}
+
+}  // namespace
+
+CycleOperator::CycleOperator(const Model& model)
+    : simple_(model.partition),
+      rounded_(model.partition),
+      is_simple_(model.partition->num_blocks),
+      keeps_its_own_(model.partition->num_blocks) {
+  simple_.kind = {
+      .sampling = {.assumed = Assumed::kModes, .share = sampling_of(model.settings).share, .one_rotation = true},
+      .volumetric = model.settings.volumetric};
+  simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));
+}
+
+bool CycleOperator::is_for(const Settings& settings) {
+  const Sampling sampling = sampling_of(settings);
+  return !sampling.one_rotation && !sampling.of_the_centre;
+}
+
+template <class Visit>
+void CycleOperator::visit_others(const Visit& visit) const {
+  std::visit(
+      [&]<class T, class Coef>(const ElementOperator<T, Coef>& op) {
+        if constexpr (std::is_same_v<T, double>)
+          visit(rounded_);
+        else
+          visit(op);
+      },
+      at_->op);
+}
+
+void CycleOperator::update(const Model& model, const Linearization& at) {
+  refer_to(at);
+  const Partition& partition = *model.partition;
+  // parallelepipeds without assumed strain have a fast product of their own
+  const bool always_gains =
+      model.settings.precision == Precision::kDouble || sampling_of(model.settings).assumed != Assumed::kNothing;
+  parallel_for(partition.num_blocks, [&](int block) {
+    is_simple_[block] = (always_gains || at.is_general[block]) && is_well_shaped(at, block);
+    keeps_its_own_[block] = !is_simple_[block];
+  });
+  parallel_for(partition.num_chunks,
+               [&](int chunk) { linearize_simple(model, at, is_simple_.data(), chunk, simple_); });
+
+  const auto* wide = std::get_if<ElementOperator<double, double>>(&at.op);
+  if (!wide) return;
+  rounded_.kind = wide->kind;
+  rounded_.resize(wide->is_general, keeps_its_own_.data());
+  parallel_for(partition.num_blocks, [&](int block) {
+    if (!keeps_its_own_[block]) return;
+    const std::size_t size = static_cast<std::size_t>(num_coefficients(wide->kind, wide->is_general[block])) * kBlock;
+    const std::size_t weights = static_cast<std::size_t>(block) * 2 * kBlock;
+    const auto round = [](double number) { return static_cast<float>(number); };
+    std::transform(wide->coef.data() + wide->offset[block], wide->coef.data() + wide->offset[block] + size,
+                   rounded_.coef.data() + rounded_.offset[block], round);
+    std::transform(wide->weight.data() + weights, wide->weight.data() + weights + 2 * kBlock,
+                   rounded_.weight.data() + weights, round);
+  });
+}
+
+void CycleOperator::add_product(int chunk, float factor, const float* p, float* Ap) const {
+  simple_.add_product_of(is_simple_.data(), chunk, factor, p, Ap);
+  visit_others([&](const auto& op) { op.add_product_of(keeps_its_own_.data(), chunk, factor, p, Ap); });
+}
+
+void CycleOperator::add_diagonal(int chunk, float factor, float* diagonal) const {
+  simple_.add_diagonal_of(is_simple_.data(), chunk, factor, diagonal);
+  visit_others([&](const auto& op) { op.add_diagonal_of(keeps_its_own_.data(), chunk, factor, diagonal); });
+}
+
+}  // namespace hexaplast
