@@ -306,46 +306,62 @@ const ConnectedParts& Averaging::parts(const Model& model, const History& histor
   return parts_;
 }
 
+// Nodes in a fixed number of ranges, so that sums do not depend on threads.
+template <class Add>
+void Averaging::sum_over_nodes(const Add& add) {
+  constexpr int kRanges = 16;
+  const auto num_nodes = static_cast<Eigen::Index>(parts_.part_of_node.size());
+  const std::size_t count = of_part_.size();
+  partial_.resize(kRanges * count);
+  parallel_for(kRanges, [&](int range) {
+    Sums* const sums = partial_.data() + range * count;
+    std::fill_n(sums, count, Sums{});
+    for (Eigen::Index n = num_nodes * range / kRanges; n < num_nodes * (range + 1) / kRanges; ++n)
+      if (const int part = parts_.part_of_node[n]; part >= 0) add(static_cast<int>(n), of_part_[part], sums[part]);
+  });
+  for (std::size_t part = 0; part < count; ++part) {
+    Sums& all = of_part_[part].sums = {};
+    for (std::size_t range = 0; range < kRanges; ++range) {
+      const Sums& sums = partial_[range * count + part];
+      all.field += sums.field;
+      all.arms += sums.arms;
+      all.spread += sums.spread;
+    }
+  }
+}
+
 void Averaging::remove_translation(PointArray& field) {
-  for (Part& part : of_part_) part.sum.setZero();
-  for (int n = 0; n < field.rows(); ++n)
-    if (const int part = parts_.part_of_node[n]; part >= 0) of_part_[part].sum += field.row(n).transpose();
-  for (int n = 0; n < field.rows(); ++n) {
+  sum_over_nodes([&](int n, const Part&, Sums& sums) { sums.field += field.row(n).transpose(); });
+  parallel_for(static_cast<int>(field.rows()), [&](int n) {
     const int part = parts_.part_of_node[n];
     if (part < 0)
       field.row(n).setZero();
     else
-      field.row(n) -= (of_part_[part].sum / of_part_[part].num_nodes).transpose();
-  }
+      field.row(n) -= (of_part_[part].sums.field / of_part_[part].num_nodes).transpose();
+  });
 }
 
 void Averaging::remove_rotation(PointArray& field, ConstPoints positions) {
-  for (Part& part : of_part_) {
-    part.centre.setZero();
-    part.spread.setZero();
-    part.turn.setZero();
-  }
   const auto arm = [&](int n, const Part& part) -> Vec3 {
     return (positions.row(n) - positions.row(part.node)).transpose();
   };
-  for (int n = 0; n < field.rows(); ++n) {
-    if (parts_.part_of_node[n] < 0) continue;
-    Part& part = of_part_[parts_.part_of_node[n]];
+  sum_over_nodes([&](int n, const Part& part, Sums& sums) {
     const Vec3 r = arm(n, part);
-    part.centre += r / part.num_nodes;
-    part.spread += r * r.transpose();
-    part.turn += r.cross(Vec3(field.row(n)));
-  }
+    sums.arms += r;
+    sums.spread += r * r.transpose();
+    sums.field += r.cross(Vec3(field.row(n)));
+  });
   for (Part& part : of_part_) {
-    part.spread -= part.num_nodes * part.centre * part.centre.transpose();
-    const Mat3 inertia = part.spread.trace() * Mat3::Identity() - part.spread;
-    part.turn = inertia.ldlt().solve(part.turn);
+    part.centre = part.sums.arms / part.num_nodes;
+    const Mat3 spread = part.sums.spread - part.num_nodes * part.centre * part.centre.transpose();
+    const Mat3 inertia = spread.trace() * Mat3::Identity() - spread;
+    part.turn = inertia.ldlt().solve(part.sums.field);
   }
-  for (int n = 0; n < field.rows(); ++n) {
-    if (parts_.part_of_node[n] < 0) continue;
+  parallel_for(static_cast<int>(field.rows()), [&](int n) {
+    if (parts_.part_of_node[n] < 0) return;
     const Part& part = of_part_[parts_.part_of_node[n]];
     field.row(n) -= part.turn.cross(arm(n, part) - part.centre).transpose();
-  }
+  });
 }
 
 void Averaging::step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report) {
@@ -355,9 +371,10 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
   report.skipped = false;
 
   const Partition& partition = *model.partition;
-  for (int n = 0; n < model.mesh.num_nodes(); ++n)
+  parallel_for(model.mesh.num_nodes(), [&](int n) {
     for (int i = 0; i < 3; ++i)
       gradient_(n, i) = kernels_->gradient()[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
+  });
   remove_translation(gradient_);  // they are rounding, and outside the range of H and P
   before_ = history.material;
   const auto move = [&](bool leaves_rotation) {

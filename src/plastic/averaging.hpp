@@ -53,16 +53,22 @@ class Averaging {
   class System;
   struct Kernels;  // operators and vectors in slots
 
+  /// Over the nodes of a connected part.
+  struct Sums {
+    Vec3 field = Vec3::Zero(), arms = field;  // of a field, or its moment; of arms r from Part::node [m]
+    Mat3 spread = Mat3::Zero();               // [m^2] of r r^T
+  };
   /// Of a connected part, whose nodes keep their mean.
   struct Part {
     int num_nodes = 0, node = -1;  // one of them
-    Vec3 sum = Vec3::Zero();       // of a field
-    Vec3 centre = Vec3::Zero();    // [m] mean of the nodes, from `node`
-    Mat3 spread = Mat3::Zero();    // [m^2] sum of r r^T about the mean
-    Vec3 turn = Vec3::Zero();      // that a field contains
+    Sums sums;
+    Vec3 centre = Vec3::Zero();  // [m] mean of the nodes, from `node`
+    Vec3 turn = Vec3::Zero();    // that a field contains
   };
 
   void step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report);
+  template <class Add>
+  void sum_over_nodes(const Add& add);                             // add(node, its part, sums)
   void remove_translation(PointArray& field);                      // of each connected part
   void remove_rotation(PointArray& field, ConstPoints positions);  // of a field without means
   void choose_elements(const Model& model, History& history, std::span<const unsigned char> changed);
@@ -71,6 +77,7 @@ class Averaging {
   std::optional<std::vector<int>> removed_;   // History::removed that parts_, of_part_ and node_weight_ belong to
   std::vector<double> node_weight_;           // number of live elements around a node: diagonal of P but for 7/8
   std::vector<Part> of_part_;                 // per connected part
+  std::vector<Sums> partial_;                 // scratch of sum_over_nodes
   std::vector<unsigned char> part_moves_;     // per connected part
   std::vector<unsigned char> chosen_;         // per element: it is left, and its part moves
   PointArray gradient_, increment_, before_;  // gradient_ holds -g

@@ -176,10 +176,6 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
 
 /// Rest-to-material averaging that never inverts an element.
 AveragingReport average_safely(const Model& model, LinearSolver& solver, const History& history, FlowWorkspace& work) {
-  for (std::size_t e = 0; e < work.flows.size(); ++e) {
-    const ElementFlow& f = work.flows[e];
-    work.changed[e] = f.yielded || f.repaired || f.volume_error >= kVolumeAtRest;
-  }
   AveragingReport report = work.averaging.advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
@@ -199,7 +195,7 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
 /// plastic stretch. A yield stress that lies beyond the limit without having grown there breaks nothing: an element
 /// without one, for which it is infinite, may still flow by rotation.
 bool is_broken(const Material& material, const History& before, const History& now, int e) {
-  for (int i = 0; i < kCorners; ++i) {
+  for (int i = 0; i < kCorners && std::isfinite(material.fracture_stress); ++i) {
     const double tau = now.yield_stress[e][i];
     if (tau > before.yield_stress[e][i] && tau > material.fracture_stress) return true;
   }
@@ -252,21 +248,17 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
                 FlowWorkspace& work) {
   FlowReport report;
   if (!flow_elements(model, at, dt, history, work)) return report;
-  if (const auto bad = std::ranges::find(work.flows, true, &ElementFlow::overflowed); bad != work.flows.end())
-    throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", bad - work.flows.begin()));
-
-  const auto count = [&](bool ElementFlow::*mark) {
-    return static_cast<int>(
-        std::count_if(work.flows.begin(), work.flows.end(), [&](const ElementFlow& f) { return f.*mark; }));
-  };
-  report.inverted = count(&ElementFlow::inverted);
-  report.skipped = count(&ElementFlow::skipped);
-  report.repaired = count(&ElementFlow::repaired);
-  for (const ElementFlow& f : work.flows)
+  for (std::size_t e = 0; e < work.flows.size(); ++e) {
+    const ElementFlow& f = work.flows[e];
+    if (f.overflowed) throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
+    report.yielded += f.yielded;
+    report.inverted += f.inverted;
+    report.skipped += f.skipped;
+    report.repaired += f.repaired;
     report.worst_volume_error = std::max(report.worst_volume_error, f.volume_error);
-  const bool at_rest =
-      count(&ElementFlow::yielded) == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest;
-  if (at_rest) return report;
+    work.changed[e] = f.yielded || f.repaired || f.volume_error >= kVolumeAtRest;
+  }
+  if (report.yielded == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest) return report;
 
   work.trial.material = history.material;
   work.trial.dissipated_energy = history.dissipated_energy;
@@ -275,9 +267,12 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
   work.trial.averaging_increment = history.averaging_increment;
   report.averaging = average_safely(model, solver, history, work);
   require_finite(work.trial.material, "material position");
-  report.yielded = count(&ElementFlow::yielded);
   report.removed = remove_broken(model, history, work);
-  for (const ElementFlow& f : work.flows) work.trial.dissipated_energy += f.dissipated;
+  report.yielded = 0;  // averaging may have taken some back
+  for (const ElementFlow& f : work.flows) {
+    report.yielded += f.yielded;
+    work.trial.dissipated_energy += f.dissipated;
+  }
   work.trial.version = history.version + 1;
   std::swap(history, work.trial);
   work.version = history.version;

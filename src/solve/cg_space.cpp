@@ -185,18 +185,23 @@ typename SlotCgSpace<T>::Partial SlotCgSpace<T>::sum() const {
 template <class T>
 double SlotCgSpace<T>::begin(ConstPoints b, const ConstPoints* start) {
   const Partition& partition = *partition_;
-  std::fill(x_.begin(), x_.end(), T(0));
-  std::fill(p_.begin(), p_.end(), T(0));
-  std::fill(Ap_.begin(), Ap_.end(), T(0));
-  std::fill(r_.begin(), r_.end(), T(0));  // the fourth number of a slot too, which to_slots leaves alone
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnedRange(partition, chunk);
+    for (AlignedVector<T>* vector :
+         {&x_, &p_, &Ap_, &r_})  // the fourth number of a slot too, which to_slots leaves alone
+      std::fill_n(vector->data() + first, size, T(0));
+  });
   scale_ = std::is_same_v<T, float> || preconditioner_ ? scale_to_one(std::sqrt(dot(b, b))) : 1;
   to_slots(partition, b, r_, scale_);
-  for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, r_);
+  if (start) to_slots(partition, *start, p_, scale_);  // x as the first direction, of length 1
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    fixed_.clear(chunk, r_);
+    if (!start) return;
+    fixed_.clear(chunk, p_);
+    const auto [first, size] = OwnedRange(partition, chunk);
+    for (std::size_t i = first; i < first + size; ++i) Ap_[i] = diagonal_[i] * p_[i];
+  });
   if (start) {
-    // x as the first direction, of length 1
-    to_slots(partition, *start, p_, scale_);
-    for (int chunk = 0; chunk < partition.num_chunks; ++chunk) fixed_.clear(chunk, p_);
-    for (std::size_t i = 0; i < p_.size(); ++i) Ap_[i] = diagonal_[i] * p_[i];
     multiply(*op_, factor_, p_, Ap_);
     if (!others_.empty()) add_others();
     parallel_for(partition.num_chunks, [&](int chunk) {

@@ -361,8 +361,11 @@ void Multigrid<T>::cycle(int coarse) {
 
 template <class T>
 void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
-  std::copy(r.begin(), r.end(), fine_.r.begin());
-  std::fill(z.begin(), z.end(), T(0));
+  parallel_for(fine_.op->partition().num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnedRange(fine_.op->partition(), chunk);
+    std::copy_n(r.data() + first, size, fine_.r.data() + first);
+    std::fill_n(z.data() + first, size, T(0));
+  });
   fine_.x.swap(z);
   if (coarse_.empty()) {
     smooth(fine_, kCoarsestDegree, kCoarsestShare, false);
