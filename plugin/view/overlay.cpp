@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "picture/axis.hpp"
 #include "picture/ink.hpp"
@@ -35,9 +37,20 @@ void draw_ring(ImDrawList* draw, const ImVec2& centre) {
 /// What belongs to instruments and is not part of their shapes.
 void draw_instruments(const WindowState& window, ImDrawList* draw) {
   for (const Vec3& place : window.figure.rings()) draw_ring(draw, pixel_of(window, place));
+  std::vector<ImVec2> corners;  // of labels
   for (const auto& [tip, force] : window.figure.tool_forces()) {
-    const ImVec2 end = pixel_of(window, tip);
-    draw_label(draw, {end.x + 10, end.y - 9}, kSteel, output::with_unit(force, "N"));
+    const std::string words = output::with_unit(force, "N");
+    ImVec2 corner = pixel_of(window, tip);
+    corner.x += 10;
+    corner.y -= 9;
+    // above those that it would cover
+    const ImVec2 size = text_size(words);
+    std::ranges::sort(corners, std::ranges::greater(), &ImVec2::y);
+    for (const ImVec2& other : corners)
+      if (std::abs(corner.x - other.x) < size.x + 10 && std::abs(corner.y - other.y) < size.y + 4)
+        corner.y = other.y - size.y - 4;
+    corners.push_back(corner);
+    draw_label(draw, corner, kSteel, words);
   }
 }
 

@@ -97,10 +97,11 @@ void main() {
 constexpr const char* kFlatFragment = R"(#version 330 core
 uniform vec4 ink;
 uniform bool is_round;
+uniform float point_size;
 out vec4 colour;
 void main() {
-  if (is_round && length(gl_PointCoord - 0.5) > 0.5) discard;
   colour = ink;
+  if (is_round) colour.a *= clamp(point_size * (0.5 - length(gl_PointCoord - 0.5)), 0, 1);
 })";
 
 unsigned compiled(unsigned kind, const char* text) {
@@ -315,7 +316,7 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   draw_lines(figure.cut_outline(), rgba(output::kEdge), output::kCutWidth * density);
   glUniform1f(place_of(flat_, "nearer"), 2e-3f);
   const float radius = std::min(output::kDotRadius, output::kDotOfEdge * length);
-  draw_places(figure.fixed_places(), GL_POINTS, rgba(output::kInk), 2 * radius * density);
+  draw_places(figure.fixed_places(), GL_POINTS, rgba(output::kInk), 2 * radius * density + 1);  // with a soft rim
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CLIP_DISTANCE0);
