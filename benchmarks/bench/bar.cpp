@@ -14,14 +14,16 @@ namespace {
 
 constexpr double kDensity = 1000;  // [kg/m^3]
 
+std::array<int, 3> cells_of(const BarSettings& settings) { return settings.cells.value_or(cells_for(settings.size)); }
+
 HexMesh make_mesh(const BarSettings& settings) {
-  const std::array<int, 3> cells = cells_for(settings.size);
+  const std::array<int, 3> cells = cells_of(settings);
   const double h = kBarLength / cells[2];
   return regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * h, cells[1] * h, kBarLength));
 }
 
 Material make_material(const BarSettings& settings) {
-  Material material{.young_modulus = 5000, .poisson_ratio = settings.poisson_ratio};
+  Material material{.young_modulus = settings.young_modulus, .poisson_ratio = settings.poisson_ratio};
   if (settings.mode == Mode::kElastic) return material;
   material.flow_rate = 2;
   material.hardening = 0.2;
@@ -66,8 +68,8 @@ Bar::Bar(const BarSettings& settings)
   for (int n = 0; n < num_nodes(); ++n)
     if (x_(n, 2) == 0) fixed_.push_back(n);
   if (!settings.is_pressed) return;
-  const std::array<int, 3> cells = cells_for(settings.size);
-  const double h = kBarLength / cells[2], width = cells[0] * h, stiffness = 30 * 5000 / h;
+  const std::array<int, 3> cells = cells_of(settings);
+  const double h = kBarLength / cells[2], width = cells[0] * h, stiffness = 30 * settings.young_modulus / h;
   const Vec3 size(0.02, 1, 2 * kBarLength / 3);
   plate_.emplace(Solid::box(size),
                  ContactSettings{.stiffness = stiffness, .tangential_stiffness = stiffness, .friction = 0.3},

@@ -28,6 +28,8 @@ struct BarSettings {
   Settings element = published_element();  ///< its form; the precision is the one above
   bool is_pressed = false;  ///< gravity leans it on a plate along two thirds of it, with friction: about 1000 contacts
                             ///< of 10 thousand hexahedra
+  double young_modulus = 5000;                   ///< [Pa]
+  std::optional<std::array<int, 3>> cells = {};  ///< in place of those for `size`
 };
 
 inline constexpr double kBarLength = 0.2;  ///< [m]
@@ -37,8 +39,8 @@ inline constexpr double kBarDt = 0.01;     ///< [s]
 /// and 100 thousand.
 std::array<int, 3> cells_for(int size);
 
-/// The body that everything is measured on: a soft-tissue bar of .2 m (E = 5 kPa, nu = .45, 1000 kg/m^3), clamped at
-/// one end, under gravity across its length. Lumped masses, implicit Euler without damping.
+/// The body that everything is measured on: a soft-tissue bar of .2 m (E = 5 kPa unless told, nu = .45, 1000 kg/m^3),
+/// clamped at one end, under gravity across its length. Lumped masses, implicit Euler without damping.
 class Bar final : public MechanicalSystem {
  public:
   explicit Bar(const BarSettings& settings);

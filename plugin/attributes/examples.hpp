@@ -142,7 +142,12 @@ inline constexpr std::array kExamples = {
   <MechanicalObject position="@spheres.position"/>
   <BarycentricMapping/>
 </Node>)xml"},
-    Example{"SpringForceField", R"xml(<SpringForceField spring="72 80 20 0.1 0.1  74 78 20 0.1 0.1"/>)xml"},
+    Example{"SpringForceField", R"xml(<SpringForceField spring="72 80 20 0.1 0.1  74 78 20 0.1 0.1"/>
+<Node name="weight">
+  <MechanicalObject name="points" position="0.15 0.1 0.4"/>
+  <UniformMass totalMass="0.02"/>
+</Node>
+<SpringForceField object1="@nodes" object2="@weight/points" spring="80 0 20 0.1 0.05"/>)xml"},
     Example{"MeshSpringForceField", R"xml(<MeshSpringForceField linesStiffness="2" linesDamping="0.01"/>)xml"},
     Example{"RegularGridSpringForceField", R"xml(<RegularGridSpringForceField stiffness="2"/>)xml"},
     Example{"QuadularBendingSprings", R"xml(<QuadularBendingSprings stiffness="10" damping="0.1"/>)xml"},
@@ -227,6 +232,11 @@ inline constexpr std::array kExamples = {
     Example{"PartialLinearMovementProjectiveConstraint",
             R"xml(<PartialLinearMovementProjectiveConstraint indices="72-80" keyTimes="0 1 1000"
     movements="0 0 0  0 0 0.05  0 0 0.05" movedDirections="0 0 1"/>)xml"},
+    Example{"AttachProjectiveConstraint", R"xml(<Node name="weight">
+  <MechanicalObject name="points" position="0.1 0.1 0.4"/>
+  <UniformMass totalMass="0.02"/>
+</Node>
+<AttachProjectiveConstraint object1="@nodes" object2="@weight/points" indices1="80" indices2="0"/>)xml"},
     Example{"AffineMovementProjectiveConstraint", R"xml(<AffineMovementProjectiveConstraint indices="72-80"
     beginConstraintTime="0" endConstraintTime="2" rotation="0 -1 0  1 0 0  0 0 1" translation="0.1 0 0"/>)xml"},
     Example{"SurfacePressureForceField", R"xml(<SurfacePressureForceField pressure="-50"

@@ -23,6 +23,7 @@ void add_engines(scene::Factory& factory);               // BoxROI and its like,
 void add_transforms(scene::Factory& factory);            // TransformEngine, TransformPosition, SphereLoader
 void add_extrusion(scene::Factory& factory);             // ExtrudeQuadsAndGenerateHexas
 void add_constraints(scene::Factory& factory);           // Fixed, PartialFixed, and the movements
+void add_attachments(scene::Factory& factory);           // AttachProjectiveConstraint
 void add_loads(scene::Factory& factory);                 // forces of the scene, pressure, obstacles, drag
 void add_springs(scene::Factory& factory);               // SpringForceField and its like, RestShapeSpringsForceField
 void add_instruments(scene::Factory& factory);           // GraspForceField

@@ -20,6 +20,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_transforms(factory);
   add_extrusion(factory);
   add_constraints(factory);
+  add_attachments(factory);
   add_loads(factory);
   add_springs(factory);
   add_instruments(factory);

@@ -57,6 +57,7 @@ class DirectSolver final : public Preconditioning {
  public:
   using Preconditioning::Preconditioning;
   hexaplast::LinearSolver& method() override { return solver_; }
+  bool needs_matrix() override { return true; }
   hexaplast::LinearSolver& preconditioner() override { return solver_; }
 
  private:
@@ -163,6 +164,7 @@ class PCGLinearSolver final : public LinkedSolver {
     }
     return solver_.emplace(real("tolerance"), integer("iterations"), preconditioner, kind);
   }
+  bool needs_matrix() override { return is_given("preconditioner") && boolean("use_precond"); }
 
  private:
   std::optional<SolverPreconditionedConjugateGradients> solver_;

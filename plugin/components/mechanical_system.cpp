@@ -28,6 +28,7 @@ NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
     for (scene::ForceField* field : node.all<scene::ForceField>())
       if (scene::acts_on(*field, *layer.state)) layer.force_fields.push_back(field);
   }
+  find_interactions();
   for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
     PointArray external = PointArray::Zero(layer.state->num_nodes(), 3);
@@ -35,27 +36,85 @@ NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
     layer.is_loaded = layer.is_loaded || !layer.masses.empty() || !layer.force_fields.empty() || !external.isZero(0);
     if (layer.is_loaded) layers_[layer.above].is_loaded = true;
   }
-  for (scene::ProjectiveConstraint* constraint : node.all<scene::ProjectiveConstraint>()) {
-    const auto constrained =
-        std::ranges::find_if(layers_, [&](const Layer& layer) { return scene::acts_on(*constraint, *layer.state); });
-    if (constrained == layers_.end() || constrained->mapping)
-      constraint->reject("constrains a state that follows another one");
-    constrained->constraints.push_back(constraint);
-  }
-  find_interactions();
+  find_constraints();
 }
 
-// They may stand anywhere in the scene.
+bool NodeSystem::is_ours(const scene::State* state) const {
+  return std::ranges::find(layers_, state, &Layer::state) != layers_.end();
+}
+
+std::size_t NodeSystem::layer_of(const scene::State* state) const {
+  return static_cast<std::size_t>(std::ranges::find(layers_, state, &Layer::state) - layers_.begin());
+}
+
+// They may stand anywhere in the scene. Where one of both states is not ours, nothing moves it, or the scene is
+// rejected.
 void NodeSystem::find_interactions() {
-  for (scene::InteractionForceField* field : node_.root().all<scene::InteractionForceField>()) {
-    Interaction interaction{.field = field};
-    bool is_ours = true;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const auto at = std::ranges::find(roots(), field->states()[k], &Layer::state);
-      is_ours = is_ours && at != roots().end();
-      if (is_ours) interaction.roots[k] = static_cast<std::size_t>(at - roots().begin());
+  node_.root().for_each<scene::Interaction>([&](scene::Interaction& field) {
+    const std::array<scene::MechanicalState*, 2> states = field.states();
+    if (!is_ours(states[0]) && !is_ours(states[1])) return;
+    Interaction interaction{.field = &field, .one_sided = dynamic_cast<scene::OneSidedInteraction*>(&field)};
+    for (int end = 0; end < 2; ++end) {
+      if (!is_ours(states[end])) {
+        interaction.layers[end] = kAtRest;
+        interaction.zero = interaction.scratch = PointArray::Zero(states[end]->num_nodes(), 3);
+        continue;
+      }
+      interaction.layers[end] = layer_of(states[end]);
+      Layer& layer = layers_[interaction.layers[end]];
+      if (!layer.mapping) continue;
+      layer.is_loaded = true;
+      interaction.is_of_roots = false;
     }
-    if (is_ours) interactions_.push_back(interaction);
+    interactions_.push_back(std::move(interaction));
+  });
+}
+
+void NodeSystem::find_constraints() {
+  node_.for_each<scene::Component>([&](scene::Component& component) {
+    Constraint constraint{.of_one = dynamic_cast<scene::ProjectiveConstraint*>(&component),
+                          .of_two = dynamic_cast<scene::InteractionProjectiveConstraint*>(&component)};
+    if (constraint.of_one) {
+      const auto constrained =
+          std::ranges::find_if(layers_, [&](const Layer& layer) { return scene::acts_on(component, *layer.state); });
+      if (constrained == layers_.end() || constrained->mapping)
+        component.reject("constrains a state that follows another one");
+      constraint.layers.fill(static_cast<std::size_t>(constrained - layers_.begin()));
+    } else if (constraint.of_two) {
+      for (int end = 0; end < 2; ++end) {
+        scene::MechanicalState* state = constraint.of_two->states()[end];
+        const char* object = end == 0 ? "object1" : "object2";
+        if (!is_ours(state))
+          component.reject(
+              object, fmt::format("leads to '{}', which the time integrator of the node does not move", state->name()));
+        constraint.layers[end] = layer_of(state);
+        if (layers_[constraint.layers[end]].mapping && (end == 1 || constraint.of_two->couples()))
+          component.reject(object, fmt::format("leads to '{}', which follows another state: must lead to one that an "
+                                               "integrator moves",
+                                               state->name()));
+      }
+    } else {
+      return;
+    }
+    constraints_.push_back(constraint);
+  });
+  for (const Constraint& constraint : constraints_)
+    if (constraint.of_two && constraint.of_two->couples()) require_commuting(constraint);
+}
+
+/// Projections of which one undoes what the other has done make none together.
+void NodeSystem::require_commuting(const Constraint& constraint) const {
+  for (const Constraint& other : constraints_) {
+    if (&other == &constraint) continue;
+    PointArray one = irregular_numbers(num_nodes_), two = one;
+    project(constraint, one);
+    project(other, one);
+    project(other, two);
+    project(constraint, two);
+    if ((one - two).cwiseAbs().maxCoeff() < 1e-12) continue;
+    const scene::Component& of_other = other.of_one ? static_cast<scene::Component&>(*other.of_one) : *other.of_two;
+    constraint.of_two->reject(fmt::format("ties nodes that {} '{}' constrains too: each node must have one of both",
+                                          of_other.class_name(), of_other.name()));
   }
 }
 
@@ -134,12 +193,44 @@ void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v,
     layer.f.setZero();
     add_force(over, layer, time, layer.x, layer.v, layer.f);
   }
+  add_interaction_forces(false, time, x, v, f);
   for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
     if (layer.is_loaded) layer.mapping->add_transposed(layer.f, part_of(layer.above, f, &Layer::f));
   }
-  for (const Interaction& interaction : interactions_)
-    interaction.field->add_force(time, rows_of(interaction, x), rows_of(interaction, v), rows_of(interaction, f));
+  add_interaction_forces(true, time, x, v, f);
+}
+
+void NodeSystem::add_interaction_forces(bool of_roots, double time, ConstPoints x, ConstPoints v, Points f) const {
+  for (Interaction& interaction : interactions_)
+    if (interaction.is_of_roots == of_roots)
+      interaction.field->add_force(time, positions_of(interaction, x), velocities_of(interaction, v),
+                                   forces_of(interaction, f));
+}
+
+OfTwo<ConstPoints> NodeSystem::positions_of(const Interaction& interaction, ConstPoints x) const {
+  const auto of = [&](int end) {
+    return part_of<ConstPoints>(interaction, end, x, &Layer::x, interaction.field->states()[end]->positions());
+  };
+  return {of(0), of(1)};
+}
+
+OfTwo<ConstPoints> NodeSystem::velocities_of(const Interaction& interaction, ConstPoints v) const {
+  const auto of = [&](int end) {
+    return part_of<ConstPoints>(interaction, end, v, &Layer::v, interaction.field->states()[end]->velocities());
+  };
+  return {of(0), of(1)};
+}
+
+OfTwo<ConstPoints> NodeSystem::increments_of(const Interaction& interaction, ConstPoints dx) const {
+  const auto of = [&](int end) { return part_of<ConstPoints>(interaction, end, dx, &Layer::x, interaction.zero); };
+  return {of(0), of(1)};
+}
+
+OfTwo<Points> NodeSystem::forces_of(Interaction& interaction, Points f) const {
+  interaction.scratch.setZero();
+  const auto of = [&](int end) { return part_of<Points>(interaction, end, f, &Layer::f, interaction.scratch); };
+  return {of(0), of(1)};
 }
 
 // A mass damps by its own factor, a force field by its own: both through the damping factor b of m M + b B + k K.
@@ -189,21 +280,24 @@ void NodeSystem::add_product(Over over, const OperatorFactors& factors, ConstPoi
     layer.f.setZero();
     add_product(over, layer, factors, layer.x, layer.f);
   }
+  add_interactions(false, factors, dx, df);
   for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
     if (takes_part(layer)) layer.mapping->add_transposed(layer.f, part_of(layer.above, df, &Layer::f));
   }
-  add_interactions(factors, dx, df);
+  add_interactions(true, factors, dx, df);
 }
 
-void NodeSystem::add_interactions(const OperatorFactors& factors, ConstPoints dx, Points df) const {
-  for (const Interaction& interaction : interactions_) {
-    const scene::InteractionForceField* field = interaction.field;
-    if (!field->is_in_matrix()) continue;
+void NodeSystem::add_interactions(bool of_roots, const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  for (Interaction& interaction : interactions_) {
+    const scene::Interaction* field = interaction.field;
+    if (interaction.is_of_roots != of_roots || !field->is_in_matrix()) continue;
     const double stiffness = factors.stiffness + factors.damping * field->rayleigh_stiffness();
-    if (stiffness != 0) field->add_stiffness_product(stiffness, rows_of(interaction, dx), rows_of(interaction, df));
-    if (factors.damping != 0)
-      field->add_damping_product(factors.damping, rows_of(interaction, dx), rows_of(interaction, df));
+    if (stiffness != 0)
+      field->add_stiffness_product(stiffness, increments_of(interaction, dx), forces_of(interaction, df));
+    if (interaction.one_sided && factors.damping != 0)
+      interaction.one_sided->add_damping_product(factors.damping, increments_of(interaction, dx),
+                                                 forces_of(interaction, df));
   }
 }
 
@@ -237,11 +331,28 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
   }
   A.set_whole_range();
   for (const Interaction& interaction : interactions_) {
-    const scene::InteractionForceField* field = interaction.field;
-    const std::array first_nodes = {root(interaction.roots[0]).first_node, root(interaction.roots[1]).first_node};
+    const scene::Interaction* field = interaction.field;
+    std::array<int, 2> first_nodes = {};
+    for (int end = 0; end < 2; ++end)
+      first_nodes[end] = interaction.layers[end] == kAtRest ? -1 : root(interaction.layers[end]).first_node;
     field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A, first_nodes);
-    field->add_damping_blocks(factors.damping, A, first_nodes);
+    if (interaction.one_sided) interaction.one_sided->add_damping_blocks(factors.damping, A, first_nodes);
   }
+}
+
+void NodeSystem::require_matrix(const std::string& why) const {
+  const std::string hint = fmt::format("but {} needs one: take a MultigridCGLinearSolver or a CGLinearSolver", why);
+  for (const Interaction& interaction : interactions_) {
+    if (interaction.is_of_roots || interaction.layers[0] == kAtRest || interaction.layers[1] == kAtRest) continue;
+    const std::size_t end = layers_[interaction.layers[0]].mapping ? 0 : 1;
+    dynamic_cast<scene::Component*>(interaction.field)
+        ->reject(end == 0 ? "object1" : "object2",
+                 fmt::format("leads to '{}', which follows another state: no matrix has that, {}",
+                             layers_[interaction.layers[end]].state->name(), hint));
+  }
+  for (const Constraint& constraint : constraints_)
+    if (constraint.of_two && constraint.of_two->couples())
+      constraint.of_two->reject("twoWay", fmt::format("ties nodes in both ways: no matrix has that, {}", hint));
 }
 
 bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
@@ -283,6 +394,10 @@ void NodeSystem::describe(Layer& layer, const OperatorFactors& factors, MatrixFr
 /// After those of the independent states: what the states that follow have, and whose matrix has some.
 void NodeSystem::find_others() const {
   for (Layer& layer : layers_) layer.has_others = false;
+  for (const Interaction& interaction : interactions_)
+    for (const std::size_t layer : interaction.layers)
+      if (!interaction.is_of_roots && layer != kAtRest && layers_[layer].mapping && interaction.field->is_in_matrix())
+        layers_[layer].has_others = true;
   for (std::size_t i = layers_.size(); i-- > 0;) {
     Layer& layer = layers_[i];
     if (layer.mapping) {
@@ -312,16 +427,19 @@ bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints 
       has_released = field->release(rows_of(root, x_end), rows_of(root, v_end)) || has_released;
       add(1);
     }
-  for (const Interaction& interaction : interactions_) {
+  for (Interaction& interaction : interactions_) {
+    if (!interaction.one_sided) continue;
     const auto add = [&](double sign) {
       difference_.setZero(num_nodes_, 3);
-      interaction.field->add_force(time, rows_of(interaction, x), rows_of(interaction, v),
-                                   rows_of(interaction, Points(difference_)));
+      interaction.field->add_force(time, positions_of(interaction, x), velocities_of(interaction, v),
+                                   forces_of(interaction, difference_));
       force += sign * difference_;
-      interaction.field->add_stiffness_product(sign, rows_of(interaction, v), rows_of(interaction, product));
+      interaction.field->add_stiffness_product(sign, increments_of(interaction, v), forces_of(interaction, product));
     };
     add(-1);
-    has_released = interaction.field->release(rows_of(interaction, x_end), rows_of(interaction, v_end)) || has_released;
+    has_released =
+        interaction.one_sided->release(positions_of(interaction, x_end), velocities_of(interaction, v_end)) ||
+        has_released;
     add(1);
   }
   return has_released;
@@ -335,20 +453,40 @@ bool NodeSystem::add_mass_diagonal(Points diagonal) const {
 }
 
 void NodeSystem::prescribe(double time, Points x, Points v) const {
-  for (const Layer& root : roots())
-    for (const scene::ProjectiveConstraint* constraint : root.constraints)
-      constraint->project_motion(time, rows_of(root, x), rows_of(root, v));
+  for (const Constraint& constraint : constraints_) {
+    const auto [first, second] = std::pair(constraint.layers[0], constraint.layers[1]);
+    if (constraint.of_one) {
+      constraint.of_one->project_motion(time, rows_of(root(first), x), rows_of(root(first), v));
+    } else {
+      scene::State& leading = *layers_[first].state;
+      const bool follows = layers_[first].mapping;
+      constraint.of_two->project_motion(
+          time, {follows ? Points(leading.positions()) : rows_of(root(first), x), rows_of(root(second), x)},
+          {follows ? Points(leading.velocities()) : rows_of(root(first), v), rows_of(root(second), v)});
+    }
+  }
+}
+
+void NodeSystem::project(const Constraint& constraint, Points field) const {
+  const auto [first, second] = std::pair(constraint.layers[0], constraint.layers[1]);
+  if (constraint.of_one)
+    constraint.of_one->project(rows_of(root(first), field));
+  else
+    constraint.of_two->project({part_of(first, field, &Layer::f), rows_of(root(second), field)});
 }
 
 void NodeSystem::project(Points field) const {
-  for (const Layer& root : roots())
-    for (const scene::ProjectiveConstraint* constraint : root.constraints) constraint->project(rows_of(root, field));
+  for (const Constraint& constraint : constraints_) project(constraint, field);
 }
 
 void NodeSystem::pin(BlockMatrix& A) const {
-  for (const Layer& root : roots()) {
-    A.set_range(root.first_node, root.state->num_nodes());
-    for (const scene::ProjectiveConstraint* constraint : root.constraints) constraint->pin(A);
+  for (const Constraint& constraint : constraints_) {
+    const Layer& layer = root(constraint.layers[1]);
+    A.set_range(layer.first_node, layer.state->num_nodes());
+    if (constraint.of_one)
+      constraint.of_one->pin(A);
+    else
+      constraint.of_two->pin(A);
   }
   A.set_whole_range();
 }
@@ -429,9 +567,14 @@ double NodeSystem::highest_frequency() const {
 }
 
 void NodeSystem::project_motion(double time) const {
-  for (const Layer& root : roots())
-    for (const scene::ProjectiveConstraint* constraint : root.constraints)
-      constraint->project_motion(time, root.state->positions(), root.state->velocities());
+  for (const Constraint& constraint : constraints_) {
+    scene::State &first = *layers_[constraint.layers[0]].state, &second = *layers_[constraint.layers[1]].state;
+    if (constraint.of_one)
+      constraint.of_one->project_motion(time, first.positions(), first.velocities());
+    else
+      constraint.of_two->project_motion(time, {first.positions(), second.positions()},
+                                        {first.velocities(), second.velocities()});
+  }
   for (const Layer& root : roots()) root.state->settle();
   follow();
 }

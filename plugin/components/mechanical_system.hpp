@@ -54,6 +54,10 @@ class NodeSystem final : public MechanicalSystem {
   /// The rows of a field of the system that belong to an independent state of it.
   ConstPoints rows_of_state(const scene::State& state, ConstPoints of_all) const;
 
+  /// Rejects the scene, naming what no assembled matrix has: constraints that couple nodes, and forces between states
+  /// of which one follows another one. `why`: who asks for a matrix.
+  void require_matrix(const std::string& why) const;
+
   /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it. A scene
   /// that is read as SOFA reads it moves without mass: a warning then.
   void require_mass() const;
@@ -72,10 +76,9 @@ class NodeSystem final : public MechanicalSystem {
   /// A state and what acts on it.
   struct Layer {
     scene::State* state = nullptr;
-    scene::Mapping* mapping = nullptr;                           // null: an independent state
-    std::size_t above = 0;                                       // layer that it follows; lies before this one
-    int first_node = 0;                                          // of the system's, for an independent state
-    std::vector<scene::ProjectiveConstraint*> constraints = {};  // of an independent state
+    scene::Mapping* mapping = nullptr;  // null: an independent state
+    std::size_t above = 0;              // layer that it follows; lies before this one
+    int first_node = 0;                 // of the system's, for an independent state
     std::vector<scene::MassMatrix*> masses = {};
     std::vector<scene::ForceField*> force_fields = {};
 
@@ -92,10 +95,24 @@ class NodeSystem final : public MechanicalSystem {
     MatrixFreeSystem part = {};  // scratch of one independent state of several
   };
 
-  /// Between two independent states.
+  static constexpr std::size_t kAtRest = static_cast<std::size_t>(-1);  // in place of a layer
+
+  /// Between two states, of which one may be at rest.
   struct Interaction {
-    scene::InteractionForceField* field = nullptr;
-    std::array<std::size_t, 2> roots = {};
+    scene::Interaction* field = nullptr;
+    scene::OneSidedInteraction* one_sided = nullptr;  // the same, where it is
+    std::array<std::size_t, 2> layers = {};
+    bool is_of_roots = true;  // both layers are independent states
+
+    // of the state at rest
+    PointArray zero = {}, scratch = {};
+  };
+
+  /// On an independent state, or between two states.
+  struct Constraint {
+    scene::ProjectiveConstraint* of_one = nullptr;
+    scene::InteractionProjectiveConstraint* of_two = nullptr;
+    std::array<std::size_t, 2> layers = {};  // of_two: the first one may follow; otherwise the same one twice
   };
 
   /// What of the scene a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels
@@ -127,13 +144,24 @@ class NodeSystem final : public MechanicalSystem {
     return Field(of_all.middleRows(root.first_node, root.state->num_nodes()));
   }
 
-  /// The rows of a system's field that belong to the two states of an interaction.
+  /// The same of both states of an interaction.
   template <class Field>
-  OfTwo<Field> rows_of(const Interaction& interaction, Field of_all) const {
-    return {rows_of(root(interaction.roots[0]), of_all), rows_of(root(interaction.roots[1]), of_all)};
+  Field part_of(const Interaction& interaction, int end, Field of_all, PointArray Layer::*scratch,
+                Field at_rest) const {
+    return interaction.layers[end] == kAtRest ? at_rest : part_of(interaction.layers[end], of_all, scratch);
   }
+  OfTwo<ConstPoints> positions_of(const Interaction& interaction, ConstPoints x) const;
+  OfTwo<ConstPoints> velocities_of(const Interaction& interaction, ConstPoints v) const;
+  OfTwo<ConstPoints> increments_of(const Interaction& interaction, ConstPoints dx) const;
+  OfTwo<Points> forces_of(Interaction& interaction, Points f) const;
+  bool is_ours(const scene::State* state) const;
+  std::size_t layer_of(const scene::State* state) const;
   void find_interactions();
-  void add_interactions(const OperatorFactors& factors, ConstPoints dx, Points df) const;
+  void find_constraints();
+  void require_commuting(const Constraint& constraint) const;
+  void add_interaction_forces(bool of_roots, double time, ConstPoints x, ConstPoints v, Points f) const;
+  void add_interactions(bool of_roots, const OperatorFactors& factors, ConstPoints dx, Points df) const;
+  void project(const Constraint& constraint, Points field) const;
 
   void gather();
   void scatter() const;
@@ -147,9 +175,10 @@ class NodeSystem final : public MechanicalSystem {
   static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
 
   scene::Node& node_;
-  mutable std::vector<Layer> layers_;  // the independent states first; mutable for their scratch
-  std::size_t num_roots_ = 0;          // independent states
-  std::vector<Interaction> interactions_;
+  mutable std::vector<Layer> layers_;              // the independent states first; mutable for their scratch
+  std::size_t num_roots_ = 0;                      // independent states
+  mutable std::vector<Interaction> interactions_;  // likewise
+  std::vector<Constraint> constraints_;            // in the order of the scene
   int num_nodes_ = 0;
   mutable Others others_ = Others(*this);
   PointArray x_, v_;       // of several independent states

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "attributes/stock.hpp"
+#include "components/between_states.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
 
@@ -39,35 +40,85 @@ class SpringField : public scene::ForceField {
 
   static double distance(const PointArray& points, int a, int b) { return (points.row(b) - points.row(a)).norm(); }
 
- private:
   Springs springs_;
   double rayleigh_stiffness_ = 0;
 };
 
-class SpringForceField final : public SpringField {
+/// Of its state, or between two of which not both are it.
+class SpringForceField final : public SpringField, public scene::Interaction {
  public:
   SpringForceField() : SpringField(attributes::kSpringForceField) {}
 
+  std::array<scene::MechanicalState*, 2> states() const override { return states_; }
+
+  void init() override {
+    const std::array given = {&state_at("object1"), &state_at("object2")};
+    const scene::State* own = node().nearest<scene::State>();
+    if (given[0] == own && given[1] == own) return SpringField::init();
+    states_ = given;
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+
+  // When both states have their nodes, which may stand behind it.
+  void bwd_init() override {
+    if (!states_[0]) return;
+    require_one_integrator(*this, states_);
+    make_springs();
+  }
+
+  void refresh() override {
+    if (!states_[0]) return SpringField::refresh();
+    rayleigh_stiffness_ = real("rayleighStiffness");
+    make_springs();
+  }
+
+  using SpringField::add_force;
+  using SpringField::add_stiffness_blocks;
+  using SpringField::add_stiffness_product;
+  void add_force(double, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
+    springs_.add_force(x, v, f);
+  }
+  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+    springs_.add_stiffness_product(factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {
+    springs_.add_stiffness_blocks(factor, A, first_nodes);
+  }
+  bool is_in_matrix() const override { return SpringField::is_in_matrix(); }
+  double rayleigh_stiffness() const override { return SpringField::rayleigh_stiffness(); }
+
  private:
+  scene::MechanicalState& state_at(std::string_view object) {
+    require_points(*this, object);
+    return linked<scene::MechanicalState>(object);
+  }
+
+  void make_springs() {
+    const std::array num_nodes = {states_[0]->num_nodes(), states_[1]->num_nodes()};
+    springs_ = Springs(make(num_nodes), num_nodes);
+  }
+
   std::vector<Spring> make(scene::MechanicalState& state) override {
-    for (const char* name : {"object1", "object2"})
-      if (is_given(name) && &linked<scene::MechanicalState>(name) != &state)
-        reject(name, fmt::format("leads to '{}', must lead to '{}': there are no springs between two mechanical states",
-                                 linked<scene::MechanicalState>(name).name(), state.name()));
-    std::vector<Spring> springs = from_lists(state.num_nodes());
-    if (is_given("spring")) springs = whole();
+    return make({state.num_nodes(), state.num_nodes()});
+  }
+
+  std::vector<Spring> make(std::array<int, 2> num_nodes) {
+    std::vector<Spring> springs = from_lists(num_nodes);
+    if (is_given("spring")) springs = whole(num_nodes);
     for (Spring& spring : springs) spring.only_pulls = boolean("elongationOnly");
     return springs;
   }
 
-  std::vector<Spring> whole() {
+  std::vector<Spring> whole(std::array<int, 2> num_nodes) {
     const std::vector<double>& numbers = reals("spring");
     if (numbers.size() % 5 != 0) reject("spring", fmt::format("{} numbers given, must be groups of 5", numbers.size()));
     std::vector<Spring> springs;
     for (auto n = numbers.begin(); n != numbers.end(); n += 5) {
       for (int end = 0; end < 2; ++end)
-        if (n[end] != std::floor(n[end]) || n[end] < 0 || n[end] > attributes::kIndex.max)
-          reject("spring", fmt::format("{} is not a node", n[end]));
+        if (n[end] != std::floor(n[end]) || n[end] < 0 || n[end] >= num_nodes[end])
+          reject("spring",
+                 fmt::format("{} is not a node{}, must be a whole number from 0 to {}", n[end],
+                             states_[end] ? fmt::format(" of '{}'", states_[end]->name()) : "", num_nodes[end] - 1));
       for (int i = 2; i < 5; ++i)
         if (n[i] < 0) reject("spring", fmt::format("{} must be at least 0", n[i]));
       springs.push_back({static_cast<int>(n[0]), static_cast<int>(n[1]), n[2], n[3], n[4]});
@@ -75,8 +126,8 @@ class SpringForceField final : public SpringField {
     return springs;
   }
 
-  std::vector<Spring> from_lists(int num_nodes) {
-    const std::vector<int> first = indices("indices1", num_nodes), second = indices("indices2", num_nodes);
+  std::vector<Spring> from_lists(std::array<int, 2> num_nodes) {
+    const std::vector<int> first = indices("indices1", num_nodes[0]), second = indices("indices2", num_nodes[1]);
     if (first.size() != second.size())
       reject("indices2",
              fmt::format("{} nodes given for {} of indices1, must be as many", second.size(), first.size()));
@@ -95,6 +146,8 @@ class SpringForceField final : public SpringField {
       reject(name, fmt::format("{} values given for {} springs, must be one or as many", given.size(), count));
     return given;
   }
+
+  std::array<scene::MechanicalState*, 2> states_ = {};  // null: one state, the nearest
 };
 
 class MeshSprings final : public SpringField {
@@ -159,6 +212,7 @@ class BendingSprings final : public SpringField {
   Pairs pairs_;
 };
 
+/// To the rest positions, or to where another state is at the moment.
 class RestShapeSpringsForceField final : public scene::ForceField {
  public:
   RestShapeSpringsForceField() : ForceField(attributes::kRestShapeSpringsForceField) {}
@@ -176,11 +230,36 @@ class RestShapeSpringsForceField final : public scene::ForceField {
       reject("stiffness",
              fmt::format("{} values given for {} nodes, must be one or as many", stiffness_.size(), nodes_.size()));
     rayleigh_stiffness_ = real("rayleighStiffness");
+    if (is_given("external_points") && !is_given("external_rest_shape"))
+      reject("external_points", "given without external_rest_shape, the state that has them");
   }
-  void refresh() override { init(); }
+
+  // When the other state has its points, which may stand behind it.
+  void bwd_init() override {
+    if (!is_given("external_rest_shape")) return;
+    require_points(*this, "external_rest_shape");
+    external_ = &linked<scene::MechanicalState>("external_rest_shape");
+    const int num_points = external_->num_nodes();
+    anchors_ = indices("external_points", num_points);
+    if (!is_given("external_points")) {
+      anchors_.resize(static_cast<std::size_t>(num_points));
+      std::iota(anchors_.begin(), anchors_.end(), 0);
+    }
+    if (anchors_.size() != nodes_.size())
+      reject(is_given("external_points") ? "external_points" : "external_rest_shape",
+             fmt::format("{} points of '{}' for {} nodes, must be as many", anchors_.size(), external_->name(),
+                         nodes_.size()));
+    rest_ = state_->rest_positions();
+  }
+
+  void refresh() override {
+    init();
+    bwd_init();
+  }
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
-    add_anchor_forces(nodes_, stiffness_, state_->rest_positions(), x, f);
+    for (std::size_t i = 0; i < anchors_.size(); ++i) rest_.row(nodes_[i]) = external_->positions().row(anchors_[i]);
+    add_anchor_forces(nodes_, stiffness_, external_ ? rest_ : state_->rest_positions(), x, f);
   }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
     for (std::size_t i = 0; i < nodes_.size(); ++i) df.row(nodes_[i]) -= factor * stiffness_[i] * dx.row(nodes_[i]);
@@ -194,7 +273,10 @@ class RestShapeSpringsForceField final : public scene::ForceField {
  private:
   scene::MechanicalState* state_ = nullptr;
   std::vector<int> nodes_;
-  std::vector<double> stiffness_;  // [N/m] of each
+  std::vector<double> stiffness_;               // [N/m] of each
+  scene::MechanicalState* external_ = nullptr;  // null: the rest positions count
+  std::vector<int> anchors_;                    // node of the external state for each of the nodes
+  PointArray rest_;                             // [m] where the external state has them
   double rayleigh_stiffness_ = 0;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <fmt/format.h>
+
 #include <optional>
 #include <utility>
 
@@ -21,6 +23,8 @@ class SystemSolver : public scene::OdeSolver {
     for (scene::Component* component : node().all<scene::Component>())
       if (component->stage() == Stage::kFailed) throw scene::DependencyFailure();
     system_.emplace(node());
+    if (linear_solver_ && linear_solver_->needs_matrix())
+      system_->require_matrix(fmt::format("{} '{}'", linear_solver_->class_name(), linear_solver_->name()));
     system_->project_motion(0);
   }
 

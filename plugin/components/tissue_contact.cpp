@@ -11,9 +11,9 @@
 namespace hexaplast::components {
 namespace {
 
-class TissueContactForceField final : public scene::InteractionForceField {
+class TissueContactForceField final : public scene::OneSidedInteraction {
  public:
-  TissueContactForceField() : InteractionForceField(attributes::kTissueContactForceField) {}
+  TissueContactForceField() : OneSidedInteraction(attributes::kTissueContactForceField) {}
 
   std::array<scene::MechanicalState*, 2> states() const override { return states_; }
 

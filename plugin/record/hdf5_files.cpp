@@ -294,13 +294,20 @@ struct Found {
   std::string unit;
 };
 
+// From version 1.12 on the callback is given another struct, and the function that takes it has a number of its own.
+#if H5_VERSION_GE(1, 12, 0)
+constexpr auto kVisit = H5Ovisit3;
+#else
+constexpr auto kVisit = H5Ovisit2;
+#endif
+
 /// Those with numbers, by their names in the file.
 std::map<std::string, Found> find_sets(const fs::path& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path, "cannot make properties");
   require(H5Pset_file_locking(access, false, true) >= 0, path, "cannot make properties");
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose, path, "cannot open the file");
   std::map<std::string, Found> found;
-  const auto visit = [](hid_t id, const char* name, const H5O_info_t* info, void* data) -> herr_t {
+  const auto visit = [](hid_t id, const char* name, const auto* info, void* data) -> herr_t {
     if (info->type != H5O_TYPE_DATASET) return 0;
     const hid_t set = H5Dopen2(id, name, H5P_DEFAULT), space = H5Dget_space(set), type = H5Dget_type(set);
     Found one{Shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space)))),
@@ -321,8 +328,7 @@ std::map<std::string, Found> find_sets(const fs::path& path) {
     static_cast<std::map<std::string, Found>*>(data)->emplace(name, std::move(one));
     return 0;
   };
-  require(H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, visit, &found, H5O_INFO_BASIC) >= 0, path,
-          "cannot read the file");
+  require(kVisit(file, H5_INDEX_NAME, H5_ITER_INC, visit, &found, H5O_INFO_BASIC) >= 0, path, "cannot read the file");
   return found;
 }
 

@@ -386,14 +386,17 @@ void add_list(CLI::App& app, ListOptions& options) {
 }
 
 void add_bench(CLI::App& app, BenchOptions& options) {
-  CLI::App* bench = app.add_subcommand("bench",
-                                       "Measure implicit steps of a soft bar, or of a scene, and of a dense reference "
-                                       "implementation; check that results do not depend on threads");
+  CLI::App* bench =
+      app.add_subcommand("bench",
+                         "Measure implicit steps of a soft bar, of many small ones, or of a scene, and of a "
+                         "dense reference implementation; check that results do not depend on threads");
   bench->footer(kExitCodes);
   bench->add_option("--json", options.json, "Write the records as JSON; - for standard output, without the table")
       ->type_name("FILE|-");
   CLI::Option* sizes =
-      bench->add_option("--sizes", options.sizes, "Hexahedra of the bars; k for a thousand. Default 1k,10k,100k")
+      bench
+          ->add_option("--sizes", options.sizes,
+                       "Hexahedra of the bars; k for a thousand. Default 1k,10k,100k; with --batch 90,250,1k")
           ->type_name("N,N,...")
           ->delimiter(',');
   bench->add_option("--threads", options.threads, "Numbers of threads, which must agree bit for bit. Default 1,2")
@@ -412,10 +415,20 @@ void add_bench(CLI::App& app, BenchOptions& options) {
       ->type_name("R")
       ->check(CLI::Range(0.0, 10.0))
       ->needs(baseline);
-  bench->add_option("--scene", options.scene.file, "Measure a scene instead of the bars")
-      ->type_name("SCENE")
-      ->excludes(sizes)
-      ->excludes(quick);
+  CLI::Option* scene = bench->add_option("--scene", options.scene.file, "Measure a scene instead of the bars")
+                           ->type_name("SCENE")
+                           ->excludes(sizes)
+                           ->excludes(quick);
+  CLI::Option* batch = bench
+                           ->add_flag("--batch", options.is_batch,
+                                      "Measure many small bars in one process: one after the other, and stepped at "
+                                      "once; check that each has the bits that it has alone")
+                           ->excludes(scene)
+                           ->excludes(baseline);
+  bench->add_option("--bodies", options.bodies, "How many. Default 64")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100'000))
+      ->needs(batch);
   add_mesh_path(*bench, options.scene);
   add_plugin_options(*bench, options.scene.plugins, options.scene.plugin_path);
 }

@@ -60,7 +60,11 @@ std::vector<State*> independent_states(const Node& node) {
   return states;
 }
 
-bool acts_on(const Component& component, const State& state) { return component.node().nearest<State>() == &state; }
+bool acts_on(const Component& component, const State& state) {
+  const auto* interaction = dynamic_cast<const Interaction*>(&component);
+  if (interaction && interaction->states()[0]) return false;
+  return component.node().nearest<State>() == &state;
+}
 
 std::vector<MassMatrix*> masses_of(const Node& node, const State& state) {
   std::vector<MassMatrix*> masses;

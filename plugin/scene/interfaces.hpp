@@ -164,27 +164,42 @@ class ForceField : public Component {
   virtual void remove_elements(std::span<const int> /*elements*/) {}
 };
 
-/// Forces between two mechanical states that follow no other one and that one integrator moves, or within one state.
-/// The verbs are those of ForceField, with a field of each state.
-class InteractionForceField : public Component {
+/// Forces between two mechanical states, or within one. The verbs are those of ForceField, with a field of each state.
+/// A state may follow another one; one of the two may be at rest, where no integrator moves it. Otherwise one
+/// integrator moves both.
+class Interaction {
  public:
-  static constexpr std::string_view kCategory = "InteractionForceField";
-  using Component::Component;
+  virtual ~Interaction() = default;
 
-  /// The same one twice for forces within a state. Known from init on.
+  /// The same one twice for forces within a state. Known from init on; null, both of them: a ForceField that might be
+  /// between states acts on its nearest one.
   virtual std::array<MechanicalState*, 2> states() const = 0;
 
   virtual void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) = 0;
   virtual void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const = 0;
-  virtual void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const = 0;
 
-  /// first_nodes: where the nodes of each state begin in A.
+  /// first_nodes: where the nodes of each state begin in A; -1: it is at rest, and A has none of them.
   virtual void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
-  virtual void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
 
   virtual bool is_in_matrix() const { return true; }
   virtual double rayleigh_stiffness() const { return 0; }
-  virtual bool release(const OfTwo<ConstPoints>& /*x_end*/, const OfTwo<ConstPoints>& /*v_end*/) { return false; }
+};
+
+/// What is between states and nothing else.
+class InteractionForceField : public Component, public Interaction {
+ public:
+  static constexpr std::string_view kCategory = "InteractionForceField";
+  using Component::Component;
+};
+
+/// One-sided forces between two independent states, which damp besides.
+class OneSidedInteraction : public InteractionForceField {
+ public:
+  using InteractionForceField::InteractionForceField;
+
+  virtual void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const = 0;
+  virtual void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
+  virtual bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) = 0;
 };
 
 class ProjectiveConstraint : public Component {
@@ -197,6 +212,23 @@ class ProjectiveConstraint : public Component {
 
   /// Prescribed motion, applied after init and after every solve, at the time t_n of the step's beginning.
   virtual void project_motion(double /*time*/, Points /*x*/, Points /*v*/) const {}
+};
+
+/// The same between two mechanical states that one integrator moves. The first one may follow another state where it
+/// only leads the second one.
+class InteractionProjectiveConstraint : public Component {
+ public:
+  static constexpr std::string_view kCategory = "InteractionProjectiveConstraint";
+  using Component::Component;
+
+  virtual std::array<MechanicalState*, 2> states() const = 0;  ///< known from init on
+
+  /// Whether it projects motions of one state to those of the other: no matrix has that.
+  virtual bool couples() const = 0;
+
+  virtual void project(OfTwo<Points> field) const = 0;
+  virtual void pin(BlockMatrix& A) const = 0;  ///< where it does not couple: nodes of the second state
+  virtual void project_motion(double time, OfTwo<Points> x, OfTwo<Points> v) const = 0;
 };
 
 class SurvivingCells;
@@ -244,7 +276,8 @@ class SurvivingCells {
 /// The states below a node that follow no other one.
 std::vector<State*> independent_states(const Node& node);
 
-/// Whether a force field, mass or constraint belongs to a state: the nearest one to it.
+/// Whether a force field, mass or constraint belongs to a state: the nearest one to it. What is between states belongs
+/// to none.
 bool acts_on(const Component& component, const State& state);
 
 /// The masses of a state in a node and below.
@@ -257,6 +290,9 @@ class LinearSolver : public Component {
   using Component::Component;
 
   virtual hexaplast::LinearSolver& method() = 0;
+
+  /// Whether it needs an assembled matrix (LinearSystem::assemble).
+  virtual bool needs_matrix() { return false; }
 
   /// Told of what method() did in each step.
   virtual void heed(const SolveReport& /*report*/) {}

@@ -75,7 +75,11 @@ Component& Scene::add(Node& node, std::unique_ptr<Component> component, std::str
 
 void Scene::reset() {
   root_->clock().time = 0;
-  root_->for_each<Component>([](Component& component) { component.reset(); });
+  // integrators last: they prescribe the motion of states, which have their first positions by then
+  root_->for_each<Component>([](Component& component) {
+    if (!dynamic_cast<OdeSolver*>(&component)) component.reset();
+  });
+  root_->for_each<OdeSolver>([](OdeSolver& solver) { solver.reset(); });
   trouble_ = nullptr;
 }
 

@@ -286,14 +286,15 @@ class Fit(dict):
         return {one["attribute"]: one["value"] for one in self["parameters"]}
 
 
-def fit(scene, target, free, executor=None, *, out, jobs=None, compare=(), evaluations=200, steps=None, overrides=None,
-        force=False, mesh_path=(), plugins=(), plugin_path=()):
+def fit(scene, target, free, executor=None, *, out, jobs=None, compare=(), experiments=(), evaluations=200, steps=None,
+        overrides=None, force=False, mesh_path=(), plugins=(), plugin_path=()):
     """Finds the values of attributes with which a scene repeats a measured curve, as `hexaplast fit` does.
 
     free: PATH.attribute and its limits: a pair, or a text lo:hi[:log|:linear]. The runs of the scene are carried out by
     the executor, `jobs` at a time (by default as many as the fit can use: twice the number of parameters, at least
     four); without one, by processes of this machine. The result does not depend on them. Every worker must reach scene
-    and target by the same paths. Returns a Fit.
+    and target by the same paths. experiments: further scenes with a curve each, which the same values must repeat: dicts
+    with "scene" and "target", and where wanted "compare" and "overrides", which hold for this one. Returns a Fit.
     """
     words = _scene_words(scene, steps, overrides, mesh_path, plugins, plugin_path)
     words += ["--target", str(pathlib.Path(target).resolve()), "--evaluations", str(evaluations)]
@@ -302,6 +303,8 @@ def fit(scene, target, free, executor=None, *, out, jobs=None, compare=(), evalu
         words += ["--free", f"{name}={text}"]
     if compare:
         words += ["--compare", ",".join(compare)]
+    for one in experiments:
+        words += _experiment_words(**one)
     call = [_command(), "fit", *words, "--out", str(out), *["--force"] * bool(force)]
     if executor is None:
         ended = subprocess.run(call + (["--jobs", str(jobs)] if jobs else []), env=_environment(),
@@ -312,6 +315,12 @@ def fit(scene, target, free, executor=None, *, out, jobs=None, compare=(), evalu
     if code != 0:
         _raise(code, messages)
     return Fit(json.loads((pathlib.Path(out) / "fit.json").read_text()))
+
+
+def _experiment_words(scene, target, compare=(), overrides=None):
+    words = ["--experiment", str(pathlib.Path(scene).resolve()), str(pathlib.Path(target).resolve())]
+    words += [",".join(compare)] * bool(compare)
+    return words + [f"{name}={_text(value)}" for name, value in (overrides or {}).items()]
 
 
 def _fit_by(executor, call, words, jobs):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies in motion, against hand values."""
+import concurrent.futures
+import pathlib
 import threading
 import time
 
@@ -206,6 +208,54 @@ def test_steps_let_other_threads_run_and_refuse_a_second_caller():
     thread.join()
     assert refused > 0
     assert simulation.num_steps == 1
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_many_simulations_stepped_by_an_executor_have_the_bits_that_they_have_alone(threads):
+    """One of them diverges: it alone raises, and stays as it was before the step."""
+
+    def simulations():
+        for k in range(9):
+            made = hexaplast.Simulation(bar(cells=(2, 2, 6), young_modulus=4000 + 100 * k, yield_stress=20, flow_rate=4),
+                                        gravity=(0, 0, 9))
+            made.fix(made.body.initial_positions[:, 2] == 0)
+            yield made
+
+    def run(of, steps, force=0.0):
+        of.run(steps, np.full((63, 3), force))
+        return of.state_hash()
+
+    alone = [run(one, 12) for one in simulations()]
+    before = hexaplast.num_threads()
+    hexaplast.set_num_threads(threads)
+    try:
+        with concurrent.futures.ThreadPoolExecutor(3) as executor:
+            many = list(simulations())
+            half = list(executor.map(run, many, [6] * 9))
+            failing = executor.submit(run, many[4], 1, 1e200)
+            others = [executor.submit(run, one, 6) for k, one in enumerate(many) if k != 4]
+            with pytest.raises(ArithmeticError, match="not finite"):
+                failing.result()
+            assert many[4].state_hash() == half[4] and many[4].num_steps == 6
+            assert [future.result() for future in others] == alone[:4] + alone[5:]
+            assert run(many[4], 6) == alone[4]
+    finally:
+        hexaplast.set_num_threads(before)
+
+
+def test_scenes_stepped_by_an_executor_have_the_bits_that_they_have_alone():
+    scene = pathlib.Path(__file__).resolve().parents[2] / "scenes" / "bar_stretch_high.scn"
+
+    def run(stress):
+        made = hexaplast.Scene(scene, overrides={"bar/material.yieldStress": stress})
+        made.run(8)
+        return made.state_hash()
+
+    stresses = [100, 200, 300, 400]
+    alone = [run(stress) for stress in stresses]
+    with concurrent.futures.ThreadPoolExecutor(3) as executor:
+        assert list(executor.map(run, stresses)) == alone
+    assert len(set(alone)) == 4
 
 
 def test_results_do_not_depend_on_the_number_of_threads():

@@ -266,6 +266,24 @@ def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, pool):
     assert json.loads((tmp_path / "alone" / "fit.json").read_text()) == found
 
 
+def test_a_fit_of_several_experiments_is_that_of_the_command(tmp_path, curve):
+    stronger = {"bar/material.plasticFlowRate": 2}
+    command("run", BAR, "--quiet", "--steps", "40", "--frames", "0", "--out", tmp_path / "other", "--set",
+            f"{YIELD}=420", "--set", "bar/material.plasticFlowRate=2")
+    other = tmp_path / "other" / "history.csv"
+    with concurrent.futures.ThreadPoolExecutor(2) as executor:
+        found = study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["world_elongation"],
+                          experiments=[dict(scene=BAR, target=other, compare=["plastic_elongation"], overrides=stronger)])
+    assert abs(found.values_found[YIELD] - 420) < 0.1
+    assert len(found["further_experiments"]) == 1 and [c["target"] for c in found["columns"]] == [str(curve), str(other)]
+    ended = command("fit", BAR, "--target", curve, "--compare", "world_elongation", "--free", f"{YIELD}=50:2000", "--out",
+                    tmp_path / "alone", "--experiment", BAR, other, "plastic_elongation", "bar/material.plasticFlowRate=2")
+    assert ended.returncode == 0, ended.stderr
+    assert json.loads((tmp_path / "alone" / "fit.json").read_text()) == found
+    with pytest.raises(TypeError):
+        study.fit(BAR, curve, {YIELD: (50, 2000)}, out=tmp_path / "none", experiments=[dict(scene=BAR)])
+
+
 def test_a_fit_that_cannot_be_is_an_exception(tmp_path, curve):
     with concurrent.futures.ThreadPoolExecutor(2) as executor:
         with pytest.raises(ValueError, match="plasticFlowRaet"):

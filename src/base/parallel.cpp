@@ -76,7 +76,8 @@ void run_in_parallel(int count, void (*range)(const void* body, int first, int l
     ~InLoop() { is_in_loop = false; }
   };
   bool done = false;
-  if (!is_in_loop) {
+  // a worker is in a loop: it must not even ask, or the lock's cache line goes from one to the other in every loop
+  if (!is_in_loop && !ThreadPool::is_worker()) {
     const InLoop scope;
     done = threads.run(count, range, body);
   }

@@ -18,6 +18,8 @@ constexpr std::chrono::microseconds kLoss(50);
 constexpr std::chrono::milliseconds kMostLoss(25);  // of one loop that counts: the program itself may have been stopped
 constexpr int kAlonePerLoss = 4;
 
+thread_local bool is_of_a_pool = false;
+
 std::uint64_t pack(std::uint32_t first, std::uint32_t end) { return std::uint64_t{first} << 32 | end; }
 
 /// Indices [first, end), taken out of a share.
@@ -136,7 +138,10 @@ void ThreadPool::wait_for_those_inside() {
   while (!nobody_inside()) gate_.wait(inside);
 }
 
+bool ThreadPool::is_worker() { return is_of_a_pool; }
+
 void ThreadPool::live(int number) {
+  is_of_a_pool = true;
   Patience patience;
   std::uint32_t seen = 0;
   while (!ends_.load()) {

@@ -39,6 +39,9 @@ class ThreadPool {
   explicit ThreadPool(int threads);
   ~ThreadPool();
 
+  /// Whether the calling thread is one that a pool has made.
+  static bool is_worker();
+
   /// Calls range(body, first, last) for consecutive parts of [0, count). One caller at a time.
   void run(int count, Range range, const void* body);
 

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "bench/bar.hpp"
+#include "bench/batch.hpp"
 #include "bench/stages.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
@@ -49,6 +50,38 @@ TEST(BenchBar, IncrementIsTheNextStepsAndLeavesTheBarAlone) {
   bar.step(solver);
   EXPECT_LT((bar.velocities() - v - dv).norm(), 1e-12 * dv.norm());
   EXPECT_NE(bar.hash(), hash);
+}
+
+TEST(BenchBatch, BodiesHaveTheBitsOfBodiesAloneForAnyNumberOfThreads) {
+  EXPECT_EQ(batch_cells(90), (std::array{3, 3, 10}));
+  EXPECT_EQ(batch_cells(250), (std::array{5, 5, 10}));
+  EXPECT_EQ(batch_cells(1000), (std::array{10, 10, 10}));
+  int num_told = 0;
+  const BatchOutcome outcome = run_batch({.sizes = {90}, .threads = {1, 3}, .num_bodies = 5, .quick = true},
+                                         [&](const BatchRecord&) { ++num_told; });
+  EXPECT_EQ(outcome.failures, std::vector<std::string>{});
+  ASSERT_EQ(outcome.records.size(), 8u);  // two modes, two precisions, two numbers of threads
+  EXPECT_EQ(num_told, 8);
+  for (std::size_t k = 0; k < 8; k += 2) {
+    const BatchRecord &one = outcome.records[k], &three = outcome.records[k + 1];
+    EXPECT_EQ(one.size, 90);
+    EXPECT_EQ(three.threads, 3);
+    EXPECT_EQ(one.state_hash, three.state_hash) << one.mode << ' ' << one.precision;
+    if (k > 0) {
+      EXPECT_NE(one.state_hash, outcome.records[k - 1].state_hash);
+    }
+    for (const BatchRate& rate : {one.alone, one.together, one.independent, three.loops}) {
+      EXPECT_GT(rate.per_core, 0);
+      EXPECT_GT(rate.speed_up, 0);
+    }
+  }
+  set_num_threads(1);
+}
+
+TEST(BenchBatch, ABodyWithOtherBitsIsNamed) {
+  EXPECT_EQ(differing_bodies({"a", "b", "c"}, {"a", "b", "c"}), "");
+  EXPECT_EQ(differing_bodies({"a", "b", "c"}, {"a", "x", "y"}),
+            "2 of 3 bodies have another state than alone; body 2: x instead of b");
 }
 
 TEST(BenchStages, MeasuringLeavesTheBarAlone) {

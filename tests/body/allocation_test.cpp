@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <memory>
+#include <vector>
 
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
@@ -100,6 +102,26 @@ TEST_P(Allocations, AStepHasNone) {
   for (int step = 0; step < 3; ++step) flow = simulation.step();
   EXPECT_EQ(num_allocations - allocated, 0);
   EXPECT_EQ(flow.yielded > 0, GetParam().plasticity == Does::kFlows);
+  set_num_threads(before);
+}
+
+TEST(Allocations, AStepOfManyBodiesInOneLoopHasNone) {
+  std::vector<std::unique_ptr<support::Simulation>> bodies;
+  for (int k = 0; k < 6; ++k) {
+    Body body(support::block({3, 3, 4 + k}, 0.01),
+              {{.young_modulus = 5000, .poisson_ratio = 0.45, .yield_stress = 1e-3, .flow_rate = 2, .hardening = 0.2}});
+    support::SimulationSetup setup;
+    for (int n = 0; n < 16; ++n) setup.fixed.push_back(n);
+    setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; };
+    bodies.push_back(std::make_unique<support::Simulation>(std::move(body), setup, plain()));
+  }
+  const int before = num_threads();
+  set_num_threads(2);
+  const auto step_all = [&] { parallel_for(6, [&](int k) { bodies[static_cast<std::size_t>(k)]->step(); }); };
+  for (int step = 0; step < 4; ++step) step_all();
+  const long allocated = num_allocations;
+  for (int step = 0; step < 3; ++step) step_all();
+  EXPECT_EQ(num_allocations - allocated, 0);
   set_num_threads(before);
 }
 

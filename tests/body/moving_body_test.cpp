@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/moving_body.hpp"
 
+#include <cmath>
 #include <functional>
 #include <sstream>
 #include <thread>
 
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
@@ -230,6 +232,48 @@ TEST(MovingBody, ManyInOneProcessDoNotDisturbEachOther) {
     EXPECT_EQ(by_turns[k]->state_hash(), alone.state_hash());
     EXPECT_EQ(at_once[k]->state_hash(), alone.state_hash());
   }
+}
+
+// One that fails takes nothing from the others, and stays as it was before the step.
+TEST(MovingBody, ManyInOneParallelLoopHaveTheBitsThatTheyHaveAlone) {
+  constexpr int kBodies = 13, kHowMany = 25, kFailing = 4, kLast = 11;
+  const auto make = [](int k) {
+    Motion motion = pulling();
+    if (k == kFailing)
+      motion.load = [](double time, ConstPoints, Points f) {
+        f.bottomRows(9).col(2).array() += time < (kLast - .5) * .01 ? .4 : NAN;
+      };
+    MovingBody body(yielding_bar(), motion);
+    body.x.bottomRows(9).col(2).array() += 1e-4 * k;  // no two are the same
+    return body;
+  };
+  std::vector<std::string> alone;
+  for (int k = 0; k < kBodies; ++k) {
+    MovingBody body = make(k);
+    body.run(k == kFailing ? kLast : kHowMany);
+    alone.push_back(body.state_hash());
+  }
+  const int before = num_threads();
+  for (const int threads : {1, 2, 5}) {
+    set_num_threads(threads);
+    std::vector<MovingBody> bodies;
+    for (int k = 0; k < kBodies; ++k) bodies.push_back(make(k));
+    std::vector<int> failed(kBodies, 0);
+    for (int step = 0; step < kHowMany; ++step)
+      parallel_for(kBodies, [&](int k) {
+        try {
+          bodies[static_cast<std::size_t>(k)].step();
+        } catch (const NumericalError&) {
+          ++failed[static_cast<std::size_t>(k)];
+        }
+      });
+    for (int k = 0; k < kBodies; ++k) {
+      EXPECT_EQ(bodies[static_cast<std::size_t>(k)].state_hash(), alone[static_cast<std::size_t>(k)])
+          << "body " << k << ", " << threads << " threads";
+      EXPECT_EQ(failed[static_cast<std::size_t>(k)], k == kFailing ? kHowMany - kLast : 0);
+    }
+  }
+  set_num_threads(before);
 }
 
 /// Every number that a step changes.

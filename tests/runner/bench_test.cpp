@@ -67,9 +67,25 @@ TEST_F(Command, BenchReplacesNothingThatItReads) {
   }
 }
 
+TEST_F(Command, BenchStepsABatchAtOnce) {
+  const Outcome outcome = hexaplast("bench --batch --quick --sizes 90 --bodies 4 --threads 1,2 --json batch.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("together"), std::string::npos) << outcome.out;
+  const Json records = Json::parse(hexaplast::support::content(directory_ / "batch.json"));
+  ASSERT_EQ(records.size(), 8u);
+  for (std::size_t k = 0; k < records.size(); k += 2) {
+    EXPECT_EQ(records[k]["bodies"], 4);
+    EXPECT_EQ(records[k]["state_hash"], records[k + 1]["state_hash"]) << "one and two threads";
+    EXPECT_GT(records[k]["together"]["steps_per_core_second"], 0);
+    EXPECT_EQ(records[k]["alone"]["speed_up"], 1);
+  }
+}
+
 TEST_F(Command, BenchRefusesWhatMeansNothing) {
-  for (const char* arguments : {"--sizes 0", "--sizes 3q", "--sizes 9999k", "--threads 0", "--simd SSE9", "--ratio 0.5",
-                                "--scene a.scn --quick"})
+  for (const char* arguments :
+       {"--sizes 0", "--sizes 3q", "--sizes 9999k", "--threads 0", "--simd SSE9", "--ratio 0.5",
+        "--scene a.scn --quick", "--batch --scene a.scn", "--batch --baseline now.json", "--batch --bodies 0",
+        "--bodies 5", "--batch --bodies 30000 --sizes 90", "--batch --bodies 60000 --sizes 23", "--batch --sizes 0"})
     EXPECT_EQ(hexaplast(std::string("bench ") + arguments).code, 2) << arguments;
   EXPECT_EQ(hexaplast("bench --quick --sizes 50 --baseline missing.json").code, 3);
   EXPECT_EQ(hexaplast("bench --quick --sizes 50 --json missing/now.json").code, 5);

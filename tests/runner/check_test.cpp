@@ -129,6 +129,17 @@ TEST_F(Command, CheckWarnsOfUnwiseChoices) {
   const Outcome loose = hexaplast("check bar.scn");
   EXPECT_EQ(loose.code, 0);
   EXPECT_EQ(loose.err, "bar.scn: warning: no node is fixed, and the loads do not balance: the body moves away\n");
+  // what hangs on another state may stay
+  const auto weight = [](const std::string& name) {
+    return "<Node name='" + name + "'><MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/>";
+  };
+  for (const std::string spring : {"", "<SpringForceField object1='@a' object2='@b/point' spring='0 0 1 0 1'/>"}) {
+    write("joined.scn", "<Node gravity='0 0 -1'><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/>" +
+                            spring + weight("a") + "<FixedProjectiveConstraint indices='0'/></Node>" + weight("b") +
+                            "<Node name='point'><MechanicalObject position='0 0 0'/><IdentityMapping/></Node></Node>"
+                            "</Node>");
+    EXPECT_EQ(hexaplast("check joined.scn").err.find("moves away") == std::string::npos, !spring.empty());
+  }
   write("held.scn", bar(kHeld));
   EXPECT_EQ(hexaplast("check held.scn --set body.poissonRatio=0.495 --set body.volumetric=sample").err,
             "held.scn: warning: poissonRatio = 0.495: above 0.49 hexahedra lock in bending unless volumetric is "

@@ -59,11 +59,12 @@ Coverage coverage_of(const Drawn& drawn, int num_fits) {
   std::mt19937 random(7);
   const Eigen::MatrixXd J = drawn.weights().asDiagonal() * drawn.slopes();
   const Eigen::Index both[] = {0, 1};
+  const std::vector<Eigen::Index> rows(static_cast<std::size_t>(J.rows() / drawn.num_rows), drawn.num_rows);
   Coverage found;
   for (int fit = 0; fit < num_fits; ++fit) {
     const Eigen::VectorXd noise = drawn.weights().asDiagonal() * drawn.noise(random);
     const Eigen::VectorXd error = J.colPivHouseholderQr().solve(noise);
-    const Confidence confidence = confidence_of(J, J * error - noise, drawn.num_rows, both, 1e300);
+    const Confidence confidence = confidence_of(J, J * error - noise, rows, both, 1e300);
     for (int p = 0; p < 2; ++p) {
       found.covered[p] += (std::abs(error[p]) <= confidence.half_width[p]) / double(num_fits);
       found.half_width[p] += confidence.half_width[p] / num_fits;
@@ -127,8 +128,8 @@ TEST(Confidence, WhatCurvesDoNotDetermineIsNamed) {
   Eigen::MatrixXd J(6, 3);
   for (int row = 0; row < 6; ++row) J.row(row) << row, 2 * row, 1;
   const Eigen::VectorXd r = (Eigen::VectorXd(6) << 0.1, -0.2, 0.15, -0.15, 0.2, -0.1).finished();
-  const Eigen::Index all[] = {0, 1, 2};
-  const Confidence confidence = confidence_of(J, r, 6, all, 10);
+  const Eigen::Index all[] = {0, 1, 2}, six[] = {6}, two_rows[] = {2};
+  const Confidence confidence = confidence_of(J, r, six, all, 10);
   EXPECT_TRUE(std::isinf(confidence.half_width[0]));
   EXPECT_TRUE(std::isinf(confidence.half_width[1]));
   EXPECT_TRUE(std::isfinite(confidence.half_width[2]));
@@ -139,7 +140,7 @@ TEST(Confidence, WhatCurvesDoNotDetermineIsNamed) {
 
   // the second one known, the first is
   const Eigen::Index two[] = {0, 2};
-  const Confidence known = confidence_of(J, r, 6, two, 10);
+  const Confidence known = confidence_of(J, r, six, two, 10);
   EXPECT_TRUE(std::isfinite(known.half_width[0]));
   EXPECT_TRUE(known.undetermined.empty());
   // lines through six points: what every table of linear regression says
@@ -147,7 +148,7 @@ TEST(Confidence, WhatCurvesDoNotDetermineIsNamed) {
   EXPECT_EQ(known.noise[0].correlation, 0);  // they alternate
   EXPECT_NEAR(known.half_width[0], student_quantile(0.95, 4) * std::sqrt(variance), 1e-6);
   // rows for a line and no more tell nothing of the noise
-  EXPECT_FALSE(confidence_of(J.topRows(2), r.head(2), 2, two, 10).has_noise);
+  EXPECT_FALSE(confidence_of(J.topRows(2), r.head(2), two_rows, two, 10).has_noise);
 }
 
 /// y = a exp(-b t), in shares of [0, 4] for both.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -123,6 +125,95 @@ TEST_F(Fit, SaysWhatTheCurveDoesNotTell) {
   EXPECT_NE(beyond.err.find("body.youngModulus is at its limit"), std::string::npos) << beyond.err;
   const Outcome early = hexaplast("fit bar.scn --target curve.csv --free body.youngModulus=3000:9000 --evaluations 3");
   EXPECT_NE(early.err.find("stopped after 3 evaluations"), std::string::npos) << early.err;
+}
+
+/// Rows of force and elongation of a bar of stiffness `modulus` across the section.
+std::string hooke(double modulus, std::initializer_list<double> forces) {
+  std::string curve = "force,elongation\n";
+  for (const double force : forces) curve += fmt::format("{},{}\n", force, force / (modulus * kSection));
+  return curve;
+}
+
+// A bar that contracts freely tells its modulus, one that cannot a combination of modulus and Poisson's ratio.
+TEST_F(Fit, TwoExperimentsTellTogetherWhatNeitherTellsAlone) {
+  constexpr double kYoung = 3000, kPoisson = 0.3,
+                   kConfined = kYoung * (1 - kPoisson) / (1 + kPoisson) / (1 - 2 * kPoisson);
+  write("free.scn", hexaplast::support::pulled_bar(false));
+  write("confined.scn", hexaplast::support::pulled_bar(true));
+  write("free.csv", hooke(kYoung, {5, 12, 20, 33, 50}));
+  write("confined.csv", hooke(kConfined, {10, 40, 50}));
+  const std::string free = " --free body.youngModulus=500:50000 --free body.poissonRatio=0:0.45 --out found --force ";
+  for (const char* alone : {"free", "confined"}) {
+    const Outcome outcome = hexaplast(fmt::format("fit {0}.scn --target {0}.csv", alone) + free);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("body.poissonRatio"), std::string::npos) << alone << " cannot tell it: " << outcome.err;
+  }
+
+  std::string first;
+  for (const char* jobs : {"1", "2", "3"}) {
+    const Outcome outcome =
+        hexaplast("fit free.scn --target free.csv --experiment confined.scn confined.csv --jobs " + (jobs + free));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_NEAR(value(0), kYoung, 1e-4 * kYoung);
+    EXPECT_NEAR(value(1), kPoisson, 1e-4 * kPoisson);
+    for (const char* text : {"free: fitted to free.csv, 5 rows\n", "confined: fitted to confined.csv, 3 rows\n",
+                             "elongation of confined.csv"})
+      EXPECT_NE(outcome.out.find(text), std::string::npos) << outcome.out;
+    if (first.empty()) first = content(directory_ / "found/fit.json");
+    EXPECT_EQ(content(directory_ / "found/fit.json"), first) << jobs;
+  }
+  EXPECT_EQ(found()["rows"], 5);
+  ASSERT_EQ(found()["further_experiments"].size(), 1u);
+  EXPECT_EQ(found()["further_experiments"][0]["scene"], "confined.scn");
+  EXPECT_EQ(found()["further_experiments"][0]["rows"], 3);
+  EXPECT_EQ(found()["columns"][1]["target"], "confined.csv");
+  for (const char* text : {"elongation [%], free", "elongation [%], confined"})
+    EXPECT_NE(content(directory_ / "found/fit.svg").find(text), std::string::npos) << text;
+}
+
+TEST_F(Fit, AnExperimentHasColumnsAndSettingsOfItsOwn) {
+  constexpr double kModulus = 3210;
+  write("bar.scn", hexaplast::support::pulled_bar());
+  write("weak.csv", hooke(kModulus, {4, 25, 50}));
+  // twice the pull, and a column that is none of the scene's
+  std::string curve = "force,elongation,width\n";
+  for (const double force : {20.0, 60.0, 100.0})
+    curve += fmt::format("{},{},1\n", force, force / (kModulus * kSection));
+  write("strong.csv", curve);
+  const std::string command = "fit bar.scn --target weak.csv --free body.youngModulus=500:50000 --out found --force ";
+  const std::string strong = "--experiment bar.scn strong.csv ", pull = "'pull.forces=0 0 0  25 0 0' ";
+  const Outcome outcome = hexaplast(command + strong + pull + "elongation");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NEAR(value(0), kModulus, 0.5);
+  EXPECT_EQ(found()["further_experiments"][0]["overrides"], Json({"pull.forces=0 0 0  25 0 0"}));
+
+  const auto expect_refused = [&](const std::string& words, int code, const std::string& message) {
+    const Outcome refused = hexaplast(command + words);
+    EXPECT_EQ(refused.code, code) << words;
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+  };
+  expect_refused(strong + pull, 3, "strong.csv:1: error: column 'width' is not known");
+  expect_refused(strong + pull + "height", 3,
+                 "strong.csv:1: error: no column that could be compared is called 'height'");
+  expect_refused(strong + "elongation", 3, "strong.csv:3: error: force 60 N: the loads of the scene do not have");
+  expect_refused(strong + "elongation pull.forse=1", 2, "(of the scene bar.scn)");
+  expect_refused(strong + "elongation body.youngModulus=1", 2,
+                 "strong.csv: body.youngModulus=1: must not be a free attribute");
+  expect_refused("--experiment bar.scn", 2, "--experiment bar.scn: must be SCENE CURVE.csv");
+  expect_refused("--experiment bar.scn absent.csv", 5, "absent.csv");
+  expect_refused("--experiment absent.scn weak.csv", 5, "absent.scn");
+  std::string other = hexaplast::support::pulled_bar();
+  other.replace(other.find("'body'"), 6, "'rod'");
+  write("rod.scn", other);
+  expect_refused("--experiment rod.scn weak.csv", 2, "(of the scene rod.scn)");
+  fs::create_directory(directory_ / "d");
+  write("d/fit.svg", content(directory_ / "weak.csv"));
+  const Outcome lost = hexaplast(
+      "fit bar.scn --target weak.csv --free body.youngModulus=500:50000 --out d --force "
+      "--experiment bar.scn d/fit.svg");
+  EXPECT_EQ(lost.code, 5);
+  EXPECT_NE(lost.err.find("d/fit.svg: is an input"), std::string::npos) << lost.err;
 }
 
 TEST_F(Fit, MistakesOfTheCurveAreNamedWithTheirLine) {

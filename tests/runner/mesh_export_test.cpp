@@ -52,6 +52,41 @@ TEST_F(MeshExport, LoadsAreThoseOfTheTimeAskedFor) {
   EXPECT_EQ(exported("bar.scn --time 4 --set root.gravity='0 0 0'").find("*CLOAD"), std::string::npos);
 }
 
+// Of two blocks: what joins them, what touches them and what holds them elastically. Prescribed forces are in it.
+TEST_F(MeshExport, WarnsOfWhatTheDeckLeavesOut) {
+  const auto block = [](const std::string& name, const std::string& rest) {
+    return "<Node name='" + name +
+           "'><RegularGridTopology n='2 2 2' max='1 1 1'/><MechanicalObject name='state'/>"
+           "<UniformMass totalMass='1'/><HexahedronElastoplasticFEMForceField youngModulus='1000'/>" +
+           rest + "</Node>";
+  };
+  write("two.scn",
+        "<Node><DefaultAnimationLoop/><RunSettings steps='1'/><EulerImplicitSolver/><CGLinearSolver/>\n" +
+            block("a",
+                  "<ConstantForceField indices='0' forces='1 0 0'/>\n<RestShapeSpringsForceField name='anchor' "
+                  "points='0'/>\n<InstrumentContactForceField name='probe' shape='sphere' radius='.1' keyTimes='0' "
+                  "positions='5 5 5'/>") +
+            block("b", "") +
+            "\n<SpringForceField name='ligament' object1='@a' object2='@b' spring='0 1 5 0 1'/>\n"
+            "<AttachProjectiveConstraint name='tie' object1='@a' object2='@b' indices1='1' indices2='1'/>\n"
+            "<TissueContactForceField name='touch' object1='@a' object2='@b'/></Node>");
+  const Outcome outcome = hexaplast("mesh export two.scn --format inp -o two.inp");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const std::string end = "' is not in the deck, which has hexahedra, held nodes and prescribed loads\n";
+  for (const char* what : {":3: warning: RestShapeSpringsForceField: 'anchor",
+                           ":4: warning: InstrumentContactForceField: "
+                           "'probe",
+                           ":5: warning: SpringForceField: 'ligament",
+                           ":6: warning: AttachProjectiveConstraint: "
+                           "'tie",
+                           ":7: warning: TissueContactForceField: 'touch"}) {
+    const std::string warning = std::string("two.scn") + what + end;
+    EXPECT_NE(outcome.err.find(warning), std::string::npos) << warning << outcome.err;
+  }
+  EXPECT_EQ(outcome.err.find("ConstantForceField"), std::string::npos) << outcome.err;
+  EXPECT_EQ(hexaplast("mesh export two.scn --format vtu -o two.vtu").err.find("is not in the deck"), std::string::npos);
+}
+
 TEST_F(MeshExport, WritesTheMeshForParaView) {
   write("bar.scn", kStaticBar);
   EXPECT_EQ(hexaplast("mesh export bar.scn --format vtu -o bar.vtu").code, 0);

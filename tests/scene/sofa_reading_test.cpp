@@ -31,7 +31,7 @@ std::string said_of(const std::string& text) {
 TEST(ReadingAsSofa, PhysicsThatIsNotThereIsRefused) {
   for (const char* name :
        {"TetrahedralCorotationalFEMForceField", "BeamFEMForceField", "JointSpringForceField",
-        "TetrahedronHyperelasticityFEMForceField", "BilateralLagrangianConstraint", "AttachProjectiveConstraint",
+        "TetrahedronHyperelasticityFEMForceField", "BilateralLagrangianConstraint", "LineProjectiveConstraint",
         "AdaptiveBeamForceFieldAndMass", "TriangularQuadraticSprings", "CentralDifferenceThing2Solver", "Gravity",
         "MultiStepAnimationLoop", "TopologicalChangeProcessor"})
     EXPECT_EQ(said_of(std::string("<Node><") + name + "/></Node>"),

@@ -45,6 +45,7 @@ constexpr PinnedScene kScenes[] = {
     {"fatty_tissue", 25},
     {"fold", 40},
     {"forceps_fat", 60},
+    {"ligament", 100},
     {"liver_cage", 30},
     {"liver_tumour", 40},
     {"peritoneum_tear", 32},

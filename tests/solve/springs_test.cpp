@@ -95,6 +95,45 @@ TEST(Springs, OfNoLengthMakeNoForceAndWrongNodesAreRefused) {
   EXPECT_THROW(Springs({{0, 2, 1, 0, 1}}, 2), InputError);
 }
 
+// From a set of three nodes to a set of two: as within one set that has all five, one behind the other.
+TEST(Springs, BetweenTwoSetsOfNodes) {
+  const std::vector<Spring> across{{0, 1, 30, .2, .8}, {2, 0, 40, .3, .9}, {1, 1, 9, 0, 3, true}};
+  std::vector<Spring> within = across;
+  for (Spring& spring : within) spring.b += 3;
+  Springs springs(across, {3, 2}), expected(within, 5);
+  const PointArray x = nodes(), v = velocities();
+  const auto of_two = [](const PointArray& field) {
+    return OfTwo<ConstPoints>(ConstPoints(field.topRows(3)), ConstPoints(field.bottomRows(2)));
+  };
+  PointArray f = PointArray::Zero(5, 3), product = f, expected_product = f;
+  springs.add_force(of_two(x), of_two(v), {Points(f.topRows(3)), Points(f.bottomRows(2))});
+  EXPECT_EQ(f, force(expected, x, v));
+  EXPECT_GT(f.norm(), 1);
+  EXPECT_EQ(springs.energy(of_two(x)), expected.energy(x));
+  springs.add_stiffness_product(2, of_two(v), {Points(product.topRows(3)), Points(product.bottomRows(2))});
+  expected.add_stiffness_product(2, v, expected_product);
+  EXPECT_EQ(product, expected_product);
+
+  // the second set before the first one in the matrix; and each of them alone, where the other one is not in it
+  BlockMatrix A(5), B(5), first(3), second(2);
+  springs.add_stiffness_blocks(2, A, {2, 0});
+  expected.add_stiffness_blocks(2, B);
+  springs.add_stiffness_blocks(2, first, {0, -1});
+  springs.add_stiffness_blocks(2, second, {-1, 0});
+  const auto block = [](const BlockMatrix& matrix, int row, int column) -> Mat3 {
+    for (const BlockMatrix::Entry& entry : matrix.row(row))
+      if (entry.column == column) return entry.block;
+    return Mat3::Zero();
+  };
+  for (int row = 0; row < 5; ++row)
+    for (int column = 0; column < 5; ++column)
+      EXPECT_EQ(block(A, (row + 2) % 5, (column + 2) % 5), block(B, row, column)) << row << " " << column;
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(block(first, n, n), block(B, n, n));
+  for (int n = 0; n < 2; ++n) EXPECT_EQ(block(second, n, n), block(B, n + 3, n + 3));
+  EXPECT_THROW(Springs(across, {2, 2}), InputError);
+  EXPECT_THROW(Springs(across, {3, 1}), InputError);
+}
+
 // A strip of three triangles, and one that shares an edge with two others already.
 TEST(Springs, PairsLieAcrossTheEdgesOfTwoFaces) {
   const std::vector<Triangle> strip{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}};

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/of_two.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
@@ -23,22 +26,26 @@ struct Spring {
   bool only_pulls = false;  ///< no force where it is shorter than at rest
 };
 
-/// Springs of one set of nodes. x, v, f: num_nodes x 3 [m, m/s, N]. Throws InputError for nodes that are not there.
+/// Springs of one set of nodes, or between two: a is then a node of the first set, b one of the second. x, v, f:
+/// num_nodes x 3 [m, m/s, N]; of one set, a field counts for both. Throws InputError for nodes that are not there.
 class Springs {
  public:
   Springs() = default;
-  Springs(std::vector<Spring> springs, int num_nodes);
+  Springs(std::vector<Spring> springs, int num_nodes) : Springs(std::move(springs), {num_nodes, num_nodes}) {}
+  Springs(std::vector<Spring> springs, std::array<int, 2> num_nodes);
 
   const std::vector<Spring>& springs() const { return springs_; }
-  double energy(ConstPoints x) const;  ///< [J] without damping
+  double energy(const OfTwo<ConstPoints>& x) const;  ///< [J] without damping
 
   /// f += their forces. Fixes the positions and velocities to which the stiffness below refers.
-  void add_force(ConstPoints x, ConstPoints v, Points f);
+  void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f);
 
   /// The stiffness of a spring between its two nodes, (stiffness - t / l) u u^T + t / l I: exact for a spring without
   /// damping. That of damping itself, df/dv, and the change of its direction are left out, as SOFA does.
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const;
-  void add_stiffness_blocks(double factor, BlockMatrix& A) const;
+  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
+
+  /// first_nodes: where the nodes of each set begin in A; -1: A has none of them.
+  void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {0, 0}) const;
 
  private:
   std::vector<Spring> springs_;

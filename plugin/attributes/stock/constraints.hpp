@@ -170,4 +170,58 @@ inline constexpr Description kAffineMovementProjectiveConstraint{
     .templates = kVec3Templates,
     .attributes = kAffineMovementProjectiveConstraintAttributes};
 
+inline constexpr Attribute kAttachProjectiveConstraintAttributes[] = {
+    {.name = "object1",
+     .type = Type::kLink,
+     .help = "The mechanical state that leads; default: that of the node. Without twoWay it may follow another one."},
+    {.name = "object2",
+     .type = Type::kLink,
+     .help = "The mechanical state whose nodes are tied to it; default: that of the node. One time integrator moves "
+             "both."},
+    {.name = "indices1", .type = Type::kIntegers, .range = kIndex, .help = "Nodes of object1."},
+    {.name = "indices2", .type = Type::kIntegers, .range = kIndex, .help = "Nodes of object2, as many, each once."},
+    {.name = "twoWay",
+     .type = Type::kBool,
+     .initial = "false",
+     .help = "Both nodes of a pair have half of their accelerations: they move as one, and forces pass between the "
+             "states. Not for direct solvers, whose matrix has no such constraint. Otherwise the second node does not "
+             "accelerate, and no force passes."},
+    {.name = "constraintFactor",
+     .type = Type::kReals,
+     .range = {.min = 0, .max = 1},
+     .help = "One value per pair; default: 1. With twoWay 0 (not tied) or 1. Otherwise a factor of the corrections of "
+             "position and velocity."},
+    {.name = "positionFactor",
+     .type = Type::kReal,
+     .initial = "1",
+     .range = {.min = 0, .max = 1},
+     .help = "Of half the distance of a pair, by which the second node is moved to the first one after every step."},
+    {.name = "velocityFactor",
+     .type = Type::kReal,
+     .initial = "1",
+     .range = {.min = 0, .max = 1},
+     .help = "Of half the difference of both velocities, by which both change after every step."},
+    {.name = "minDistance",
+     .type = Type::kReal,
+     .initial = "-1",
+     .unit = "m",
+     .help = "Pairs further apart than this are not tied, until they are nearer; -1: all are."},
+    {.name = "endTime",
+     .type = Type::kReal,
+     .initial = "-1",
+     .unit = "s",
+     .help = "From then on nothing is tied; below 0: never."},
+    ignored_attribute("freeRotations", "Ignored here: nodes do not turn."),
+    ignored_attribute("lastFreeRotation", "Ignored here: nodes do not turn."),
+    ignored_attribute("restRotations", "Ignored here: nodes do not turn."),
+};
+inline constexpr Description kAttachProjectiveConstraint{
+    .class_name = "AttachProjectiveConstraint",
+    .category = "InteractionProjectiveConstraint",
+    .help =
+        "Ties nodes of two mechanical states to each other. As in SOFA, the distance of a pair is halved in every "
+        "step, and both get the mean of their velocities.",
+    .templates = kVec3Templates,
+    .attributes = kAttachProjectiveConstraintAttributes};
+
 }  // namespace hexaplast::attributes

@@ -6,7 +6,7 @@
 #include "attributes/attribute.hpp"
 #include "attributes/stock/ignored.hpp"
 
-/// Springs between nodes of one mechanical state. See stock.hpp.
+/// Springs between nodes. See stock.hpp.
 namespace hexaplast::attributes {
 
 inline constexpr Attribute kSpringRayleigh{.name = "rayleighStiffness",
@@ -26,15 +26,20 @@ constexpr Attribute spring_damping(std::string_view name, std::string_view initi
 }
 
 inline constexpr Attribute kSpringForceFieldAttributes[] = {
-    {.name = "object1", .type = Type::kLink, .help = "The mechanical state; default: that of the node."},
-    {.name = "object2", .type = Type::kLink, .help = "The same one: springs between two states are not there."},
+    {.name = "object1",
+     .type = Type::kLink,
+     .help = "The mechanical state of the first nodes; default: that of the node."},
+    {.name = "object2",
+     .type = Type::kLink,
+     .help = "That of the second nodes; default: that of the node. One time integrator moves both states. They may "
+             "follow others (points in a body, points of a rigid frame); a state that nothing moves holds its ends."},
     {.name = "spring",
      .type = Type::kReals,
      .help =
          "Five numbers for each: its two nodes, stiffness [N/m], damping [N s/m] and rest length [m]. Instead of the "
          "lists below."},
-    {.name = "indices1", .type = Type::kIntegers, .range = kIndex, .help = "First nodes."},
-    {.name = "indices2", .type = Type::kIntegers, .range = kIndex, .help = "Second nodes, as many."},
+    {.name = "indices1", .type = Type::kIntegers, .range = kIndex, .help = "First nodes, of object1."},
+    {.name = "indices2", .type = Type::kIntegers, .range = kIndex, .help = "Second nodes, of object2, as many."},
     {.name = "stiffness",
      .type = Type::kReals,
      .initial = "100",
@@ -65,7 +70,9 @@ inline constexpr Attribute kSpringForceFieldAttributes[] = {
 inline constexpr Description kSpringForceField{
     .class_name = "SpringForceField",
     .category = "ForceField",
-    .help = "Springs between nodes. Damping acts along a spring and has no part in the matrix, as in SOFA.",
+    .help =
+        "Springs between nodes of one state, or of two: a ligament. Damping acts along a spring and has no part in "
+        "the matrix, as in SOFA.",
     .templates = kVec3Templates,
     .attributes = kSpringForceFieldAttributes};
 
@@ -150,6 +157,14 @@ inline constexpr Attribute kRestShapeSpringsAttributes[] = {
      .unit = "N/m",
      .range = kNotNegative,
      .help = "One value, or one per node."},
+    {.name = "external_rest_shape",
+     .type = Type::kLink,
+     .help = "A mechanical state, on whose positions at the beginning of the step the nodes are pulled. It feels no "
+             "force. Default: the rest positions count."},
+    {.name = "external_points",
+     .type = Type::kIntegers,
+     .range = kIndex,
+     .help = "Nodes of that state, as many; default: all."},
     {.name = "rayleighStiffness",
      .type = Type::kReal,
      .initial = "0",
@@ -164,7 +179,7 @@ inline constexpr Attribute kRestShapeSpringsAttributes[] = {
 inline constexpr Description kRestShapeSpringsForceField{
     .class_name = "RestShapeSpringsForceField",
     .category = "ForceField",
-    .help = "Springs that pull nodes back to their rest positions.",
+    .help = "Springs that pull nodes back to their rest positions, or to where nodes of another state are.",
     .templates = kVec3Templates,
     .attributes = kRestShapeSpringsAttributes};
 

@@ -177,10 +177,26 @@ std::string_view describe(Access access) {
 
 std::vector<ComponentGroup> grouped(const std::vector<const Description*>& components) {
   std::vector<ComponentGroup> groups;
-  for (const std::string_view category :
-       {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "Loader", "Topology",
-        "TopologicalMapping", "MechanicalState", "Mass", "ForceField", "InteractionForceField", "MaterialRegion",
-        "ProjectiveConstraint", "Engine", "Mapping", "Probe", "Exporter"})
+  for (const std::string_view category : {"Node",
+                                          "Settings",
+                                          "AnimationLoop",
+                                          "OdeSolver",
+                                          "NewtonRaphsonSolver",
+                                          "LinearSolver",
+                                          "Loader",
+                                          "Topology",
+                                          "TopologicalMapping",
+                                          "MechanicalState",
+                                          "Mass",
+                                          "ForceField",
+                                          "InteractionForceField",
+                                          "MaterialRegion",
+                                          "ProjectiveConstraint",
+                                          "InteractionProjectiveConstraint",
+                                          "Engine",
+                                          "Mapping",
+                                          "Probe",
+                                          "Exporter"})
     groups.push_back({category, {}});
   for (const Description* component : components) {
     if (component->takes_anything) continue;

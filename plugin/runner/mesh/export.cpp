@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/mesh/export.hpp"
 
+#include <fmt/format.h>
+
 #include "hexaplast/body.hpp"
 #include "hexaplast/formats/whole_file.hpp"
 #include "record/abaqus_deck.hpp"
@@ -27,6 +29,21 @@ output::AbaqusDeck deck_of(scene::Scene& scene, const output::Bodies& bodies,
   return deck;
 }
 
+/// Springs, ties, contact and whatever else makes forces, but for bodies and prescribed loads.
+void warn_of_what_is_left_out(scene::Scene& scene) {
+  scene.root().for_each<scene::Component>([](scene::Component& component) {
+    const auto* field = dynamic_cast<const scene::ForceField*>(&component);
+    const bool is_left_out = dynamic_cast<const scene::Interaction*>(&component) ||
+                             dynamic_cast<const scene::InteractionProjectiveConstraint*>(&component) ||
+                             (field && !field->body() && field->loaded_nodes().empty());
+    if (is_left_out)
+      component.remark(scene::Severity::kWarning, {},
+                       fmt::format("'{}' is not in the deck, which has hexahedra, held nodes and prescribed loads",
+                                   component.name()));
+  });
+  log_warnings(scene);
+}
+
 }  // namespace
 
 void export_mesh(const MeshExportOptions& options) {
@@ -48,6 +65,7 @@ void export_mesh(const MeshExportOptions& options) {
     const PointArray& positions = scene::positions_of(states, x);
     output::write_vtu(out, bodies, positions, scene::velocities_of(states, v), bodies.fields(positions));
   } else {
+    warn_of_what_is_left_out(scene);
     output::write_abaqus_deck(out, bodies, deck_of(scene, bodies, states, options));
   }
 }

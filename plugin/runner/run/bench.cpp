@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstdint>
 #include <cstdio>
 
+#include "bench/batch.hpp"
 #include "bench/bench.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -35,6 +38,12 @@ int parse_size(const std::string& text) {
     throw UsageError(fmt::format("--sizes: '{}' is no number of hexahedra from 1 to {}k, such as 800 or 12.8k", text,
                                  kLargestSize / 1000));
   return static_cast<int>(size + 0.5);
+}
+
+std::vector<int> parse_sizes(const std::vector<std::string>& texts) {
+  std::vector<int> sizes;
+  for (const std::string& text : texts) sizes.push_back(parse_size(text));
+  return sizes;
 }
 
 void choose_simd(const std::string& target) {
@@ -110,8 +119,7 @@ InputFiles inputs_of(const BenchOptions& options) {
 
 bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
   bench::Options wanted;
-  wanted.sizes.clear();
-  for (const std::string& size : options.sizes) wanted.sizes.push_back(parse_size(size));
+  if (!options.sizes.empty()) wanted.sizes = parse_sizes(options.sizes);
   wanted.threads = options.threads;
   wanted.quick = options.quick;
 
@@ -134,17 +142,37 @@ bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
   });
 }
 
-}  // namespace
+bench::BatchOutcome measure_batch(const BenchOptions& options, bool prints) {
+  bench::BatchOptions wanted{.threads = options.threads, .num_bodies = options.bodies, .quick = options.quick};
+  if (!options.sizes.empty()) wanted.sizes = parse_sizes(options.sizes);
+  for (const int size : wanted.sizes) {
+    const std::array<int, 3> cells = bench::batch_cells(size);
+    const std::int64_t each = std::int64_t{cells[0]} * cells[1] * cells[2], sum = each * options.bodies;
+    if (sum > kLargestSize)
+      throw UsageError(fmt::format("--bodies {}: with {} hexahedra each these are {}, must be at most {}k together",
+                                   options.bodies, each, sum, kLargestSize / 1000));
+  }
+  if (prints)
+    fmt::print("{}, {}; steps of a body per second of processor time, and how many times as fast as alone:\n{}",
+               bench::MachineLimits::processor(), simd_target(), bench::batch_head());
+  return bench::run_batch(wanted, [&](const bench::BatchRecord& record) {
+    if (!prints) return;
+    fmt::print("{}", printable(bench::batch_row(record)));
+    std::fflush(stdout);
+  });
+}
 
-void bench(const BenchOptions& options) {
-  choose_simd(options.simd);
-  const bool prints = options.json != "-";
-  // both before the first step, so that a long run does not end in a file that cannot be read or written
-  std::vector<bench::Record> baseline;
-  if (options.baseline) baseline = bench::read_json(*options.baseline);
-  std::optional<output::WholeFile> json;
-  if (options.json && prints) json.emplace(output_place(*options.json, inputs_of(options)));
+/// What has been measured, and why the command fails.
+struct Report {
+  std::string json;
+  std::vector<std::string> failures;
+};
 
+Report measure(const BenchOptions& options, bool prints, const std::vector<bench::Record>& baseline) {
+  if (options.is_batch) {
+    bench::BatchOutcome outcome = measure_batch(options, prints);
+    return {bench::to_json(outcome.records), std::move(outcome.failures)};
+  }
   bench::Outcome outcome;
   if (options.scene.file.empty()) {
     outcome = measure_bars(options, prints);
@@ -156,20 +184,32 @@ void bench(const BenchOptions& options) {
       for (const bench::Record& record : outcome.records) fmt::print("{}", printable(bench::table_row(record)));
     }
   }
-
-  const std::string text = bench::to_json(outcome.records);
-  if (json) {
-    json->write(text);
-    json->commit();
-  } else if (!prints) {
-    fmt::print("{}", text);
-  }
-  flush_standard_output();
-
   if (options.baseline)
     for (std::string& sentence : bench::compare(outcome.records, baseline, options.ratio))
       outcome.failures.push_back(std::move(sentence));
-  if (!outcome.failures.empty()) throw NumericalError(fmt::format("{}", fmt::join(outcome.failures, "; ")));
+  return {bench::to_json(outcome.records), std::move(outcome.failures)};
+}
+
+}  // namespace
+
+void bench(const BenchOptions& options) {
+  choose_simd(options.simd);
+  const bool prints = options.json != "-";
+  // both before the first step, so that a long run does not end in a file that cannot be read or written
+  std::vector<bench::Record> baseline;
+  if (options.baseline) baseline = bench::read_json(*options.baseline);
+  std::optional<output::WholeFile> json;
+  if (options.json && prints) json.emplace(output_place(*options.json, inputs_of(options)));
+
+  const Report report = measure(options, prints, baseline);
+  if (json) {
+    json->write(report.json);
+    json->commit();
+  } else if (!prints) {
+    fmt::print("{}", report.json);
+  }
+  flush_standard_output();
+  if (!report.failures.empty()) throw NumericalError(fmt::format("{}", fmt::join(report.failures, "; ")));
 }
 
 }  // namespace hexaplast::runner

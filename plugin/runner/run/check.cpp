@@ -48,6 +48,20 @@ struct Findings {
   std::vector<std::string> writes;    // names of files
 };
 
+/// Whether something is between the state, or one that follows it, and another state: that one may hold it.
+bool is_joined(const scene::Node& root, const scene::State& state) {
+  const auto is_between = [&](std::array<scene::MechanicalState*, 2> states) {
+    return states[0] != states[1] && (states[0] == &state || states[1] == &state);
+  };
+  return std::ranges::any_of(root.all<scene::Interaction>(),
+                             [&](const auto* join) { return is_between(join->states()); }) ||
+         std::ranges::any_of(root.all<scene::InteractionProjectiveConstraint>(),
+                             [&](const auto* join) { return is_between(join->states()); }) ||
+         std::ranges::any_of(root.all<scene::Mapping>(), [&](const scene::Mapping* mapping) {
+           return mapping->output() && mapping->input() == &state && is_joined(root, *mapping->output());
+         });
+}
+
 Findings look_at(scene::Scene& scene) {
   Findings found;
   found.writes = scene.root().files().claimed();
@@ -82,7 +96,7 @@ Findings look_at(scene::Scene& scene) {
     found.load += load;
     found.load_size += size;
     const bool is_out_of_balance = load.norm() > 1e-9 * size;  // more than rounding
-    is_pushed = is_pushed || (is_out_of_balance && num_free == state->num_nodes());
+    is_pushed = is_pushed || (is_out_of_balance && num_free == state->num_nodes() && !is_joined(scene.root(), *state));
   }
 
   for (const scene::SceneBody& body : scene::bodies_of(scene)) {

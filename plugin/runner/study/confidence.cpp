@@ -147,10 +147,11 @@ double student_quantile(double level, double degrees) {
   return std::sqrt(degrees) * std::tan(low);
 }
 
-Confidence confidence_of(const Eigen::MatrixXd& slopes, const Eigen::VectorXd& residuals, Eigen::Index num_rows,
-                         std::span<const Eigen::Index> estimated, double too_wide) {
+Confidence confidence_of(const Eigen::MatrixXd& slopes, const Eigen::VectorXd& residuals,
+                         std::span<const Eigen::Index> num_rows, std::span<const Eigen::Index> estimated,
+                         double too_wide) {
   const Eigen::Index size = slopes.cols(), num_estimated = static_cast<Eigen::Index>(estimated.size());
-  Confidence found{.noise = std::vector<CurveNoise>(static_cast<std::size_t>(residuals.size() / num_rows)),
+  Confidence found{.noise = std::vector<CurveNoise>(num_rows.size()),
                    .half_width = std::vector<double>(static_cast<std::size_t>(size), kInfinite),
                    .correlation = Eigen::MatrixXd::Zero(size, size)};
   const Eigen::MatrixXd J = slopes(Eigen::all, std::vector<Eigen::Index>(estimated.begin(), estimated.end()));
@@ -172,10 +173,12 @@ Confidence confidence_of(const Eigen::MatrixXd& slopes, const Eigen::VectorXd& r
   if (!found.has_noise) return found;
 
   std::vector<Curve> curves;
-  for (Eigen::Index row = 0; row < residuals.size(); row += num_rows)
-    curves.push_back(
-        {residuals.segment(row, num_rows),
-         rank > 0 ? Eigen::MatrixXd(svd.matrixU().block(row, 0, num_rows, rank)) : Eigen::MatrixXd::Zero(num_rows, 1)});
+  for (Eigen::Index row = 0; const Eigen::Index count : num_rows) {
+    curves.push_back({residuals.segment(row, count), rank > 0
+                                                         ? Eigen::MatrixXd(svd.matrixU().block(row, 0, count, rank))
+                                                         : Eigen::MatrixXd::Zero(count, 1)});
+    row += count;
+  }
   find_noise(curves, static_cast<double>(rank));
   for (std::size_t c = 0; c < curves.size(); ++c) found.noise[c] = curves[c].noise;
   if (rank == 0) return found;

@@ -30,11 +30,13 @@ struct Confidence {
   bool has_noise = false;  ///< false: there are not more rows than parameters, and nothing is known of the noise
 };
 
-/// Of a least-squares fit. slopes, residuals: at the solution, the curves one after another with `num_rows` rows each.
+/// Of a least-squares fit. slopes, residuals: at the solution, the curves one after another, with `num_rows` rows
+/// each.
 /// estimated: parameters that the fit has chosen freely; the others are taken to be known. A direction is undetermined
 /// where the half-width along it exceeds `too_wide`. Linear in the parameters; curves are independent of one another.
-Confidence confidence_of(const Eigen::MatrixXd& slopes, const Eigen::VectorXd& residuals, Eigen::Index num_rows,
-                         std::span<const Eigen::Index> estimated, double too_wide);
+Confidence confidence_of(const Eigen::MatrixXd& slopes, const Eigen::VectorXd& residuals,
+                         std::span<const Eigen::Index> num_rows, std::span<const Eigen::Index> estimated,
+                         double too_wide);
 
 /// Student's t: the value that is exceeded with the probability (1 - level) / 2. degrees >= 1.
 double student_quantile(double level, double degrees);

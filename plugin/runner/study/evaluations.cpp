@@ -8,15 +8,6 @@
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
-namespace {
-
-std::vector<double> joined(const std::vector<std::vector<double>>& columns) {
-  std::vector<double> values;
-  for (const std::vector<double>& column : columns) values.insert(values.end(), column.begin(), column.end());
-  return values;
-}
-
-}  // namespace
 
 std::vector<std::string> assignments(const std::vector<FreeAttribute>& free, const Point& point) {
   std::vector<std::string> words;
@@ -25,10 +16,10 @@ std::vector<std::string> assignments(const std::vector<FreeAttribute>& free, con
   return words;
 }
 
-std::optional<std::vector<double>> evaluate(const Experiment& experiment, const std::vector<FreeAttribute>& free,
+std::optional<std::vector<double>> evaluate(const Experiments& experiments, const std::vector<FreeAttribute>& free,
                                             const Point& point) {
   try {
-    return joined(experiment.run(assignments(free, point)));
+    return experiments.run(assignments(free, point));
   } catch (const NumericalError&) {
     return {};
   } catch (const scene::SceneError&) {  // values that do not go together
@@ -38,15 +29,15 @@ std::optional<std::vector<double>> evaluate(const Experiment& experiment, const 
   }
 }
 
-Evaluations::Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free, int jobs, int threads)
-    : experiment_(experiment), free_(free) {
+Evaluations::Evaluations(const Experiments& experiments, const std::vector<FreeAttribute>& free, int jobs, int threads)
+    : experiments_(experiments), free_(free) {
   workers_.reserve(static_cast<std::size_t>(jobs));
   for (int w = 0; w < jobs && jobs > 1; ++w) workers_.push_back(Worker::start(threads));
 }
 
-Evaluations::Evaluations(const Experiment& experiment, const std::vector<FreeAttribute>& free,
+Evaluations::Evaluations(const Experiments& experiments, const std::vector<FreeAttribute>& free,
                          const std::vector<int>& sockets)
-    : experiment_(experiment), free_(free) {
+    : experiments_(experiments), free_(free) {
   workers_.reserve(sockets.size());
   for (const int socket : sockets) workers_.push_back(Worker::at(socket));
 }
@@ -54,7 +45,7 @@ Evaluations::Evaluations(const Experiment& experiment, const std::vector<FreeAtt
 const std::vector<double>& Evaluations::first(const Point& point) {
   const std::vector<std::string> words = assignments(free_, point);
   std::optional<std::vector<double>>& found = known_[words];
-  if (!found) found = joined(experiment_.run(words));
+  if (!found) found = experiments_.run(words);
   return *found;
 }
 
@@ -79,13 +70,12 @@ std::vector<std::optional<std::vector<double>>> Evaluations::run(const std::vect
   std::vector<std::optional<std::vector<double>>> found;
   if (!workers_.empty()) {
     found = ask_all(workers_, points);
-    const std::size_t num_values = experiment_.target().columns.size() * experiment_.target().num_rows();
     for (const std::optional<std::vector<double>>& values : found)
-      if (values && values->size() != num_values)
+      if (values && values->size() != experiments_.num_values())
         throw output::OutputError("a process that evaluates has given the answer to another question");
     return found;
   }
-  for (const Point& point : points) found.push_back(evaluate(experiment_, free_, point));
+  for (const Point& point : points) found.push_back(evaluate(experiments_, free_, point));
   return found;
 }
 

@@ -218,12 +218,4 @@ std::vector<std::vector<double>> Experiment::run(const std::vector<std::string>&
   return found;
 }
 
-std::vector<double> Experiment::residuals(const std::vector<double>& values) const {
-  std::vector<double> residuals;
-  for (std::size_t c = 0; c < target_.columns.size(); ++c)
-    for (const double wanted : target_.columns[c].values)
-      residuals.push_back((values[residuals.size()] - wanted) / greatest_[c]);
-  return residuals;
-}
-
 }  // namespace hexaplast::runner

@@ -32,12 +32,10 @@ class Experiment {
   /// needs it. Throws what Simulation throws; Interrupted.
   std::vector<std::vector<double>> run(const std::vector<std::string>& assignments) const;
 
-  /// Differences from the target of such values, column after column, each column's as a share of its largest value.
-  std::vector<double> residuals(const std::vector<double>& values) const;
-
   /// Size of the largest value of a column.
   double greatest(std::size_t column) const { return greatest_[column]; }
 
+  const SceneOptions& scene() const { return scene_; }
   const TargetCurve& target() const { return target_; }
   const InputFiles& inputs() const { return inputs_; }  ///< what the scene reads, and the curve
 

@@ -2,6 +2,7 @@
 #include "runner/study/fit.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/sinks/sink.h>
 #include <spdlog/spdlog.h>
 
@@ -9,9 +10,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/formats/text.hpp"
 #include "record/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/common_options.hpp"
@@ -21,7 +24,7 @@
 #include "runner/run/scene_record.hpp"
 #include "runner/standard_output.hpp"
 #include "runner/study/evaluations.hpp"
-#include "runner/study/experiment.hpp"
+#include "runner/study/experiments.hpp"
 #include "runner/study/fit_result.hpp"
 #include "scene/reader.hpp"
 
@@ -33,17 +36,59 @@ constexpr double kLeastNoise = 1e-3;        // of the noisiest column: one that 
 constexpr double kSameNoise = 1.3;          // factor between columns up to which weights change nothing worthwhile
 constexpr double kNoNoiseToWeighBy = 1e-6;  // of the largest value
 
-std::vector<FreeAttribute> read_free(const FitOptions& options, std::string& scene_hash) {
-  scene::Scene scene = read_scene(options.scene);
-  scene.diagnostics().throw_errors();
-  scene_hash = hash_scene(scene);
-  std::vector<FreeAttribute> free;
-  for (const std::string& text : options.free) {
-    FreeAttribute one = parse_free(text, scene);
-    if (std::ranges::find(free, one.name, &FreeAttribute::name) != free.end())
-      throw UsageError(fmt::format("--free {}: this attribute is free already", text));
-    free.push_back(std::move(one));
+/// An experiment as the command line gives it.
+struct Planned {
+  SceneOptions scene;
+  std::filesystem::path target;
+  std::vector<std::string> compare;
+  std::vector<std::string> own = {};  ///< PATH.attribute=VALUE for this one alone
+};
+
+std::vector<Planned> planned(const FitOptions& options) {
+  std::vector<Planned> all = {{options.scene, options.target, options.compare}};
+  for (const std::vector<std::string>& words : options.experiments) {
+    if (words.size() < 2)
+      throw UsageError(fmt::format("--experiment {}: must be SCENE CURVE.csv [COLUMN,...] [PATH.attribute=VALUE ...]",
+                                   fmt::join(words, " ")));
+    Planned one{options.scene, words[1], {}};
+    one.scene.file = words[0];
+    for (std::size_t k = 2; k < words.size(); ++k) {
+      if (words[k].find('=') != std::string::npos)
+        one.own.push_back(words[k]);
+      else
+        for (const std::string_view column : split(words[k], ',')) one.compare.emplace_back(column);
+    }
+    one.scene.overrides.insert(one.scene.overrides.end(), one.own.begin(), one.own.end());
+    all.push_back(std::move(one));
   }
+  return all;
+}
+
+/// The free attributes, which every scene must have; they begin with the value of the first.
+std::vector<FreeAttribute> read_free(const std::vector<std::string>& texts, const std::vector<Planned>& experiments,
+                                     std::vector<std::string>& scene_hashes) {
+  std::vector<FreeAttribute> free;
+  for (const Planned& experiment : experiments) try {
+      scene::Scene scene = read_scene(experiment.scene);
+      scene.diagnostics().throw_errors();
+      scene_hashes.push_back(hash_scene(scene));
+      for (const std::string& text : texts) {
+        FreeAttribute one = parse_free(text, scene);
+        for (const std::string& own : experiment.own)
+          if (own.starts_with(one.name + "="))
+            throw UsageError(
+                fmt::format("--experiment {} {}: {}: must not be a free attribute, which has the same value "
+                            "in all experiments",
+                            experiment.scene.file.string(), experiment.target.string(), own));
+        if (scene_hashes.size() > 1) continue;
+        if (std::ranges::find(free, one.name, &FreeAttribute::name) != free.end())
+          throw UsageError(fmt::format("--free {}: this attribute is free already", text));
+        free.push_back(std::move(one));
+      }
+    } catch (const scene::OverrideError& error) {
+      if (experiments.size() == 1) throw;
+      throw scene::OverrideError(fmt::format("{} (of the scene {})", error.what(), experiment.scene.file.string()));
+    }
   return free;
 }
 
@@ -60,12 +105,13 @@ class QuietRuns {
   spdlog::level::level_enum level_ = sink().level();
 };
 
-using Weights = std::vector<double>;  // per column of the target
+using Weights = std::vector<double>;  // per column
 
 /// Residuals of the columns, each times its weight.
-std::vector<double> weighted(std::vector<double> residuals, const Weights& weights) {
-  const std::size_t num_rows = residuals.size() / weights.size();
-  for (std::size_t k = 0; k < residuals.size(); ++k) residuals[k] *= weights[k / num_rows];
+std::vector<double> weighted(std::vector<double> residuals, const std::vector<ComparedColumn>& columns,
+                             const Weights& weights) {
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (std::size_t row = 0; row < columns[c].num_rows; ++row) residuals[columns[c].begin + row] *= weights[c];
   return residuals;
 }
 
@@ -80,15 +126,15 @@ Weights inverse(const std::vector<double>& deviations) {
 
 /// By the noise that curves show by themselves: how far rows lie from the middle of their neighbours, in the median. A
 /// search that begins with them does not follow the noise of one column away from what another one tells.
-Weights first_weights(const Experiment& experiment) {
+Weights first_weights(const std::vector<ComparedColumn>& columns) {
   std::vector<double> deviations;
-  for (std::size_t c = 0; c < experiment.target().columns.size(); ++c) {
-    const std::vector<double>& values = experiment.target().columns[c].values;
+  for (const ComparedColumn& compared : columns) {
+    const std::vector<double>& values = compared.column->values;
     std::vector<double> bends = {0};
     for (std::size_t row = 1; row + 1 < values.size(); ++row)
       bends.push_back(std::abs(values[row] - (values[row - 1] + values[row + 1]) / 2));
     std::ranges::nth_element(bends, bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2));
-    deviations.push_back(bends[bends.size() / 2] / experiment.greatest(c));
+    deviations.push_back(bends[bends.size() / 2] / compared.greatest);
   }
   return inverse(deviations);
 }
@@ -110,13 +156,13 @@ std::optional<Weights> weights_by(const std::vector<CurveNoise>& noise, const We
 /// The search for the best point, and what is known of it.
 class FitSearch {
  public:
-  FitSearch(const Experiment& experiment, const std::vector<FreeAttribute>& free, const FitOptions& options,
+  FitSearch(const Experiments& experiments, const std::vector<FreeAttribute>& free, const FitOptions& options,
             Evaluations& evaluations)
-      : experiment_(experiment),
+      : experiments_(experiments),
         free_(free),
         options_(options),
         evaluations_(evaluations),
-        weights_(first_weights(experiment)) {}
+        weights_(first_weights(experiments.columns())) {}
 
   FitResult carry_out() {
     Point start;
@@ -150,7 +196,7 @@ class FitSearch {
     return [this](const std::vector<Point>& points) {
       std::vector<std::optional<std::vector<double>>> found = evaluations_.at(points);
       for (std::optional<std::vector<double>>& values : found)
-        if (values) values = weighted(experiment_.residuals(*values), weights_);
+        if (values) values = weighted(experiments_.residuals(*values), experiments_.columns(), weights_);
       return found;
     };
   }
@@ -171,21 +217,24 @@ class FitSearch {
     std::vector<Eigen::Index> estimated;
     for (std::size_t p = 0; p < free_.size(); ++p)
       if (!is_limit(calibration.best[p])) estimated.push_back(static_cast<Eigen::Index>(p));
+    std::vector<Eigen::Index> num_rows;
+    for (const ComparedColumn& compared : experiments_.columns())
+      num_rows.push_back(static_cast<Eigen::Index>(compared.num_rows));
     const std::vector<double>& r = calibration.residuals;
     return confidence_of(slopes, Eigen::Map<const Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())),
-                         static_cast<Eigen::Index>(experiment_.target().num_rows()), estimated, kHardlyKnown);
+                         num_rows, estimated, kHardlyKnown);
   }
 
   /// What has been found of the parameters and the columns.
   void tell(FitResult& result, const Eigen::MatrixXd& slopes) {
-    const TargetCurve& target = experiment_.target();
+    const std::vector<ComparedColumn>& columns = experiments_.columns();
     const Point& best = result.calibration.best;
     result.confidence = confidence_in(result.calibration, slopes);
     Eigen::MatrixXd unweighted = slopes;
-    const auto num_rows = static_cast<Eigen::Index>(target.num_rows());
-    for (std::size_t c = 0; c < weights_.size(); ++c) {
-      unweighted.middleRows(static_cast<Eigen::Index>(c) * num_rows, num_rows) /= weights_[c];
-      result.confidence.noise[c].deviation *= experiment_.greatest(c) / weights_[c];
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      unweighted.middleRows(static_cast<Eigen::Index>(columns[c].begin),
+                            static_cast<Eigen::Index>(columns[c].num_rows)) /= weights_[c];
+      result.confidence.noise[c].deviation *= columns[c].greatest / weights_[c];
     }
     const std::vector<Uncertainty> uncertainty = uncertainties(unweighted, kCloseness);
     for (std::size_t p = 0; p < free_.size(); ++p)
@@ -195,21 +244,21 @@ class FitSearch {
                               .half_width = result.confidence.half_width[p]});
 
     result.fitted = evaluations_.first(best);
-    const std::vector<double> differences = experiment_.residuals(result.fitted);
+    const std::vector<double> differences = experiments_.residuals(result.fitted);
     double sum = 0;
-    for (std::size_t c = 0; c < target.columns.size(); ++c) {
+    for (const ComparedColumn& compared : columns) {
       double of_column = 0;
-      for (std::size_t row = 0; row < target.num_rows(); ++row) {
-        const double difference = differences[c * target.num_rows() + row];
+      for (std::size_t row = 0; row < compared.num_rows; ++row) {
+        const double difference = differences[compared.begin + row];
         of_column += difference * difference;
       }
-      result.rms.push_back(experiment_.greatest(c) * std::sqrt(of_column / static_cast<double>(target.num_rows())));
+      result.rms.push_back(compared.greatest * std::sqrt(of_column / static_cast<double>(compared.num_rows)));
       sum += of_column;
     }
     result.relative_rms = std::sqrt(sum / static_cast<double>(differences.size()));
   }
 
-  const Experiment& experiment_;
+  const Experiments& experiments_;
   const std::vector<FreeAttribute>& free_;
   const FitOptions& options_;
   Evaluations& evaluations_;
@@ -221,12 +270,21 @@ class FitSearch {
 /// What a fit writes, opened before the first evaluation, so that a long one does not end in a file that cannot be
 /// written.
 struct FitFiles {
-  FitFiles(const std::filesystem::path& directory, const InputFiles& inputs)
+  FitFiles(const std::filesystem::path& directory, std::span<const Experiment> experiments)
       : lock(directory),
-        json(output_place(directory / "fit.json", inputs, {directory})),
-        svg(output_place(directory / "fit.svg", inputs, {directory})) {}
+        json(place(directory, "fit.json", experiments)),
+        svg(place(directory, "fit.svg", experiments)) {}
   DirectoryLock lock;
   output::WholeFile json, svg;
+
+ private:
+  /// Refused where it is an input of any experiment.
+  static std::filesystem::path place(const std::filesystem::path& directory, const char* name,
+                                     std::span<const Experiment> experiments) {
+    std::filesystem::path found;
+    for (const Experiment& one : experiments) found = output_place(directory / name, one.inputs(), {directory});
+    return found;
+  }
 };
 
 /// The directory is there, and holds no earlier fit that must stay.
@@ -266,9 +324,16 @@ CLI::App* add_fit(CLI::App& app, FitOptions& options) {
       ->type_name("COLUMN,...")
       ->delimiter(',');
   command
-      ->add_option("--free", options.free,
-                   "A number that is looked for between lo and hi, on a logarithmic scale where these span a decade or "
-                   "as told; may be repeated")
+      ->add_option("--experiment", options.experiments,
+                   "A further scene and its curve, which the same values must repeat; then columns of the curve that "
+                   "are compared (default: all), and attributes that are other ones here; may be repeated")
+      ->type_name("SCENE CURVE.csv [COLUMN,...] [PATH.attribute=VALUE ...]");
+  command
+      ->add_option(
+          "--free", options.free,
+          "A number of every scene that is looked for between lo and hi, on a logarithmic scale where these span a "
+          "decade or "
+          "as told; may be repeated")
       ->type_name("PATH.attribute=lo:hi[:log|:linear]")
       ->allow_extra_args(false)
       ->required();
@@ -297,31 +362,39 @@ int fit(const FitOptions& options) {
   watch_signals();
   const Split split = split_of(options);
   set_num_threads(split.threads);
-  std::string scene_hash;
-  const std::vector<FreeAttribute> free = read_free(options, scene_hash);
-  TargetCurve target = read_target(options.target, options.compare);
+  const std::vector<Planned> plan = planned(options);
+  std::vector<std::string> scene_hashes;
+  const std::vector<FreeAttribute> free = read_free(options.free, plan, scene_hashes);
+  std::vector<TargetCurve> targets;
+  for (const Planned& one : plan) targets.push_back(read_target(one.target, one.compare));
   if (options.out && !options.is_worker) prepare_place(*options.out, options.force);
 
   try {
     Point start;
     for (const FreeAttribute& one : free) start.push_back(one.start());
+    const auto read_experiments = [&] {
+      std::vector<Experiment> all;
+      for (std::size_t k = 0; k < plan.size(); ++k)
+        all.emplace_back(plan[k].scene, std::move(targets[k]), options.steps, assignments(free, start));
+      return Experiments(std::move(all));
+    };
     if (options.is_worker) {
       const QuietRuns quiet;
-      const Experiment experiment(options.scene, std::move(target), options.steps, assignments(free, start));
-      serve([&](const Point& point) { return evaluate(experiment, free, point); });
+      const Experiments experiments = read_experiments();
+      serve([&](const Point& point) { return evaluate(experiments, free, point); });
       return kOk;
     }
-    const Experiment experiment(options.scene, std::move(target), options.steps, assignments(free, start));
+    const Experiments experiments = read_experiments();
     std::optional<FitFiles> files;
-    if (options.out) files.emplace(*options.out, experiment.inputs());
-    Evaluations evaluations = options.asks.empty() ? Evaluations(experiment, free, split.jobs, split.threads)
-                                                   : Evaluations(experiment, free, options.asks);
-    const FitResult result = FitSearch(experiment, free, options, evaluations).carry_out();
-    const std::vector<std::string> warnings = warnings_of(result, experiment.target(), options.evaluations);
-    print(result, experiment.target(), options);
+    if (options.out) files.emplace(*options.out, experiments.all());
+    Evaluations evaluations = options.asks.empty() ? Evaluations(experiments, free, split.jobs, split.threads)
+                                                   : Evaluations(experiments, free, options.asks);
+    const FitResult result = FitSearch(experiments, free, options, evaluations).carry_out();
+    const std::vector<std::string> warnings = warnings_of(result, experiments, options.evaluations);
+    print(result, experiments);
     if (files) {
-      write_json(files->json, result, experiment.target(), scene_hash, warnings, options);
-      draw(files->svg, result, experiment.target(), options);
+      write_json(files->json, result, experiments, scene_hashes, warnings);
+      draw(files->svg, result, experiments);
     }
     flush_standard_output();
     for (const std::string& warning : warnings) spdlog::warn("warning: {}", warning);

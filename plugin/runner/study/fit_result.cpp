@@ -63,7 +63,7 @@ bool Found::is_at_limit() const { return is_limit(free.fraction(value)); }
 bool Found::has_interval() const { return std::isfinite(half_width) && !is_at_limit(); }
 double Found::moved(double distance) const { return free.value(std::clamp(free.fraction(value) + distance, 0.0, 1.0)); }
 
-std::vector<std::string> warnings_of(const FitResult& result, const TargetCurve& target, int most_evaluations) {
+std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int most_evaluations) {
   std::vector<std::string> warnings;
   const auto add = [&](std::string text) { warnings.push_back(std::move(text)); };
   for (const Found& found : result.found) {
@@ -94,12 +94,13 @@ std::vector<std::string> warnings_of(const FitResult& result, const TargetCurve&
                       combination(result.found, direction.step)));
   if (!result.confidence.has_noise)
     add("the curve has not more rows than parameters: nothing is known of its noise, and there are no 95 % intervals");
-  for (std::size_t c = 0; c < target.columns.size() && result.confidence.has_noise; ++c)
-    if (const CurveNoise& noise = result.confidence.noise[c]; is_correlated(noise, target.num_rows()))
+  const std::vector<ComparedColumn>& columns = experiments.columns();
+  for (std::size_t c = 0; c < columns.size() && result.confidence.has_noise; ++c)
+    if (const CurveNoise& noise = result.confidence.noise[c]; is_correlated(noise, columns[c].num_rows))
       add(
           fmt::format("the differences in {} are alike from row to row (correlation {:.2f}): the scene cannot repeat "
                       "the curve as it is, or its noise is slow. The intervals are wider for it",
-                      target.columns[c].name, noise.correlation));
+                      columns[c].name, noise.correlation));
   if (!result.calibration.is_converged)
     add(fmt::format("stopped after {} evaluations before it had settled; --evaluations allows more, now {}",
                     result.calibration.num_evaluations, most_evaluations));
@@ -109,19 +110,21 @@ std::vector<std::string> warnings_of(const FitResult& result, const TargetCurve&
   return warnings;
 }
 
-void print(const FitResult& result, const TargetCurve& target, const FitOptions& options) {
-  fmt::print("{}: fitted to {}, {} rows\n", printable_line(options.scene.file.stem().string()),
-             printable_line(target.file.string()), target.num_rows());
+void print(const FitResult& result, const Experiments& experiments) {
+  for (const Experiment& one : experiments.all())
+    fmt::print("{}: fitted to {}, {} rows\n", printable_line(one.scene().file.stem().string()),
+               printable_line(one.target().file.string()), one.target().num_rows());
   std::size_t width = 0;
   for (const Found& found : result.found) width = std::max(width, found.free.name.size());
   for (const Found& found : result.found)
     fmt::print("  {:<{}}  {} {}  ({}; within {:g} % of the curve: {} to {})\n", printable_line(found.free.name), width,
                written(found.value), found.free.unit, interval_text(found), 100 * kCloseness,
                written(found.moved(-found.uncertainty.together)), written(found.moved(found.uncertainty.together)));
-  for (std::size_t c = 0; c < target.columns.size(); ++c) {
+  for (std::size_t c = 0; c < experiments.columns().size(); ++c) {
+    const ComparedColumn& compared = experiments.columns()[c];
     const CurveNoise& noise = result.confidence.noise[c];
-    fmt::print("  {:<{}}  {} {} root mean square{}\n", target.columns[c].name, width, written(result.rms[c]),
-               target.columns[c].unit,
+    fmt::print("  {:<{}}  {} {} root mean square{}\n", printable_line(compared.name), width, written(result.rms[c]),
+               compared.column->unit,
                result.confidence.has_noise ? fmt::format("; noise {}, correlation {:.2f} from row to row",
                                                          written(noise.deviation), noise.correlation)
                                            : "");
@@ -131,30 +134,37 @@ void print(const FitResult& result, const TargetCurve& target, const FitOptions&
   fmt::print("{}\n", printable_line(fmt::format("{}", fmt::join(set_words(result), " "))));
 }
 
-void write_json(output::WholeFile& out, const FitResult& result, const TargetCurve& target,
-                const std::string& scene_hash, const std::vector<std::string>& warnings, const FitOptions& options) {
-  Json json = {{"scene", options.scene.file.string()},
-               {"scene_hash", scene_hash},
-               {"overrides", options.scene.overrides},
-               {"target", target.file.string()},
-               {"rows", target.num_rows()},
-               {"relative_rms", result.relative_rms},
-               {"columns", Json::array()},
-               {"evaluations", result.calibration.num_evaluations},
-               {"failed_evaluations", result.calibration.num_failed},
-               {"converged", result.calibration.is_converged},
-               {"parameters", Json::array()},
-               {"correlation", Json::array()},
-               {"undetermined", Json::array()}};
+void write_json(output::WholeFile& out, const FitResult& result, const Experiments& experiments,
+                const std::vector<std::string>& scene_hashes, const std::vector<std::string>& warnings) {
+  const auto entry_of = [&](std::size_t k) {
+    const Experiment& one = experiments.all()[k];
+    return Json{{"scene", one.scene().file.string()},
+                {"scene_hash", scene_hashes[k]},
+                {"overrides", one.scene().overrides},
+                {"target", one.target().file.string()},
+                {"rows", one.target().num_rows()}};
+  };
+  Json json = entry_of(0);
+  json["further_experiments"] = Json::array();
+  for (std::size_t k = 1; k < experiments.all().size(); ++k) json["further_experiments"].push_back(entry_of(k));
+  json["relative_rms"] = result.relative_rms;
+  json["columns"] = Json::array();
+  json["evaluations"] = result.calibration.num_evaluations;
+  json["failed_evaluations"] = result.calibration.num_failed;
+  json["converged"] = result.calibration.is_converged;
+  for (const char* name : {"parameters", "correlation", "undetermined"}) json[name] = Json::array();
   const auto number_if = [](bool is_known, double value) { return is_known ? Json(value) : Json(nullptr); };
   const auto number_or_null = [&](double value) { return number_if(std::isfinite(value), value); };
   const bool has_noise = result.confidence.has_noise;
-  for (std::size_t c = 0; c < target.columns.size(); ++c)
-    json["columns"].push_back({{"name", target.columns[c].name},
-                               {"unit", target.columns[c].unit},
+  for (std::size_t c = 0; c < experiments.columns().size(); ++c) {
+    const ComparedColumn& compared = experiments.columns()[c];
+    json["columns"].push_back({{"name", compared.column->name},
+                               {"target", compared.curve->file.string()},
+                               {"unit", compared.column->unit},
                                {"rms", result.rms[c]},
                                {"noise", number_if(has_noise, result.confidence.noise[c].deviation)},
                                {"noise_correlation", number_if(has_noise, result.confidence.noise[c].correlation)}});
+  }
   for (std::size_t p = 0; p < result.found.size(); ++p) {
     const Found& found = result.found[p];
     const bool has_interval = found.has_interval();
@@ -187,16 +197,16 @@ void write_json(output::WholeFile& out, const FitResult& result, const TargetCur
   out.commit();
 }
 
-void draw(output::WholeFile& file, const FitResult& result, const TargetCurve& target, const FitOptions& options) {
+void draw(output::WholeFile& file, const FitResult& result, const Experiments& experiments) {
   const output::CurveColours colours;
-  const bool is_over_time = !target.times.empty();
   std::vector<output::PanelGrid> grids;
-  for (std::size_t c = 0; c < target.columns.size(); ++c) {
-    const TargetCurve::Column& column = target.columns[c];
-    const auto begin = static_cast<std::ptrdiff_t>(c * target.num_rows());
+  for (const ComparedColumn& compared : experiments.columns()) {
+    const TargetCurve::Column& column = *compared.column;
+    const bool is_over_time = !compared.curve->times.empty();
+    const auto begin = static_cast<std::ptrdiff_t>(compared.begin);
     const auto part = [&](const std::vector<double>& values) {
       return std::vector<double>(values.begin() + begin,
-                                 values.begin() + begin + static_cast<std::ptrdiff_t>(target.num_rows()));
+                                 values.begin() + begin + static_cast<std::ptrdiff_t>(compared.num_rows));
     };
     const auto curve = [&](const char* name, std::string_view colour, std::vector<double> values, bool is_measured) {
       for (double& value : values) value *= column.shown_scale;
@@ -206,16 +216,19 @@ void draw(output::WholeFile& file, const FitResult& result, const TargetCurve& t
                            .has_line = !is_measured,
                            .has_dots = is_measured};
     };
-    output::Series series{.x = is_over_time ? target.times : target.forces,
+    output::Series series{.x = is_over_time ? compared.curve->times : compared.curve->forces,
                           .curves = {curve("before", "#a5adb8", part(result.start), false),
                                      curve("target", colours.first, column.values, true),
                                      curve("fitted", colours.second, part(result.fitted), false)}};
     output::Panel panel{.least_span = 1e-9,
                         .across = {.label = is_over_time ? "time [s]" : "force [N]"},
                         .series = {std::move(series)}};
-    grids.push_back({std::string(column.label), {std::move(panel)}});
+    grids.push_back({experiments.all().size() == 1
+                         ? column.label
+                         : fmt::format("{}, {}", column.label, compared.curve->file.stem().string()),
+                     {std::move(panel)}});
   }
-  output::write_panel_grids(file, options.scene.file.stem().string(), grids);
+  output::write_panel_grids(file, experiments.all().front().scene().file.stem().string(), grids);
 }
 
 }  // namespace hexaplast::runner

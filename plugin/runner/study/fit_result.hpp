@@ -7,9 +7,9 @@
 #include "record/files.hpp"
 #include "runner/study/calibration.hpp"
 #include "runner/study/confidence.hpp"
+#include "runner/study/experiments.hpp"
 #include "runner/study/fit.hpp"
 #include "runner/study/free_attribute.hpp"
-#include "runner/study/target_curve.hpp"
 
 namespace hexaplast::runner {
 
@@ -46,14 +46,15 @@ constexpr double kHardlyKnown = 0.5;
 /// Whether a share of the way between the limits counts as one of them.
 bool is_limit(double share);
 
-std::vector<std::string> warnings_of(const FitResult& result, const TargetCurve& target, int most_evaluations);
+std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int most_evaluations);
 
-void print(const FitResult& result, const TargetCurve& target, const FitOptions& options);
+void print(const FitResult& result, const Experiments& experiments);
 
-void write_json(output::WholeFile& out, const FitResult& result, const TargetCurve& target,
-                const std::string& scene_hash, const std::vector<std::string>& warnings, const FitOptions& options);
+/// scene_hashes: of the scene of each experiment.
+void write_json(output::WholeFile& out, const FitResult& result, const Experiments& experiments,
+                const std::vector<std::string>& scene_hashes, const std::vector<std::string>& warnings);
 
-/// The curve, the fitted run and the run before the fit.
-void draw(output::WholeFile& file, const FitResult& result, const TargetCurve& target, const FitOptions& options);
+/// The curves, the fitted runs and the runs before the fit.
+void draw(output::WholeFile& file, const FitResult& result, const Experiments& experiments);
 
 }  // namespace hexaplast::runner

@@ -167,6 +167,57 @@ TEST(TwoBodiesInSofa, HangOnSpringsOfSofa)
     EXPECT_EQ(messages.count("preconditioner multigrid"), 30) << messages.text().substr(0, 2000);
 }
 
+/// Largest difference of positions from the embedded host, of the size of both bodies.
+double difference_of_hosts(const std::string& text, int steps)
+{
+    SofaScene sofa = SofaScene::from_text(text);
+    EmbeddedScene host(text);
+    const PointArray start = positions(sofa);
+    double found = 0;
+    for (int step = 0; step < steps; ++step)
+    {
+        sofa.step();
+        host.step();
+        found = std::max(found, (positions(sofa) - host.positions()).cwiseAbs().maxCoeff());
+    }
+    EXPECT_GT((positions(sofa) - start).norm(), 1e-3 * size_of(start)) << "something happened";
+    std::cout << "largest difference in " << steps << " steps: " << found / size_of(start) << " of the size\n";
+    return found / size_of(start);
+}
+
+TEST(TwoBodiesInSofa, HangOnSpringsAsInTheEmbeddedHost)
+{
+    for (const std::string& solver : {kOurs, kConjugateGradients, kDirect})
+        EXPECT_LE(difference_of_hosts(two_blocks(solver, kSprings), 30), 1e-9) << solver;
+}
+
+// SOFA's direct solvers apply the constraint in one way to nodes of the first state, and that in both ways not at all.
+TEST(TwoBodiesInSofa, AreAttachedAsInTheEmbeddedHost)
+{
+    // nodes of both blocks in one place: those of the upper one lie elsewhere in x and z
+    const std::string grids = R"(n="9 5 7" min="0 0 0" max="0.05 0.03 0.04")",
+                      above = R"(n="9 5 5" min="0.007 0.0297 0.006" max="0.037 0.0497 0.031")";
+    for (const std::string& solver : {kOurs, kConjugateGradients})
+        for (const std::string way : {"", "twoWay=\"true\" "})
+        {
+            const std::string text = replaced(
+                two_blocks(solver, "<AttachProjectiveConstraint object1=\"@lower/nodes\" object2=\"@upper/nodes\" " +
+                                       way + R"(indices1="36 44 306 314" indices2="0 8 180 188"/>)"),
+                above, R"(n="9 5 5" min="0 0.03 0" max="0.05 0.05 0.04")");
+            ASSERT_NE(text.find(grids), std::string::npos);
+            EXPECT_LE(difference_of_hosts(text, 30), 1e-9) << solver << way;
+        }
+}
+
+TEST(TwoBodiesInSofa, FollowEachOtherOnSpringsAsInTheEmbeddedHost)
+{
+    const std::string springs =
+        R"(<RestShapeSpringsForceField stiffness="20 30" points="0 8" external_rest_shape="@../lower/nodes" external_points="82 88"/>)";
+    std::string text = two_blocks(kOurs, "");
+    text.insert(text.rfind("</Node></Node></Node>"), springs);
+    EXPECT_LE(difference_of_hosts(text, 30), 1e-9);
+}
+
 TEST(TwoBodiesInSofa, AreTiedByConstraints)
 {
     const std::string loop = R"(<FreeMotionAnimationLoop/><BlockGaussSeidelConstraintSolver maxIterations="1000"

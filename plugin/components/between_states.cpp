@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "components/between_states.hpp"
+
+#include <fmt/format.h>
+
+namespace hexaplast::components {
+namespace {
+
+bool stands_in(const scene::Node& node, const scene::Node& above) {
+  return &node == &above || (node.parent() && stands_in(*node.parent(), above));
+}
+
+}  // namespace
+
+void require_points(scene::Component& component, std::string_view link) {
+  scene::Object* target = component.find_data(link)->target();
+  const auto* holder = dynamic_cast<scene::Node*>(target);
+  const auto* state = holder ? holder->local<scene::State>() : dynamic_cast<scene::State*>(target);
+  if (dynamic_cast<const scene::RigidState*>(state))
+    component.reject(link, fmt::format("leads to '{}', which has rigid frames: must lead to a state of points, such as "
+                                       "one that follows the frames by a RigidMapping",
+                                       state->name()));
+}
+
+scene::OdeSolver& require_one_integrator(scene::Component& component, std::array<scene::MechanicalState*, 2> states) {
+  for (scene::MechanicalState* state : states)
+    if (state->stage() != scene::Component::Stage::kReady) throw scene::DependencyFailure();
+  const std::array integrators = {states[0]->node().nearest<scene::OdeSolver>(),
+                                  states[1]->node().nearest<scene::OdeSolver>()};
+  if (integrators[0] && integrators[1] && integrators[0] != integrators[1])
+    component.reject("object2", fmt::format("leads to '{}', which another time integrator moves than '{}': both need "
+                                            "one time integrator and one linear solver in a node above both",
+                                            states[1]->name(), states[0]->name()));
+  scene::OdeSolver* integrator = integrators[0] ? integrators[0] : integrators[1];
+  if (!integrator) component.reject("object1", "no time integrator moves the states: needs one in a node above");
+  if (!stands_in(component.node(), integrator->node()))
+    component.reject(
+        fmt::format("stands outside of the node '{}' of {} '{}', which moves the states: must stand in it "
+                    "or below, as in SOFA",
+                    integrator->node().path(), integrator->class_name(), integrator->name()));
+  return *integrator;
+}
+
+}  // namespace hexaplast::components

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "scene/interfaces.hpp"
+
+/// What components between two mechanical states, linked by object1 and object2, have in common.
+namespace hexaplast::components {
+
+/// Rejects the scene where a link leads to rigid frames.
+void require_points(scene::Component& component, std::string_view link);
+
+/// Rejects the scene unless one time integrator, in the component's node or above, moves both states; or one of them,
+/// where nothing moves the other one. The integrator.
+scene::OdeSolver& require_one_integrator(scene::Component& component, std::array<scene::MechanicalState*, 2> states);
+
+}  // namespace hexaplast::components

@@ -1,0 +1,616 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Springs and ties between two mechanical states.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/solve/energy_balance.hpp"
+#include "support/compare.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::errors_of;
+using support::read_and_init;
+
+std::string node(const std::string& name, const std::string& content) {
+  return "<Node name='" + name + "'>" + content + "</Node>";
+}
+
+const std::string kElastic = "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4'/>",
+                  kPlastic =
+                      "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4' "
+                      "yieldStress='60' plasticFlowRate='4'/>";
+const std::string kVertexMass = "<UniformMass vertexMass='.004'/>";
+
+/// Two blocks that springs join across a gap.
+struct Blocks {
+  std::string integrator = "<EulerImplicitSolver rayleighMass='.1' rayleighStiffness='.02'/>";
+  std::string solver = "<SparseLDLSolver/>";
+  std::string springs = kSprings;
+  std::string gravity = "1 0 -9.81";
+  std::string material = kPlastic;
+  double dt = .01;
+  bool is_held = true;
+  bool is_one_state = false;  // the slow way: all nodes in one state, whose springs have the numbers of that
+
+  static constexpr std::array<int, 3> kCells{2, 2, 2}, kOtherCells{1, 2, 2};
+  static constexpr int kFirstNodes = 27;
+  static const std::string kSprings;
+
+  std::string of_mesh(const PointArray& x, const std::vector<Hexahedron>& cells) const {
+    std::string positions, hexahedra;
+    for (Eigen::Index n = 0; n < x.rows(); ++n) positions += fmt::format("{} {} {}  ", x(n, 0), x(n, 1), x(n, 2));
+    for (const Hexahedron& cell : cells)
+      for (const int corner : cell) hexahedra += fmt::format("{} ", corner);
+    return "<MeshTopology position='" + positions + "' hexahedra='" + hexahedra +
+           "'/><MechanicalObject name='state'/>" + kVertexMass + material;
+  }
+
+  std::string text() const {
+    const HexMesh first = regular_grid(kCells, {0, 0, 0}, {.04, .04, .04}),
+                  second = regular_grid(kOtherCells, {.05, 0, .01}, {.07, .04, .04});
+    const std::string held = is_held ? "<FixedProjectiveConstraint indices='0 3 6 9 12 15 18 21 24'/>" : "";
+    std::string bodies;
+    if (is_one_state) {
+      std::vector<Hexahedron> cells = first.hexahedra();
+      for (Hexahedron cell : second.hexahedra()) {
+        for (int& corner : cell) corner += kFirstNodes;
+        cells.push_back(cell);
+      }
+      PointArray all(first.num_nodes() + second.num_nodes(), 3);
+      all << first.positions(), second.positions();
+      bodies = node("first", of_mesh(all, cells) + held + springs);
+    } else {
+      bodies = springs + node("first", of_mesh(first.positions(), first.hexahedra()) + held) +
+               node("second", of_mesh(second.positions(), second.hexahedra()));
+    }
+    return fmt::format("<Node dt='{}' gravity='{}'><DefaultAnimationLoop/>", dt, gravity) + integrator + solver +
+           bodies + "</Node>";
+  }
+};
+// of nodes at x = .04 and at x = .05
+const std::string Blocks::kSprings =
+    "<SpringForceField name='springs' object1='@first/state' object2='@second/state' "
+    "spring='26 16 40 .1 .008  23 14 30 .2 .009  20 12 30 .1 .006  17 4 60 0 .005'/>";
+const std::string kInOneState =
+    "<SpringForceField name='springs' spring='26 43 40 .1 .008  23 41 30 .2 .009  20 39 30 .1 .006  17 31 60 0 .005'/>";
+
+const PointArray& positions(scene::Scene& scene, const std::string& state) {
+  return at<scene::MechanicalState>(scene, state + "/state").positions();
+}
+
+PointArray both(scene::Scene& scene) {
+  PointArray all(positions(scene, "first").rows() + positions(scene, "second").rows(), 3);
+  all << positions(scene, "first"), positions(scene, "second");
+  return all;
+}
+
+/// Puts a scene where another one is, by way of a checkpoint.
+void go_on_in(scene::Scene& from, scene::Scene& into) {
+  std::vector<std::byte> bytes;
+  Archive out([&](const void* data, std::size_t size) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), begin, begin + size);
+  });
+  from.serialize(out);
+  Archive in{std::span<const std::byte>(bytes)};
+  into.serialize(in);
+}
+
+PointArray end_of(const Blocks& blocks, int steps) {
+  scene::Scene scene = read_and_init(blocks.text());
+  support::run(scene, steps);
+  return blocks.is_one_state ? positions(scene, "first") : both(scene);
+}
+
+// By all integrators, and all ways to solve a system.
+TEST(SpringsBetweenStates, MoveBodiesAsIfTheyWereOfOneState) {
+  struct Case {
+    std::string integrator, solver;
+    double dt = .01;
+    int steps = 60;
+    double tolerance = 1e-10;
+    std::string material = kElastic;
+  };
+  const std::string implicit = Blocks().integrator,
+                    exact = "<CGLinearSolver iterations='2000' tolerance='1e-14' threshold='1e-40'/>";
+  for (const Case& c :
+       {Case{implicit, "<SparseLDLSolver/>"}, Case{implicit, exact},
+        // each mesh has an averaging of rest shapes of its own
+        Case{implicit, "<SparseLDLSolver/>", .01, 60, 1e-8, kPlastic},
+        Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='multigrid'/>"},
+        Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='diagonal'/>"},
+        Case{implicit,
+             "<PCGLinearSolver iterations='500' tolerance='1e-14' preconditioner='@part'/>"
+             "<BlockJacobiPreconditioner name='part'/>"},
+        Case{"<EulerImplicitSolver trapezoidalScheme='true' rayleighMass='.1' rayleighStiffness='.02'/>", exact, .004},
+        Case{"<NewmarkImplicitSolver/>", "<SparseLDLSolver/>", .004},
+        Case{"<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='40' "
+             "relativeInitialStoppingThreshold='1e-13'/>",
+             "<SparseLDLSolver/>", .01, 3, 1e-8},
+        Case{"<EulerExplicitSolver/>", "", 2e-4, 300}, Case{"<RungeKutta4Solver/>", "", 4e-4, 200},
+        Case{"<CentralDifferenceSolver/>", "", 2e-4, 300}}) {
+    Blocks blocks{
+        .integrator = c.integrator, .solver = c.solver, .gravity = "2 0 -3", .material = c.material, .dt = c.dt};
+    Blocks one = blocks;
+    one.is_one_state = true;
+    one.springs = kInOneState;
+    const bool is_static = c.integrator.find("Static") != std::string::npos;
+    if (is_static) {  // free to turn about springs, nothing would hold the second block
+      const std::string anchor = "<RestShapeSpringsForceField points='0 4 8' stiffness='5'/>";
+      blocks.springs = Blocks::kSprings;
+      const auto with_anchor = [&](std::string text, const std::string& before, const std::string& nodes) {
+        const std::size_t place = text.rfind(before);
+        return text.insert(place, std::string(anchor).replace(anchor.find("0 4 8"), 5, nodes));
+      };
+      scene::Scene scene = read_and_init(with_anchor(blocks.text(), "</Node></Node>", "0 4 8"));
+      scene::Scene slow = read_and_init(with_anchor(one.text(), "</Node></Node>", "27 31 35"));
+      support::run(scene, c.steps);
+      support::run(slow, c.steps);
+      EXPECT_TRUE(support::agrees(both(scene), positions(slow, "first"), c.tolerance)) << c.integrator;
+      continue;
+    }
+    SCOPED_TRACE(c.integrator + c.solver);
+    const PointArray expected = end_of(one, c.steps);
+    EXPECT_TRUE(support::agrees(end_of(blocks, c.steps), expected, c.tolerance)) << c.integrator << c.solver;
+    blocks.springs.replace(blocks.springs.find("40 .1"), 5, "0 0");
+    EXPECT_FALSE(support::agrees(end_of(blocks, c.steps), expected, 1e-5)) << "the springs matter " << c.integrator;
+  }
+}
+
+// The damping of SOFA's solver by the stiffness of a component.
+TEST(SpringsBetweenStates, HaveARayleighStiffness) {
+  Blocks blocks, one{.springs = kInOneState, .is_one_state = true};
+  for (Blocks* each : {&blocks, &one})
+    each->springs.replace(each->springs.find("name="), 5, "rayleighStiffness='.05' name=");
+  const PointArray damped = end_of(blocks, 40);
+  EXPECT_TRUE(support::agrees(damped, end_of(one, 40), 1e-8));
+  EXPECT_FALSE(support::agrees(damped, end_of({}, 40), 1e-5));
+}
+
+// Ends at embedded points that lie on nodes.
+TEST(SpringsBetweenStates, MayLeadToStatesThatFollow) {
+  Blocks blocks{.solver = "<CGLinearSolver iterations='2000' tolerance='1e-14' threshold='1e-40'/>"};
+  const PointArray expected = end_of(blocks, 40);
+  // nodes 26, 23, 20, 17 of the first block, and 16 of the second
+  std::string text = blocks.text();
+  text.replace(text.find("spring='26 16"), 13, "spring='0 16");
+  for (const auto& [from, to] : {std::pair{"  23 14", "  1 14"}, {"  20 12", "  2 12"}, {"  17 4", "  3 4"}})
+    text.replace(text.find(from), std::string(from).size(), to);
+  text.replace(text.find("@first/state"), 12, "@first/skin/points");
+  const std::size_t end = text.find("</Node><Node name='second'>");
+  ASSERT_NE(end, std::string::npos);
+  const std::string skin =
+      "<Node name='skin'><MechanicalObject name='points' position='.04 .04 .04  .04 .02 .04  .04 0 .04  .04 .04 .02'/>"
+      "<BarycentricMapping/></Node>";
+  text.insert(end, skin);
+  scene::Scene scene = read_and_init(text);
+  support::run(scene, 40);
+  EXPECT_TRUE(support::agrees(both(scene), expected, 1e-9));
+
+  text.replace(text.find("<CGLinearSolver"),
+               text.find("/>", text.find("<CGLinearSolver")) + 2 - text.find("<CGLinearSolver"),
+               "<SparseLDLSolver name='direct'/>");
+  EXPECT_NE(errors_of(text).find("SpringForceField.object1: leads to 'points', which follows another state: no matrix "
+                                 "has that, but SparseLDLSolver 'direct' needs one"),
+            std::string::npos)
+      << errors_of(text);
+}
+
+// A kilogram that hangs on a spring: its upper end in a state that nothing moves, or on a fixed node.
+TEST(SpringsBetweenStates, HangOnAStateThatNothingMoves) {
+  const auto scene_of = [](const std::string& above, const std::string& hanging) {
+    return "<Node dt='.01' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + above +
+           "<Node name='hanging'><EulerImplicitSolver/><SparseLDLSolver/>" + hanging + "</Node></Node>";
+  };
+  scene::Scene scene =
+      read_and_init(scene_of(node("hook", "<MechanicalObject name='state' position='7 7 7  0 0 0'/>"),
+                             "<MechanicalObject name='state' position='.3 0 -1  9 9 9'/><UniformMass vertexMass='1'/>"
+                             "<SpringForceField object1='@/hook/state' spring='1 0 100 2 .9'/>"));
+  scene::Scene fixed =
+      read_and_init(scene_of("",
+                             "<MechanicalObject name='state' position='.3 0 -1  0 0 0'/><UniformMass vertexMass='1'/>"
+                             "<FixedProjectiveConstraint indices='1'/><SpringForceField spring='1 0 100 2 .9'/>"));
+  support::run(scene, 200);
+  support::run(fixed, 200);
+  EXPECT_TRUE(support::agrees(positions(scene, "hanging").row(0), positions(fixed, "hanging").row(0), 1e-13));
+  EXPECT_EQ(positions(scene, "hook"), support::rows({{7, 7, 7}, {0, 0, 0}}));
+}
+
+// Points of a rigid frame, which the body turns: the frame falls on it and swings.
+TEST(SpringsBetweenStates, TurnARigidFrame) {
+  scene::Scene scene = read_and_init(
+      "<Node dt='.001' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/>"
+      "<CGLinearSolver iterations='500' tolerance='1e-14' threshold='1e-40'/>"
+      "<Node name='tool'><MechanicalObject name='frame' template='Rigid3d' position='0 0 0  0 0 0 1'/>"
+      "<UniformMass template='Rigid3d' vertexMass='2'/><Node name='tip'><MechanicalObject name='state' position='1 0 "
+      "0'/>"
+      "<RigidMapping/></Node></Node>"
+      "<Node name='other'><MechanicalObject name='state' position='1 1 0'/><UniformMass vertexMass='3'/></Node>"
+      "<SpringForceField object1='@tool/tip/state' object2='@other/state' spring='0 0 10 0 .5'/></Node>");
+  auto& frame = at<scene::RigidState>(scene, "tool/frame");
+  auto& other = at<scene::MechanicalState>(scene, "other/state");
+  support::run(scene, 10);
+  // force of 10 (1 - .5) N along y at the lever of 1 m; UniformMass has a unit moment of inertia per kg
+  const double t = .01, force = 5;
+  EXPECT_NEAR(other.velocities()(0, 1), -force * t / 3, 1e-3 * force * t);
+  EXPECT_NEAR(frame.velocities()(0, 1), force * t / 2, 1e-3 * force * t);
+  EXPECT_NEAR(2 * frame.velocities()(0, 1) + 3 * other.velocities()(0, 1), 0, 1e-13);
+  EXPECT_GT(frame.velocities()(1, 2), 0) << "about z";
+}
+
+TEST(SpringsBetweenStates, OfFreeBodiesKeepTheirMomentum) {
+  Blocks blocks{.integrator = "<EulerImplicitSolver/>", .gravity = "0 0 0", .is_held = false};
+  scene::Scene scene = read_and_init(blocks.text());
+  auto& first = at<scene::MechanicalState>(scene, "first/state");
+  auto& second = at<scene::MechanicalState>(scene, "second/state");
+  first.velocities().rowwise() = Eigen::RowVector3d(-.1, .2, .05);
+  second.velocities().rowwise() = Eigen::RowVector3d(.3, -.1, .2);
+  const auto momentum = [&] {
+    return Eigen::RowVector3d(first.velocities().colwise().sum() + second.velocities().colwise().sum());
+  };
+  const Eigen::RowVector3d before = momentum(), apart = first.velocities().row(0) - second.velocities().row(0);
+  support::run(scene, 100);
+  EXPECT_LT((momentum() - before).norm(), 1e-12 * before.norm());
+  EXPECT_GT((first.velocities().colwise().mean() - second.velocities().colwise().mean() - apart).norm(),
+            .3 * apart.norm())
+      << "something happened";
+}
+
+// Implicit Euler keeps linear momentum, but not the angular one: a step changes it by -h^2 sum v' x f, with the forces
+// f at its beginning. Newton's method would have those at its end there.
+TEST(SpringsBetweenStates, ChangeAngularMomentumAsImplicitEulerDoes) {
+  const double h = .01, stiffness = 200, rest_length = 1;
+  scene::Scene scene = read_and_init(
+      "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>" +
+      node("first",
+           "<MechanicalObject name='state' position='0 0 0' velocity='0 -2 0'/><UniformMass vertexMass='1'/>") +
+      node("second",
+           "<MechanicalObject name='state' position='1.2 0 0' velocity='0 2 0'/><UniformMass vertexMass='1'/>") +
+      "<SpringForceField object1='@first' object2='@second' spring='0 0 200 0 1'/></Node>");
+  const auto row = [&](const std::string& state, bool velocity) -> Vec3 {
+    auto& of = at<scene::MechanicalState>(scene, state + "/state");
+    return (velocity ? of.velocities() : of.positions()).row(0).transpose();
+  };
+  const auto angular = [&]() -> Vec3 {
+    return row("first", false).cross(row("first", true)) + row("second", false).cross(row("second", true));
+  };
+  const Vec3 at_start = angular();
+  for (int k = 0; k < 30; ++k) {
+    const Vec3 before = angular(), apart = row("second", false) - row("first", false);
+    const Vec3 force = stiffness * (apart.norm() - rest_length) * apart.normalized();  // on the first one
+    scene.step();
+    const Vec3 expected = -h * h * (row("first", true) - row("second", true)).cross(force);
+    EXPECT_LT((angular() - before - expected).norm(), 1e-13) << k;
+  }
+  EXPECT_NEAR((angular() - at_start).norm() / at_start.norm(), .0505, .0005);
+}
+
+TEST(SpringsBetweenStates, HaveTheSameBitsForAnyNumberOfThreadsAndAfterACheckpoint) {
+  const Blocks blocks{.solver = "<MultigridCGLinearSolver/>"};
+  set_num_threads(1);
+  const PointArray one = end_of(blocks, 30);
+  set_num_threads(3);
+  EXPECT_EQ(end_of(blocks, 30), one);
+  set_num_threads(1);
+
+  scene::Scene straight = read_and_init(blocks.text()), second = read_and_init(blocks.text());
+  support::run(straight, 15);
+  go_on_in(straight, second);
+  support::run(second, 15);
+  EXPECT_EQ(both(second), one);
+  second.reset();
+  support::run(second, 30);
+  EXPECT_EQ(both(second), one);
+}
+
+// A hundred times as stiff as the bodies: the preconditioner sees them as it sees contact.
+TEST(SpringsBetweenStates, ThatAreStiffCostFewIterations) {
+  const auto iterations = [](const std::string& springs, const std::string& preconditioner) {
+    scene::Scene scene = read_and_init(
+        "<Node dt='.01' gravity='1 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver/>"
+        "<MultigridCGLinearSolver tolerance='1e-6' preconditioner='" +
+        preconditioner + "'/>" + springs +
+        node("first",
+             "<RegularGridTopology n='9 9 9' max='.08 .08 .08'/><MechanicalObject name='state'/>"
+             "<UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField youngModulus='3000'/>"
+             "<FixedProjectiveConstraint indices='0-80'/>") +
+        node("second",
+             "<RegularGridTopology n='9 9 9' min='.09 0 0' max='.17 .08 .08'/><MechanicalObject "
+             "name='state'/><UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField "
+             "youngModulus='2000'/>") +
+        "</Node>");
+    int all = 0;
+    for (int k = 0; k < 5; ++k) all += scene.step().iterations;
+    return all / 5.;
+  };
+  std::string springs = "<SpringForceField object1='@first/state' object2='@second/state' spring='";
+  for (int j = 2; j < 7; ++j)
+    for (int k = 2; k < 7; ++k) springs += fmt::format("{} {} 3000 0 .01  ", 8 + 9 * (j + 9 * k), 9 * (j + 9 * k));
+  springs += "'/>";
+  const double with = iterations(springs, "multigrid"), without = iterations("", "multigrid");
+  std::cout << without << " iterations without springs, " << with << " with them, " << iterations(springs, "diagonal")
+            << " with diagonal\n";
+  EXPECT_LT(with, 2.5 * without);
+  EXPECT_LT(with, .5 * iterations(springs, "diagonal"));
+}
+
+// They count as loads: of what a stretched spring has given, both masses have all but what the integrator takes.
+TEST(SpringsBetweenStates, AreLoadsInTheBalanceOfEnergy) {
+  scene::Scene scene = read_and_init(
+      "<Node dt='1e-3' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver name='euler'/><SparseLDLSolver/>" +
+      node("first", "<MechanicalObject name='state' position='0 0 0'/><UniformMass vertexMass='1'/>") +
+      node("second", "<MechanicalObject name='state' position='1.5 0 0'/><UniformMass vertexMass='3'/>") +
+      "<SpringForceField object1='@first' object2='@second' spring='0 0 200 4 1'/></Node>");
+  auto& euler = at<scene::OdeSolver>(scene, "euler");
+  euler.keep_energy_balance();
+  support::run(scene, 60);
+  const EnergyBalance& balance = *euler.energy_balance();
+  const double length = positions(scene, "second")(0, 0) - positions(scene, "first")(0, 0);
+  const double given = 200 * (.5 * .5 - (length - 1) * (length - 1)) / 2;
+  EXPECT_GT(given, 5);
+  EXPECT_NEAR(balance.load_work, given, .01 * given);
+  EXPECT_GT(balance.damping_loss, .05 * given);
+  EXPECT_NEAR(balance.kinetic, given - balance.damping_loss - balance.numerical_loss, .01 * given);
+  EXPECT_NEAR(balance.error(), 0, 1e-3 * given);
+}
+
+TEST(SpringsBetweenStates, MistakesAreNamed) {
+  const auto errors = [](const std::string& springs, const std::string& in_second = "", const std::string& above = "") {
+    return errors_of("<Node dt='.01'><DefaultAnimationLoop/>" + above +
+                     "<Node name='all'>\n<EulerImplicitSolver name='euler'/><SparseLDLSolver/>\n<Node name='first'>"
+                     "<MechanicalObject name='state' position='0 0 0  1 0 0'/>" +
+                     kVertexMass + "</Node><Node name='second'>" + in_second +
+                     "<MechanicalObject name='state' position='0 0 0'/>" + kVertexMass +
+                     "</Node><Node name='tool'><MechanicalObject name='frame' template='Rigid3d' "
+                     "position='0 0 0 0 0 0 1'/><UniformMass vertexMass='1'/></Node>\n" +
+                     springs + "</Node></Node>");
+  };
+  const auto between = [](const std::string& rest) {
+    return "<SpringForceField object1='@first/state' object2='@second/state' " + rest + "/>";
+  };
+  EXPECT_EQ(errors(between("spring='1 0 1 0 1'")), "");
+  EXPECT_EQ(
+      errors(between("spring='0 1 1 0 1'")),
+      "test.scn:4: error: SpringForceField.spring: 1 is not a node of 'state', must be a whole number from 0 to 0");
+  EXPECT_EQ(
+      errors(between("spring='2 0 1 0 1'")),
+      "test.scn:4: error: SpringForceField.spring: 2 is not a node of 'state', must be a whole number from 0 to 1");
+  EXPECT_EQ(errors(between("indices1='0' indices2='1'")),
+            "test.scn:4: error: SpringForceField.indices2: 1 must lie in [0, 1)");
+  EXPECT_EQ(errors(between("indices1='0 1' indices2='0'")),
+            "test.scn:4: error: SpringForceField.indices2: 1 nodes given for 2 of indices1, must be as many");
+  EXPECT_NE(
+      errors("<SpringForceField object1='@first/state' object2='@third/state'/>").find("SpringForceField.object2"),
+      std::string::npos);
+  EXPECT_NE(
+      errors("<SpringForceField object1='@first/state' object2='@euler'/>").find("must lead to a MechanicalState"),
+      std::string::npos);
+  EXPECT_EQ(errors("<SpringForceField object1='@first/state' object2='@tool'/>"),
+            "test.scn:4: error: SpringForceField.object2: leads to 'frame', which has rigid frames: must lead to a "
+            "state of points, such as one that follows the frames by a RigidMapping");
+  EXPECT_EQ(errors("<SpringForceField object1='@first/state'/>"),
+            "test.scn:4: error: SpringForceField: needs a MechanicalState in its node or above");
+  EXPECT_EQ(
+      errors("", "", "<SpringForceField object1='@all/first' object2='@all/second' spring='0 0 1 0 1'/>"),
+      "test.scn:1: error: SpringForceField: stands outside of the node '/all' of EulerImplicitSolver 'euler', which "
+      "moves the states: must stand in it or below, as in SOFA");
+  const std::string two =
+      "<Node dt='.01'><DefaultAnimationLoop/><Node name='a'><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
+      "name='state' position='0 0 0'/>" +
+      kVertexMass +
+      "</Node><Node name='b'><EulerImplicitSolver/><SparseLDLSolver/>"
+      "<MechanicalObject name='other' position='0 0 0'/>" +
+      kVertexMass +
+      "</Node>"
+      "<SpringForceField object1='@a' object2='@b' spring='0 0 1 0 1'/></Node>";
+  EXPECT_EQ(errors_of(two),
+            "test.scn:1: error: SpringForceField.object2: leads to 'other', which another time integrator moves than "
+            "'state': both need one time integrator and one linear solver in a node above both");
+}
+
+// A bar of which each half is a body is the whole bar: lumped masses add up, and so do forces.
+TEST(AttachProjectiveConstraint, TwoHalvesAreTheWhole) {
+  const auto half = [](const std::string& name, const std::string& grid, const std::string& rest) {
+    return node(name, "<RegularGridTopology " + grid +
+                          "/><MechanicalObject name='state'/><DiagonalMass massDensity='1000'/>"
+                          "<HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.4'/>" +
+                          rest);
+  };
+  const std::string held = "<FixedProjectiveConstraint indices='0-8'/>", pulled = "<ConstantForceField indices='";
+  for (const std::string solver : {"<CGLinearSolver iterations='2000' tolerance='1e-13' threshold='1e-40'/>",
+                                   "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='multigrid'/>",
+                                   "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='diagonal'/>"}) {
+    const std::string above =
+        "<Node dt='.01' gravity='0 -9.81 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='.01'/>" +
+        solver;
+    const std::string ties =
+        "<AttachProjectiveConstraint twoWay='true' object1='@first' object2='@second' "
+        "indices1='36 37 38 39 40 41 42 43 44' indices2='0 1 2 3 4 5 6 7 8'/>";
+    scene::Scene scene = read_and_init(
+        above + half("first", "n='3 3 5' max='.04 .04 .08'", held) +
+        half("second", "n='3 3 5' min='0 0 .08' max='.04 .04 .16'", pulled + "36-44' totalForce='.3 0 .5'/>") + ties +
+        "</Node>");
+    scene::Scene whole = read_and_init(
+        above + half("whole", "n='3 3 9' max='.04 .04 .16'", held + pulled + "72-80' totalForce='.3 0 .5'/>") +
+        "</Node>");
+    support::run(scene, 50);
+    support::run(whole, 50);
+    const PointArray& expected = positions(whole, "whole");
+    EXPECT_TRUE(support::agrees(positions(scene, "first"), expected.topRows(45), 1e-9)) << solver;
+    EXPECT_TRUE(support::agrees(positions(scene, "second"), expected.bottomRows(45), 1e-9)) << solver;
+    EXPECT_GT((expected.row(80) - Eigen::RowVector3d(.04, .04, .16)).norm(), .01) << "something happened";
+  }
+}
+
+/// Two clouds of points of one kilogram each without forces, and what ties them.
+std::string tied(const std::string& rest, const std::string& solver = "<CGLinearSolver/>",
+                 const std::string& in_first = "") {
+  return "<Node dt='.5' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/>" + solver +
+         node("first",
+              "<MechanicalObject name='state' position='0 0 0  5 5 5'/><UniformMass vertexMass='1'/>" + in_first) +
+         node("second", "<MechanicalObject name='state' position='4 0 0  9 5 5'/><UniformMass vertexMass='1'/>") +
+         "<AttachProjectiveConstraint object1='@first' object2='@second' " + rest + "/></Node>";
+}
+
+// SOFA's steps: the second node halves its distance, both get the mean of their velocities.
+TEST(AttachProjectiveConstraint, DrawsTheSecondNodeToTheFirst) {
+  for (const std::string two_way : {"", "twoWay='true' "}) {
+    scene::Scene scene = read_and_init(tied(two_way + "indices1='0' indices2='0'"));
+    EXPECT_EQ(positions(scene, "second"), support::rows({{2, 0, 0}, {9, 5, 5}})) << "at the beginning, too";
+    at<scene::MechanicalState>(scene, "first/state").velocities().row(0) << 0, 1, 0;
+    scene.step();
+    // it moved by .5 m with 1 m/s alone; with twoWay no acceleration either, for there is no force
+    EXPECT_EQ(positions(scene, "first"), support::rows({{0, .5, 0}, {5, 5, 5}}));
+    EXPECT_EQ(positions(scene, "second"), support::rows({{1, .25, 0}, {9, 5, 5}}));
+    EXPECT_EQ(at<scene::MechanicalState>(scene, "first/state").velocities().row(0), Eigen::RowVector3d(0, .5, 0));
+    EXPECT_EQ(at<scene::MechanicalState>(scene, "second/state").velocities().row(0), Eigen::RowVector3d(0, .5, 0));
+    scene.reset();
+    EXPECT_EQ(positions(scene, "second"), support::rows({{2, 0, 0}, {9, 5, 5}}));
+  }
+}
+
+// A force of 2 N on the second node: with twoWay 1 m/s^2 for each of two kilograms, otherwise it is held.
+TEST(AttachProjectiveConstraint, PassesForcesInBothWaysOrNone) {
+  for (const bool two_way : {true, false}) {
+    std::string text = tied(std::string(two_way ? "twoWay='true' " : "") + "indices1='0' indices2='0'");
+    text.insert(text.find("</Node><AttachProjective"), "<ConstantForceField indices='0' forces='2 0 0'/>");
+    scene::Scene scene = read_and_init(text);
+    scene.step();
+    EXPECT_NEAR(at<scene::MechanicalState>(scene, "first/state").velocities()(0, 0), two_way ? .5 : 0, 1e-15);
+    EXPECT_NEAR(at<scene::MechanicalState>(scene, "second/state").velocities()(0, 0), two_way ? .5 : 0, 1e-15);
+  }
+}
+
+// One node at 1 m/s meets another one at rest: both go on with half of it, and half of the energy is the constraint's.
+TEST(AttachProjectiveConstraint, IsASupportInTheBalanceOfEnergy) {
+  for (const std::string two_way : {"", "twoWay='true' "}) {
+    std::string text = tied(two_way + "indices1='0' indices2='0'");
+    text.replace(text.find("<EulerImplicitSolver/>"), 22, "<EulerImplicitSolver name='euler'/>");
+    scene::Scene scene = read_and_init(text);
+    auto& euler = at<scene::OdeSolver>(scene, "euler");
+    at<scene::MechanicalState>(scene, "first/state").velocities().row(0) << 0, 1, 0;
+    euler.keep_energy_balance();
+    support::run(scene, 3);
+    const EnergyBalance& balance = *euler.energy_balance();
+    EXPECT_NEAR(balance.initial, .5, 1e-15);
+    EXPECT_NEAR(balance.kinetic, .25, 1e-15);
+    EXPECT_NEAR(balance.support_work, -.25, 1e-15);
+    EXPECT_NEAR(balance.error(), 0, 1e-15);
+  }
+}
+
+TEST(AttachProjectiveConstraint, HasFactorsAndLimits) {
+  const auto after = [](const std::string& rest, int steps) {
+    scene::Scene scene = read_and_init(tied("indices1='0 1' indices2='0 1' " + rest));
+    support::run(scene, steps);
+    return PointArray(positions(scene, "second"));
+  };
+  EXPECT_EQ(after("positionFactor='.5'", 0), support::rows({{3, 0, 0}, {8, 5, 5}}));
+  EXPECT_EQ(after("constraintFactor='0 1'", 0), support::rows({{4, 0, 0}, {7, 5, 5}}));
+  EXPECT_EQ(after("minDistance='3.9'", 3), support::rows({{4, 0, 0}, {9, 5, 5}}));
+  // at 0, .5 and 1 s, that is at the beginning and at the end of the steps from 0 and from .5 s
+  EXPECT_EQ(after("endTime='.6'", 5), support::rows({{.5, 0, 0}, {5.5, 5, 5}}));
+  EXPECT_EQ(after("velocityFactor='0'", 0), after("", 0));
+}
+
+TEST(AttachProjectiveConstraint, GoesOnFromACheckpoint) {
+  // the second pair is out of reach, and would be tied by a constraint that has not looked yet
+  std::string text = tied("twoWay='true' indices1='0 1' indices2='0 1' minDistance='4.5'");
+  text.replace(text.find("9 5 5"), 5, "9.6 5 5");
+  text.insert(text.find("</Node><AttachProjective"), "<ConstantForceField indices='0 1' forces='2 0 0  0 3 0'/>");
+  scene::Scene straight = read_and_init(text), second = read_and_init(text);
+  support::run(straight, 4);
+  go_on_in(straight, second);
+  support::run(straight, 4);
+  support::run(second, 4);
+  EXPECT_EQ(both(second), both(straight));
+  EXPECT_GT(positions(straight, "second")(1, 1), 6) << "it is free";
+}
+
+TEST(AttachProjectiveConstraint, ByADirectSolverInOneWay) {
+  const std::string loads = "<ConstantForceField indices='0 1' forces='2 0 0  0 3 0'/>";
+  const auto end_with = [&](const std::string& solver) {
+    std::string text = tied("indices1='0' indices2='0'", solver);
+    text.insert(text.find("</Node><AttachProjective"), loads);
+    scene::Scene scene = read_and_init(text);
+    support::run(scene, 5);
+    return both(scene);
+  };
+  EXPECT_TRUE(support::agrees(end_with("<SparseLDLSolver/>"), end_with("<CGLinearSolver/>"), 1e-14));
+}
+
+TEST(AttachProjectiveConstraint, MistakesAreNamed) {
+  const std::string at_start = "test.scn:1: error: AttachProjectiveConstraint";
+  EXPECT_EQ(errors_of(tied("indices1='0' indices2='2'")), at_start + ".indices2: 2 must lie in [0, 2)");
+  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1'")),
+            at_start + ".indices2: 1 nodes given for 2 of indices1, must be as many");
+  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1 1'")),
+            at_start + ".indices2: 1 is given twice, must be tied once");
+  EXPECT_EQ(errors_of(tied("indices1='0 0' indices2='0 1'")), "") << "two may follow one";
+  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0 0' indices2='0 1'")),
+            at_start + ".indices1: 0 is given twice, must be tied once");
+  EXPECT_EQ(errors_of(tied("twoWay='true' constraintFactor='.5' indices1='0' indices2='0'")),
+            at_start + ".constraintFactor: 0.5 must be 0 or 1 with twoWay");
+  EXPECT_EQ(errors_of(tied("constraintFactor='1 1' indices1='0' indices2='0'")),
+            at_start + ".constraintFactor: 2 values given for 1 pairs, must be as many");
+  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<SparseLDLSolver name='direct'/>")),
+            at_start +
+                ".twoWay: ties nodes in both ways: no matrix has that, but SparseLDLSolver 'direct' needs one: "
+                "take a MultigridCGLinearSolver or a CGLinearSolver");
+  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<CGLinearSolver/>",
+                           "<FixedProjectiveConstraint name='fixed' indices='0'/>")),
+            at_start +
+                ": ties nodes that FixedProjectiveConstraint 'fixed' constrains too: each node must have one of "
+                "both");
+  std::string same = tied("indices1='0' indices2='0'");
+  same.replace(same.find("object2='@second'"), 17, "object2='@first/state'");
+  EXPECT_EQ(errors_of(same), at_start + ".object2: leads to 'state', as object1 does: must lead to another state");
+}
+
+// A hook that moves along, and drags the node behind it.
+TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateIs) {
+  const auto text = [](const std::string& springs) {
+    return "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+           "<Node name='pulled'><MechanicalObject name='state' position='0 0 0  1 0 0'/><UniformMass vertexMass='1'/>" +
+           springs +
+           "</Node><Node name='hook'><MechanicalObject name='state' position='3 4 0  0 0 2  1 1 0'/>"
+           "<UniformMass vertexMass='1'/></Node></Node>";
+  };
+  scene::Scene scene = read_and_init(
+      text("<RestShapeSpringsForceField name='s' points='1 0' stiffness='10 100' external_rest_shape='@../hook/state' "
+           "external_points='2 0'/>"));
+  PointArray f = PointArray::Zero(2, 3);
+  const PointArray x = support::rows({{0, 0, 1}, {1, 0, 0}}), still = PointArray::Zero(2, 3);
+  at<scene::ForceField>(scene, "pulled/s").add_force(0, x, still, f);
+  EXPECT_EQ(f, support::rows({{300, 400, -100}, {0, 10, 0}}));
+  at<scene::MechanicalState>(scene, "hook/state").positions()(2, 1) = 3;
+  f.setZero();
+  at<scene::ForceField>(scene, "pulled/s").add_force(0, x, still, f);
+  EXPECT_EQ(f.row(1), Eigen::RowVector3d(0, 30, 0));
+  scene.step();
+  EXPECT_EQ(positions(scene, "hook").row(0), Eigen::RowVector3d(3, 4, 0)) << "it feels nothing";
+
+  const auto errors = [&](const std::string& rest) {
+    return errors_of(text("<RestShapeSpringsForceField external_rest_shape='@../hook/state' " + rest + "/>"));
+  };
+  EXPECT_EQ(errors(""),
+            "test.scn:1: error: RestShapeSpringsForceField.external_rest_shape: 3 points of 'state' for 2 "
+            "nodes, must be as many");
+  EXPECT_EQ(
+      errors("external_points='1'"),
+      "test.scn:1: error: RestShapeSpringsForceField.external_points: 1 points of 'state' for 2 nodes, must be as "
+      "many");
+  EXPECT_EQ(errors("external_points='1 3'"),
+            "test.scn:1: error: RestShapeSpringsForceField.external_points: 3 must lie in [0, 3)");
+  EXPECT_EQ(
+      errors_of(text("<RestShapeSpringsForceField external_points='1 2'/>")),
+      "test.scn:1: error: RestShapeSpringsForceField.external_points: given without external_rest_shape, the state "
+      "that has them");
+}
+
+}  // namespace
