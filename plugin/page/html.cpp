@@ -9,6 +9,7 @@
 #include "hexaplast/formats/base64.hpp"
 #include "hexaplast/formats/xml.hpp"
 #include "page/page_parts.hpp"
+#include "picture/ink.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -55,6 +56,34 @@ std::string json_of(const Panel& panel, const PanelAxes& axes) {
                      json_string(panel.quantity), json_string(panel.unit), kChartFrame.left, kChartFrame.top,
                      kChartFrame.width, kChartFrame.height, axes.across.least, axes.across.most, axes.upwards.least,
                      axes.upwards.most, all_series);
+}
+
+std::string json_of(const Colour& colour) {
+  return fmt::format("[{:.4g},{:.4g},{:.4g}]", colour.red, colour.green, colour.blue);
+}
+
+/// What the viewer draws with.
+std::string ink_script() {
+  return fmt::format(
+      R"(const ink = {{paper: {paper}, ink: {ink}, outline: {outline}, ghost: {ghost}, load: {load}, steel: {steel},
+  metal: {metal}, edge: {edge}, cage: {cage}, noValue: {none}, crease: {crease:.4g},
+  edges: {{shortest: {shortest:.4g}, longest: {longest:.4g}, widest: {widest:.4g}, strongest: {strongest:.4g},
+    cageOpacity: {cage_opacity:.4g}}},
+  dot: {{radius: {dot:.4g}, ofEdge: {of_edge:.4g}}}, ring: {{radius: {ring:.4g}, width: {width:.4g}, rim: {rim:.4g}}},
+  arrow: {{longest: {arrow:.4g}, girth: {girth:.4g}, headLength: {head_length:.4g}, headWidth: {head_width:.4g},
+    mostHead: {most_head:.4g}, sides: {sides}, presses: {presses:.4g}}}}};
+const lightShader = `{light}`;)",
+      fmt::arg("paper", json_of(kPaper)), fmt::arg("ink", json_of(kInk)), fmt::arg("outline", json_of(kOriginal)),
+      fmt::arg("ghost", json_of(kGhost)), fmt::arg("load", json_of(kLoad)), fmt::arg("steel", json_of(kSteel)),
+      fmt::arg("metal", json_of(kMetal)), fmt::arg("edge", json_of(kEdge)), fmt::arg("cage", json_of(kCage)),
+      fmt::arg("none", json_of(kNoValue)), fmt::arg("crease", kCrease), fmt::arg("shortest", EdgeInk::kShortest),
+      fmt::arg("longest", EdgeInk::kLongest), fmt::arg("widest", EdgeInk::kWidest),
+      fmt::arg("strongest", EdgeInk::kStrongest), fmt::arg("cage_opacity", EdgeInk::kCageOpacity),
+      fmt::arg("dot", kDotRadius), fmt::arg("of_edge", kDotOfEdge), fmt::arg("ring", kRingRadius),
+      fmt::arg("width", kRingWidth), fmt::arg("rim", kRimWidth), fmt::arg("arrow", kLongestArrow),
+      fmt::arg("girth", kArrowGirth), fmt::arg("head_length", kArrowHeadLength),
+      fmt::arg("head_width", kArrowHeadWidth), fmt::arg("most_head", kArrowMostHead), fmt::arg("sides", kArrowSides),
+      fmt::arg("presses", kArrowPresses), fmt::arg("light", light_shader()));
 }
 
 std::string swatch(std::string_view colour, std::string_view dashes) {
@@ -151,7 +180,9 @@ void HtmlPage::viewer(const std::vector<std::string>& data) {
 
 std::string HtmlPage::finish() && {
   add(fmt::format("</main>\n<script>{}</script>", kScript));
-  if (has_viewer_) add(fmt::format("<script>{}</script>\n<script>{}</script>", kViewerModelScript, kViewerScript));
+  if (has_viewer_)
+    add(fmt::format("<script>{}</script>\n<script>{}</script>\n<script>{}</script>", ink_script(), kViewerModelScript,
+                    kViewerScript));
   add("</body>\n</html>");
   return std::move(text_);
 }

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Draws runs with WebGL 2, lets the reader turn them, and goes through time with the charts. Several runs stand side by
-// side and share camera, time and colours.
+// side and share camera, time and colours. `ink` and `lightShader` are those of the pictures (picture/ink.hpp): the page
+// hands them over.
 "use strict";
 
 const fieldOfView = 28 * Math.PI / 180;
 const keyHeight = 76;  // [pixels] of the colour key in the picture
-const longestArrow = 0.13;  // in parts of the diagonal of what is shown
-const paints = {  // as in the pictures
-  paper: [1, 1, 1], ink: [0.13, 0.13, 0.15], edge: [0.20, 0.16, 0.19], cage: [0.25, 0.30, 0.38],
-  ghost: [0.945, 0.950, 0.958], outline: [0.70, 0.73, 0.77], load: [0.02, 0.47, 0.41], steel: [0.16, 0.36, 0.55],
-  metal: [0.78, 0.84, 0.90]};
 
 const surfaceVertexShader = `#version 300 es
 layout(location = 0) in vec3 place;
@@ -29,22 +25,22 @@ precision highp float;
 in vec3 at, across;
 in float value;
 uniform sampler2D colours;
-uniform bool isColoured, isLit;
-uniform vec3 paint, eye, lamp;
+uniform bool isColoured;
+uniform int light;  // 0: none, 1: of tissue, 2: of things
+uniform vec3 paint, eye;
+uniform mat3 view;  // to the right, up and towards the viewer
 uniform vec4 cut;
-uniform float gleam;
 out vec4 pixel;
+${lightShader}
 void main() {
   if (dot(cut.xyz, at) > cut.w) discard;
   vec3 colour = paint;
-  if (isColoured) colour = value < -0.01 ? vec3(0.80, 0.81, 0.82)
+  if (isColoured) colour = value < -0.01 ? vec3(${ink.noValue})
                                          : texture(colours, vec2((0.5 + 64.0 * clamp(value, 0.0, 1.0)) / 65.0, 0.5)).rgb;
-  if (isLit) {
-    vec3 sight = normalize(eye - at), normal = normalize(across);
-    if (dot(normal, sight) < 0.0) normal = -normal;
-    colour *= min(1.0, 0.60 + 0.43 * max(0.0, dot(normal, lamp)));
-    colour += gleam * pow(max(0.0, dot(normal, normalize(lamp + sight))), 40.0) * (1.0 - colour);
-  }
+  vec3 sight = view * normalize(eye - at), normal = view * normalize(across);
+  if (dot(normal, sight) < 0.0) normal = -normal;
+  if (light == 1) colour = lit_tissue(colour, normal, sight, 1.0);
+  if (light == 2) colour = lit_thing(colour, normal);
   pixel = vec4(colour, 1);
 }`;
 const lineVertexShader = `#version 300 es
@@ -58,6 +54,8 @@ void main() {
   gl_Position = camera * vec4(place + nearer * normalize(eye - place), 1);
   gl_PointSize = size;
 }`;
+const ringSize = 2 * ink.ring.radius + ink.ring.width + ink.ring.rim;  // with its rim
+const ringShare = beyond => (ink.ring.radius + beyond / 2) / ringSize;
 const lineFragmentShader = `#version 300 es
 precision highp float;
 in vec3 at;
@@ -68,17 +66,17 @@ void main() {
   if (dot(cut.xyz, at) > cut.w) discard;
   float radius = length(gl_PointCoord - 0.5);
   if (mark == 1 && radius > 0.5) discard;
-  if (mark == 2 && (radius > 0.5 || radius < 0.26)) discard;
-  pixel = mark == 2 && (radius > 0.44 || radius < 0.32) ? vec4(1) : paint;
+  if (mark == 2 && (radius > 0.5 || radius < ${ringShare(-ink.ring.width - ink.ring.rim)})) discard;
+  pixel = mark == 2 && (radius > ${ringShare(ink.ring.width)} || radius < ${ringShare(-ink.ring.width)}) ? vec4(1) : paint;
 }`;
 
 // A shaft with a cone at its end, as vertices of seven numbers.
 function arrowVertices(from, to, girth) {
-  const sides = 16, length = norm(subtract(to, from));
+  const {sides, headLength, headWidth, mostHead} = ink.arrow, length = norm(subtract(to, from));
   if (!(length > 0)) return [];
   const along = scaled(subtract(to, from), 1 / length);
   const first = unit(cross(along, Math.abs(along[0]) < 0.8 ? [1, 0, 0] : [0, 1, 0])), second = cross(along, first);
-  const thick = Math.min(girth, 0.6 * length / 4.2), neck = add(to, along, -4.2 * thick);
+  const thick = Math.min(girth, mostHead * length / headLength), neck = add(to, along, -headLength * thick);
   const vertices = [];
   const put = (place, normal) => vertices.push(...place, ...normal, 0);
   for (let side = 0; side < sides; ++side) {
@@ -89,9 +87,10 @@ function arrowVertices(from, to, girth) {
     const rim = (centre, out, radius) => add(centre, out, radius * thick);
     put(rim(from, a, 0.5), a); put(rim(from, b, 0.5), b); put(rim(neck, b, 0.5), b);
     put(rim(from, a, 0.5), a); put(rim(neck, b, 0.5), b); put(rim(neck, a, 0.5), a);
-    put(rim(neck, a, 1.5), a); put(rim(neck, b, 1.5), b); put(to, unit(add(a, b)));
-    const back = scaled(along, -1);
-    put(rim(neck, b, 1.5), back); put(rim(neck, a, 1.5), back); put(neck, back);
+    const cone = out => unit(add(out, along, headWidth / headLength)), back = scaled(along, -1);
+    put(rim(neck, a, headWidth), cone(a)); put(rim(neck, b, headWidth), cone(b)); put(to, cone(unit(add(a, b))));
+    put(rim(neck, b, headWidth), back); put(rim(neck, a, headWidth), back); put(neck, back);
+    put(rim(from, b, 0.5), back); put(rim(from, a, 0.5), back); put(from, back);
   }
   return vertices;
 }
@@ -156,6 +155,9 @@ class Camera {
     this.pan(0, -keyShare / 2);
   }
 
+  // Where it looks at, in a picture of this height [pixels].
+  pixelsPerMetre(height) { return height / (2 * this.distance * Math.tan(fieldOfView / 2)); }
+
   // Column by column.
   matrix(shape) {
     const [right, up, towards, eye] = [this.right, this.up, this.towards, this.eye];
@@ -190,7 +192,7 @@ class Painter {
     gl.depthFunc(gl.LEQUAL);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.clearColor(...paints.paper, 1);
+    gl.clearColor(...ink.paper, 1);
   }
 
   program(vertex, fragment) {
@@ -218,7 +220,8 @@ class Painter {
     gl.scissor(left, bottom, width, height);
     this.matrix = camera.matrix(width / height);
     this.eye = camera.eye;
-    this.lamp = unit(add(add(scaled(camera.up, 0.75), camera.towards, 0.8), camera.right, -0.35));
+    const rows = [camera.right, camera.up, camera.towards];
+    this.view = Float32Array.from([0, 1, 2].flatMap(column => rows.map(row => row[column])));
   }
 
   attributes(program, sizes) {
@@ -234,17 +237,16 @@ class Painter {
   }
 
   // indices: null: vertices as they follow
-  surface(vertices, indices, {paint = null, isLit = true, gleam = 0, cut = [0, 0, 0, 1]} = {}) {
+  surface(vertices, indices, {paint = null, light = "tissue", cut = [0, 0, 0, 1]} = {}) {
     const gl = this.gl, {program, uniform} = this.surfaces;
     gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STREAM_DRAW);
     this.attributes(program, [3, 3, 1]);
     gl.uniformMatrix4fv(uniform.camera, false, this.matrix);
     gl.uniform1i(uniform.isColoured, paint ? 0 : 1);
-    gl.uniform1i(uniform.isLit, isLit ? 1 : 0);
-    gl.uniform1f(uniform.gleam, gleam);
-    gl.uniform3fv(uniform.paint, paint ?? paints.ink);
+    gl.uniform1i(uniform.light, ["none", "tissue", "thing"].indexOf(light));
+    gl.uniform3fv(uniform.paint, paint ?? ink.ink);
     gl.uniform3fv(uniform.eye, this.eye);
-    gl.uniform3fv(uniform.lamp, this.lamp);
+    gl.uniformMatrix3fv(uniform.view, false, this.view);
     gl.uniform4fv(uniform.cut, cut);
     if (!indices) return gl.drawArrays(gl.TRIANGLES, 0, vertices.length / 7);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STREAM_DRAW);
@@ -385,6 +387,8 @@ class Viewer {
       box.addEventListener("change", () => { this.shows[name] = box.checked; this.redraw(); });
       const swatch = document.createElement("i");
       swatch.setAttribute("aria-hidden", "true");
+      const colour = {ghost: ink.ghost, fixed: ink.ink, loads: ink.load, tools: ink.steel}[name];
+      if (colour) swatch.style.background = `rgb(${colour.map(part => 255 * part).join(" ")})`;
       element.append(box, swatch, ` ${label}`);
       this.part("toggles").append(element);
     }
@@ -641,7 +645,7 @@ class Viewer {
     const shares = field ? run.blendedShares(field, moment, this.range) : new Float32Array(run.numNodes);
     if (this.shows.ghost) this.drawGhost(run);
     this.drawBodies(run, topology, positions, shares, moment.low, height);
-    this.drawMarks(run, topology, positions, nearest);
+    this.drawMarks(run, topology, positions, nearest, height);
   }
 
   // A pale shadow behind everything else, however near it is.
@@ -652,57 +656,62 @@ class Viewer {
       : [[topology.body, run.original]];
     gl.disable(gl.DEPTH_TEST);
     for (const [surface, points] of ghosts)
-      this.painter.surface(surface.vertices(points, () => 0), surface.triangles, {paint: paints.ghost, isLit: false});
+      this.painter.surface(surface.vertices(points, () => 0), surface.triangles, {paint: ink.ghost, light: "none"});
     for (const [surface, points] of ghosts)
-      this.painter.marks("LINES", points, surface.outline(points, this.camera.eye), paints.outline);
+      this.painter.marks("LINES", points, surface.outline(points, this.camera.eye), ink.outline);
     gl.enable(gl.DEPTH_TEST);
   }
 
   drawBodies(run, topology, positions, shares, state, height) {
     const gl = this.painter.gl, cut = this.cut, isEmbedded = topology.embedded.length > 0;
+    // edges grow fainter with their length on the screen; lines of WebGL are never thinner than a pixel
+    const {shortest, longest, widest, strongest, cageOpacity} = ink.edges;
+    const length = topology.body.meanEdge * this.camera.pixelsPerMetre(height) / this.pixel;
+    const share = Math.min(1, length / longest), thinness = Math.min(1, widest * Math.sqrt(share) * this.pixel);
+    const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * share * thinness;
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
     if (isEmbedded && this.shows.surface)
       topology.embedded.forEach((surface, number) => {
         const values = run.blend(number, shares, 1);
         this.painter.surface(surface.vertices(run.embeddedPoints(number, positions), point => values[point]),
-                             surface.triangles, {cut, gleam: 0.25});
+                             surface.triangles, {cut});
       });
     if (!isEmbedded) {
       this.painter.surface(topology.body.vertices(positions, node => shares[node]), topology.body.triangles,
-                           {cut, gleam: 0.12});
+                           {cut});
       if (this.cutNormal) {
         const section = run.cut(state, positions, shares, this.cutNormal, cut[3]);
-        this.painter.surface(section.vertices, null, {});
+        this.painter.surface(section.vertices, null, {light: "none"});  // who cuts wants to read values there
         const nearer = 5e-4 * this.camera.size;
-        if (this.shows.edges) this.painter.marks("LINES", section.lines, null, paints.edge, {opacity: 0.5, nearer});
+        if (this.shows.edges) this.painter.marks("LINES", section.lines, null, ink.edge, {opacity: edgeOpacity, nearer});
       }
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
     if (!this.shows.edges) return;
-    // edges grow fainter with their length on the screen, so that those of fine meshes do not cover the colours
-    const size = Math.sqrt(run.numNodes / 2), length = height / this.pixel / size;
-    const opacity = isEmbedded ? 0.3 : 0.75 * Math.min(1, Math.max(0.12, length / 40));
-    this.painter.marks("LINES", positions, topology.body.edges, isEmbedded ? paints.cage : paints.edge, {opacity, cut});
+    this.painter.marks("LINES", positions, topology.body.edges, isEmbedded ? ink.cage : ink.edge,
+                       {opacity: edgeOpacity, cut});
   }
 
-  drawMarks(run, topology, positions, state) {
+  drawMarks(run, topology, positions, state, height) {
     const gl = this.painter.gl, cut = this.cut, {tools = [], loads = []} = run.data.states[state];
     const box = run.data.box, diagonal = norm(subtract(box.slice(3), box.slice(0, 3)));
-    const longest = longestArrow * diagonal, girth = 0.055 * longest;
+    const longest = ink.arrow.longest * diagonal, girth = ink.arrow.girth * longest;
     if (this.shows.fixed) {
+      const length = topology.body.meanEdge * this.camera.pixelsPerMetre(height) / this.pixel;
+      const radius = Math.min(ink.dot.radius, ink.dot.ofEdge * length);
       const nodes = run.fixedNodes[state].filter(node => topology.onSurface(node));
-      this.painter.marks("POINTS", positions, nodes, paints.ink, {size: 5 * this.pixel, mark: 1, nearer: 0.004 * diagonal, cut});
+      this.painter.marks("POINTS", positions, nodes, ink.ink, {size: 2 * radius * this.pixel, mark: 1, nearer: 0.004 * diagonal, cut});
     }
     if (this.shows.loads && loads.length > 0) {
       const outwards = topology.normals(positions);
       const vertices = loads.flatMap(([node, ...force]) => {
         const place = pointAt(positions, node), along = scaled(force, longest / this.strongestLoad);
-        const presses = dot(outwards(node), unit(force)) < -0.3;  // then it points at its node from outside
+        const presses = dot(outwards(node), unit(force)) < -ink.arrow.presses;  // then it points at its node from outside
         return presses ? arrowVertices(subtract(place, along), place, girth)
                        : arrowVertices(place, add(place, along), girth);
       });
-      this.painter.surface(Float32Array.from(vertices), null, {paint: paints.load, cut});
+      this.painter.surface(Float32Array.from(vertices), null, {paint: ink.load, light: "thing", cut});
     }
     if (!this.shows.tools || tools.length === 0) return;
     const rings = [], arrows = [];
@@ -710,9 +719,9 @@ class Viewer {
       const points = run.toolPoints(tool), surface = run.toolSurface(tool, points);
       if (surface) {
         gl.enable(gl.POLYGON_OFFSET_FILL);
-        this.painter.surface(surface.vertices(points, () => 0), surface.triangles, {paint: paints.metal, gleam: 0.5});
+        this.painter.surface(surface.vertices(points, () => 0), surface.triangles, {paint: ink.metal, light: "thing"});
         gl.disable(gl.POLYGON_OFFSET_FILL);
-        this.painter.marks("LINES", points, surface.outline(points, this.camera.eye), paints.steel);
+        this.painter.marks("LINES", points, surface.outline(points, this.camera.eye), ink.steel);
       } else {
         rings.push(...tool.place);
       }
@@ -721,9 +730,9 @@ class Viewer {
     }
     // seen also where they lie within the tissue
     gl.depthRange(0, 0.01);
-    if (arrows.length > 0) this.painter.surface(Float32Array.from(arrows), null, {paint: paints.steel});
+    if (arrows.length > 0) this.painter.surface(Float32Array.from(arrows), null, {paint: ink.steel, light: "thing"});
     gl.disable(gl.DEPTH_TEST);
-    this.painter.marks("POINTS", Float32Array.from(rings), null, paints.steel, {size: 20 * this.pixel, mark: 2});
+    this.painter.marks("POINTS", Float32Array.from(rings), null, ink.steel, {size: ringSize * this.pixel, mark: 2});
     gl.enable(gl.DEPTH_TEST);
     gl.depthRange(0, 1);
   }

@@ -5,7 +5,6 @@
 // Corners of a hexahedron: its faces, counter-clockwise seen from outside, and six tetrahedra that fill it.
 const hexFaces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 const hexTetrahedra = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]];
-const creaseCosine = 0.75;  // edges whose faces are turned farther apart are sharp
 const noValue = 255;
 
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -62,7 +61,7 @@ class Surface {
       for (const corner of corners) {
         const normal = pointAt(normals, corner >> 2);
         const near = groups.filter(group =>
-          group.some(other => dot(normal, pointAt(normals, other >> 2)) > creaseCosine));
+          group.some(other => dot(normal, pointAt(normals, other >> 2)) > ink.crease));
         const merged = [corner, ...near.flat()];
         for (const group of near) groups.splice(groups.indexOf(group), 1);
         groups.push(merged);
@@ -91,13 +90,15 @@ class Surface {
         if (!facesOfEdge.has(key)) facesOfEdge.set(key, []);
         facesOfEdge.get(key).push(f);
       }
+    this.meanEdge = 0;
     this.edges = [];  // of points
     this.creases = [];
     this.smooth = [];  // edges with the two faces beside them
     for (const [key, beside] of facesOfEdge) {
       const edge = [Math.floor(key / numPoints), key % numPoints];
       this.edges.push(...edge);
-      if (beside.length === 2 && dot(pointAt(normals, beside[0]), pointAt(normals, beside[1])) >= creaseCosine)
+      this.meanEdge += norm(subtract(pointAt(points, edge[1]), pointAt(points, edge[0]))) / facesOfEdge.size;
+      if (beside.length === 2 && dot(pointAt(normals, beside[0]), pointAt(normals, beside[1])) >= ink.crease)
         this.smooth.push([...edge, ...beside]);
       else
         this.creases.push(...edge);

@@ -14,8 +14,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kLongestArrow = 0.13f;  // in parts of the diagonal of the body's box
-constexpr float kNoLoad = 1e-6f;        // of the strongest: rounding that is left of loads without pulls
+constexpr float kNoLoad = 1e-6f;  // of the strongest: rounding that is left of loads without pulls
 
 std::vector<Surface::Face> faces_of(const EmbeddedSurface& embedded) {
   std::vector<Surface::Face> faces = embedded.quads;

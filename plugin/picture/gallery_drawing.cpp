@@ -17,43 +17,25 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr Colour kCage{0.25f, 0.30f, 0.38f};
-constexpr Colour kMetal{0.78f, 0.84f, 0.90f};  // surfaces of instruments
-
 constexpr float kPatch = 12;      // size on the page of the flat pieces that a face is drawn with
 constexpr int kMostParts = 8;     // of them along an edge
 constexpr int kShadeParts = 6;    // the same of a warped face where it keeps light off
 constexpr float kWarped = 0.02f;  // of a quad's diagonals: what its middle is off the plane, four times
 constexpr float kNearer = 4e-3f;  // depth by which marks stand before the surface that they are on
 
-// element edges grow fainter with their length on the page, so that on fine meshes they do not cover the colours
-constexpr float kShortestEdge = 4, kLongestEdge = 48;
-constexpr float kWidestEdge = 1.2f, kCageWidth = 1.1f, kWireWidth = 1.5f, kCutWidth = 1.6f;
-constexpr float kToolWidth = 1.3f;  // of the outlines of instruments
-constexpr float kAround = 0.5f;     // how far around the body instruments are shown, in diagonals of its box
-constexpr float kStrongestEdge = 0.75f, kCageOpacity = 0.3f;
+constexpr float kWireWidth = 1.5f;
+constexpr float kAround = 0.5f;  // how far around the body instruments are shown, in diagonals of its box
 
-constexpr float kArrowGirth = 0.055f;  // diameter of shafts, in parts of the longest arrow's length
 constexpr std::array kArrowLengths{1.0f, 0.8f, 0.6f, 0.45f};  // that are tried, in parts of longest_arrow_
 constexpr float kSmallest = 0.9f;     // size that arrows leave to the body, in parts of that without
 constexpr float kShortestArrow = 3;   // on the page; shorter ones are left out
 constexpr float kBetweenArrows = 24;  // on the page: of denser ones the strongest are drawn
-constexpr float kPresses = 0.3f;      // sine of the angle to the surface from which a load presses on it
 constexpr float kAlongSight = 0.05f;  // of gravity that is seen: below, it has no direction on the page
-
-/// Brightness of what receives a share of the light: never dark, so that colours stay comparable with the colour bar.
-float brightness(float received) { return std::min(1.0f, 0.60f + 0.43f * received); }
 
 /// Towards white by a share, for the gleam of what is moist.
 Colour gleaming(const Colour& colour, float share) {
   return {colour.red + share * (1 - colour.red), colour.green + share * (1 - colour.green),
           colour.blue + share * (1 - colour.blue)};
-}
-
-float mean_edge(const Surface& surface) {
-  float sum = 0;
-  for (const auto& [a, b] : surface.edges()) sum += (surface.original()[b] - surface.original()[a]).norm();
-  return surface.edges().empty() ? 0 : sum / static_cast<float>(surface.edges().size());
 }
 
 /// Weights of a quad's corners at a place in it.
@@ -108,23 +90,15 @@ Gallery::Strongest Gallery::strongest_forces() const {
   return strongest;
 }
 
-// A load that presses points at its node from outside; any other one starts there.
 std::optional<Arrow> Gallery::arrow_of(const Load& load, const Strongest& strongest) const {
   if (!(strongest.load > 0)) return std::nullopt;
-  const Vector3f along = strongest.arrow / strongest.load * load.force;
-  const bool presses = load.outwards.dot(load.force) < -kPresses * load.outwards.norm() * load.force.norm();
-  return Arrow{.from = presses ? Vector3f(load.place - along) : load.place,
-               .to = presses ? load.place : Vector3f(load.place + along),
-               .girth = kArrowGirth * longest_arrow_,
-               .colour = kLoad};
+  return ArrowScale{strongest.arrow, strongest.load, kArrowGirth * longest_arrow_}.of_load(load.place, load.force,
+                                                                                           load.outwards);
 }
 
 std::optional<Arrow> Gallery::arrow_of(const Tool& tool, const Strongest& strongest) const {
   if (!staging_.shows_loads || !(strongest.tool > 0)) return std::nullopt;
-  return Arrow{.from = tool.place,
-               .to = tool.place + strongest.arrow / strongest.tool * tool.force,
-               .girth = kArrowGirth * longest_arrow_,
-               .colour = kSteel};
+  return ArrowScale{strongest.arrow, strongest.tool, kArrowGirth * longest_arrow_}.of_tool(tool.place, tool.force);
 }
 
 // Where instruments are shown: around all that is shown of the body in any state. What lies farther off would make the
@@ -223,7 +197,7 @@ void Gallery::draw_ghosts(const State& state, const Camera& camera, Drawing& pic
       pen.fill({{{points[a], kGhost}, {points[c], kGhost}, {points[d], kGhost}}});
     }
     for (const auto& [a, b] : ghost.surface->outline(points, camera.towards()))
-      pen.line({points[a], kOriginal}, {points[b], kOriginal}, 1.3f, 1);
+      pen.line({points[a], kOriginal}, {points[b], kOriginal}, kOutlineWidth, 1);
   }
 }
 
@@ -267,18 +241,19 @@ void Gallery::draw_surfaces(const State& state, const Camera& camera, const Scal
   Lighting lighting(camera.up(), camera.towards());
   lighting.place(points, triangles);
 
-  const Vector3f halfway = (0.8f * camera.up() + 1.42f * camera.towards() - 0.43f * camera.right()).normalized();
+  const Vector3f halfway =
+      (kGleamLamp.of(camera.right(), camera.up(), camera.towards()) + camera.towards()).normalized();
   const auto lit = [&](const Vector3f& at, Vector3f normal, float value) {
     if (normal.dot(camera.towards()) < 0) normal = -normal;
     const float received = lighting.received(at, normal);
-    const float gleam = 0.16f * received * std::pow(std::max(0.0f, normal.dot(halfway)), 40.0f);
+    const float gleam = kGleam * received * std::pow(std::max(0.0f, normal.dot(halfway)), kGleamExponent);
     return gleaming(brightness(received) * scale.colour(value), gleam);
   };
 
   for (const Shown* one : shown) {
     const Surface& surface = *one->surface;
     const std::vector<std::array<Vector3f, 4>> normals = surface.corner_normals(one->points);
-    const int across = static_cast<int>(mean_edge(surface) * camera.scale() / kPatch);
+    const int across = static_cast<int>(surface.mean_edge() * camera.scale() / kPatch);
     std::vector<Corner> grid;
     for (std::size_t f = 0; f < surface.faces().size(); ++f) {
       const Surface::Face& face = surface.faces()[f];
@@ -333,7 +308,7 @@ void Gallery::draw_tools(const State& state, const Camera& camera, Drawing& pict
   for (const Plane& plane : planes_around(surroundings())) above.push_back(plane);
   const Pen pen(camera, above, picture);
   // in light of their own: they keep none from the tissue, whose colours are to be compared
-  const Vector3f lamp = (camera.up() + camera.towards() - 0.5f * camera.right()).normalized();
+  const Vector3f lamp = kThingLamp.of(camera.right(), camera.up(), camera.towards());
   for (const Tool& tool : state.tools) {
     if (!tool.surface) continue;
     const std::vector<std::array<Vector3f, 4>> normals = tool.surface->corner_normals(tool.points);
@@ -345,19 +320,16 @@ void Gallery::draw_tools(const State& state, const Camera& camera, Drawing& pict
       pen.fill({{corner(0), corner(1), corner(2)}});
     }
     for (const auto& [a, b] : tool.surface->outline(tool.points, camera.towards()))
-      pen.line({tool.points[a], kSteel}, {tool.points[b], kSteel}, kToolWidth, 1);
+      pen.line({tool.points[a], kSteel}, {tool.points[b], kSteel}, kOutlineWidth, 1);
   }
 }
 
 void Gallery::draw_edges(const State& state, const Camera& camera, Drawing& picture) const {
   if (!staging_.shows_hexahedra || !staging_.shows_edges) return;
   const Surface& surface = *state.body.surface;
-  const float length = mean_edge(surface) * camera.scale();
-  if (length < kShortestEdge) return;
-  const float share = std::min(1.0f, length / kLongestEdge);
-  const Colour colour = shows_cage() ? kCage : kEdge;
-  const float width = shows_cage() ? kCageWidth : kWidestEdge * std::sqrt(share);
-  const float opacity = shows_cage() ? kCageOpacity : kStrongestEdge * share;
+  const std::optional<EdgeInk> ink = edge_ink(surface.mean_edge() * camera.scale(), shows_cage());
+  if (!ink) return;
+  const auto& [colour, width, opacity] = *ink;
   const Pen pen(camera, sides(camera), picture);
   for (const auto& [a, b] : surface.edges())
     pen.line({state.body.points[a], colour}, {state.body.points[b], colour}, width, opacity);
@@ -406,7 +378,7 @@ void Gallery::draw_loads(const State& state, const Camera& camera, const Stronge
 void Gallery::draw_marks(const State& state, const Camera& camera, Page& page) const {
   const Pen pen(camera, sides(camera), page.drawing());
   if (staging_.shows_hexahedra) {
-    const float radius = mean_edge(*state.body.surface) * camera.scale() / 6;
+    const float radius = kDotOfEdge * state.body.surface->mean_edge() * camera.scale();
     for (const Vector3f& place : state.fixed) {
       if (!pen.reaches(place)) continue;
       Drawing::Vertex centre = camera.project(place);

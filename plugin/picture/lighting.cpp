@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "picture/ink.hpp"
+
 namespace hexaplast::output {
 namespace {
 
@@ -25,8 +27,7 @@ constexpr float kLampWidth = 0.45f;  // [rad] of the main lamp
 
 Lighting::Lighting(const Vector3f& up, const Vector3f& towards) {
   const Vector3f right = up.cross(towards);
-  const Vector3f zenith = (0.75f * up + 0.65f * towards - 0.1f * right).normalized();
-  const Vector3f main = (0.75f * up + 0.55f * towards - 0.40f * right).normalized();
+  const Vector3f zenith = kZenith.of(right, up, towards), main = kMainLamp.of(right, up, towards);
   const Vector3f first = zenith.unitOrthogonal(), second = zenith.cross(first);
 
   // equal shares of the hemisphere: equal steps of height, the golden angle from one to the next

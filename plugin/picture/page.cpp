@@ -21,10 +21,6 @@ constexpr float kKeyLine = 25;
 constexpr float kKeyArrow = 24, kKeyHead = 10;  // lengths of an arrow among the keys and of its head
 constexpr float kArrow = 11;                    // length of the end of a scale that is passed
 
-constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
-
-constexpr float kDot = 3.2f;  // radius of the mark of a fixed node, at most
-constexpr float kRing = 9, kRingWidth = 2.4f, kRimWidth = 2.4f;
 constexpr int kCircle = 28;  // corners of a round mark
 
 Drawing::Vertex on_circle(Drawing::Vertex centre, float radius, int corner) {
@@ -146,7 +142,7 @@ void Page::add_keys(const std::vector<Key>& keys, float left) {
         drawing_.lines.push_back({{x - 16, y, 0, kOriginal}, {x + 16, y, 0, kOriginal}, 1.5f});
         break;
       case Key::Mark::kDot:
-        add_dot({x, y, 0, {}}, kDot);
+        add_dot({x, y, 0, {}}, kDotRadius);
         break;
       case Key::Mark::kRing:
         add_ring({x, y, 0, {}});
@@ -181,7 +177,7 @@ void Page::add_arrow(float x, float y, const Key& key) {
 
 void Page::add_dot(Drawing::Vertex centre, float radius) {
   centre.colour = kInk;
-  radius = std::min(radius, kDot);
+  radius = std::min(radius, kDotRadius);
   for (int k = 0; k < kCircle; ++k)
     drawing_.triangles.push_back({{centre, on_circle(centre, radius, k), on_circle(centre, radius, k + 1)}});
 }
@@ -191,8 +187,8 @@ void Page::add_ring(Drawing::Vertex centre) {
   for (const auto& [colour, width] : {std::pair{kPaper, kRingWidth + kRimWidth}, std::pair{kSteel, kRingWidth}}) {
     centre.colour = colour;
     for (int k = 0; k < kCircle; ++k) {
-      const auto inner = [&, width = width](int corner) { return on_circle(centre, kRing - width / 2, corner); };
-      const auto outer = [&, width = width](int corner) { return on_circle(centre, kRing + width / 2, corner); };
+      const auto inner = [&, width = width](int corner) { return on_circle(centre, kRingRadius - width / 2, corner); };
+      const auto outer = [&, width = width](int corner) { return on_circle(centre, kRingRadius + width / 2, corner); };
       drawing_.triangles.push_back({{inner(k), outer(k), outer(k + 1)}});
       drawing_.triangles.push_back({{inner(k), outer(k + 1), inner(k + 1)}});
     }

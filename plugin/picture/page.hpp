@@ -8,19 +8,11 @@
 #include <vector>
 
 #include "picture/camera.hpp"
+#include "picture/ink.hpp"
 #include "picture/quantity.hpp"
 #include "picture/renderer.hpp"
 
 namespace hexaplast::output {
-
-inline constexpr Colour kPaper{1, 1, 1};
-inline constexpr Colour kInk{0.13f, 0.13f, 0.15f};
-inline constexpr Colour kFaint{0.45f, 0.46f, 0.48f};
-inline constexpr Colour kOriginal{0.70f, 0.73f, 0.77f};  // outlines of the shape behind
-inline constexpr Colour kGhost{0.945f, 0.950f, 0.958f};  // and its surface
-inline constexpr Colour kLoad{0.02f, 0.47f, 0.41f};      // arrows of loads
-inline constexpr Colour kSteel{0.16f, 0.36f, 0.55f};     // instruments
-inline constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
 
 /// Which values the colours stand for.
 class Scale {

@@ -122,7 +122,7 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
         picture.triangles.push_back(
             {{on_page(ghost_section.points[a], kBehind, kGhost), on_page(ghost_section.points[b], kBehind, kGhost),
               on_page(ghost_section.points[c], kBehind, kGhost)}});
-      draw_lines(ghost_section, ghost_section.outline, kBehind, kOriginal, 1.3f, 1);
+      draw_lines(ghost_section, ghost_section.outline, kBehind, kOriginal, kOutlineWidth, 1);
     }
     const Section& section = sections[k];
     const auto corner = [&](int point) {

@@ -6,13 +6,12 @@
 #include <map>
 
 #include "hexaplast/base/disjoint_sets.hpp"
+#include "picture/ink.hpp"
 
 namespace hexaplast::output {
 namespace {
 
 using Eigen::Vector3f;
-
-constexpr float kCrease = 0.75f;  // cosine of the angle from which an edge is sharp, about 41 degrees
 
 int corner_at(const Surface::Face& face, int point) {
   return static_cast<int>(std::ranges::find(face, point) - face.begin());
@@ -63,6 +62,12 @@ std::vector<Vector3f> Surface::face_normals(const std::vector<Vector3f>& points)
   normals.reserve(faces_.size());
   for (const auto& [a, b, c, d] : faces_) normals.push_back((points[c] - points[a]).cross(points[d] - points[b]));
   return normals;
+}
+
+float Surface::mean_edge() const {
+  float sum = 0;
+  for (const auto& [a, b] : edges_) sum += (original_[b] - original_[a]).norm();
+  return edges_.empty() ? 0 : sum / static_cast<float>(edges_.size());
 }
 
 std::vector<std::array<Vector3f, 4>> Surface::corner_normals(const std::vector<Vector3f>& points) const {

@@ -24,6 +24,8 @@ class Surface {
   const std::vector<Edge>& edges() const { return edges_; }      ///< each once
   const std::vector<Edge>& creases() const { return creases_; }  ///< those at which the original is not smooth
 
+  float mean_edge() const;  ///< [m] mean length of the edges of the original
+
   /// Unit normals at the corners of the faces: the mean over all faces around a point that no crease parts.
   std::vector<std::array<Eigen::Vector3f, 4>> corner_normals(const std::vector<Eigen::Vector3f>& points) const;
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "picture/arrow.hpp"
+#include "picture/ink.hpp"
 #include "picture/picture_cut.hpp"
 
 namespace hexaplast::view {
@@ -39,8 +41,7 @@ void extend(Eigen::AlignedBox3d& box, ConstPoints points) {
 
 }  // namespace
 
-Figure::Figure(const HexMesh& mesh, output::Staging staging, std::vector<int> fixed_nodes)
-    : mesh_(mesh), staging_(std::move(staging)), fixed_nodes_(std::move(fixed_nodes)) {
+Figure::Figure(const HexMesh& mesh, output::Staging staging) : mesh_(mesh), staging_(std::move(staging)) {
   body_.original = mesh.positions();
   for (const output::EmbeddedSurface& embedded : staging_.embedded_surfaces) {
     Sheet& sheet = embedded_surfaces_.emplace_back();
@@ -72,17 +73,18 @@ void Figure::place(Sheet& sheet, ConstPoints nodes) const {
     sheet.points = nodes;
 }
 
-void Figure::update(const Snapshot& snapshot, const Look& look) {
+void Figure::update(const Snapshot& snapshot, const Look& look, const Strongest& strongest) {
   if (!std::ranges::equal(alive_, snapshot.alive)) leave(snapshot.alive);
   triangles_.clear();
   edges_.clear();
   ghost_triangles_.clear();
-  ghost_edges_.clear();
+  ghosts_.clear();
   fixed_places_.clear();
   range_.setEmpty();
   cut_ = look.cut;
   cut_triangles_.clear();
   cut_edges_.clear();
+  cut_outline_.clear();
   shows_embedded_surfaces_ = look.shows_embedded_surfaces && has_embedded_surfaces() && !cut_;
 
   if (look.ghost != Ghost::kNone) {
@@ -101,11 +103,20 @@ void Figure::update(const Snapshot& snapshot, const Look& look) {
   const Places nodes = single(snapshot.positions);
   if (look.shows_edges)
     for (const auto& [a, b] : body_.surface->edges()) edges_.insert(edges_.end(), {nodes[a], nodes[b]});
-  if (!shows_embedded_surfaces_)
-    for (const int node : fixed_nodes_)
-      if (!cut_ || cut_->height(nodes[node].cast<double>()) <= 0) fixed_places_.push_back(nodes[node]);
+  if ((look.shows_edges || !shows_embedded_surfaces_) && !snapshot.conditions.fixed.empty()) {
+    std::vector<unsigned char> is_shown(nodes.size(), 0);
+    for (const Face& face : body_.faces)
+      for (const int node : face) is_shown[node] = snapshot.conditions.fixed[node];
+    for (std::size_t node = 0; node < nodes.size(); ++node)
+      if (is_shown[node] && (!cut_ || cut_->height(nodes[node].cast<double>()) <= 0))
+        fixed_places_.push_back(nodes[node]);
+  }
   if (cut_) draw_cut(snapshot.positions, snapshot.values, look.shows_edges);
   draw_tools(look.shows_instruments ? snapshot.conditions.instruments : std::vector<output::Instrument>());
+  load_arrows_.clear();
+  tool_arrows_.clear();
+  tool_forces_.clear();
+  if (look.shows_instruments) draw_forces(snapshot, strongest);
 
   // with the original, so that the depths of two moments differ little
   box_.setEmpty();
@@ -163,15 +174,20 @@ void Figure::draw_cut(ConstPoints positions, std::span<const double> nodal_value
   for (const Triangle& face : cut_faces_)
     for (const int point : face)
       cut_triangles_.push_back({points[point], normal, static_cast<float>(values(point, 0))});
-  for (const std::vector<Edge>* lines : {&cut.inner_lines(), &cut.outline()})
-    for (const auto& [a, b] : *lines)
-      if (shows_edges || lines == &cut.outline()) cut_edges_.insert(cut_edges_.end(), {points[a], points[b]});
+  for (const auto& [a, b] : cut.outline()) cut_outline_.insert(cut_outline_.end(), {points[a], points[b]});
+  if (!shows_edges) return;
+  for (const auto& [a, b] : cut.inner_lines()) cut_edges_.insert(cut_edges_.end(), {points[a], points[b]});
 }
 
 void Figure::draw_tools(const std::vector<output::Instrument>& instruments) {
   tool_triangles_.clear();
+  shown_tools_.clear();
+  rings_.clear();
   for (const output::Instrument& instrument : instruments) {
-    if (instrument.shape_triangles.empty()) continue;
+    if (instrument.shape_triangles.empty()) {
+      rings_.push_back(instrument.place);
+      continue;
+    }
     const Places points = single(instrument.shape_points);
     Tool& tool = tools_[instrument.id];
     if (tool.triangles != instrument.shape_triangles || tool.surface->original().size() != points.size())
@@ -179,6 +195,7 @@ void Figure::draw_tools(const std::vector<output::Instrument>& instruments) {
     const std::vector<std::array<Vector3f, 4>> normals = tool.surface->corner_normals(points);
     for (std::size_t f = 0; f < normals.size(); ++f)
       for (int k = 0; k < 3; ++k) tool_triangles_.push_back({points[tool.triangles[f][k]], normals[f][k], 0});
+    shown_tools_.push_back({tool.surface.get(), points});
   }
 }
 
@@ -187,7 +204,45 @@ void Figure::draw_ghost(Sheet& sheet, ConstPoints nodes) {
   const Places points = single(sheet.points);
   for (const auto& [a, b, c, d] : sheet.surface->faces())
     ghost_triangles_.insert(ghost_triangles_.end(), {points[a], points[b], points[c], points[a], points[c], points[d]});
-  for (const auto& [a, b] : sheet.surface->creases()) ghost_edges_.insert(ghost_edges_.end(), {points[a], points[b]});
+  ghosts_.push_back({sheet.surface.get(), points});
+}
+
+std::vector<Vector3f> Figure::outline(const std::vector<Shape>& shapes, const Vec3& towards) {
+  Places lines;
+  for (const Shape& shape : shapes)
+    for (const auto& [a, b] : shape.surface->outline(shape.points, towards.cast<float>()))
+      lines.insert(lines.end(), {shape.points[a], shape.points[b]});
+  return lines;
+}
+
+void Figure::draw_forces(const Snapshot& snapshot, const Strongest& strongest) {
+  const PointArray& original = mesh_.positions();
+  const auto longest = output::kLongestArrow *
+                       static_cast<float>((original.colwise().maxCoeff() - original.colwise().minCoeff()).norm());
+  const float girth = output::kArrowGirth * longest;
+  const auto add = [](std::vector<Vertex>& vertices, const output::Arrow& arrow) {
+    for (const output::Arrow::Face& face : arrow.faces())
+      for (const auto& [place, normal] : face) vertices.push_back({place, normal});
+  };
+  const auto single_precision = [](const Vec3& vector) -> Vector3f { return vector.cast<float>(); };
+
+  if (strongest.load > 0) {
+    const output::ArrowScale scale{longest, static_cast<float>(strongest.load), girth};
+    const std::vector<Vector3f> outwards = body_.surface->point_normals(single(snapshot.positions));
+    for (const auto& [node, force] : output::shown_loads(mesh_, snapshot.alive, snapshot.conditions))
+      add(load_arrows_, scale.of_load(single_precision(snapshot.positions.row(node)), single_precision(force),
+                                      outwards[static_cast<std::size_t>(node)]));
+  }
+  if (!(strongest.tool > 0)) return;
+  const output::ArrowScale scale{longest, static_cast<float>(strongest.tool), girth};
+  for (const output::Instrument& instrument : snapshot.conditions.instruments) {
+    const Vec3 force = instrument.force();
+    if (!(force.norm() > 0)) continue;
+    const output::Arrow arrow =
+        scale.of_tool(single_precision(instrument.acts_at(snapshot.positions)), single_precision(force));
+    add(tool_arrows_, arrow);
+    tool_forces_.push_back({arrow.to.cast<double>(), force.norm()});
+  }
 }
 
 std::optional<Figure::Seen> Figure::hit(const Ray& ray) const {

@@ -38,27 +38,47 @@ class Figure {
   };
 
   /// The mesh must outlive the figure. Throws what Embedding throws.
-  Figure(const HexMesh& mesh, output::Staging staging, std::vector<int> fixed_nodes = {});
+  Figure(const HexMesh& mesh, output::Staging staging);
 
   bool has_embedded_surfaces() const { return !embedded_surfaces_.empty(); }
   bool shows_embedded_surfaces() const { return shows_embedded_surfaces_; }
   const output::Staging& staging() const { return staging_; }
 
+  /// The largest forces that are shown [N]: their arrows are the longest. Of a kind that has none no arrow is drawn.
+  struct Strongest {
+    double load = 0, tool = 0;
+  };
+
   /// Shows another moment.
-  void update(const Snapshot& snapshot, const Look& look);
+  void update(const Snapshot& snapshot, const Look& look, const Strongest& strongest);
 
   const std::vector<Vertex>& triangles() const { return triangles_; }   ///< three of them each
   const std::vector<Eigen::Vector3f>& edges() const { return edges_; }  ///< two places each
   const std::vector<Eigen::Vector3f>& ghost_triangles() const { return ghost_triangles_; }
-  const std::vector<Eigen::Vector3f>& ghost_edges() const { return ghost_edges_; }
+  double edge_length() const { return body_.surface->mean_edge(); }  ///< [m] mean of the hexahedra that are left
   const std::vector<Eigen::Vector3f>& fixed_places() const { return fixed_places_; }
   const std::vector<Vertex>& tool_triangles() const { return tool_triangles_; }
-  const Eigen::AlignedBox3d& box() const { return box_; }  ///< [m] of the body
+  const std::vector<Vertex>& load_arrows() const { return load_arrows_; }
+  const std::vector<Vertex>& tool_arrows() const { return tool_arrows_; }  ///< seen also where they lie within tissue
+  const Eigen::AlignedBox3d& box() const { return box_; }                  ///< [m] of the body
+
+  /// Two places each: what a viewer in direction `towards` sees as the outlines of the ghost, and of instruments.
+  std::vector<Eigen::Vector3f> ghost_outline(const Vec3& towards) const { return outline(ghosts_, towards); }
+  std::vector<Eigen::Vector3f> tool_outline(const Vec3& towards) const { return outline(shown_tools_, towards); }
+
+  /// Where an instrument's arrow ends [m], and its force [N].
+  struct Force {
+    Vec3 tip;
+    double size = 0;
+  };
+  const std::vector<Force>& tool_forces() const { return tool_forces_; }
+  const std::vector<Vec3>& rings() const { return rings_; }  ///< [m] instruments that have no shape
 
   /// What was cut out: the triangles and edges above are to be clipped by the plane, these are not.
   const std::optional<Plane>& cut() const { return cut_; }
   const std::vector<Vertex>& cut_triangles() const { return cut_triangles_; }
-  const std::vector<Eigen::Vector3f>& cut_edges() const { return cut_edges_; }
+  const std::vector<Eigen::Vector3f>& cut_edges() const { return cut_edges_; }  ///< inside its border
+  const std::vector<Eigen::Vector3f>& cut_outline() const { return cut_outline_; }
 
   /// Least and largest value shown; empty where the quantity has none (yield stress of what never yields).
   const Eigen::AlignedBox1d& range() const { return range_; }
@@ -85,6 +105,13 @@ class Figure {
     PointArray points = {};                         // [m] at the latest update
   };
 
+  /// A surface at the latest update.
+  struct Shape {
+    const output::Surface* surface;
+    Places points;  // [m]
+  };
+
+  static Places outline(const std::vector<Shape>& shapes, const Vec3& towards);
   void leave(std::span<const unsigned char> alive);  // only what is alive
   void place(Sheet& sheet, ConstPoints nodes) const;
   void draw(const Sheet& sheet, std::span<const double> nodal_values);
@@ -94,11 +121,11 @@ class Figure {
   int hexahedron_at(const Sheet& sheet, const Face& face) const;
   void draw_cut(ConstPoints positions, std::span<const double> nodal_values, bool shows_edges);
   void draw_tools(const std::vector<output::Instrument>& instruments);
+  void draw_forces(const Snapshot& snapshot, const Strongest& strongest);
   void draw_ghost(Sheet& sheet, ConstPoints nodes);
 
   const HexMesh& mesh_;
   output::Staging staging_;
-  std::vector<int> fixed_nodes_;
   std::vector<unsigned char> alive_;
   Sheet body_;
   std::vector<Sheet> embedded_surfaces_;
@@ -113,8 +140,11 @@ class Figure {
   std::optional<Plane> cut_;
   PointArray cut_points_;  // [m]
   std::vector<Triangle> cut_faces_;
-  std::vector<Vertex> triangles_, tool_triangles_, cut_triangles_;
-  Places edges_, cut_edges_, ghost_triangles_, ghost_edges_, fixed_places_;
+  std::vector<Vertex> triangles_, tool_triangles_, cut_triangles_, load_arrows_, tool_arrows_;
+  Places edges_, cut_edges_, cut_outline_, ghost_triangles_, fixed_places_;
+  std::vector<Shape> ghosts_, shown_tools_;
+  std::vector<Force> tool_forces_;
+  std::vector<Vec3> rings_;
   Eigen::AlignedBox3d box_;
   Eigen::AlignedBox1d range_;
 };

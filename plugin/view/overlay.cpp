@@ -6,18 +6,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "picture/axis.hpp"
-#include "picture/colour_map.hpp"
+#include "picture/ink.hpp"
 #include "picture/quantity.hpp"
 #include "view/widgets.hpp"
 
 namespace hexaplast::view {
 namespace {
-
-constexpr double kLongestArrow = 0.16;  // of the diagonal of what is shown
-constexpr double kShortestArrow = 6;    // [pixels]
-constexpr float kHead = 11;             // [pixels] of an arrow
 
 ImVec2 pixel_of(const WindowState& window, const Vec3& place) {
   const Eigen::Vector2d pixel = window.camera.pixel_of(place);
@@ -30,37 +28,29 @@ void draw_label(ImDrawList* draw, const ImVec2& corner, ImU32 colour, const std:
   draw->AddText(corner, colour, words.c_str());
 }
 
-void draw_arrow(const WindowState& window, ImDrawList* draw, const Vec3& from, const Vec3& to, ImU32 colour) {
-  const ImVec2 foot = pixel_of(window, from), tip = pixel_of(window, to);
-  const float x = tip.x - foot.x, y = tip.y - foot.y, length = std::hypot(x, y);
-  if (length < kShortestArrow) return;
-  const float head = std::min(kHead, 0.6f * length), dx = x / length, dy = y / length;
-  const ImVec2 neck{tip.x - head * dx, tip.y - head * dy};
-  const ImVec2 left{neck.x - 0.45f * head * dy, neck.y + 0.45f * head * dx},
-      right{neck.x + 0.45f * head * dy, neck.y - 0.45f * head * dx};
-  draw->AddLine(foot, neck, kPaper, 5);
-  draw->AddLine(foot, neck, colour, 2.4f);
-  draw->AddTriangleFilled(tip, left, right, colour);
-  draw->AddTriangle(tip, left, right, kPaper, 1);
+/// A ring with a rim that sets it off from any colour.
+void draw_ring(ImDrawList* draw, const ImVec2& centre) {
+  draw->AddCircle(centre, output::kRingRadius, kPaper, 0, output::kRingWidth + output::kRimWidth);
+  draw->AddCircle(centre, output::kRingRadius, kSteel, 0, output::kRingWidth);
 }
 
-/// Forces on the bodies. What pushes ends where it acts, so that it is seen.
-void draw_loads(const WindowState& window, ImDrawList* draw) {
-  const Snapshot& now = window.now;
-  const double longest = kLongestArrow * window.figure.box().diagonal().norm();
-  for (const output::NodalLoad& load : output::shown_loads(window.source.mesh(), now.alive, now.conditions)) {
-    const Vec3 place = now.positions.row(load.node).transpose();
-    draw_arrow(window, draw, place, place + longest / window.strongest_load * load.force, kLeaf);
-  }
-  for (const output::Instrument& instrument : now.conditions.instruments) {
-    const Vec3 force = instrument.force(), place = instrument.acts_at(now.positions);
-    if (!(force.norm() > 0) || !(window.strongest_force > 0)) continue;
-    const Vec3 arrow = longest / window.strongest_force * force;
-    const bool pushes = !instrument.shape_triangles.empty();
-    const Vec3 from = pushes ? Vec3(place - arrow) : place, to = pushes ? place : Vec3(place + arrow);
-    draw_arrow(window, draw, from, to, kSteel);
-    const ImVec2 end = pixel_of(window, pushes ? from : to);
-    draw_label(draw, {end.x + 10, end.y - 9}, kSteel, output::with_unit(force.norm(), "N"));
+/// What belongs to instruments and is not part of their shapes.
+void draw_instruments(const WindowState& window, ImDrawList* draw) {
+  for (const Vec3& place : window.figure.rings()) draw_ring(draw, pixel_of(window, place));
+  std::vector<ImVec2> corners;  // of labels
+  for (const auto& [tip, force] : window.figure.tool_forces()) {
+    const std::string words = output::with_unit(force, "N");
+    ImVec2 corner = pixel_of(window, tip);
+    corner.x += 10;
+    corner.y -= 9;
+    // above those that it would cover
+    const ImVec2 size = text_size(words);
+    std::ranges::sort(corners, std::ranges::greater(), &ImVec2::y);
+    for (const ImVec2& other : corners)
+      if (std::abs(corner.x - other.x) < size.x + 10 && std::abs(corner.y - other.y) < size.y + 4)
+        corner.y = other.y - size.y - 4;
+    corners.push_back(corner);
+    draw_label(draw, corner, kSteel, words);
   }
 }
 
@@ -73,8 +63,7 @@ void draw_hand(const WindowState& window, ImDrawList* draw) {
   const ImVec2 from = pixel_of(window, held), to = ImGui::GetIO().MousePos;
   draw->AddLine(from, to, kPaper, 5);
   draw->AddLine(from, to, kSteel, 2.2f);
-  draw->AddCircle(from, 9, kPaper, 0, 5);
-  draw->AddCircle(from, 9, kSteel, 0, 2.4f);
+  draw_ring(draw, from);
   draw->AddCircleFilled(to, 4, kSteel);
 }
 
@@ -135,7 +124,7 @@ void draw_overlay(const WindowState& window) {
   draw->AddText({window.left + 16, 14}, kFaint,
                 window.session ? "left: hand   right: turn   middle: move   wheel: nearer"
                                : "left, right: turn   middle: move   wheel: nearer");
-  if (window.look.shows_instruments) draw_loads(window, draw);
+  draw_instruments(window, draw);
   if (window.grabbed) draw_hand(window, draw);
   draw_name(window, draw);
   draw_colour_bar(window, draw);

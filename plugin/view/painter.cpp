@@ -6,11 +6,13 @@
 #include <GL/glext.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
 #include <utility>
 
-#include "picture/colour_map.hpp"
+#include "picture/ink.hpp"
 #include "record/files.hpp"
 
 namespace hexaplast::view {
@@ -22,18 +24,14 @@ using Eigen::Vector4f;
 
 constexpr int kNumColours = 256;
 constexpr int kShadowSize = 1024;  // [texels]
-constexpr float kFixedSize = 7;    // [pixels] of the mark of a fixed node
 
-const Vector4f kGhostFill(0.86f, 0.88f, 0.92f, 0.55f);
-const Vector4f kGhostEdge(0.62f, 0.66f, 0.72f, 0.9f);
-const Vector4f kEdge(0.16f, 0.13f, 0.16f, 0.42f);
-const Vector4f kCage(0.25f, 0.30f, 0.38f, 0.24f);  // edges around embedded surfaces
-const Vector4f kTool(0.62f, 0.70f, 0.78f, 1);
-const Vector4f kFixed(0.13f, 0.13f, 0.15f, 1);
+Vector4f rgba(const output::Colour& colour, float opacity = 1) {
+  return {colour.red, colour.green, colour.blue, opacity};
+}
 
-// A surface in light from a whole sky, from a lamp that casts soft shadows, and with the gleam of what is moist. The
-// lamp stands above the viewer's left shoulder. Brightness stays within limits, so that colours remain comparable with
-// the colour bar.
+// How a surface is lit.
+enum Light { kUnlit, kTissue, kThing };
+
 constexpr const char* kSurfaceVertex = R"(#version 330 core
 layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 normal;
@@ -52,35 +50,35 @@ void main() {
   share = (value - scale.x) * scale.y;
 })";
 
-constexpr const char* kSurfaceFragment = R"(#version 330 core
+// The light of the pictures (picture/ink.hpp), with one lamp that casts soft shadows.
+constexpr const char* kSurfaceFragment = R"(
 in vec3 eye_place, eye_normal, in_light;
 in float share;
 uniform sampler2D colours;
 uniform sampler2DShadow shadow;
-uniform vec3 lamp;  // towards it, seen from the eye
+uniform vec3 lamp;   // towards it, seen from the eye
 uniform vec4 paint;  // in place of the scale, where its alpha is 1
+uniform int lighting;
 out vec4 colour;
 
 const vec2 kDisc[12] = vec2[](vec2(-0.33, -0.40), vec2(-0.84, -0.07), vec2(-0.70, 0.46), vec2(-0.20, 0.62),
                               vec2(0.96, -0.19), vec2(0.47, -0.48), vec2(0.52, 0.77), vec2(0.19, -0.89),
                               vec2(0.51, 0.06), vec2(0.90, 0.41), vec2(-0.32, -0.93), vec2(-0.79, -0.60));
 
-void main() {
-  vec3 towards = normalize(-eye_place), n = normalize(eye_normal);
-  if (dot(n, towards) < 0) n = -n;
-
-  float slant = dot(n, lamp), lit = 0;
-  float bias = 0.003 + 0.009 * (1 - clamp(slant, 0, 1));
+float arriving(vec3 normal) {
+  float bias = 0.003 + 0.009 * (1 - clamp(dot(normal, lamp), 0, 1)), lit = 0;
   for (int k = 0; k < 12; ++k)
     lit += texture(shadow, vec3(in_light.xy + 0.006 * kDisc[k], in_light.z - bias)) / 12;
-  float direct = max(slant, 0) * lit;
-  float sky = 0.5 + 0.5 * n.y;
+  return lit;
+}
 
+void main() {
+  vec3 towards = normalize(-eye_place), normal = normalize(eye_normal);
+  if (dot(normal, towards) < 0) normal = -normal;
   vec3 base = mix(texture(colours, vec2(clamp(share, 0.002, 0.998), 0.5)).rgb, paint.rgb, paint.a);
-  float brightness = min(0.56 + 0.16 * sky + 0.36 * direct, 1.0);
-  float gleam = 0.22 * lit * pow(max(dot(n, normalize(lamp + towards)), 0), 48);
-  float rim = 0.10 * pow(1 - max(dot(n, towards), 0), 3);
-  colour = vec4(mix(base * brightness, vec3(1), gleam + rim * sky), 1);
+  if (lighting == 1) base = lit_tissue(base, normal, towards, arriving(normal));
+  if (lighting == 2) base = lit_thing(base, normal);
+  colour = vec4(base, 1);
 })";
 
 constexpr const char* kFlatVertex = R"(#version 330 core
@@ -99,25 +97,12 @@ void main() {
 constexpr const char* kFlatFragment = R"(#version 330 core
 uniform vec4 ink;
 uniform bool is_round;
+uniform float point_size;
 out vec4 colour;
 void main() {
-  if (is_round && length(gl_PointCoord - 0.5) > 0.5) discard;
   colour = ink;
+  if (is_round) colour.a *= clamp(point_size * (0.5 - length(gl_PointCoord - 0.5)), 0, 1);
 })";
-
-// One triangle over everything: a page that grows a little darker downwards.
-constexpr const char* kBackdropVertex = R"(#version 330 core
-out float height;
-void main() {
-  vec2 corner = vec2(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1);
-  height = 0.5 * corner.y + 0.5;
-  gl_Position = vec4(corner, 0.999, 1);
-})";
-
-constexpr const char* kBackdropFragment = R"(#version 330 core
-in float height;
-out vec4 colour;
-void main() { colour = vec4(mix(vec3(0.84, 0.87, 0.905), vec3(0.985, 0.99, 1.0), smoothstep(0.0, 0.9, height)), 1); })";
 
 unsigned compiled(unsigned kind, const char* text) {
   const unsigned shader = glCreateShader(kind);
@@ -131,9 +116,10 @@ unsigned compiled(unsigned kind, const char* text) {
   throw output::OutputError(fmt::format("the graphics driver refuses a program: {}", log.data()));
 }
 
-unsigned linked(const char* vertex, const char* fragment) {
+unsigned linked(const char* vertex, const std::string& fragment) {
   const unsigned program = glCreateProgram();
-  for (const auto& [kind, text] : {std::pair{GL_VERTEX_SHADER, vertex}, std::pair{GL_FRAGMENT_SHADER, fragment}}) {
+  for (const auto& [kind, text] :
+       {std::pair{GL_VERTEX_SHADER, vertex}, std::pair{GL_FRAGMENT_SHADER, fragment.c_str()}}) {
     const unsigned shader = compiled(kind, text);
     glAttachShader(program, shader);
     glDeleteShader(shader);
@@ -178,10 +164,9 @@ Matrix4f lamp_view(const Vector3f& towards, const Eigen::AlignedBox3f& box) {
 }  // namespace
 
 Painter::Painter()
-    : surface_(linked(kSurfaceVertex, kSurfaceFragment)),
-      flat_(linked(kFlatVertex, kFlatFragment)),
-      backdrop_(linked(kBackdropVertex, kBackdropFragment)) {
-  for (Batch* batch : {&triangles_, &places_, &nothing_}) {
+    : surface_(linked(kSurfaceVertex, "#version 330 core\n" + output::light_shader() + kSurfaceFragment)),
+      flat_(linked(kFlatVertex, kFlatFragment)) {
+  for (Batch* batch : {&triangles_, &places_}) {
     glGenVertexArrays(1, &batch->array);
     glGenBuffers(1, &batch->buffer);
     glBindVertexArray(batch->array);
@@ -224,19 +209,20 @@ Painter::Painter()
 }
 
 Painter::~Painter() {
-  for (const Batch& batch : {triangles_, places_, nothing_}) {
+  for (const Batch& batch : {triangles_, places_}) {
     glDeleteVertexArrays(1, &batch.array);
     glDeleteBuffers(1, &batch.buffer);
   }
   glDeleteTextures(1, &colours_);
   glDeleteTextures(1, &shadow_);
   glDeleteFramebuffers(1, &shadow_frame_);
-  for (const unsigned program : {surface_, flat_, backdrop_}) glDeleteProgram(program);
+  for (const unsigned program : {surface_, flat_}) glDeleteProgram(program);
 }
 
 void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double least, double most) {
   const Matrix4f view = camera.view().cast<float>(), clip = camera.clip(figure.box()).cast<float>();
-  const Vector3f lamp = Vector3f(-0.38f, 0.58f, 0.85f).normalized();  // seen from the eye
+  const Vector3f lamp = output::kMainLamp.of(Vector3f::UnitX(), Vector3f::UnitY(), Vector3f::UnitZ());  // from the eye
+  const Vec3 towards = (camera.eye() - camera.target()).normalized();
   const Matrix4f light = lamp_view(view.topLeftCorner<3, 3>().transpose() * lamp, figure.box().cast<float>());
   const Vector4f whole(0, 0, 0, 1);
   Vector4f cut = whole;
@@ -263,30 +249,23 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
 
   glViewport(viewport.left, viewport.bottom, viewport.width, viewport.height);
+  glClearColor(output::kPaper.red, output::kPaper.green, output::kPaper.blue, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_MULTISAMPLE);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CLIP_DISTANCE0);
-  glUseProgram(backdrop_);
-  glBindVertexArray(nothing_.array);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glEnable(GL_CLIP_DISTANCE0);
 
   // behind everything else, however near it is
   glUseProgram(flat_);
   set(flat_, "clip", clip);
   glUniform1f(place_of(flat_, "nearer"), 0);
-  glEnable(GL_DEPTH_TEST);  // so that what lies behind itself is not filled twice
-  glDepthFunc(GL_LESS);
-  draw_places(figure.ghost_triangles(), GL_TRIANGLES, kGhostFill);
-  glDisable(GL_DEPTH_TEST);
-  draw_places(figure.ghost_edges(), GL_LINES, kGhostEdge);
+  glDepthFunc(GL_LEQUAL);
+  glEnable(GL_POLYGON_OFFSET_FILL);  // so that lines lie in front over their full width
+  glPolygonOffset(2, 8);
+  draw_places(figure.ghost_triangles(), GL_TRIANGLES, rgba(output::kGhost));
+  draw_lines(figure.ghost_outline(towards), rgba(output::kOriginal), output::kOutlineWidth * viewport.density);
   glClear(GL_DEPTH_BUFFER_BIT);
 
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);
   glUseProgram(surface_);
   set(surface_, "clip", clip);
   set(surface_, "view", view);
@@ -297,30 +276,47 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
               most > least ? static_cast<float>(1 / (most - least)) : 0);
   glUniform1i(place_of(surface_, "colours"), 0);
   glUniform1i(place_of(surface_, "shadow"), 1);
-  glUniform4f(place_of(surface_, "paint"), 0, 0, 0, 0);
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_2D, shadow_);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, colours_);
-  glEnable(GL_POLYGON_OFFSET_FILL);  // so that edges lie in front over their full width
-  glPolygonOffset(2, 8);
-  draw_triangles(figure.triangles());
-  glUniform4fv(place_of(surface_, "paint"), 1, kTool.data());
-  draw_triangles(figure.tool_triangles());
-  glUniform4f(place_of(surface_, "paint"), 0, 0, 0, 0);
+  const auto draw_lit = [&](const std::vector<Figure::Vertex>& corners, Light how, const Vector4f& paint) {
+    glUniform1i(place_of(surface_, "lighting"), how);
+    glUniform4fv(place_of(surface_, "paint"), 1, paint.data());
+    draw_triangles(corners);
+  };
+  const Vector4f of_the_scale = Vector4f::Zero();
+  draw_lit(figure.triangles(), kTissue, of_the_scale);
+  draw_lit(figure.load_arrows(), kThing, rgba(output::kLoad));
+  glEnable(GL_DEPTH_CLAMP);  // instruments may be far from the body, to which the depths are fitted
+  draw_lit(figure.tool_triangles(), kThing, rgba(output::kMetal));
   set_cut(surface_, whole);
-  draw_triangles(figure.cut_triangles());
+  draw_lit(figure.cut_triangles(), kUnlit, of_the_scale);  // who cuts wants to read values there
   glDisable(GL_POLYGON_OFFSET_FILL);
+  glDepthRange(0, 0.01);
+  draw_lit(figure.tool_arrows(), kThing, rgba(output::kSteel));
+  glDepthRange(0, 1);
 
+  const float density = viewport.density;
   glUseProgram(flat_);
   glUniform1f(place_of(flat_, "nearer"), 2e-4f);
   glDepthMask(GL_FALSE);
-  draw_places(figure.cut_edges(), GL_LINES, kEdge);
   set_cut(flat_, cut);
-  draw_places(figure.edges(), GL_LINES, figure.shows_embedded_surfaces() ? kCage : kEdge);
+  draw_lines(figure.tool_outline(towards), rgba(output::kSteel), output::kOutlineWidth * density);
+  glDisable(GL_DEPTH_CLAMP);
+  const auto length = static_cast<float>(figure.edge_length() / camera.metres_per_pixel(figure.box().center()));
+  if (const auto edges = output::edge_ink(length, figure.shows_embedded_surfaces())) {
+    // lines are not thinner than a pixel
+    const float width = edges->width * density, opacity = edges->opacity * std::min(1.0f, width);
+    draw_lines(figure.edges(), rgba(edges->colour, opacity), width);
+    set_cut(flat_, whole);
+    draw_lines(figure.cut_edges(), rgba(edges->colour, opacity), width);
+  }
   set_cut(flat_, whole);
+  draw_lines(figure.cut_outline(), rgba(output::kEdge), output::kCutWidth * density);
   glUniform1f(place_of(flat_, "nearer"), 2e-3f);
-  draw_places(figure.fixed_places(), GL_POINTS, kFixed, kFixedSize);
+  const float radius = std::min(output::kDotRadius, output::kDotOfEdge * length);
+  draw_places(figure.fixed_places(), GL_POINTS, rgba(output::kInk), 2 * radius * density + 1);  // with a soft rim
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CLIP_DISTANCE0);
@@ -331,6 +327,11 @@ void Painter::draw_triangles(const std::vector<Figure::Vertex>& corners) {
   send(triangles_.buffer, corners);
   glBindVertexArray(triangles_.array);
   glDrawArrays(GL_TRIANGLES, 0, static_cast<int>(corners.size()));
+}
+
+void Painter::draw_lines(const std::vector<Vector3f>& ends, const Vector4f& colour, float width) {
+  glLineWidth(std::max(width, 1.0f));
+  draw_places(ends, GL_LINES, colour);
 }
 
 void Painter::draw_places(const std::vector<Vector3f>& places, unsigned mode, const Vector4f& colour,

@@ -7,14 +7,21 @@
 #include <optional>
 #include <string>
 
+#include "picture/ink.hpp"
 #include "view/trace.hpp"
 
 /// What Dear ImGui does not bring along.
 namespace hexaplast::view {
 
-inline constexpr ImU32 kInk = IM_COL32(33, 33, 38, 255);
-inline constexpr ImU32 kFaint = IM_COL32(112, 116, 122, 255);
-inline constexpr ImU32 kSteel = IM_COL32(41, 92, 140, 255);
+/// An ink of the pictures.
+constexpr ImU32 ink(const output::Colour& colour) {
+  const auto byte = [](float share) { return static_cast<int>(255 * share + 0.5f); };
+  return IM_COL32(byte(colour.red), byte(colour.green), byte(colour.blue), 255);
+}
+
+inline constexpr ImU32 kInk = ink(output::kInk);
+inline constexpr ImU32 kFaint = ink(output::kFaint);
+inline constexpr ImU32 kSteel = ink(output::kSteel);
 inline constexpr ImU32 kRust = IM_COL32(196, 84, 40, 255);
 inline constexpr ImU32 kLeaf = IM_COL32(72, 128, 74, 255);
 inline constexpr ImU32 kPaper = IM_COL32(255, 255, 255, 235);

@@ -43,7 +43,7 @@ class Window {
   /// Until it is closed.
   void show() {
     while (!state_.source.take(state_.now)) glfwWaitEventsTimeout(0.01);
-    state_.figure.update(state_.now, state_.look);
+    state_.figure.update(state_.now, state_.look, state_.strongest);
     while (!glfwWindowShouldClose(screen_.window()) && !is_asked_to_end_()) {
       glfwPollEvents();
       state_.take(glfwGetTime());
@@ -154,7 +154,7 @@ class Window {
     const float density = size.x > 0 ? static_cast<float>(pixels_across) / size.x : 1;
     const auto [least, most] = state_.scale().value_or(std::pair(0.0, 0.0));
     const Viewport viewport{static_cast<int>(state_.left * density), 0, static_cast<int>(state_.width * density),
-                            pixels_down};
+                            pixels_down, density};
     painter_.draw(state_.figure, state_.camera, viewport, least, most);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }

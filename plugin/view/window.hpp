@@ -29,7 +29,6 @@ struct WindowCall {
   Session* session = nullptr;  ///< the source, where that is a scene in motion; null: it is not
   Replay* replay = nullptr;    ///< the same of a run that is finished
   output::Staging staging;
-  std::vector<int> fixed_nodes;
   Names names;
   WindowOptions options;
   std::function<bool()> is_asked_to_end;  ///< asked in every frame

@@ -28,7 +28,7 @@ WindowState::WindowState(WindowCall& call)
     : source(call.source),
       session(call.session),
       replay(call.replay),
-      figure(source.mesh(), call.staging, call.fixed_nodes),
+      figure(source.mesh(), call.staging),
       camera(first_camera(source.mesh(), call.staging)),
       hand(session ? session->suggested_hand() : HandSettings()),
       names(call.names),
@@ -53,13 +53,13 @@ void WindowState::take(double clock) {
     if (shown_quantity_ != now.quantity) greatest_.setEmpty();
     shown_quantity_ = now.quantity;
     for (const output::Instrument& instrument : now.conditions.instruments)
-      strongest_force = std::max(strongest_force, instrument.force().norm());
+      strongest.tool = std::max(strongest.tool, instrument.force().norm());
     for (const output::NodalLoad& load : output::shown_loads(source.mesh(), now.alive, now.conditions))
-      strongest_load = std::max(strongest_load, load.force.norm());
+      strongest.load = std::max(strongest.load, load.force.norm());
   }
   steps.count(num_steps, clock);
   place_cut();
-  figure.update(now, look);
+  figure.update(now, look, strongest);
   greatest_.extend(figure.range());
 }
 
@@ -84,7 +84,7 @@ void WindowState::reset() {
   source.reset();
   if (session) traces = Traces();
   greatest_.setEmpty();
-  strongest_force = strongest_load = 0;
+  strongest = {};
 }
 
 void WindowState::undo() {

@@ -57,8 +57,8 @@ struct WindowState {
   int cut_axis = -1;                       ///< what lies before a plane across this axis is cut off; -1: nothing is
   double cut_place = 0.5;                  ///< of the plane: share of the way through the original shape
   std::optional<Figure::Seen> pointed_at;  ///< under the mouse
-  double strongest_force = 0, strongest_load = 0;  ///< [N] shown since the beginning: of an instrument, of a node
-  std::optional<Vec3> grabbed;  ///< [m] where the mouse took hold of the tissue; none: it holds nothing
+  Figure::Strongest strongest;             ///< of what was shown since the beginning
+  std::optional<Vec3> grabbed;             ///< [m] where the mouse took hold of the tissue; none: it holds nothing
   Pace pace;
   double speed;  ///< in real time
   Traces traces;

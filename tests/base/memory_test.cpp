@@ -38,7 +38,10 @@ TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
   }
   EXPECT_EQ(bytes_per_hexahedron({turns}, stretches_alone), bytes_per_hexahedron({elastic}, in_double));
   EXPECT_LT(bytes_per_hexahedron({yields}, mixed), bytes_per_hexahedron({yields}, in_double));
-  EXPECT_EQ(bytes_per_hexahedron({elastic}, mixed), kLeastBytesPerHexahedron);
+  Settings centre = mixed;  // cycles of multigrid take its own stiffness, not a simpler one beside it
+  centre.bending = Bending::kCentre;
+  EXPECT_EQ(bytes_per_hexahedron({elastic}, centre), kLeastBytesPerHexahedron);
+  EXPECT_GT(bytes_per_hexahedron({elastic}, mixed), kLeastBytesPerHexahedron);
 }
 
 // Eight tensors of 72 bytes for each stretch that is tracked, seven more where each corner turns by itself; in the

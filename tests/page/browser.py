@@ -17,7 +17,7 @@ def program():
 class Browser:
     """Chromium without a window, spoken to over a pair of pipes in its DevTools protocol."""
 
-    def __init__(self, program, profile):
+    def __init__(self, program, profile, options=()):
         to_browser, self._commands = os.pipe()
         self._answers, from_browser = os.pipe()
 
@@ -29,7 +29,7 @@ class Browser:
         self._process = subprocess.Popen(
             [program, "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
              "--enable-unsafe-swiftshader", "--hide-scrollbars", "--no-first-run",
-             "--disable-dev-shm-usage", f"--user-data-dir={profile}", "--remote-debugging-pipe", "about:blank"],
+             "--disable-dev-shm-usage", *options, f"--user-data-dir={profile}", "--remote-debugging-pipe", "about:blank"],
             preexec_fn=connect, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL)
         os.close(to_browser)

@@ -10,6 +10,7 @@ chart does not tell the numbers of history.csv under the pointer, and where the 
 
 Ends with 77, which ctest counts as skipped, where there is no Chromium (scripts/install_packages --test)."""
 import csv
+import html
 import pathlib
 import shutil
 import subprocess
@@ -128,6 +129,11 @@ def main():
     subprocess.run([sys.executable, SOURCE / "scripts" / "gallery_page", gallery, report.parent, directory / "b"],
                    check=True, stdout=subprocess.DEVNULL)
 
+    # as python/hexaplast/_notebook.py puts it into a notebook
+    frame = directory / "frame.html"
+    frame.write_text(f'<!DOCTYPE html><iframe srcdoc="{html.escape(report.read_text())}" sandbox="allow-scripts" '
+                     'style="width: 100%; height: 800px; border: 0"></iframe>')
+
     wrong = []
     # processes of the browser outlive it by a moment, and still write then
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
@@ -150,9 +156,17 @@ def main():
                     wrong += [f"{page.name}, {device}, {scheme}: {what}" for what in found]
         browser.open(report, WIDTHS["desk"], "light", moves=True)
         wrong += [f"{report.name}, moving: {what}" for what in viewer_checks.check_play(browser)]
+        browser.open(frame, WIDTHS["desk"], "light")
+        wrong += [f"{frame.name}, moving: {what}" for what in viewer_checks.check_frame(browser, True)]
         browser.open(gallery, WIDTHS["desk"], "light")
         found = list(viewer_checks.check_gallery(browser, 2)) + list(complaints_of(browser))
         wrong += [f"{gallery.name}: {what}" for what in found]
+        browser.close()
+    # what is set for a page does not reach its frames: the browser itself wants no motion
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        browser = chromium.Browser(program, profile, ["--force-prefers-reduced-motion"])
+        browser.open(frame, WIDTHS["desk"], "light")
+        wrong += [f"{frame.name}: {what}" for what in viewer_checks.check_frame(browser, False)]
         browser.close()
     print("\n".join(wrong) or "nothing to complain of")
     return 1 if wrong else 0

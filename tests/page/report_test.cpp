@@ -9,6 +9,7 @@
 
 #include "page/html.hpp"
 #include "page/thinning.hpp"
+#include "picture/ink.hpp"
 #include "record/history_table.hpp"
 #include "record/manifest.hpp"
 #include "support/output.hpp"
@@ -173,7 +174,15 @@ TEST(Report, ShowsScenesWordsAsWordsWhateverTheyAre) {
   EXPECT_EQ(page.find("<script>alert"), page.npos);
   EXPECT_NE(page.find("<h1>pull &amp; &lt;hold&gt; &quot;50 %&quot; &#39;x&#39; &lt;/script&gt;"), page.npos);
   EXPECT_EQ(pieces(page, "<script", ">", true).size(),
-            charts_of(page).size() + 4);  // and the page's own, the viewer's two and its data
+            charts_of(page).size() + 5);  // and the page's own, the viewer's three and its data
+}
+
+TEST(Report, ViewerHasTheInksAndTheLightOfThePictures) {
+  const Scratch scratch;
+  run_and_report(scratch / "run", some_run());
+  const std::string page = content(scratch / "run/report.html");
+  EXPECT_NE(page.find(output::light_shader()), page.npos);
+  EXPECT_NE(page.find("steel: [0.16,0.36,0.55]"), page.npos);
 }
 
 TEST(Report, BeginsWithWhatTheSceneSaysOfItself) {

@@ -202,6 +202,26 @@ def check_play(browser):
         yield "the viewer cannot be stopped"
 
 
+def num_changes(browser, selector, shots=10):
+    """How often what an element shows changes within five seconds."""
+    changes, before = 0, browser.shot_of(selector)
+    for _ in range(shots):
+        time.sleep(0.5)
+        now = browser.shot_of(selector)
+        changes += now != before
+        before = now
+    return changes
+
+
+def check_frame(browser, moves):
+    """In the frame of a notebook, which the browser keeps apart from its page: it plays as it does elsewhere."""
+    changes = num_changes(browser, "iframe")
+    if moves and changes < 4:
+        yield f"in a frame the viewer does not play: it changes {changes} times"
+    if not moves and changes > 2:  # once it is laid out, and once it is drawn
+        yield f"in a frame the viewer plays for a reader who wants no motion: it changes {changes} times"
+
+
 def check_gallery(browser, num_runs):
     """Each viewer opens when the reader comes to it, and not before."""
     drawn_of = "document.querySelectorAll('.viewer')[{}].dataset.drawn"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Whole pictures against those in tests/data/pictures, pixel by pixel. A picture that differs is written into the
 // working directory of the test.
-#include <png.h>
 #include <unistd.h>
 
 #include <numbers>
@@ -10,6 +9,7 @@
 #include "picture/png_file.hpp"
 #include "picture/section_page.hpp"
 #include "support/output.hpp"
+#include "support/png.hpp"
 
 namespace hexaplast {
 namespace {
@@ -28,17 +28,6 @@ constexpr int kWidth = 320, kHeight = 180;
 constexpr int kTolerance = 8;
 constexpr int kMostDifferent = 60;
 
-Image read_png(const fs::path& file) {
-  png_image read{};
-  read.version = PNG_IMAGE_VERSION;
-  if (!png_image_begin_read_from_file(&read, file.c_str())) return {};
-  read.format = PNG_FORMAT_RGB;
-  Image image{static_cast<int>(read.width), static_cast<int>(read.height),
-              std::vector<std::uint8_t>(PNG_IMAGE_SIZE(read))};
-  png_image_finish_read(&read, nullptr, image.pixels.data(), 0, nullptr);
-  return image;
-}
-
 int num_different(const Image& a, const Image& b) {
   if (a.pixels.size() != b.pixels.size() || a.width != b.width) return a.width * a.height;
   int count = 0;
@@ -50,7 +39,9 @@ int num_different(const Image& a, const Image& b) {
   return count;
 }
 
-Image golden(const std::string& name) { return read_png(fs::path(HEXAPLAST_TEST_DATA) / "pictures" / (name + ".png")); }
+Image golden(const std::string& name) {
+  return support::read_png(fs::path(HEXAPLAST_TEST_DATA) / "pictures" / (name + ".png"));
+}
 
 void expect_golden(const std::string& name, const Drawing& drawing) {
   const Image image = output::load_renderer()->render(drawing);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include "picture/ink.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 #include "view/camera.hpp"
@@ -90,11 +91,17 @@ Snapshot moment(const HexMesh& mesh) {
   return snapshot;
 }
 
+void fix(Snapshot& snapshot, std::initializer_list<int> nodes) {
+  snapshot.conditions.fixed.assign(static_cast<std::size_t>(snapshot.positions.rows()), 0);
+  for (const int node : nodes) snapshot.conditions.fixed[static_cast<std::size_t>(node)] = 1;
+}
+
 TEST(Figure, ShowsTheFacesThatAreLeft) {
   const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}), {0, 1});
+  Figure figure(mesh, staging({}));
   Snapshot snapshot = moment(mesh);
-  figure.update(snapshot, {});
+  fix(snapshot, {0, 1});
+  figure.update(snapshot, {}, {});
   EXPECT_EQ(figure.triangles().size(), 14u * 4 * 3);
   EXPECT_EQ(figure.edges().size(), 2u * 28);
   EXPECT_EQ(figure.fixed_places().size(), 2u);
@@ -106,12 +113,13 @@ TEST(Figure, ShowsTheFacesThatAreLeft) {
     EXPECT_GT(vertex.normal.dot(vertex.place - Eigen::Vector3f(0.5f, 0.5f, 2.25f)), 0) << "it points outwards";
     EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
   }
-  EXPECT_EQ(figure.ghost_edges().size(), 2u * (4 * 3 + 2 * 4)) << "where it bends sharply";
+  EXPECT_EQ(figure.ghost_outline(Vec3(1, 2, 3)).size(), 2u * (4 * 3 + 2 * 4)) << "where it bends sharply";
 
   snapshot.alive[1] = 0;
-  figure.update(snapshot, {.shows_edges = false, .ghost = Ghost::kNone});
+  figure.update(snapshot, {.shows_edges = false, .ghost = Ghost::kNone}, {});
   EXPECT_EQ(figure.triangles().size(), 12u * 4 * 3);
-  EXPECT_TRUE(figure.edges().empty() && figure.ghost_edges().empty() && figure.ghost_triangles().empty());
+  EXPECT_TRUE(figure.edges().empty() && figure.ghost_triangles().empty());
+  EXPECT_TRUE(figure.ghost_outline(Vec3(1, 2, 3)).empty());
 }
 
 TEST(Figure, TheMouseMeetsWhatIsShown) {
@@ -124,9 +132,9 @@ TEST(Figure, TheMouseMeetsWhatIsShown) {
   const Snapshot snapshot = moment(mesh);
   const Ray down{Vec3(0.4, 0.5, 9), Vec3(0, 0, -1)};
 
-  figure.update(snapshot, {.shows_embedded_surfaces = false});
+  figure.update(snapshot, {.shows_embedded_surfaces = false}, {});
   EXPECT_NEAR(figure.hit(down)->place.z(), 4.5, 1e-12);
-  figure.update(snapshot, {.shows_embedded_surfaces = true});
+  figure.update(snapshot, {.shows_embedded_surfaces = true}, {});
   EXPECT_NEAR(figure.hit(down)->place.z(), 1.5 * 1.7, 1e-12) << "it is carried by the hexahedra";
   EXPECT_EQ(figure.triangles().size(), 6u);
   for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
@@ -138,17 +146,18 @@ TEST(Figure, WhatNeverYieldsHasNoRangeOfYield) {
   Figure figure(mesh, staging({}));
   Snapshot snapshot = moment(mesh);
   snapshot.values.assign(8, std::numeric_limits<double>::infinity());
-  figure.update(snapshot, {});
+  figure.update(snapshot, {}, {});
   EXPECT_TRUE(figure.range().isEmpty());
   for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_EQ(vertex.value, 0);
 }
 
 TEST(Figure, ACutShowsTheInside) {
   const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}), {0, 9, 12});
+  Figure figure(mesh, staging({}));
   Snapshot snapshot = moment(mesh);
+  fix(snapshot, {0, 9, 12});
   const Look look{.ghost = Ghost::kNone, .cut = Plane{Vec3::UnitZ(), 2.25}};  // in the middle of the bar, drawn out
-  figure.update(snapshot, look);
+  figure.update(snapshot, look, {});
   double area = 0;
   for (std::size_t k = 0; k < figure.cut_triangles().size(); k += 3) {
     const auto place = [&](std::size_t corner) { return figure.cut_triangles()[k + corner].place; };
@@ -157,7 +166,8 @@ TEST(Figure, ACutShowsTheInside) {
     EXPECT_EQ(figure.cut_triangles()[k].normal, Eigen::Vector3f::UnitZ());
   }
   EXPECT_NEAR(area, 1, 1e-6);
-  EXPECT_FALSE(figure.cut_edges().empty());
+  EXPECT_FALSE(figure.cut_outline().empty());
+  EXPECT_TRUE(figure.cut_edges().empty()) << "it is that of one hexahedron";
   EXPECT_EQ(figure.fixed_places().size(), 1u) << "the others are above";
 
   // from above the cut is met, from the side only what is left, from below the foot
@@ -173,8 +183,8 @@ TEST(Figure, ACutShowsTheInside) {
   EXPECT_EQ(foot->hexahedron, 0);
   EXPECT_NEAR(foot->outwards.z(), -1, 1e-12);
 
-  figure.update(snapshot, {});
-  EXPECT_TRUE(figure.cut_triangles().empty() && figure.cut_edges().empty());
+  figure.update(snapshot, {}, {});
+  EXPECT_TRUE(figure.cut_triangles().empty() && figure.cut_outline().empty());
 }
 
 TEST(Figure, InstrumentsHaveTheirShapes) {
@@ -183,21 +193,55 @@ TEST(Figure, InstrumentsHaveTheirShapes) {
   Snapshot snapshot = moment(mesh);
   output::Instrument instrument{.id = 2, .place = Vec3(4, 0, 0), .nodes = {}, .forces = PointArray(0, 3)};
   snapshot.conditions.instruments = {instrument};
-  figure.update(snapshot, {});
+  figure.update(snapshot, {}, {});
   EXPECT_TRUE(figure.tool_triangles().empty()) << "a grip has none";
   instrument.shape_points.resize(4, 3);
   instrument.shape_points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
   instrument.shape_triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   snapshot.conditions.instruments = {instrument};
-  figure.update(snapshot, {});
+  figure.update(snapshot, {}, {});
   ASSERT_EQ(figure.tool_triangles().size(), 12u);
   EXPECT_NEAR(figure.tool_triangles()[0].normal.z(), -1, 1e-6);
   instrument.shape_points.col(0).array() += 7;
   snapshot.conditions.instruments = {instrument};
-  figure.update(snapshot, {});
+  figure.update(snapshot, {}, {});
   EXPECT_EQ(figure.tool_triangles()[0].place.x(), 7) << "it has moved";
-  figure.update(snapshot, {.shows_instruments = false});
+  figure.update(snapshot, {.shows_instruments = false}, {});
   EXPECT_TRUE(figure.tool_triangles().empty());
+}
+
+TEST(Figure, ArrowsAreThoseOfThePictures) {
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  Figure figure(mesh, staging({}));
+  Snapshot snapshot = moment(mesh);
+  const int above = 14, below = 0;  // corners of the bar
+  snapshot.conditions.loads = PointArray::Zero(mesh.num_nodes(), 3);
+  snapshot.conditions.loads.row(above) << 0, 0, 2;  // pulls
+  snapshot.conditions.loads.row(below) << 0, 0, 4;  // presses
+  output::Instrument grip{.id = 0, .place = Vec3(1, 2, 3), .nodes = {above}, .forces = PointArray::Zero(1, 3)};
+  grip.forces.row(0) << 3, 0, 0;
+  snapshot.conditions.loads.row(above) += grip.forces.row(0);
+  snapshot.conditions.instruments = {grip};
+  figure.update(snapshot, {}, {.load = 4, .tool = 6});
+
+  const double longest = output::kLongestArrow * std::sqrt(1 + 1 + 9.0);
+  const auto reach = [](const std::vector<Figure::Vertex>& vertices, int axis) {
+    Eigen::AlignedBox1f box;
+    for (const Figure::Vertex& vertex : vertices) box.extend(vertex.place.segment<1>(axis));
+    return box;
+  };
+  const double foot = snapshot.positions(below, 2), top = snapshot.positions(above, 2);
+  EXPECT_NEAR(reach(figure.load_arrows(), 2).min()[0], foot - longest, 1e-6) << "it ends at its node";
+  EXPECT_NEAR(reach(figure.load_arrows(), 2).max()[0], std::max(foot, top + longest / 2), 1e-6) << "it begins there";
+  EXPECT_NEAR(reach(figure.tool_arrows(), 0).min()[0], 1, 1e-6);
+  EXPECT_NEAR(reach(figure.tool_arrows(), 0).max()[0], 1 + longest / 2, 1e-6);
+  ASSERT_EQ(figure.rings().size(), 1u);
+  ASSERT_EQ(figure.tool_forces().size(), 1u);
+  EXPECT_NEAR(figure.tool_forces()[0].tip.x(), 1 + longest / 2, 1e-6);
+  EXPECT_EQ(figure.tool_forces()[0].size, 3);
+
+  figure.update(snapshot, {.shows_instruments = false}, {.load = 4, .tool = 6});
+  EXPECT_TRUE(figure.load_arrows().empty() && figure.tool_arrows().empty() && figure.rings().empty());
 }
 
 TEST(Names, SayWhereAHexahedronBelongs) {

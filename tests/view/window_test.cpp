@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "picture/page.hpp"
 #include "support/command.hpp"
+#include "support/png.hpp"
 
 namespace hexaplast {
 namespace {
@@ -45,6 +47,42 @@ class LiveWindow : public support::Command {
     return sum;
   }
 };
+
+/// Mean colours of places that the window and a picture from its viewpoint show, where neither is paper or ghost.
+struct Agreement {
+  int count = 0;
+  Eigen::Array3d window = Eigen::Array3d::Zero(), picture = Eigen::Array3d::Zero();
+  double difference = 0;  // of a colour's components at the same place, mean of their absolute values
+};
+
+/// is_wanted: of the colour in the picture.
+template <class Wanted>
+Agreement agreement(const output::Image& window, const output::Image& picture, const Wanted& is_wanted) {
+  const output::Window part = output::Page(picture.width, picture.height).window();
+  const double scale = window.height / static_cast<double>(part.height);
+  const double middle = (330 + window.width - 340) / 2.0;  // between the panels
+  const auto colour_at = [](const output::Image& image, int x, int y) {
+    const std::uint8_t* pixel = &image.pixels[3 * (static_cast<std::size_t>(y) * image.width + x)];
+    return Eigen::Array3d(pixel[0], pixel[1], pixel[2]);
+  };
+  Agreement found;
+  for (int y = static_cast<int>(part.top); y < static_cast<int>(part.top + part.height); ++y)
+    for (int x = static_cast<int>(part.left); x < static_cast<int>(part.left + part.width); ++x) {
+      const int across = static_cast<int>(middle + scale * (x + 0.5 - (part.left + part.width / 2))),
+                down = static_cast<int>(scale * (y + 0.5 - part.top));
+      if (across < 330 || across >= window.width - 340 || down < 60) continue;  // beside the body: panels and words
+      const Eigen::Array3d of_window = colour_at(window, across, down), of_picture = colour_at(picture, x, y);
+      if (of_window.minCoeff() > 235 || of_picture.minCoeff() > 235 || !is_wanted(of_picture)) continue;
+      ++found.count;
+      found.window += of_window;
+      found.picture += of_picture;
+      found.difference += (of_window - of_picture).abs().mean();
+    }
+  found.window /= found.count;
+  found.picture /= found.count;
+  found.difference /= found.count;
+  return found;
+}
 
 TEST_F(LiveWindow, WhatTheMouseDragsStaysStretched) {
   const Outcome outcome = pull("900 430", "12 0");  // the bar's free end lies on the right
@@ -88,6 +126,18 @@ TEST_F(LiveWindow, TheHandPressesWithABallAndTakesItBack) {
   EXPECT_EQ(size("bar_001.png"), std::string("\0\0\x05\xa0\0\0\x03\x5c", 8)) << "of the window: 1440 x 860";
   EXPECT_EQ(size("bar_002.png"), std::string("\0\0\x05\0\0\0\x02\xd0", 8)) << "as of render: 1280 x 720";
   EXPECT_GT(support::content(directory_ / "bar_003.png").size(), 20'000u) << "the window goes on";
+
+  // the window looks as the picture does: tissue with its edges, and the ball
+  const output::Image window = support::read_png(directory_ / "bar_001.png"),
+                      picture = support::read_png(directory_ / "bar_002.png");
+  const auto is_metal = [](const Eigen::Array3d& colour) { return colour[2] > colour[0] + 12 && colour[0] > 90; };
+  const auto is_tissue = [](const Eigen::Array3d& colour) { return colour[0] > colour[2] + 12; };
+  const Agreement tissue = agreement(window, picture, is_tissue), metal = agreement(window, picture, is_metal);
+  EXPECT_GT(tissue.count, 5000);
+  EXPECT_LT((tissue.window - tissue.picture).abs().maxCoeff(), 6) << tissue.window << "\n" << tissue.picture;
+  EXPECT_LT(tissue.difference, 12);
+  EXPECT_GT(metal.count, 200);
+  EXPECT_LT((metal.window - metal.picture).abs().maxCoeff(), 8) << metal.window << "\n" << metal.picture;
 }
 
 TEST_F(LiveWindow, ShowsAFinishedRun) {

@@ -158,7 +158,6 @@ int view_run(const ViewOptions& options, view::ShowWindow show) {
   view::WindowCall call{.source = replay,
                         .replay = &replay,
                         .staging = std::move(staging),
-                        .fixed_nodes = {},
                         .names = {},
                         .options = window_options(options, std::move(picture)),
                         .is_asked_to_end = [] { return requested_signal() != 0; }};
@@ -205,7 +204,6 @@ int view(const ViewOptions& options) {
   view::WindowCall call{.source = session,
                         .session = &session,
                         .staging = staging_of(simulation),
-                        .fixed_nodes = fixed_nodes(simulation),
                         .names = names_of(simulation),
                         .options = window_options(options, picture),
                         .is_asked_to_end = [] { return requested_signal() != 0; }};

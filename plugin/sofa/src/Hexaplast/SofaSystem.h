@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/PartForceField.h>
+#include <Hexaplast/TissueContactForceField.h>
+#include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
+#include <sofa/core/BaseMapping.h>
+#include <sofa/core/behavior/BaseMass.h>
+#include <sofa/core/behavior/MultiVec.h>
+
+#include <algorithm>
+
+#include "hexaplast/layout/linear_system.hpp"
+
+/// What a linear solver of SOFA is asked to solve, as a system of ours.
+namespace hexaplast::sofa_plugin
+{
+
+using sofa::component::linearsolver::GraphScatteredMatrix;
+using sofa::component::linearsolver::GraphScatteredVector;
+using sofa::core::MatricesFactors;
+using sofa::core::behavior::BaseForceField;
+using sofa::core::behavior::BaseMass;
+using sofa::core::objectmodel::BaseContext;
+using OurForceField = PartForceField<Vec3Types>;
+using OurInteraction = TissueContactForceField<Vec3Types>;
+
+/// The states of a system, one behind the other.
+class States
+{
+public:
+    struct Entry
+    {
+        MechanicalState* state;
+        int first_node, num_nodes;
+    };
+
+    /// Those below that follow no other.
+    explicit States(BaseContext& context)
+    {
+        std::vector<sofa::core::behavior::BaseMechanicalState*> found;
+        context.get<sofa::core::behavior::BaseMechanicalState>(&found, BaseContext::SearchDown);
+        for (auto* each : found)
+        {
+            if (each->getContext()->get<sofa::core::BaseMapping>(BaseContext::Local)) continue;
+            auto* state = dynamic_cast<MechanicalState*>(each);
+            if (!state)
+                throw InputError(
+                    "the independent MechanicalObjects in its node and below must be of template Vec3, "
+                    "which '" +
+                    each->getPathName() + "' is not");
+            const int num_nodes = static_cast<int>(state->getSize());
+            m_entries.push_back({state, m_num_nodes, num_nodes});
+            m_num_nodes += num_nodes;
+        }
+        if (m_entries.empty()) throw InputError("there is no MechanicalObject in its node and below");
+    }
+
+    int num_nodes() const { return m_num_nodes; }
+    const std::vector<Entry>& entries() const { return m_entries; }
+    bool are_several() const { return m_entries.size() > 1; }
+
+    const Entry* find(const void* state) const
+    {
+        for (const Entry& entry : m_entries)
+            if (entry.state == state) return &entry;
+        return nullptr;
+    }
+
+    /// field = of(state) of each; to(state) = field.
+    template <class Of>
+    PointArray read(const Of& of) const
+    {
+        PointArray field(m_num_nodes, 3);
+        for (const Entry& entry : m_entries) rows<Points>(field, entry) = view(of(*entry.state));
+        return field;
+    }
+    template <class To>
+    void write(ConstPoints field, const To& to) const
+    {
+        for (const Entry& entry : m_entries)
+        {
+            Data<Vec3Types::VecDeriv>& data = to(*entry.state);
+            Vec3Types::VecDeriv& values = *data.beginEdit();
+            values.resize(static_cast<std::size_t>(entry.num_nodes));
+            view(values) = rows(field, entry);
+            data.endEdit();
+        }
+    }
+    PointArray positions() const
+    {
+        return read([](const MechanicalState& state) -> auto& { return state.readPositions().ref(); });
+    }
+    PointArray velocities() const
+    {
+        return read([](const MechanicalState& state) -> auto& { return state.readVelocities().ref(); });
+    }
+
+    /// The rows of a field that belong to a state.
+    template <class Field>
+    static Field rows(Field field, const Entry& entry)
+    {
+        return Field(field.middleRows(entry.first_node, entry.num_nodes));
+    }
+
+private:
+    std::vector<Entry> m_entries;
+    int m_num_nodes = 0;
+};
+
+/// The system m M + b B + k K of a SOFA node as a system of ours, over all states that move by themselves. The kernels
+/// work on our bodies, lumped masses and what of ours has a diagonal; what else of ours acts, on a state or between
+/// two, is asked for its products beside them, and the rest of SOFA.
+class SofaSystem final : public LinearSystem, private NodalOperator
+{
+public:
+    /// in, out: vectors of SOFA to work with.
+    SofaSystem(BaseContext& context, GraphScatteredMatrix& A, GraphScatteredVector& in, GraphScatteredVector& out)
+        : m_context(context), m_states(context), m_A(A), m_in(in), m_out(out)
+    {
+    }
+
+    int num_nodes() const override { return m_states.num_nodes(); }
+
+    void apply(ConstPoints p, Points Ap) const override
+    {
+        write(p, m_in);
+        multiply(m_A.mparams.mFactor(), m_A.mparams.bFactor(), m_A.mparams.kFactor());
+        m_A.parent->projectResponse(m_out);
+        Ap = read(m_out);
+    }
+
+    void assemble(BlockMatrix&) const override
+    {
+        throw InputError("MultigridCGLinearSolver asks for products, not for a matrix");
+    }
+
+    bool describe(MatrixFreeSystem& system) const override
+    {
+        system.diagonal_version = 0;
+        system.find_free(num_nodes(), [&](Points field) { project(field); });
+        m_mass_of_others = masses_are_lumped() ? 0 : m_A.mparams.mFactor();
+        if (m_mass_of_others == 0)
+            find_diagonal(system.diagonal);
+        else
+            system.diagonal.setZero(num_nodes(), 3);
+
+        m_ours.clear();
+        m_besides.clear();
+        m_besides.reserve(m_states.entries().size());  // referred to by the system
+        m_between.pairs.clear();
+        bool has_others = m_mass_of_others != 0;
+        std::vector<BaseForceField*> fields;
+        m_context.get<BaseForceField>(&fields, BaseContext::SearchDown);
+        for (const States::Entry& entry : m_states.entries())
+        {
+            if (!m_states.are_several())
+            {
+                describe(entry, fields, system);
+                continue;
+            }
+            MatrixFreeSystem part;
+            part.wants_coarse = system.wants_coarse;
+            part.diagonal.setZero(entry.num_nodes, 3);
+            describe(entry, fields, part);
+            system.add_part(part, entry.first_node);
+        }
+        for (BaseForceField* field : fields)
+        {
+            if (dynamic_cast<BaseMass*>(field) || has_no_stiffness(*field)) continue;
+            if (auto* ours = dynamic_cast<OurInteraction*>(field))
+            {
+                const auto *first = m_states.find(ours->getMState1()), *second = m_states.find(ours->getMState2());
+                if (ours->isInMatrix() && first && second) m_between.pairs.push_back({ours, first, second});
+                continue;
+            }
+            const auto* ours = dynamic_cast<OurForceField*>(field);
+            if (ours ? ours->hasPart() && ours->isInMatrix() && !m_states.find(ours->getMState()) : true)
+                has_others = true;
+        }
+        m_between.b = m_A.mparams.bFactor();
+        m_between.k = m_A.mparams.kFactor();
+        if (!m_between.pairs.empty()) system.others.emplace_back(&m_between);
+        if (has_others && others_act()) system.others.emplace_back(static_cast<const NodalOperator*>(this));
+        return true;
+    }
+
+    /// Lets go of what would pull at the end of the step that dv leads to, and adds to b what that changes. Whether
+    /// there was anything: then the system is to be solved again.                                     theory.md eq. 41
+    bool release(ConstPoints dv, Points b) const
+    {
+        if (m_A.mparams.bFactor() == 0) return false;  // not a step of implicit Euler, where it is -h
+        const double h = -m_A.mparams.bFactor(), ofProduct = m_A.mparams.kFactor() / m_A.mparams.bFactor();
+        const PointArray x = m_states.positions(), v = m_states.velocities();
+        const PointArray v_end = v + dv, x_end = x + h * v_end;
+        PointArray force = PointArray::Zero(num_nodes(), 3), product = force;
+        bool has_released = false;
+
+        // what `let_go` takes out of the forces and products that `add` adds
+        const auto change_by = [&](const auto& add_force, const auto& add_product, const auto& let_go)
+        {
+            const auto add = [&](double sign)
+            {
+                PointArray change = PointArray::Zero(num_nodes(), 3);
+                add_force(change);
+                force += sign * change;
+                add_product(sign);
+            };
+            add(-1);
+            has_released = let_go() || has_released;
+            add(1);
+        };
+        for (const Beside& beside : m_besides)
+            for (OurForceField* field : beside.fields)
+            {
+                if (!field->isOneSided()) continue;
+                const auto of = [&](const PointArray& all) { return States::rows<ConstPoints>(all, beside.entry); };
+                const auto in = [&](PointArray& all) { return States::rows<Points>(all, beside.entry); };
+                change_by([&](PointArray& f) { field->addOwnForce(of(x), of(v), in(f)); },
+                          [&](double sign) { field->addOwnProduct(0, sign, of(v), in(product)); },
+                          [&] { return field->release(of(x_end), of(v_end)); });
+            }
+        for (const Between::Pair& pair : m_between.pairs)
+        {
+            if (!pair.field->isOneSided()) continue;
+            const auto of = [&](const PointArray& all) { return pair.rows<ConstPoints>(all); };
+            const auto in = [&](PointArray& all) { return pair.rows<Points>(all); };
+            change_by([&](PointArray& f) { pair.field->addOwnForce(of(x), of(v), in(f)); },
+                      [&](double sign) { pair.field->addOwnProduct(0, sign, of(v), in(product)); },
+                      [&] { return pair.field->release(of(x_end), of(v_end)); });
+        }
+        if (!has_released) return false;
+        force = h * (force + ofProduct * product);
+        project(force);
+        b += force;
+        return true;
+    }
+
+    /// The step ends as it was solved: what is solved after it are other systems with its matrix.
+    void settle() const
+    {
+        for (const Beside& beside : m_besides)
+            for (OurForceField* field : beside.fields) field->settle();
+        for (const Between::Pair& pair : m_between.pairs) pair.field->settle();
+    }
+
+    void project(Points field) const override
+    {
+        write(field, m_out);
+        m_A.parent->projectResponse(m_out);
+        field = read(m_out);
+    }
+
+    PointArray read(GraphScatteredVector& from) const
+    {
+        return m_states.read([&](MechanicalState & state) -> auto& {
+            return state.read(from.id().getId(&state))->getValue();
+        });
+    }
+    void write(ConstPoints field, GraphScatteredVector& to) const
+    {
+        m_states.write(
+            field, [&](MechanicalState & state) -> auto& { return *state.write(to.id().getId(&state)); });
+    }
+    const States& states() const { return m_states; }
+
+    /// Whether what the constraints leave of a vector is left by them once more.
+    bool constraints_project() const
+    {
+        PointArray once = irregular_numbers(num_nodes());
+        project(once);
+        PointArray twice = once;
+        project(twice);
+        return (twice - once).norm() <= 1e-9 * once.norm();
+    }
+
+private:
+    /// Loads that SOFA's scenes prescribe.
+    static bool has_no_stiffness(const BaseForceField& field)
+    {
+        const std::string name = field.getClassName();
+        return name == "ConstantForceField" || name == "LinearForceField";
+    }
+
+    /// Force fields of ours that SOFA's products are without while it lives.
+    class LeftOut
+    {
+    public:
+        explicit LeftOut(const SofaSystem& system) : m_system(system) { set(true); }
+        ~LeftOut() { set(false); }
+        LeftOut(const LeftOut&) = delete;
+
+    private:
+        void set(bool leftOut)
+        {
+            for (OurForceField* field : m_system.m_ours) field->leaveOutOfProducts(leftOut);
+            for (const Between::Pair& pair : m_system.m_between.pairs) pair.field->leaveOutOfProducts(leftOut);
+        }
+        const SofaSystem& m_system;
+    };
+
+    /// What of ours acts on one state.
+    void describe(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
+                  MatrixFreeSystem& system) const
+    {
+        Beside& beside = m_besides.emplace_back(entry);
+        beside.b = m_A.mparams.bFactor();
+        beside.k = m_A.mparams.kFactor();
+        for (BaseForceField* field : fields)
+        {
+            auto* ours = dynamic_cast<OurForceField*>(field);
+            if (!ours || ours->getMState() != entry.state || !ours->hasPart() || !ours->isInMatrix()) continue;
+            m_ours.push_back(ours);
+            if (ours->describe(beside.k + beside.b * ours->rayleighStiffness.getValue(), system))
+                ours->addDampingDiagonal(beside.b, system.diagonal);
+            else
+                beside.fields.push_back(ours);
+        }
+        if (!beside.fields.empty()) system.others.emplace_back(&beside);
+    }
+
+    /// Fp += F p of what the kernels do not know.
+    void add_product(ConstPoints p, Points Fp) const override
+    {
+        write(p, m_in);
+        const LeftOut leftOut(*this);
+        multiply(m_mass_of_others, m_A.mparams.bFactor(), m_A.mparams.kFactor());
+        for (const States::Entry& entry : m_states.entries())
+            States::rows(Fp, entry) += view(entry.state->read(m_out.id().getId(entry.state))->getValue());
+    }
+
+    /// Whether the others have an entry at all, as planes that nothing touches have none: a vector without any
+    /// regularity has a product then.
+    bool others_act() const
+    {
+        PointArray product = PointArray::Zero(num_nodes(), 3);
+        add_product(irregular_numbers(num_nodes()), product);
+        return !product.isZero(0);
+    }
+
+    /// Whether all masses are lumped, act on the states themselves, and do not damp.
+    bool masses_are_lumped() const
+    {
+        std::vector<BaseMass*> masses;
+        m_context.get<BaseMass>(&masses, BaseContext::SearchDown);
+        return std::all_of(masses.begin(), masses.end(),
+                           [&](BaseMass* mass)
+                           {
+                               const auto* field =
+                                   dynamic_cast<const sofa::core::behavior::ForceField<Vec3Types>*>(mass);
+                               const bool damps = mass->rayleighMass.getValue() != 0 && m_A.mparams.bFactor() != 0;
+                               return mass->isDiagonal() && !damps && field && m_states.find(field->getMState());
+                           });
+    }
+
+    /// Diagonal of m M, from the product with a vector of ones.
+    void find_diagonal(PointArray& diagonal) const
+    {
+        write(PointArray::Ones(num_nodes(), 3), m_in);
+        multiply(m_A.mparams.mFactor(), 0, 0);
+        diagonal = read(m_out);
+    }
+
+    /// out = (m M + b B + k K) in. SOFA keeps the factors of the latest call, so that each call gives its own.
+    void multiply(double m, double b, double k) const
+    {
+        m_A.parent->propagateDxAndResetDf(m_in, m_out);
+        m_A.parent->addMBKdx(m_out, MatricesFactors::M(m), MatricesFactors::B(b), MatricesFactors::K(k), false);
+    }
+
+    /// What of ours on a state the kernels do not know, without the detour through SOFA's vectors.
+    struct Beside final : NodalOperator
+    {
+        explicit Beside(const States::Entry& of) : entry(of) {}
+        void add_product(ConstPoints p, Points Fp) const override
+        {
+            for (const OurForceField* field : fields) field->addOwnProduct(b, k, p, Fp);
+        }
+        States::Entry entry;
+        std::vector<OurForceField*> fields;
+        double b = 0, k = 0;  // factors of df/dv, df/dx
+    };
+
+    /// What of ours acts between two states, or within one as if it were two.
+    struct Between final : NodalOperator
+    {
+        struct Pair
+        {
+            template <class Field>
+            OfTwo<Field> rows(Field of_all) const
+            {
+                return {States::rows(of_all, *first), States::rows(of_all, *second)};
+            }
+            OurInteraction* field;
+            const States::Entry *first, *second;
+        };
+        void add_product(ConstPoints p, Points Fp) const override
+        {
+            for (const Pair& pair : pairs) pair.field->addOwnProduct(b, k, pair.rows(p), pair.rows(Fp));
+        }
+        std::vector<Pair> pairs;
+        double b = 0, k = 0;
+    };
+
+    BaseContext& m_context;
+    States m_states;
+    GraphScatteredMatrix& m_A;
+    GraphScatteredVector &m_in, &m_out;
+    mutable std::vector<OurForceField*> m_ours;  // on the states: SOFA's products are without them
+    mutable std::vector<Beside> m_besides;       // one per state
+    mutable Between m_between;                   // SOFA's products are without it as well
+    mutable double m_mass_of_others = 0;         // factor of the masses in what the kernels do not know
+};
+
+}  // namespace hexaplast::sofa_plugin
