@@ -343,8 +343,11 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
 void NodeSystem::require_matrix(const std::string& why) const {
   const std::string hint = fmt::format("but {} needs one: take a MultigridCGLinearSolver or a CGLinearSolver", why);
   for (const Interaction& interaction : interactions_) {
-    if (interaction.is_of_roots || interaction.layers[0] == kAtRest || interaction.layers[1] == kAtRest) continue;
-    const std::size_t end = layers_[interaction.layers[0]].mapping ? 0 : 1;
+    const auto follows = [&](std::size_t end) {
+      return interaction.layers[end] != kAtRest && layers_[interaction.layers[end]].mapping;
+    };
+    if (!follows(0) && !follows(1)) continue;
+    const std::size_t end = follows(0) ? 0 : 1;
     dynamic_cast<scene::Component*>(interaction.field)
         ->reject(end == 0 ? "object1" : "object2",
                  fmt::format("leads to '{}', which follows another state: no matrix has that, {}",

@@ -12,6 +12,25 @@ namespace {
 
 constexpr double kLeastCorner = 0.5;  // of the volume over 8, that a corner's Jacobian of a simple element has
 
+// Coefficients in half precision are up to 65504, and grow as an element becomes thinner by flow.
+constexpr double kGreatestCoefficient = 1e3;
+
+/// Whether some element of a block is so thin beside others that its coefficients, Model::length over its thickness,
+/// may leave half precision.
+bool is_thin(const Model& model, int block) {
+  for (int place = 0; place < kBlock; ++place) {
+    const int e = model.partition->element(block, place);
+    if (e < 0) continue;
+    const ElementPoints x = gather(model.mesh.positions(), model.mesh.hexahedra()[e]);
+    double longest = 0;  // squared
+    for (int a = 0; a < kCorners; ++a)
+      for (int b = 0; b < a; ++b) longest = std::max(longest, (x.row(a) - x.row(b)).squaredNorm());
+    const double least = std::ranges::min(model.corner_jacobian(e));
+    if (!(model.length * longest < kCorners * kGreatestCoefficient * least)) return true;
+  }
+  return false;
+}
+
 /// Whether each element of a block is nearly a parallelepiped.
 bool is_well_shaped(const Linearization& at, int block) {
   const float* least =
@@ -29,7 +48,9 @@ CycleOperator::CycleOperator(const Model& model)
     : simple_(model.partition),
       rounded_(model.partition),
       is_simple_(model.partition->num_blocks),
-      keeps_its_own_(model.partition->num_blocks) {
+      keeps_its_own_(model.partition->num_blocks),
+      is_thin_(model.partition->num_blocks) {
+  for (int block = 0; block < model.partition->num_blocks; ++block) is_thin_[block] = is_thin(model, block);
   simple_.kind = {
       .sampling = {.assumed = Assumed::kModes, .share = sampling_of(model.settings).share, .one_rotation = true},
       .volumetric = model.settings.volumetric};
@@ -60,7 +81,7 @@ void CycleOperator::update(const Model& model, const Linearization& at) {
   const bool always_gains =
       model.settings.precision == Precision::kDouble || sampling_of(model.settings).assumed != Assumed::kNothing;
   parallel_for(partition.num_blocks, [&](int block) {
-    is_simple_[block] = (always_gains || at.is_general[block]) && is_well_shaped(at, block);
+    is_simple_[block] = (always_gains || at.is_general[block]) && !is_thin_[block] && is_well_shaped(at, block);
     keeps_its_own_[block] = !is_simple_[block];
   });
   parallel_for(partition.num_chunks,

@@ -35,6 +35,7 @@ class CycleOperator final : public ChunkedOperator<float> {
   ElementOperator<float, float> rounded_;     // of others in double precision
   std::vector<unsigned char> is_simple_;      // per block
   std::vector<unsigned char> keeps_its_own_;  // per block: the opposite
+  std::vector<unsigned char> is_thin_;        // per block
   const Linearization* at_ = nullptr;         // of the latest update
 };
 

@@ -110,8 +110,11 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
                           .world = world,
                           .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
     const ElementStep step = flow_element(input, history.element(e), dt);
-    work.trial.set_element(e, step.next);
-    work.flows[e] = {.yielded = step.yielded,
+    // what has but its volume restored is the same whoever does it
+    const bool restores = !step.yielded && !step.repaired;
+    work.trial.set_element(e, restores ? history.element(e) : step.next);
+    work.flows[e] = {.restores = restores,
+                     .yielded = step.yielded,
                      .inverted = step.inverted,
                      .skipped = step.skipped,
                      .repaired = step.repaired,
@@ -143,8 +146,14 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     work.differs[block] = restores ? now | FlowWorkspace::kRestShapes : now;
     if (now != FlowWorkspace::kAll) return;
     const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
-    for (int place = 0; place < kBlock; ++place)
-      if (left >> place & 1) flow_alone(model.partition->element(block, place));
+    restores = false;
+    for (int place = 0; place < kBlock; ++place) {
+      if (!(left >> place & 1)) continue;
+      const int e = model.partition->element(block, place);
+      flow_alone(e);
+      restores = restores || work.flows[e].restores;
+    }
+    if (restores) restore_block(model, at, dt, history, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e >= 0 && !work.flows[e].idle && !work.flows[e].restores)

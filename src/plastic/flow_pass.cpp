@@ -252,7 +252,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
 
 // In lanes, so that volumes have the bits that they have where the whole block flows.
 void restore(const Model& model, const Linearization& at, double dt, const History& history, int block, History& trial,
-             const ElementFlow* flows) {
+             ElementFlow* flows) {
   std::uint32_t wanted = 0;
   for (int place = 0; place < kBlock; ++place) {
     const int e = model.partition->element(block, place);
@@ -266,11 +266,32 @@ void restore(const Model& model, const Linearization& at, double dt, const Histo
     const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
     V rest_shape[3 * kCorners];
     load_elements<3 * kCorners>(addresses<const double>(elements.number, y_of(history)), rest_shape);
-    const V volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
+    V volume;
+    if (at.is_current) {
+      volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
+    } else {
+      CornerLanes<V> x, u;
+      gather(*model.partition, block, lane, at.material.data(), x);
+      gather(*model.partition, block, lane, at.world.data(), u);
+      const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
+      replace_absent(present, x);
+      replace_absent(present, u);
+      for_shape(
+          at.is_general[block] != 0,
+          sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+            ElementLanes<kGeneral, kAssumed, V> shape;
+            place_element(x, u, sampling_of(model.settings), shape);
+            volume = shape.rest.volume;
+          });
+    }
     const V beta = volume / gather_numbers(elements.number, [&](int e) { return model.volume[e]; });
     const V scale = restitution_scale(beta, rate);
     for (V& number : rest_shape) number = scale * number;
     store_elements<3 * kCorners>(rest_shape, here, addresses<double>(elements.number, y_of(trial)));
+    alignas(64) double volume_error[V::kCount];
+    store(abs(beta - V(1.0)), volume_error);
+    for (int k = 0; k < V::kCount; ++k)
+      if (here >> k & 1) flows[elements.number[k]].volume_error = volume_error[k];
   }
 }
 
@@ -312,7 +333,7 @@ std::uint32_t flow_block(const Model& model, const Linearization& at, double dt,
 HWY_EXPORT(restore);
 
 void restore_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
-                   History& trial, const ElementFlow* flows) {
+                   History& trial, ElementFlow* flows) {
   HWY_DYNAMIC_DISPATCH(restore)(model, at, dt, history, block, trial, flows);
 }
 

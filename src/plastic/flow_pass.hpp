@@ -7,7 +7,7 @@ namespace hexaplast {
 
 /// The rest shapes of the elements of one block that do not flow, but whose volume is restored: history -> trial.
 void restore_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
-                   History& trial, const ElementFlow* flows);
+                   History& trial, ElementFlow* flows);
 
 /// Steps 5.1 to 5.4 of the theory for the elements of one block that are not idle: history -> trial, flows. Returns the
 /// elements (a bit each) that it leaves to flow_element: skipped or collapsed ones, strains beyond its series,

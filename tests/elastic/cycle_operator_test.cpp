@@ -72,5 +72,16 @@ TEST(CycleOperator, IsTheStiffnessItselfOfElementsWithFlatCorners) {
               precision == Precision::kDouble ? 1e-5 : 1e-6);
 }
 
+// Thin cells beside thick ones: their coefficients do not fit half precision.
+TEST(CycleOperator, IsTheStiffnessItselfOfThinElementsBesideOthers) {
+  HexMesh mesh = support::block({3, 3, 3}, kEdge);
+  PointArray x = mesh.positions();
+  for (int n = 0; n < x.rows(); ++n)
+    if (x(n, 2) > 2.5 * kEdge) x(n, 2) = (2 + 1e-5) * kEdge;
+  const double found =
+      difference(HexMesh(x, mesh.hexahedra()), with(Precision::kDouble, Volumetric::kVolumeRatio), Mat3::Identity());
+  EXPECT_LE(found, 1e-5);
+}
+
 }  // namespace
 }  // namespace hexaplast

@@ -201,6 +201,20 @@ TEST(SpringsBetweenStates, MayLeadToStatesThatFollow) {
       << errors_of(text);
 }
 
+// One end follows a state, the other one is at rest: no matrix has that either.
+TEST(SpringsBetweenStates, OfAStateThatFollowsAndOneAtRestHaveNoMatrix) {
+  const std::string text = R"(<Node name='root' dt='.01'><DefaultAnimationLoop/>
+    <Node name='hook'><MechanicalObject name='state' position='.02 .02 .1'/></Node>
+    <Node name='body'><EulerImplicitSolver/><SparseLDLSolver/>
+      <RegularGridTopology n='3 3 3' min='0 0 0' max='.04 .04 .04'/><MechanicalObject name='state'/>
+      <UniformMass vertexMass='.004'/><HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4'/>
+      <Node name='skin'><MechanicalObject name='points' position='.04 .04 .04'/><BarycentricMapping/></Node>
+      <SpringForceField object1='@body/skin/points' object2='@hook/state' spring='0 0 400 .1 .05'/>
+    </Node></Node>)";
+  EXPECT_NE(errors_of(text).find("object1: leads to 'points', which follows another state"), std::string::npos)
+      << errors_of(text);
+}
+
 // A kilogram that hangs on a spring: its upper end in a state that nothing moves, or on a fixed node.
 TEST(SpringsBetweenStates, HangOnAStateThatNothingMoves) {
   const auto scene_of = [](const std::string& above, const std::string& hanging) {
