@@ -105,9 +105,10 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
                               (settings.law != ElasticLaw::kCorotated ? 56 : 0);
   const bool has_simple_cycles = settings.bending != Bending::kOneRotation && settings.bending != Bending::kCentre;
   const double of_cycles = 60 + (settings.volumetric == Volumetric::kVolumeRatio ? 21 : 0);
+  const double of_latest = 51;  // masses and fixed axes of the latest eigenvalues, positions of the latest energy
   const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3) +
                       coefficients * (settings.precision == Precision::kMixed ? 2 : sizeof(double)) +
-                      (has_simple_cycles ? 2 * of_cycles + 2 * sizeof(float) : 0) +
+                      (has_simple_cycles ? 2 * of_cycles + 2 * sizeof(float) + of_latest : 0) +
                       (settings.recovery != RecoveryMode::kNone ? 3 * sizeof(double) : 0);
   if (settings.precision == Precision::kMixed) return more + (flows ? 4700 : kLeastBytesPerHexahedron);
   return more + (flows ? 6200 : 3700);

@@ -111,7 +111,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
                           .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
     const ElementStep step = flow_element(input, history.element(e), dt);
     // what has but its volume restored is the same whoever does it
-    const bool restores = !step.yielded && !step.repaired;
+    const bool restores = !step.yielded && !step.repaired && std::isfinite(step.dissipated);
     work.trial.set_element(e, restores ? history.element(e) : step.next);
     work.flows[e] = {.restores = restores,
                      .yielded = step.yielded,
@@ -156,7 +156,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     if (restores) restore_block(model, at, dt, history, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
-      if (e >= 0 && !work.flows[e].idle && !work.flows[e].restores)
+      if (e >= 0 && !work.flows[e].idle && (!work.flows[e].restores || (left >> place & 1)))
         work.flows[e].overflowed = !work.trial.is_finite(e) || !std::isfinite(work.flows[e].dissipated);
     }
   });
