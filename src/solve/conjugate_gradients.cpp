@@ -208,14 +208,17 @@ double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
   return space.product(0) / r_z;
 }
 
-/// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range.
+/// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range. is_indefinite:
+/// where given, whether the preconditioner turned out not to be positive definite, which ends it too; else that throws.
 template <class Converged, class ConvergedBy>
 double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* start, double r_r, int most,
-                            int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by) {
+                            int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by,
+                            bool* is_indefinite = nullptr) {
   const int iterations_before = iterations;
   bool is_outside = false;
   Curvature curvature(space.rounding(), space.is_preconditioned() ? kOfPreconditioned : 0);
   const auto goes_on = [&](double rho, double p_Ap) {
+    if (is_indefinite && (*is_indefinite = rho < 0)) return false;
     is_outside = !curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); });
     if (!is_outside) require_definite(rho);
     return !is_outside;
@@ -354,12 +357,13 @@ struct PreconditionedConjugateGradients::Spaces {
     const std::span<const NodeGroup> groups =
         system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
     if (!system.others.empty()) lumped.find(system, groups);
-    const NodalPart rest{.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
-                         .free = system.free,
-                         .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
-                         .version = system.diagonal_version,
-                         .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
-    const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
+    return precondition(
+        A, has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal)), chosen);
+  }
+
+  /// The present system by cycles, or by the diagonal.
+  CgSpace& precondition(const LinearSystem& A, bool cycles, PreconditionedBy& chosen) {
+    const NodalPart rest = nodal_part();
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (!system.has_one_body()) {
       several.setup(A, system, rest, system.others.empty() ? nullptr : &lumped, cycles);
@@ -378,6 +382,14 @@ struct PreconditionedConjugateGradients::Spaces {
  private:
   bool knows_kernels = false;
   std::tuple<AlignedVector<double>, AlignedVector<float>> scratch_;
+
+  NodalPart nodal_part() const {
+    return {.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
+            .free = system.free,
+            .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
+            .version = system.diagonal_version,
+            .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
+  }
 
   template <class T>
   CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, BlockJacobi<T>& jacobi, const NodalPart& rest,
@@ -455,9 +467,10 @@ constexpr double kCorrection = 3e-3;  // relative residual of each correction
 constexpr double kDoubt = 0.1;        // of the tolerance: rounding that may have hidden that it was not reached
 constexpr int kMostCorrections = 50;
 
-/// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
+/// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`. is_indefinite:
+/// as in iterate_within_range.
 void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int most_iterations,
-         SolveReport& report) {
+         SolveReport& report, bool* is_indefinite = nullptr) {
   const auto relative = [&](double r_r) { return std::sqrt(r_r) / norm_b; };
   double r_r = space.begin(b, start);
   if (start && !(relative(r_r) <= 1)) {  // worse than none
@@ -466,7 +479,7 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
   }
   r_r = iterate_within_range(
       space, b, start, r_r, most_iterations, report.iterations, [&](double now) { return relative(now) <= enough; },
-      kNoRule);
+      kNoRule, is_indefinite);
   report.residual = relative(r_r);
   report.converged = report.residual <= enough;
 }
@@ -520,11 +533,24 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
     return report;
   }
   spaces_->latest = &spaces_->choose(A, preconditioner_, spaces_->preconditioned_by);
-  CgSpace& space = *spaces_->latest;
   report.preconditioner = spaces_->preconditioned_by;
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
   PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;
+
+  // a cycle that turns out not to be positive definite gives way to the diagonal, from where it has come
+  const auto run_on = [&](ConstPoints of, const ConstPoints* from, double norm, double until, Points answer) {
+    const bool cycles = report.preconditioner == PreconditionedBy::kMultigrid;
+    bool is_indefinite = false;
+    run(*spaces_->latest, of, from, norm, until, iterations_, report, cycles ? &is_indefinite : nullptr);
+    spaces_->latest->end(answer);
+    if (!is_indefinite) return;
+    spaces_->latest = &spaces_->precondition(A, false, spaces_->preconditioned_by);
+    report.preconditioner = spaces_->preconditioned_by;
+    const ConstPoints reached(answer);
+    run(*spaces_->latest, of, &reached, norm, until, iterations_, report);
+    spaces_->latest->end(answer);
+  };
   if (refines) {
     if (start) {
       x = start->cwiseProduct(spaces_->system.free.cast<double>());
@@ -533,12 +559,11 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
       x.setZero();
     }
   } else {
-    run(space, b, start, norm_b, enough, iterations_, report);
-    space.end(x);
+    run_on(b, start, norm_b, enough, x);
     // beside what is much stiffer than the body, rounding and half precision leave out much more than they do of it;
     // and rounding leaves more than the tolerance where the stiffness is far above what b asks for
     if (!spaces_->knows_residual()) return report;
-    if (!spaces_->has_others() && space.rounding_of_residual() <= kDoubt * enough * norm_b) return report;
+    if (!spaces_->has_others() && spaces_->latest->rounding_of_residual() <= kDoubt * enough * norm_b) return report;
   }
   double norm_r = exact_residual(A, spaces_->system, b, x, r);
   if (!std::isfinite(norm_r)) {  // the start was no number
@@ -551,8 +576,7 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   correction.resize(b.rows(), 3);
   for (int k = 0; k < kMostCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
     const double of_correction = std::max(0.5 * enough * norm_b / norm_r, is_single ? kCorrection : 0);
-    run(space, r, nullptr, norm_r, of_correction, iterations_, report);
-    space.end(correction);
+    run_on(r, nullptr, norm_r, of_correction, correction);
     correction += x;
     const double norm_before = std::exchange(norm_r, exact_residual(A, spaces_->system, b, correction, r));
     // A is singular, or the answer as good as it gets
