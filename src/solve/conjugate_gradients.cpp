@@ -81,14 +81,10 @@ void require_finite(double p_Ap, double r_z) {
   throw NumericalError(fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", p_Ap));
 }
 
-struct IndefinitePreconditioner : NumericalError {
-  using NumericalError::NumericalError;
-};
-
-/// Throws IndefinitePreconditioner where z is not what a positive definite preconditioner makes of r.
+/// Throws NumericalError where z is not what a positive definite preconditioner makes of r.
 void require_definite(double r_z) {
   if (r_z < 0)
-    throw IndefinitePreconditioner(
+    throw NumericalError(
         fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", r_z));
 }
 
@@ -343,6 +339,7 @@ struct PreconditionedConjugateGradients::Spaces {
   PointArray correction;
   CgSpace* latest = nullptr;  // for the latest system
   PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
+  bool has_outdated_radii = false;  // those of an earlier step made the latest preconditioner indefinite
 
   /// Whether the latest preconditioner has spectral radii that were known before; then the next one finds them anew.
   bool forgets_known_radii() {
@@ -564,12 +561,9 @@ int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, b
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
                                                       Points x, SpectralRadii* radii) {
   require_sizes(A, b, x);
-  try {
-    return attempt(A, b, start, x, radii);
-  } catch (const IndefinitePreconditioner&) {
-    if (!spaces_->forgets_known_radii()) throw;
-  }
-  if (radii) *radii = {};
+  const SolveReport report = attempt(A, b, start, x, radii);
+  if (!std::exchange(spaces_->has_outdated_radii, false)) return report;
+  *radii = {};
   return attempt(A, b, start, x, radii);
 }
 
@@ -587,21 +581,24 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
   PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;
 
-  // a cycle that turns out not to be positive definite, by radii of this system, gives way to the diagonal, from where
-  // it has come
-  const bool has_known_radii = radii && radii->num_solves > 1 && spaces_->system.has_one_body();
+  // A cycle that turns out not to be positive definite is outdated, or gives way to the diagonal, from where it has
+  // come. False: the solve is to be made anew.
+  const bool has_known_radii = radii && radii->num_solves > 1;
   const auto run_on = [&](ConstPoints of, const ConstPoints* from, double norm, double until, Points answer) {
-    const bool may_give_way = report.preconditioner == PreconditionedBy::kMultigrid && !has_known_radii;
+    const bool cycles = report.preconditioner == PreconditionedBy::kMultigrid;
     bool is_indefinite = false;
-    run(*spaces_->latest, of, from, norm, until, iterations_, report, may_give_way ? &is_indefinite : nullptr);
+    run(*spaces_->latest, of, from, norm, until, iterations_, report, cycles ? &is_indefinite : nullptr);
+    spaces_->has_outdated_radii = is_indefinite && has_known_radii && spaces_->forgets_known_radii();
+    if (spaces_->has_outdated_radii) return false;
     spaces_->latest->end(answer);
-    if (!is_indefinite) return;
+    if (!is_indefinite) return true;
     if (radii) *radii = {};
     spaces_->latest = &spaces_->precondition(A, false, nullptr, spaces_->preconditioned_by);
     report.preconditioner = spaces_->preconditioned_by;
     const ConstPoints reached(answer);
     run(*spaces_->latest, of, &reached, norm, until, iterations_, report);
     spaces_->latest->end(answer);
+    return true;
   };
   if (refines) {
     if (start) {
@@ -611,7 +608,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
       x.setZero();
     }
   } else {
-    run_on(b, start, norm_b, enough, x);
+    if (!run_on(b, start, norm_b, enough, x)) return report;
     // rounding leaves more than the tolerance where the stiffness is far above what b asks for, and where other terms
     // are much stiffer than the body
     if (!spaces_->knows_residual()) return report;
@@ -634,7 +631,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
   correction.resize(b.rows(), 3);
   for (int k = 0; k < kMostCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
     const double of_correction = std::max(0.5 * enough * norm_b / norm_r, is_single ? kCorrection : 0);
-    run_on(r, nullptr, norm_r, of_correction, correction);
+    if (!run_on(r, nullptr, norm_r, of_correction, correction)) return report;
     correction += x;
     const double norm_before = std::exchange(norm_r, exact_residual(A, spaces_->system, b, correction, r));
     // A is singular, or the answer as good as it gets
