@@ -21,8 +21,9 @@ constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a 
 constexpr double kCoarsestShare = 0.02;
 constexpr int kLeastLanczosSteps = 6, kMostLanczosSteps = 14;
 constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step: with less, steps end
-constexpr double kRangeEnds = 1e-5;      // of a Lanczos vector: what is left is rounding
-constexpr double kSafety = 1.15;  // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
+constexpr double kIrregular = 8;     // eigenvalue of a mesh in which single elements stand out; regular ones: to 6.2
+constexpr double kRangeEnds = 1e-5;  // of a Lanczos vector: what is left is rounding
+constexpr double kSafety = 1.15;     // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
 
 /// Ad = A d on the nodes, ghosts of d included; without blocks.
 template <class T>
@@ -99,10 +100,10 @@ struct Tridiagonal {
   }
 };
 
-/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, until a step finds little more. Unlike
-/// the power method it finds what a single element stands out by.
+/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, `least` steps and on until one finds
+/// little more. Unlike the power method it finds what a single element stands out by.
 template <class T>
-double spectral_radius(MultigridLevel<T>& level) {
+double spectral_radius(MultigridLevel<T>& level, int least) {
   const Partition& partition = level.op->partition();
   for (AlignedVector<T>* vector : {&level.x, &level.Ad})
     if (vector->size() != level.d.size()) vector->assign(level.d.size(), T(0));
@@ -136,7 +137,7 @@ double spectral_radius(MultigridLevel<T>& level) {
     apply(level);
     alpha[step] = dot(level, level.d, level.Ad);
     const double before_step = std::exchange(largest, found.largest_eigenvalue(step + 1));
-    if (step + 1 >= kLeastLanczosSteps && !(largest > kLanczosGrowth * before_step)) break;
+    if (step + 1 >= least && !(largest > kLanczosGrowth * before_step)) break;
     const T along = static_cast<T>(alpha[step]), before = static_cast<T>(step > 0 ? norm : 0);
     for_each_number(
         [&](std::size_t i) { level.r[i] = level.inverse[i] * level.Ad[i] - along * level.d[i] - before * level.r[i]; });
@@ -252,8 +253,10 @@ void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, Spe
     return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });
   }
   place(own_diagonal, rest.free, {});
-  fine_.radius = kSafety * spectral_radius(fine_);
-  for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level);
+  fine_.radius = kSafety * spectral_radius(fine_, kLeastLanczosSteps);
+  // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
+  const int least = fine_.radius > kSafety * kIrregular ? kMostLanczosSteps : kLeastLanczosSteps;
+  for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level, least);
   if (!known || of_system.num_levels > SpectralRadii::kMaxLevels) return;
   for_each_radius([&](double radius, std::size_t level) { of_system.of_level[level] = radius; });
   of_system.num_solves = 1;
