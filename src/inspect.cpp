@@ -18,7 +18,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kExactAveraging = 1e-11;  // relative residual
-constexpr double kMostStepsOfPath = 1e9;   // from one point to the next
+constexpr double kMaxStepsOfPath = 1e9;    // from one point to the next
 
 HexMesh mesh_of(const ElementPoints& original) { return HexMesh(original, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}); }
 
@@ -173,9 +173,9 @@ void follow_path(const ElementPoints& original, const Material& material, const 
   respond(path.front().time, path.front().F);
   for (std::size_t k = 1; k < path.size(); ++k) {
     const double span = path[k].time - path[k - 1].time;
-    if (!(span / dt <= kMostStepsOfPath))
+    if (!(span / dt <= kMaxStepsOfPath))
       throw InputError(fmt::format("dt = {} s: makes {:.3g} steps of the path from {} s to {} s, at most {:.3g}", dt,
-                                   span / dt, path[k - 1].time, path[k].time, kMostStepsOfPath));
+                                   span / dt, path[k - 1].time, path[k].time, kMaxStepsOfPath));
     const int steps = std::max(1, static_cast<int>(std::ceil(span / dt * (1 - 1e-9))));
     if (body.can_flow()) check_time_step({material}, settings, span / steps, names);
     for (int n = 1; n <= steps; ++n) {

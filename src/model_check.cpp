@@ -32,8 +32,8 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
   found.density = mass / found.volume;
 
   const auto min_and_max = [&](double Material::*property) {
-    const auto [least, greatest] = std::ranges::minmax(model.materials, {}, property);
-    return std::pair(least.*property, greatest.*property);
+    const auto [min, greatest] = std::ranges::minmax(model.materials, {}, property);
+    return std::pair(min.*property, greatest.*property);
   };
   std::tie(found.min_young_modulus, found.max_young_modulus) = min_and_max(&Material::young_modulus);
   found.locks = body.settings().volumetric == Volumetric::kSample;

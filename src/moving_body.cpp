@@ -251,8 +251,8 @@ void MovingBody::save(std::ostream& out) const {
 
 void MovingBody::load(std::istream& in) {
   const auto num_nodes = static_cast<std::size_t>(body.mesh().num_nodes());
-  const std::size_t most = 64 + num_nodes * (9 * sizeof(double) + 1);
-  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity(), most);
+  const std::size_t max = 64 + num_nodes * (9 * sizeof(double) + 1);
+  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity(), max);
   Archive archive{std::span<const std::byte>(bytes)};
   PointArray positions, velocities;
   long steps = 0;

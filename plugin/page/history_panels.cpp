@@ -95,7 +95,7 @@ bool has_nothing_to_see(const Panel& panel) {
   constexpr std::string_view kShownIfNotZero[] = {"elongation", "twist", "yielded hexahedra",
                                                   "displacement of loaded nodes", "removed hexahedra"};
   if (std::ranges::count(kShownIfNotZero, panel.quantity) == 0) return false;
-  const double rounding = 1e-9 * panel.least_span;
+  const double rounding = 1e-9 * panel.min_span;
   return std::ranges::all_of(panel.series, [&](const Series& series) {
     return std::ranges::all_of(series.curves, [&](const Curve& curve) {
       return std::ranges::all_of(curve.values, [&](double value) { return std::abs(value) <= rounding; });
@@ -143,7 +143,7 @@ HistoryView view_history(const std::filesystem::path& file, std::span<const Hist
     series.curves = std::move(shown);
     view.panels.push_back({.quantity = std::string(wanted[p].quantity),
                            .unit = std::string(wanted[p].unit),
-                           .least_span = wanted[p].least_span,
+                           .min_span = wanted[p].min_span,
                            .series = {std::move(series)}});
   }
   return view;

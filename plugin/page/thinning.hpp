@@ -9,7 +9,7 @@
 
 namespace hexaplast::output {
 
-/// What is drawn of a table: every row of a short one; of a long one the rows in which a curve is least or largest
+/// What is drawn of a table: every row of a short one; of a long one the rows in which a curve is smallest or largest
 /// within each of several hundred stretches, so that no peak is lost and the picture stays small.
 class Thinning {
  public:

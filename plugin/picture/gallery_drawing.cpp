@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr float kPatch = 12;      // size on the page of the flat pieces that a face is drawn with
-constexpr int kMostParts = 8;     // of them along an edge
+constexpr int kMaxParts = 8;      // of them along an edge
 constexpr int kShadeParts = 6;    // the same of a warped face where it keeps light off
 constexpr float kWarped = 0.02f;  // of a quad's diagonals: what its middle is off the plane, four times
 constexpr float kNearer = 4e-3f;  // depth by which marks stand before the surface that they are on
@@ -269,7 +269,7 @@ void Gallery::draw_surfaces(const State& state, const Camera& camera, const Scal
       };
       // a warped quad is a bilinear patch: cut finely enough, it shows no preferred diagonal
       const bool meets_cut = staging_.cut && !Surface::is_triangle(face) && straddles(*staging_.cut, one->points, face);
-      const int parts = meets_cut ? kCutParts : std::clamp(across, Surface::is_triangle(face) ? 1 : 2, kMostParts);
+      const int parts = meets_cut ? kCutParts : std::clamp(across, Surface::is_triangle(face) ? 1 : 2, kMaxParts);
       grid.resize((parts + 1) * (parts + 1));
       for (int j = 0; j <= parts; ++j)
         for (int i = 0; i <= parts; ++i)

@@ -50,7 +50,7 @@ inline constexpr float kLongestArrow = 0.13f;    // in parts of the diagonal of 
 inline constexpr float kArrowGirth = 0.055f;     // diameter of shafts, in parts of the longest arrow's length
 inline constexpr float kArrowHeadLength = 4.2f;  // in parts of the girth
 inline constexpr float kArrowHeadWidth = 1.5f;   // radius of its foot
-inline constexpr float kArrowMostHead = 0.6f;    // in parts of the arrow's length
+inline constexpr float kArrowMaxHead = 0.6f;     // in parts of the arrow's length
 inline constexpr int kArrowSides = 16;           // of the shaft
 inline constexpr float kArrowPresses = 0.3f;     // sine of the angle to the surface from which a load presses on it
 

@@ -33,10 +33,10 @@ void CarriedSurfaces::write(const std::filesystem::path& file, ConstPoints posit
     surface.insert(surface.end(), static_cast<std::size_t>(count), static_cast<std::int32_t>(s));
   }
   // an embedded surface that reaches out of the hexahedra continues their values, and shall not pass them
-  const auto [least, most] = std::ranges::minmax(strains);
+  const auto [min, max] = std::ranges::minmax(strains);
   std::vector<double> plastic_strain(surface.size());
   for (std::size_t p = 0; p < surface.size(); ++p)
-    plastic_strain[p] = std::clamp(blended(static_cast<Eigen::Index>(p), 0), least, most);
+    plastic_strain[p] = std::clamp(blended(static_cast<Eigen::Index>(p), 0), min, max);
 
   VtuGrid grid{.points = {points.data(), static_cast<std::size_t>(points.size())}, .shown_first = {}};
   const auto add_faces = [&](const auto& faces, std::size_t s, std::uint8_t type) {

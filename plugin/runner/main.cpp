@@ -195,7 +195,7 @@ void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
 }
 
 constexpr const char* kMeshFormats = "File to write, .vtu, .msh or .inp; replaces an older one";
-constexpr int kMostAlong = 1'000'000;  // hexahedra along one direction
+constexpr int kMaxAlong = 1'000'000;  // hexahedra along one direction
 
 /// What every command that makes hexahedra along three directions takes.
 CLI::App* add_shape(CLI::App& mesh, const char* name, const char* help, const char* directions,
@@ -204,7 +204,7 @@ CLI::App* add_shape(CLI::App& mesh, const char* name, const char* help, const ch
   command->footer(kExitCodes);
   command->add_option("--cells", cells, fmt::format("Number of hexahedra {}", directions))
       ->type_name("N N N")
-      ->check(CLI::Range(1, kMostAlong))
+      ->check(CLI::Range(1, kMaxAlong))
       ->required();
   command->add_option("-o,--out", out, kMeshFormats)->type_name("FILE")->required();
   return command;
@@ -283,7 +283,7 @@ void add_mesh_offset(CLI::App& mesh, MeshOffsetOptions& options) {
   add_length(*command, "--thickness", options.thickness, "Thickness, measured normal to the quads [m]");
   command->add_option("--layers", options.layers, "Number of hexahedra across it")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostAlong))
+      ->check(CLI::Range(1, kMaxAlong))
       ->capture_default_str();
   command
       ->add_option("--direction", options.direction,
@@ -313,7 +313,7 @@ void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
           "One hexahedron for N x N x N voxels, if at least half of them have a label; it has the most frequent "
           "one")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostCoarsening))
+      ->check(CLI::Range(1, kMaxCoarsening))
       ->capture_default_str();
   command->add_flag("--largest-part", options.largest_part,
                     "Leave out hexahedra that are not connected by faces to the largest part");

@@ -273,14 +273,14 @@ std::optional<Figure::Seen> Figure::hit_below(const Plane& cut, const Ray& ray) 
 /// By the middles of those that are left.
 int Figure::nearest_hexahedron(const Vec3& place) const {
   int nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int e = 0; e < mesh_.num_elements(); ++e) {
     if (!alive_[static_cast<std::size_t>(e)]) continue;
     Vec3 middle = Vec3::Zero();
     for (const int node : mesh_.hexahedra()[static_cast<std::size_t>(e)])
       middle += body_.points.row(node).transpose() / kCorners;
-    if (const double distance = (middle - place).squaredNorm(); distance < least) {
-      least = distance;
+    if (const double distance = (middle - place).squaredNorm(); distance < min) {
+      min = distance;
       nearest = e;
     }
   }

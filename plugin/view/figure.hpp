@@ -80,7 +80,7 @@ class Figure {
   const std::vector<Eigen::Vector3f>& cut_edges() const { return cut_edges_; }  ///< inside its border
   const std::vector<Eigen::Vector3f>& cut_outline() const { return cut_outline_; }
 
-  /// Least and largest value shown; empty where the quantity has none (yield stress of what never yields).
+  /// Smallest and largest value shown; empty where the quantity has none (yield stress of what never yields).
   const Eigen::AlignedBox1d& range() const { return range_; }
 
   /// What a ray first meets of what is shown.

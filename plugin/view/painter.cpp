@@ -37,7 +37,7 @@ layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float value;
 uniform mat4 clip, view, light;
-uniform vec2 scale;  // least, 1 / (most - least)
+uniform vec2 scale;  // min, 1 / (max - min)
 uniform vec4 cut;    // what lies above is left out: normal, offset
 out vec3 eye_place, eye_normal, in_light;
 out float share;
@@ -219,7 +219,7 @@ Painter::~Painter() {
   for (const unsigned program : {surface_, flat_}) glDeleteProgram(program);
 }
 
-void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double least, double most) {
+void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double min, double max) {
   const Matrix4f view = camera.view().cast<float>(), clip = camera.clip(figure.box()).cast<float>();
   const Vector3f lamp = output::kMainLamp.of(Vector3f::UnitX(), Vector3f::UnitY(), Vector3f::UnitZ());  // from the eye
   const Vec3 towards = (camera.eye() - camera.target()).normalized();
@@ -272,8 +272,8 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   set(surface_, "light", light);
   set_cut(surface_, cut);
   glUniform3fv(place_of(surface_, "lamp"), 1, lamp.data());
-  glUniform2f(place_of(surface_, "scale"), static_cast<float>(least),
-              most > least ? static_cast<float>(1 / (most - least)) : 0);
+  glUniform2f(place_of(surface_, "scale"), static_cast<float>(min),
+              max > min ? static_cast<float>(1 / (max - min)) : 0);
   glUniform1i(place_of(surface_, "colours"), 0);
   glUniform1i(place_of(surface_, "shadow"), 1);
   glActiveTexture(GL_TEXTURE1);

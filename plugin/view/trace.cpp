@@ -26,10 +26,10 @@ double Trace::at(double abscissa) const {
   return after == points_.begin() ? points_.front().value : std::prev(after)->value;
 }
 
-void Trace::extend_range(double begin, double& least, double& most) const {
+void Trace::extend_range(double begin, double& min, double& max) const {
   for_each_since(begin, [&](double, double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
+    min = std::min(min, value);
+    max = std::max(max, value);
   });
 }
 

@@ -35,7 +35,7 @@ void tell(ImU32 colour, const std::string& words);  ///< a paragraph
 ImVec2 text_size(const std::string& words);         ///< [pixels]
 
 /// Moves a positive number by equal factors. Returns whether it has moved.
-bool slider(const char* name, const char* unit, double& value, double least, double most, const std::string& help);
+bool slider(const char* name, const char* unit, double& value, double min, double max, const std::string& help);
 
 /// One curve of a plot.
 struct Curve {

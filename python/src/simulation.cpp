@@ -126,7 +126,7 @@ void add_simulation(py::module_& module) {
                     "steps in which the linear solver, or that of the averaging, stopped before its tolerance")
       .def_property_readonly(
           "iterations", [](const RunReport& r) { return r.solve.iterations; },
-          "of the linear solver, most of a step; 1 for a direct one")
+          "of the linear solver, maximum of a step; 1 for a direct one")
       .def_property_readonly(
           "residual", [](const RunReport& r) { return r.solve.residual; },
           "[-] relative, the greatest that the linear solver left; 0 for a direct one")

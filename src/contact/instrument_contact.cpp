@@ -14,7 +14,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kFarthestPerLook = 0.5;  // of the smallest radius that a sample may move against the instrument
-constexpr int kMostLooks = 64;            // within a step
+constexpr int kMaxLooks = 64;             // within a step
 constexpr double kOnTheSameSide = 0.7;    // cosine, from which a surface that turned is the one that was touched
 
 }  // namespace
@@ -59,7 +59,7 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
 
     // the first look that finds it within: it cannot be past the middle of the instrument yet
     const int looks = static_cast<int>(
-        std::clamp(std::ceil(way / (kFarthestPerLook * solid_.smallest_radius())), 1.0, double{kMostLooks}));
+        std::clamp(std::ceil(way / (kFarthestPerLook * solid_.smallest_radius())), 1.0, double{kMaxLooks}));
     const SignedDistance at_begin = solid_.distance(from);
     double before = at_begin.value;
     const bool touched = before < distance;

@@ -27,15 +27,15 @@ struct Patch {
   }
 };
 
-void check(double wanted, int most) {
+void check(double wanted, int max_parts) {
   if (!(wanted > 0)) throw InputError(fmt::format("SurfaceSamples: spacing {} must be positive", wanted));
-  if (most < 1) throw InputError(fmt::format("SurfaceSamples: {} parts of an edge must be at least 1", most));
+  if (max_parts < 1) throw InputError(fmt::format("SurfaceSamples: {} parts of an edge must be at least 1", max_parts));
 }
 
 constexpr double kRounding = 1e-9;  // of a part: an edge of exactly two parts is not three
 
-int parts_of(double longest_edge, double wanted, int most) {
-  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRounding), 1e9)), 1, most);
+int parts_of(double longest_edge, double wanted, int max_parts) {
+  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRounding), 1e9)), 1, max_parts);
 }
 
 /// A point of a face by its nodes and the shares that it has of them, in parts of the edges, ascending: the same
@@ -53,8 +53,9 @@ Shares<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>& shar
 
 }  // namespace
 
-SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int most) {
-  check(wanted, most);
+SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted,
+                                  int max_parts) {
+  check(wanted, max_parts);
   const std::vector<Quad> faces = mesh.boundary_faces(alive);
   std::vector<Patch> patches;
   for (const Quad& face : faces) {
@@ -67,7 +68,7 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
     for (const auto& [a, b] : kEdges)
       longest = std::max(longest, (mesh.positions().row(nodes[a]) - mesh.positions().row(nodes[b])).norm());
   // the same on every face, so that neighbours have their points in common
-  const int parts = parts_of(longest, wanted, most);
+  const int parts = parts_of(longest, wanted, max_parts);
 
   SurfaceSamples found;
   found.spacing = longest / parts;
@@ -99,15 +100,15 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
 }
 
 SurfaceSamples SurfaceSamples::on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
-                                       const std::vector<Triangle>& triangles, double wanted, int most) {
-  check(wanted, most);
+                                       const std::vector<Triangle>& triangles, double wanted, int max_parts) {
+  check(wanted, max_parts);
   double longest = 0;
   for (const Triangle& triangle : triangles) {
     require_nodes("SurfaceSamples", triangle, skin.rows());
     for (int a = 0; a < 3; ++a)
       longest = std::max(longest, (skin.row(triangle[a]) - skin.row(triangle[(a + 1) % 3])).norm());
   }
-  const int parts = parts_of(longest, wanted, most);
+  const int parts = parts_of(longest, wanted, max_parts);
 
   SurfaceSamples found;
   found.spacing = longest / parts;

@@ -16,7 +16,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kEdgesPerLook = 0.5;  // of an edge that bodies may move against each other between two looks
-constexpr int kMostTissueLooks = 16;   // within a step
+constexpr int kMaxTissueLooks = 16;    // within a step
 constexpr double kKept = 0.5;          // of an edge that what touched may be expected in front of the surface
 constexpr double kShare = 0.5;         // of the stiffness, for each of the two sides
 constexpr double kPerEdge = 0.5;       // distance of samples, in edges of the other body
@@ -68,14 +68,14 @@ struct TissueContact::Side {
   }
 };
 
-TissueContact::TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int most_parts)
-    : meshes_{&first, &second}, most_parts_(most_parts) {
+TissueContact::TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int max_parts)
+    : meshes_{&first, &second}, max_parts_(max_parts) {
   set_settings(settings);
   set_alive({}, {});
 }
 
-TissueContact::TissueContact(const HexMesh& body, ContactSettings settings, int most_parts)
-    : TissueContact(body, body, settings, most_parts) {}
+TissueContact::TissueContact(const HexMesh& body, ContactSettings settings, int max_parts)
+    : TissueContact(body, body, settings, max_parts) {}
 
 TissueContact::~TissueContact() = default;
 TissueContact::TissueContact(TissueContact&&) noexcept = default;
@@ -95,7 +95,7 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
     TissueSurface surface(*meshes_[to], alive[to], with_itself);
     // as at first, so that samples stay the same when hexahedra go; without hexahedra nothing touches
     if (sides_.empty()) wanted_[from] = surface.mean_edge() > 0 ? kPerEdge * surface.mean_edge() : 1;
-    SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted_[from], most_parts_);
+    SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted_[from], max_parts_);
     auto side = std::make_unique<Side>(Side{from, to, std::move(samples), std::move(surface), {}, {}});
     side->states.resize(side->samples.samples.size());
     if (!sides_.empty()) {
@@ -131,7 +131,7 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   const int looks =
       !settings_.is_active ? 0
       : edge > 0 && way > 0
-          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMostTissueLooks}))
+          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMaxTissueLooks}))
           : 1;
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 

@@ -111,14 +111,14 @@ HWY_INLINE void screen_turns(const Mat<V>& R_centre, const PolarLanes<V>* polar,
 template <class V, class T, class Coef>
 HWY_NOINLINE void screen_one_rotation(const ElementPass<T, Coef>& pass, const MaterialLanes<V>& of,
                                       const PressureLanes<V>& p, const Mat<V>* turned, float* screen) {
-  V least_det(1e300);
+  V min_det(1e300);
   for (int i = 0; i < kCorners; ++i) {
     const Sym<V> S = symmetric_part(turned[i]);
     const Sym<V> yielding = stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(dilatation(of.law, S)));
     store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
-    least_det = min(least_det, determinant(turned[i]));
+    min_det = min(min_det, determinant(turned[i]));
   }
-  store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
+  store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
 }
 
 /// Forces are those of the mean and of the modes; samples have a part in what may flow alone.                  eq. E29
@@ -146,7 +146,7 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
     for (int first = 0; first < kCorners; first += kAtOnce) safe_polars<kAtOnce>(turned + first, polar + first);
     screen_turns(transposed_product(element.mean.R, safe_polar(centre_gradient(x, u)).R), polar, screen);
   }
-  store_as(rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  store_as(rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
   screen_folding(pass, element, block);
 
   const Mat<V> j = scaled(V(pass.length), element.j);
@@ -191,7 +191,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
                                                                                        coefficients(pass, block, lane));
 
   float* const screen = screen_of(pass, block, lane);
-  V least_det(1e300);
+  V min_det(1e300);
   ColumnsTranspose<kGeneral, kAssumed, V> acting;
   for (int i = 0; i < kCorners; ++i) {
     const auto& [R, S, doubtful] = element.polar[i];
@@ -208,11 +208,11 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
     store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
     const Mat<V>& F = element.F[i];
     const Mat<V> cof = cofactor(F);
-    least_det = min(least_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
+    min_det = min(min_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
   }
   if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
-  store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
-  store_as(element.rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
+  store_as(element.rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
   screen_folding(pass, element, block);
   writer.finish(of_volume);
 
@@ -241,7 +241,7 @@ template <bool kGeneral, Assumed kAssumed>
 struct ExactCoefficients {
   using V = Lanes<double>;
   static constexpr int kStride = V::kCount;
-  static constexpr int kMost =
+  static constexpr int kMax =
       CoefficientPlaces<kGeneral, kAssumed>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
 
   HWY_NOINLINE ExactCoefficients(const Model& model, const Linearization& at, int block, int lane, double factor)
@@ -285,7 +285,7 @@ struct ExactCoefficients {
   }
 
   StiffnessKind kind;
-  alignas(64) double coef[kMost * kStride];
+  alignas(64) double coef[kMax * kStride];
   alignas(64) double weight[2 * kStride];
 };
 
@@ -335,7 +335,7 @@ void ratios_of(const Model& model, const double* material, const double* world, 
     gather(*model.partition, block, lane, world, u);
     edges(x, before);
     edges(u, now);
-    V of_rest[kCorners], largest(0.0), least(std::numeric_limits<double>::infinity());
+    V of_rest[kCorners], largest(0.0), lowest(std::numeric_limits<double>::infinity());
     const auto det = [](const EdgeLanes<V>& e, int i) {
       const Mat<V> J = edges_at(e, i), cof = cofactor(J);
       return J(0, 0) * cof(0, 0) + J(0, 1) * cof(0, 1) + J(0, 2) * cof(0, 2);
@@ -346,8 +346,8 @@ void ratios_of(const Model& model, const double* material, const double* world, 
     }
     // of a corner that is nearly flat at rest: its change, over what is not small
     for (int i = 0; i < kCorners; ++i)
-      least = min(least, V(1.0) + (det(now, i) - of_rest[i]) / max(of_rest[i], V(0.1) * largest));
-    store(least, ratios + lane);
+      lowest = min(lowest, V(1.0) + (det(now, i) - of_rest[i]) / max(of_rest[i], V(0.1) * largest));
+    store(lowest, ratios + lane);
   }
 }
 
@@ -387,7 +387,7 @@ void linearize_coarse(const Partition& partition, const double* material, const 
       replace_absent(present, x);
       RestLanes<true, Assumed::kNothing, V> rest;
       rest_operator(x, op.kind.sampling, rest);
-      present &= bits<double>(rest.least_jacobian > V(0.0));
+      present &= bits<double>(rest.min_jacobian > V(0.0));
       replace_absent(present, x);
       replace_absent(present, u);
       float* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kCorners * kBlock + lane;

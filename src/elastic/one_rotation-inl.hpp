@@ -30,12 +30,12 @@ HWY_INLINE void factorize(LowerLanes<kSize, N>& A) {
   unrolled<kSize>([&](auto c) __attribute__((always_inline)) {
     N column[kSize - c];
     for (int n = 0; n < kSize - c; ++n) column[n] = A(c + n, c);
-    const N least = max(N(T(1e-14)) * column[0], N(T(1e-200)));  // also of elements that are not there
+    const N lowest = max(N(T(1e-14)) * column[0], N(T(1e-200)));  // also of elements that are not there
     unrolled<c>([&](auto k) __attribute__((always_inline)) {
       const N factor = A(c, k);
       for (int n = 0; n < kSize - c; ++n) column[n] -= A(c + n, k) * factor;
     });
-    A(c, c) = sqrt(max(column[0], least));
+    A(c, c) = sqrt(max(column[0], lowest));
     const N inverse = N(T(1)) / A(c, c);
     for (int n = 1; n < kSize - c; ++n) A(c + n, c) = inverse * column[n];
   });

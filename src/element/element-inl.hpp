@@ -37,7 +37,7 @@ struct SampleLanes {
   PolarLanes<N> polar[kCorners];
   PolarLanes<N> mean;  ///< where something is assumed: R_m and S_m of the mean gradient
   N volume;            ///< [m^3] of the material shape
-  N least_jacobian;    ///< [m^3] of the material shape at its corners
+  N min_jacobian;      ///< [m^3] of the material shape at its corners
 };
 
 /// And how they follow from the corners.
@@ -70,7 +70,7 @@ HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, con
   auto& columns = element.columns;
   rest_operator(x, sampling, rest);
   element.volume = rest.volume;
-  element.least_jacobian = rest.least_jacobian;
+  element.min_jacobian = rest.min_jacobian;
   begin_columns(rest, u, columns);
   if constexpr (kAssumed != Assumed::kNothing) {
     const Mat<N> F_m = transposed_product(columns.mean, dual_of(rest));
@@ -262,8 +262,8 @@ HWY_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& dual, const
   const Mat<N> K = matrix(Sym<N>{trace - S.xx, trace - S.yy, trace - S.zz, -S.yz, -S.zx, -S.xy});
   const Mat<N> cof = cofactor(K);
   const N det = K(0, 0) * cof(0, 0) + K(0, 1) * cof(0, 1) + K(0, 2) * cof(0, 2);
-  const N least = N(T(1e-9)) * (cof(0, 0) + cof(1, 1) + cof(2, 2));
-  const N inverse = N(T(1)) / max(max(det, least), N(T(1e-30)));
+  const N lowest = N(T(1e-9)) * (cof(0, 0) + cof(1, 1) + cof(2, 2));
+  const N inverse = N(T(1)) / max(max(det, lowest), N(T(1e-30)));
   N local[3], turned[3];
   for (int k = 0; k < 3; ++k) local[k] = R(0, k) * M[0] + R(1, k) * M[1] + R(2, k) * M[2];
   for (int k = 0; k < 3; ++k)

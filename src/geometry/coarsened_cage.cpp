@@ -18,7 +18,7 @@ namespace {
 
 using Cell = std::array<int, 3>;  // ordered by x, then y, then z
 
-constexpr int kMostLevels = 10;
+constexpr int kMaxLevels = 10;
 
 /// Matter in a cell that deforms together.
 struct Part {
@@ -220,12 +220,12 @@ HexMesh mesh_of(const std::vector<Part>& parts, const Vec3& min, const Vec3& spa
 }  // namespace
 
 CageGrid finer(CageGrid grid, int levels) {
-  if (levels < 0 || levels > kMostLevels)
-    throw InputError(fmt::format("{} levels, must lie in [0, {}]", levels, kMostLevels));
+  if (levels < 0 || levels > kMaxLevels)
+    throw InputError(fmt::format("{} levels, must lie in [0, {}]", levels, kMaxLevels));
   double count = 1;
   for (const int cells : grid.cells) count *= std::ldexp(cells, levels);
-  if (count > kMostCageCells)
-    throw InputError(fmt::format("{:g} cells of the finest grid, must be at most {:g}", count, kMostCageCells));
+  if (count > kMaxCageCells)
+    throw InputError(fmt::format("{:g} cells of the finest grid, must be at most {:g}", count, kMaxCageCells));
   for (int& cells : grid.cells) cells <<= levels;
   return grid;
 }

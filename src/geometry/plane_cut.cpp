@@ -169,8 +169,8 @@ PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const P
     for (int a = 0; a < kCorners; ++a) corner_height[a] = plane.height(x.row(corners[a]).transpose());
     for (double& height : corner_height)
       height = std::abs(height) < tolerance ? 0 : without_rounding(height, corner_height);
-    const auto [least, most] = std::ranges::minmax(corner_height);
-    if (least >= 0 || most < 0) continue;
+    const auto [min, max] = std::ranges::minmax(corner_height);
+    if (min >= 0 || max < 0) continue;
 
     std::array<std::vector<Edge>, kNumFaces> lines;
     for (const Cell& cell : cells) add_cell(cell, corners, corner_height, lines);
@@ -207,17 +207,17 @@ void PlaneCut::apply(ConstPoints nodes, Points points) const {
 std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::span<const Hexahedron> hexahedra,
                                        std::span<const unsigned char> alive) {
   if (!alive.empty()) require_count("extent_along", "alive", std::ssize(alive), std::ssize(hexahedra));
-  double least = std::numeric_limits<double>::infinity(), most = -least;
+  double min = std::numeric_limits<double>::infinity(), max = -min;
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
     if (!alive.empty() && !alive[e]) continue;
     require_nodes("extent_along", hexahedra[e], x.rows());
     for (const int node : hexahedra[e]) {
       const double along = normal.dot(x.row(node).transpose());
-      least = std::min(least, along);
-      most = std::max(most, along);
+      min = std::min(min, along);
+      max = std::max(max, along);
     }
   }
-  return least <= most ? std::pair(least, most) : std::pair(0.0, 0.0);
+  return min <= max ? std::pair(min, max) : std::pair(0.0, 0.0);
 }
 
 int part_above(const std::array<double, 3>& height, std::array<TriangleShares, 4>& part) {

@@ -202,8 +202,8 @@ struct RestLanes {
   CornerLanes<N> mean;                        ///< where kHasMean: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
   N skew[kModes][3];  ///< where kHasMean: hourglass modes of the material shape, in its mean edges
   N volume;
-  N least_jacobian;  ///< smallest det J_i
-  N share;           ///< of the corner: Sampling::share
+  N min_jacobian;  ///< smallest det J_i
+  N share;         ///< of the corner: Sampling::share
 };
 
 template <bool kGeneral, Assumed kAssumed, class N>
@@ -218,13 +218,13 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
   if constexpr (!kGeneral) {
     blend(N(T(0)), e);  // the mean: exactly what all corners share
     assign(reciprocal(edges_at(e, 0), rest.volume), rest.inverse[0]);
-    rest.least_jacobian = N(T(0.125)) * rest.volume;
+    rest.min_jacobian = N(T(0.125)) * rest.volume;
   } else {
-    rest.least_jacobian = N(T(1e30));
+    rest.min_jacobian = N(T(1e30));
     for (int i = 0; i < kCorners; ++i) {
       const Mat<N> inverse = reciprocal(edges_at(e, i), det);
       if constexpr (Rest::kAtCorners) rest.inverse[i] = inverse;
-      rest.least_jacobian = min(rest.least_jacobian, N(T(0.125)) * det);
+      rest.min_jacobian = min(rest.min_jacobian, N(T(0.125)) * det);
     }
     CornerLanes<N> Gm;
     volume_gradient(e, Gm, rest.volume);

@@ -39,7 +39,7 @@ HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
   using T = typename V::Scalar;
   constexpr int kSteps = sizeof(T) == 8 ? 4 : 3;
   constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);  // entries are brought to 1, unless all are smaller
-  constexpr T kLeastDenominator = T(2e-3);                        // of I^3
+  constexpr T kMinDenominator = T(2e-3);                          // of I^3
   constexpr T kConverged = sizeof(T) == 8 ? T(1e-6) : T(1e-3);    // of I, in the last step: the one after cubes it
 
   struct Invariants {
@@ -78,7 +78,7 @@ HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
     const V cube = I * I * I;
     // written so that NaN is doubtful
     const auto fine =
-        hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kLeastDenominator) * cube, abs(step) < V(kConverged) * I));
+        hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kMinDenominator) * cube, abs(step) < V(kConverged) * I));
     out[m].doubtful = bits<T>(hn::Not(fine));
 
     const Mat<V> FtF = transposed_product(F[m], F[m]), FFtF = F[m] * FtF;

@@ -87,10 +87,10 @@ void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& ste
 
 }  // namespace
 
-double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kCorners; ++i) least = std::min(least, corner_jacobian(x, i).determinant() / original[i]);
-  return least;
+double min_jacobian_ratio(const CornerValues& original, const ElementPoints& x) {
+  double min = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kCorners; ++i) min = std::min(min, corner_jacobian(x, i).determinant() / original[i]);
+  return min;
 }
 
 ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt) {
@@ -98,15 +98,15 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
   step.next = before;
 
   // guard: nothing flows in an element that is inverted or nearly so, in the world or in the material
-  double least_det = std::numeric_limits<double>::infinity();
-  for (const Mat3& F : at.samples.F) least_det = std::min(least_det, F.determinant());
-  const double least_jacobian = least_jacobian_ratio(at.corner_jacobian, at.x);
-  step.inverted = least_det < 0;
+  double min_det = std::numeric_limits<double>::infinity();
+  for (const Mat3& F : at.samples.F) min_det = std::min(min_det, F.determinant());
+  const double min_jacobian = min_jacobian_ratio(at.corner_jacobian, at.x);
+  step.inverted = min_det < 0;
   if (at.settings.bending == Bending::kOneRotation)  // stretches may be negative though F is not inverted
     for (const Polar& polar : at.samples.polar)
-      least_det =
-          std::min(least_det, Eigen::SelfAdjointEigenSolver<Mat3>(polar.S, Eigen::EigenvaluesOnly).eigenvalues()[0]);
-  step.skipped = std::min(least_det, least_jacobian) < at.settings.inversion_threshold;
+      min_det =
+          std::min(min_det, Eigen::SelfAdjointEigenSolver<Mat3>(polar.S, Eigen::EigenvaluesOnly).eigenvalues()[0]);
+  step.skipped = std::min(min_det, min_jacobian) < at.settings.inversion_threshold;
 
   const bool stretches = can_stretch(at.material), rotates = can_rotate(at.material, at.settings);
   if (!step.skipped && (stretches || rotates)) {
@@ -115,7 +115,7 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
     if (step.yielded) apply_increments(at, std::isfinite(at.material.fracture_stretch), step);
   }
 
-  if (least_jacobian < at.settings.inversion_threshold) {
+  if (min_jacobian < at.settings.inversion_threshold) {
     repair_rest_shape(at.original_shape, dt, step.next.rest_shape);
     step.repaired = true;
   }

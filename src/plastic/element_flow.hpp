@@ -39,6 +39,6 @@ struct ElementStep {
 ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt);
 
 /// Smallest det J_i(x) / det J_i(X) of an element's corners.
-double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x);
+double min_jacobian_ratio(const CornerValues& original, const ElementPoints& x);
 
 }  // namespace hexaplast

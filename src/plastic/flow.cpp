@@ -181,7 +181,7 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
   to_slots(*model.partition, work.trial.material, material);
   const auto is_collapsing = [&](int e) {
     const auto ratio = [&](const History& of) {
-      return least_jacobian_ratio(model.corner_jacobian(e), gather(of.material, model.mesh.hexahedra()[e]));
+      return min_jacobian_ratio(model.corner_jacobian(e), gather(of.material, model.mesh.hexahedra()[e]));
     };
     const double now = ratio(work.trial);
     return now < kCollapsedJacobian && now < ratio(history);
@@ -256,12 +256,12 @@ FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
 FlowReport count_inverted(const Model& model, const Linearization& at) {
   FlowReport report;
   for (int block = 0; block < model.partition->num_blocks; ++block) {
-    const float* least_det =
+    const float* min_det =
         at.screen.data() + (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinDet) * kBlock;
     for (int place = 0; place < kBlock; ++place) {
       if (!(at.present[block] >> place & 1)) continue;
-      report.inverted += least_det[place] < 0;
-      report.skipped += least_det[place] < model.settings.inversion_threshold;
+      report.inverted += min_det[place] < 0;
+      report.skipped += min_det[place] < model.settings.inversion_threshold;
     }
   }
   return report;

@@ -87,7 +87,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
 
   // near the guard of the material shape the exact ratios decide
   const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
-  fails |= bits<double>(hn::Not(element.least_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
+  fails |= bits<double>(hn::Not(element.min_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
   Mat<V> R_centre;
   set_zero(R_centre);
   if (model.can_rotate) {
@@ -305,14 +305,14 @@ std::uint32_t collapsed(const Model& model, const double* positions, double rati
     gather(*model.partition, block, lane, positions, x);
     EdgeLanes<V> e;
     edges(x, e);
-    V least(std::numeric_limits<double>::infinity());
+    V lowest(std::numeric_limits<double>::infinity());
     for (int i = 0; i < kCorners; ++i) {
       V det;
       reciprocal(edges_at(e, i), det);
-      least = min(least, V(0.125) * det);
+      lowest = min(lowest, V(0.125) * det);
     }
     const V largest = gather_numbers(elements.number, [&](int n) { return model.largest_jacobian[n]; });
-    near |= bits<double>(hn::Not(least > V(ratio) * largest)) << lane;
+    near |= bits<double>(hn::Not(lowest > V(ratio) * largest)) << lane;
   }
   return near & present;
 }

@@ -14,7 +14,7 @@ namespace hexaplast {
 inline constexpr double kVolumeAtRest = 1e-12;  ///< a relative volume error below is rounding
 
 // lengths may not change more by restitution in one step, whatever beta
-inline constexpr double kLeastScale = 0.5, kGreatestScale = 2.0;
+inline constexpr double kMinScale = 0.5, kGreatestScale = 2.0;
 
 /// y_i <- Pi_i^T A_i Pi_i y_i, with one increment A_i = R^p_i S^p_i and one rotation map per corner; then the mean is
 /// removed.                                                                                                   eq. 27

@@ -13,7 +13,7 @@
 namespace hexaplast {
 namespace {
 
-constexpr int kMostPerRow = 200;       // of one row
+constexpr int kMaxPerRow = 200;        // of one row
 constexpr double kRegularised = 1e-8;  // of the mean of the diagonal, for rows that depend on one another
 constexpr double kNegligible = 0.03;   // of the energy norm of a start, that a solution adds to it
 constexpr double kOfFarInverse = 0.2;  // of the error allowed, where M is far from A: it sees less of smooth errors
@@ -56,7 +56,7 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
       field_of(b_, j).row(node) += direction.transpose();
     }
   const int num_solvers = num_threads();
-  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMostPerRow, preconditioner_);
+  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMaxPerRow, preconditioner_);
   bool is_parallel = true, couples = false;
   double error = energy_error_;
   for (int k = 0; k < num_solvers && is_parallel; ++k) {

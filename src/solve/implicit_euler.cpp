@@ -45,7 +45,7 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
                   : OperatorFactors{.mass = 1 + ah * rM, .damping = -ah, .stiffness = -ah * (ah + rK)};
   const ConstrainedOperator A(system, factors);
   SolveReport report = solver.solve_next(A, right_hand_side_, velocity_, memory_);
-  for (int k = 0; k < kMostReleases; ++k) {
+  for (int k = 0; k < kMaxReleases; ++k) {
     released_.setZero(x.rows(), 3);
     released_product_.setZero(x.rows(), 3);
     end_velocity_ = velocity_;

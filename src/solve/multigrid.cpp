@@ -19,7 +19,7 @@ constexpr int kSmoothing = 2;            // degree of the Chebyshev polynomial b
 constexpr double kSmoothedShare = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
 constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a direct solution
 constexpr double kCoarsestShare = 0.02;
-constexpr int kLeastLanczosSteps = 6, kMostLanczosSteps = 14;
+constexpr int kMinLanczosSteps = 6, kMaxLanczosSteps = 14;
 constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step: with less, steps end
 constexpr double kRangeEnds = 1e-5;      // of a Lanczos vector: what is left is rounding
 constexpr double kSafety = 1.15;  // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
@@ -84,16 +84,16 @@ double dot(MultigridLevel<T>& level, const AlignedVector<T>& a, const AlignedVec
 
 /// What Lanczos has found of a matrix: tridiagonal, of a size that needs no allocation.
 struct Tridiagonal {
-  template <int kRows, int kMostRows>
-  using Column = Eigen::Matrix<double, kRows, 1, 0, kMostRows, 1>;
-  Column<kMostLanczosSteps, kMostLanczosSteps> diagonal = decltype(diagonal)::Zero(), beside = diagonal;
+  template <int kRows, int kMaxRows>
+  using Column = Eigen::Matrix<double, kRows, 1, 0, kMaxRows, 1>;
+  Column<kMaxLanczosSteps, kMaxLanczosSteps> diagonal = decltype(diagonal)::Zero(), beside = diagonal;
 
   /// Of the first `size` rows.
   double largest_eigenvalue(int size) const {
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostLanczosSteps, kMostLanczosSteps>;
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLanczosSteps, kMaxLanczosSteps>;
     Eigen::SelfAdjointEigenSolver<Matrix> solver(size);
-    solver.computeFromTridiagonal(Column<Eigen::Dynamic, kMostLanczosSteps>(diagonal.head(size)),
-                                  Column<Eigen::Dynamic, kMostLanczosSteps - 1>(beside.head(size - 1)),
+    solver.computeFromTridiagonal(Column<Eigen::Dynamic, kMaxLanczosSteps>(diagonal.head(size)),
+                                  Column<Eigen::Dynamic, kMaxLanczosSteps - 1>(beside.head(size - 1)),
                                   Eigen::EigenvaluesOnly);
     return solver.eigenvalues()[size - 1];
   }
@@ -130,13 +130,13 @@ double spectral_radius(MultigridLevel<T>& level) {
     for_each_number([&](std::size_t i) { level.x[i] = level.inverse[i] > 0 ? level.d[i] / level.inverse[i] : T(0); });
     const double norm = std::sqrt(dot(level, level.d, level.x));
     if (step > 0) beta[step - 1] = norm;
-    if (step == kMostLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
+    if (step == kMaxLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
 
     for_each_number([&](std::size_t i) { level.d[i] *= static_cast<T>(1 / norm); });
     apply(level);
     alpha[step] = dot(level, level.d, level.Ad);
     const double before_step = std::exchange(largest, found.largest_eigenvalue(step + 1));
-    if (step + 1 >= kLeastLanczosSteps && !(largest > kLanczosGrowth * before_step)) break;
+    if (step + 1 >= kMinLanczosSteps && !(largest > kLanczosGrowth * before_step)) break;
     const T along = static_cast<T>(alpha[step]), before = static_cast<T>(step > 0 ? norm : 0);
     for_each_number(
         [&](std::size_t i) { level.r[i] = level.inverse[i] * level.Ad[i] - along * level.d[i] - before * level.r[i]; });
@@ -283,9 +283,9 @@ void Multigrid<T>::place(const KernelBody& body, const PointArray& diagonal, con
 /// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
 template <class T>
 template <class U>
-void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double least_share, bool leaves_residual) {
+void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double min_share, bool leaves_residual) {
   const Partition& partition = level.op->partition();
-  const double theta = level.radius * (1 + least_share) / 2, delta = level.radius * (1 - least_share) / 2;
+  const double theta = level.radius * (1 + min_share) / 2, delta = level.radius * (1 - min_share) / 2;
   const double sigma = theta / delta;
   double rho = 1 / sigma;
   for (int step = 0; step < degree; ++step) {

@@ -22,8 +22,8 @@ double pull_of(double corner_ratio, const Settings& settings) {
 /// a line do not feel turns about it.
 Mat3 pseudo_inverse(const Mat3& A) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(A);
-  const double least = 1e-9 * eigen.eigenvalues()[2];
-  const auto inverse = [&](double value) { return value > least ? 1 / value : 0; };
+  const double min = 1e-9 * eigen.eigenvalues()[2];
+  const auto inverse = [&](double value) { return value > min ? 1 / value : 0; };
   const Vec3 values = eigen.eigenvalues().unaryExpr(inverse);
   return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
 }

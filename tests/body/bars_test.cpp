@@ -57,9 +57,9 @@ TEST_P(Bar, FollowsTheReferenceAndKeepsItsShapeAfterwards) {
   const Json rows = support::golden(GetParam().golden_file)[GetParam().golden_key]["rows"];
   ASSERT_EQ(rows.size(), 20u);
   const auto peak = [&](const char* key) {
-    double most = 0;
-    for (const Json& row : rows) most = std::max(most, std::abs(row[key].get<double>()));
-    return most;
+    double max = 0;
+    for (const Json& row : rows) max = std::max(max, std::abs(row[key].get<double>()));
+    return max;
   };
 
   for (const Json& row : rows) {

@@ -184,12 +184,12 @@ TEST_F(YieldingBody, ShowsWhatItIs) {
     const Hexahedron& corners = body.mesh().hexahedra()[e];
     EXPECT_NEAR(fields.volume_ratio[e],
                 volume(gather(body.state().history.material, corners)) / body.state().model.volume[e], 1e-13);
-    double most = 0, mean = 0;
+    double max = 0, mean = 0;
     for (int a = 0; a < kCorners; ++a) {
-      most = std::max(most, body.state().history.yield_stress[e][a]);
+      max = std::max(max, body.state().history.yield_stress[e][a]);
       mean += body.state().history.plastic_strain[e][a] / 8;
     }
-    EXPECT_EQ(fields.yield_stress[e], most);
+    EXPECT_EQ(fields.yield_stress[e], max);
     EXPECT_NEAR(fields.plastic_strain[e], mean, 1e-15);
     EXPECT_GT(fields.stress_norm[e], 100);
     EXPECT_GT(fields.strain[e], 0);

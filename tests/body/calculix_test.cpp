@@ -88,8 +88,8 @@ TEST(CalculixCantilever, LargeDeflectionLiesBetweenC3D8AndC3D20R) {
 double twist_rate(int cells_across, double torque) {
   const int slices = 10 * cells_across;
   const double length = 10 * kWidth;
-  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, length);
-  const HexMesh mesh = regular_grid({cells_across, cells_across, slices}, least, most);
+  const Vec3 min(-kWidth / 2, -kWidth / 2, 0), max(kWidth / 2, kWidth / 2, length);
+  const HexMesh mesh = regular_grid({cells_across, cells_across, slices}, min, max);
   const std::vector<int> end = support::nodes_at(mesh, 2, length);
   const std::vector<double> share = support::face_shares(mesh, end);
   PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);

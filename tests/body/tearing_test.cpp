@@ -59,19 +59,19 @@ bool is_closed(const SurfaceFaces& surface) {
 }
 
 /// The greatest number of hexahedra that have the same face.
-int most_hexahedra_on_a_face(const HexMesh& mesh, std::span<const unsigned char> alive) {
+int max_hexahedra_on_a_face(const HexMesh& mesh, std::span<const unsigned char> alive) {
   std::map<Quad, int> hexahedra_on;
-  int most = 0;
+  int max = 0;
   for (int e = 0; e < mesh.num_elements(); ++e) {
     if (!alive[e]) continue;
     for (const auto& local : kFaces) {
       Quad face{};
       for (int k = 0; k < 4; ++k) face[k] = mesh.hexahedra()[e][local[k]];
       std::ranges::sort(face);
-      most = std::max(most, ++hexahedra_on[face]);
+      max = std::max(max, ++hexahedra_on[face]);
     }
   }
-  return most;
+  return max;
 }
 
 // Many small bodies, each until nothing is left of it: scripts/soak repeats it with memory and arithmetic watched.
@@ -108,7 +108,7 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
         ASSERT_EQ(std::ranges::count(history.removed, e), history.alive[e] ? 0 : 1);
         if (history.alive[e]) expected += volume_of[e];
       }
-      ASSERT_LE(most_hexahedra_on_a_face(mesh, history.alive), 2);
+      ASSERT_LE(max_hexahedra_on_a_face(mesh, history.alive), 2);
       const SurfaceFaces surface = mesh.boundary_faces(history.alive);
       ASSERT_TRUE(is_closed(surface));
       ASSERT_NEAR(enclosed_volume(surface, world), expected, 1e-15);
@@ -178,7 +178,7 @@ Crack crack_of(double share, double pull) {
     if (sheet.step().removed == 0 || connected_parts(mesh, history.alive).count == 1) continue;
     Crack crack;
     for (const int e : history.removed) {
-      const int first = mesh.hexahedra()[e][0];  // the least corner: node (column, row, 0) of the grid
+      const int first = mesh.hexahedra()[e][0];  // the smallest corner: node (column, row, 0) of the grid
       crack.insert({first % (kSheet[0] + 1), first / (kSheet[0] + 1)});
     }
     return crack;

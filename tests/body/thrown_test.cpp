@@ -56,7 +56,7 @@ double relative_energy(const support::Simulation& bar) {
 struct Throw {
   const char* name;
   PointArray (*positions)(const PointArray& rest, int seed);
-  int least_recovered;  ///< of 10
+  int min_recovered;  ///< of 10
 };
 
 constexpr Throw kThrows[] = {
@@ -127,7 +127,7 @@ TEST_P(Scramble, OfAnElasticBodyStaysFiniteAndComesBackAsOftenAsPublished) {
   const Settings settings = form(Bending::kBlended, Volumetric::kSample, ElasticLaw::kCorotated, RecoveryMode::kNone);
   const int num_recovered = num_that_come_back(GetParam(), settings);
   std::printf("%s: %d of %d came back\n", GetParam().name, num_recovered, num_throws());
-  EXPECT_GE(10 * num_recovered, GetParam().least_recovered * num_throws());
+  EXPECT_GE(10 * num_recovered, GetParam().min_recovered * num_throws());
 }
 
 // With springs all of them do, whatever the element and the law.

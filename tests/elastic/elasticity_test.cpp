@@ -32,7 +32,7 @@ Body elastic_body(HexMesh mesh) {
   return Body(std::move(mesh), {m}, published_element());
 }
 
-/// True when no sample of the body comes near a gradient at which its rotation jumps (the two least stretches
+/// True when no sample of the body comes near a gradient at which its rotation jumps (the two smallest stretches
 /// opposite).
 bool is_smooth_at(const Body& body, const PointArray& x) {
   for (const Hexahedron& corners : body.mesh().hexahedra()) {

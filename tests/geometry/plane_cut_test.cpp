@@ -213,9 +213,9 @@ TEST(PlaneCut, LeavesOutWhatIsRemoved) {
 TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
   const HexMesh mesh = support::block({2, 1, 1}, 1);
   const Vec3 normal = Vec3(3, 0, -4) / 5;
-  const auto [least, most] = extent_along(normal, mesh.positions(), mesh.hexahedra());
-  EXPECT_DOUBLE_EQ(least, -0.8);
-  EXPECT_DOUBLE_EQ(most, 1.2);
+  const auto [min, max] = extent_along(normal, mesh.positions(), mesh.hexahedra());
+  EXPECT_DOUBLE_EQ(min, -0.8);
+  EXPECT_DOUBLE_EQ(max, 1.2);
   EXPECT_EQ(extent_along(normal, mesh.positions(), mesh.hexahedra(), std::vector<unsigned char>{1, 0}).second, 0.6);
   EXPECT_EQ(extent_along(normal, mesh.positions(), {}), std::pair(0.0, 0.0));
   EXPECT_EQ(cut(mesh, {normal, -0.81}).area(), 0);

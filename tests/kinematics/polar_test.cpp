@@ -121,7 +121,7 @@ TEST(Polar, HoldsForAMillionGradientsAndIsEigensWhereItIsUnique) {
     ASSERT_GT(R.determinant(), 0) << F;
     ASSERT_LE((svd.U * svd.d.asDiagonal() * svd.V.transpose() - F).cwiseAbs().maxCoeff(), 4e-12 * scale) << F;
 
-    // unique where the two least stretches are not opposite
+    // unique where the two smallest stretches are not opposite
     if (svd.d[1] + svd.d[2] < 1e-3 * scale) continue;
     ++num_unique;
     const Eigen::JacobiSVD<Mat3> eigen(F, Eigen::ComputeFullU | Eigen::ComputeFullV);

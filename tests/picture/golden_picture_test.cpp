@@ -26,15 +26,15 @@ constexpr int kWidth = 320, kHeight = 180;
 /// Pixels may differ by this much, which is less than a step of the colour map; and so many may differ by more, at the
 /// borders of what is drawn.
 constexpr int kTolerance = 8;
-constexpr int kMostDifferent = 60;
+constexpr int kMaxDifferent = 60;
 
 int num_different(const Image& a, const Image& b) {
   if (a.pixels.size() != b.pixels.size() || a.width != b.width) return a.width * a.height;
   int count = 0;
   for (std::size_t k = 0; k < a.pixels.size(); k += 3) {
-    int most = 0;
-    for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a.pixels[k + c] - b.pixels[k + c]));
-    count += most > kTolerance;
+    int max = 0;
+    for (std::size_t c = 0; c < 3; ++c) max = std::max(max, std::abs(a.pixels[k + c] - b.pixels[k + c]));
+    count += max > kTolerance;
   }
   return count;
 }
@@ -46,7 +46,7 @@ Image golden(const std::string& name) {
 void expect_golden(const std::string& name, const Drawing& drawing) {
   const Image image = output::load_renderer()->render(drawing);
   const int count = num_different(image, golden(name));
-  if (count <= kMostDifferent) return;
+  if (count <= kMaxDifferent) return;
   const fs::path actual = fs::current_path() / (name + "_actual.png");
   output::write_png(actual, image);
   ADD_FAILURE() << count << " pixels differ from tests/data/pictures/" << name << ".png; see " << actual;
@@ -184,7 +184,7 @@ TEST(GoldenPicture, DiffersFromOneOfAnotherCamera) {
   Staging staging = small();
   const Vec3 towards = output::beside(2).towards;
   staging.viewpoint = output::Viewpoint{Eigen::AngleAxisd(0.05, Vec3::UnitY()) * towards, {}};
-  EXPECT_GT(num_different(output::load_renderer()->render(picture(staging)), golden("body")), 10 * kMostDifferent);
+  EXPECT_GT(num_different(output::load_renderer()->render(picture(staging)), golden("body")), 10 * kMaxDifferent);
 }
 
 TEST(GoldenPicture, DiffersFromOneWithoutLight) {
@@ -193,7 +193,7 @@ TEST(GoldenPicture, DiffersFromOneWithoutLight) {
     for (Drawing::Vertex& corner : triangle.corner)
       if (corner.depth > 0.1f && corner.depth < 0.9f)
         for (float* part : {&corner.colour.red, &corner.colour.green, &corner.colour.blue}) *part *= 0.8f;
-  EXPECT_GT(num_different(output::load_renderer()->render(drawing), golden("body")), 10 * kMostDifferent);
+  EXPECT_GT(num_different(output::load_renderer()->render(drawing), golden("body")), 10 * kMaxDifferent);
 }
 
 /// Null where the machine has no EGL.
@@ -221,7 +221,7 @@ TEST(Backends, DrawTheSame) {
   if (!egl) GTEST_SKIP() << "no EGL here";
   const Drawing drawing = picture({});
   EXPECT_LE(num_different(egl->render(drawing), output::load_renderer(output::Backend::kOsmesa)->render(drawing)),
-            kMostDifferent);
+            kMaxDifferent);
   EXPECT_EQ(egl->render(drawing).pixels, egl->render(drawing).pixels);
 }
 

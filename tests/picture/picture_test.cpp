@@ -117,12 +117,12 @@ TEST(Picture, ShowsTheScaleFromZeroToTheGreatestValue) {
 
 /// The share of the scale whose colour, under some light, is nearest to a pixel.
 double share_at(const Rgb& pixel) {
-  double best = 0, least = 1e9;
+  double best = 0, min = 1e9;
   for (int k = 0; k <= 100; ++k) {
     const Colour base = output::colour_of(k / 100.0);
     const Vec3 scale(base.red, base.green, base.blue), seen(pixel[0] / 255.0, pixel[1] / 255.0, pixel[2] / 255.0);
     const double error = (seen - scale * seen.dot(scale) / scale.squaredNorm()).norm();
-    if (error < least) std::tie(least, best) = std::pair(error, k / 100.0);
+    if (error < min) std::tie(min, best) = std::pair(error, k / 100.0);
   }
   return best;
 }
@@ -253,7 +253,7 @@ TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {
   EXPECT_GE(blue, 2) << "the ring about (640, 342), cut across";
 }
 
-/// Least and greatest x and y of the pixels in the colour of loads, above the keys; none: an empty box.
+/// Smallest and greatest x and y of the pixels in the colour of loads, above the keys; none: an empty box.
 Eigen::AlignedBox2i extent_of_loads(const Image& image) {
   Eigen::AlignedBox2i box;
   for (int y = 60; y < 600; ++y)
@@ -539,15 +539,15 @@ Vec3 lab(const Colour& colour) {
 
 TEST(ColourMap, TakesEqualStepsAndGetsDarkerAllTheWay) {
   constexpr int kSteps = 32;
-  double least = 1e9, most = 0;
+  double min = 1e9, max = 0;
   for (int k = 0; k < kSteps; ++k) {
     const Vec3 from = lab(output::colour_of(static_cast<double>(k) / kSteps));
     const Vec3 to = lab(output::colour_of((k + 1.0) / kSteps));
     EXPECT_GT(from[0], to[0] + 0.5);
-    least = std::min(least, (to - from).norm());
-    most = std::max(most, (to - from).norm());
+    min = std::min(min, (to - from).norm());
+    max = std::max(max, (to - from).norm());
   }
-  EXPECT_LT(most, 1.05 * least);
+  EXPECT_LT(max, 1.05 * min);
   EXPECT_EQ(bytes(output::colour_of(-1)), bytes(output::colour_of(0)));
   EXPECT_EQ(bytes(output::colour_of(2)), bytes(output::colour_of(1)));
 }

@@ -178,7 +178,7 @@ std::string hash_of_bar_whose_ends_flow(bool copies_it) {
   settings.volume_restitution = 0;
   Body body(support::block({16, 3, 3}, kEdge), {m}, settings);
   const PointArray rest = body.mesh().positions();
-  int most = 0, least = body.mesh().num_elements();
+  int max = 0, min = body.mesh().num_elements();
   for (int step = 0; step < 24; ++step) {
     PointArray world = body.plastic_rest_positions();
     for (int n = 0; n < rest.rows(); ++n) {
@@ -187,15 +187,15 @@ std::string hash_of_bar_whose_ends_flow(bool copies_it) {
     }
     if (step % 6 == 5) world = body.plastic_rest_positions();
     const int yielded = body.flow(world, kStep).yielded;
-    most = std::max(most, yielded);
-    if (yielded > 0) least = std::min(least, yielded);
+    max = std::max(max, yielded);
+    if (yielded > 0) min = std::min(min, yielded);
     if (!copies_it) continue;
     std::stringstream saved;  // without what the plastic step keeps for itself
     body.save(saved);
     body.load(saved);
   }
-  EXPECT_GT(least, 0);
-  EXPECT_LT(most, body.mesh().num_elements() / 2);
+  EXPECT_GT(min, 0);
+  EXPECT_LT(max, body.mesh().num_elements() / 2);
   return hash_of(body);
 }
 

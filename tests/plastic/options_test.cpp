@@ -63,8 +63,8 @@ TEST(Bending, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
     body.add_force(f);
     double inside = 0, boundary = 0;
     for (int n = 0; n < mesh.num_nodes(); ++n) {
-      double& most = on_boundary[n] ? boundary : inside;
-      most = std::max(most, f.row(n).norm());
+      double& max = on_boundary[n] ? boundary : inside;
+      max = std::max(max, f.row(n).norm());
     }
     if (scheme == Bending::kBlended)
       EXPECT_LE(inside, 1e-10 * boundary);

@@ -192,7 +192,7 @@ TEST(Calibration, StaysWithinTheBoxAndFindsTheBestOfItsLimit) {
 }
 
 TEST(Calibration, EndsWhereEvaluationsDo) {
-  const Calibration found = calibrate(decay(), {0.9, 0.9}, {.most_evaluations = 7}, [](int, double) {});
+  const Calibration found = calibrate(decay(), {0.9, 0.9}, {.max_evaluations = 7}, [](int, double) {});
   EXPECT_FALSE(found.is_converged);
   EXPECT_LE(found.num_evaluations, 7);
 }

@@ -215,7 +215,7 @@ TEST(InstrumentContactForceField, CanBeSwitchedOff) {
 
     auto& probe = at<scene::Component>(on, "probe");
     const auto switch_to = [&](bool is_active) {
-      probe.find_data("active")->give(is_active, {});
+      probe.find_data("active")->set(is_active, {});
       probe.follow_inputs();
       on.step();
     };

@@ -176,7 +176,7 @@ TEST_F(InstrumentAdapter, DrawsWhereItTouchesAndTheForces) {
   sofa::core::ExecParams eparams;
   dynamic_cast<Data<bool>&>(*contact.findData("drawInstrument")).setValue(true);
   contact.computeBBox(&eparams);
-  EXPECT_GT(contact.f_bbox.getValue().most[2], mesh.positions().col(2).maxCoeff() + 0.04);
+  EXPECT_GT(contact.f_bbox.getValue().max[2], mesh.positions().col(2).maxCoeff() + 0.04);
 }
 
 TEST_F(InstrumentAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {

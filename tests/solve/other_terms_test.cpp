@@ -197,7 +197,7 @@ struct Beside {
   const char* name;
   void (*tie)(Slab&, double);
   std::vector<double> shares;  // stiffness of the ties relative to that of the body's nodes
-  double most_share;           // up to which the iterations stay few
+  double max_share;            // up to which the iterations stay few
 };
 void PrintTo(const Beside& beside, std::ostream* out) { *out << beside.name; }
 
@@ -228,7 +228,7 @@ TEST_P(OtherTerms, LeaveThePreconditionerAndTheResidualAsTheyAre) {
           // where ties are a million times as stiff as the body, the residual of the iterations drifts by 3e-9
           EXPECT_NEAR(report.residual, residual, share > 1e3 ? 1e-8 : 1e-10) << what;
           // at most 1.23 times as many were measured: by the diagonal in mixed precision, whose corrections begin anew
-          if (share > GetParam().most_share) continue;
+          if (share > GetParam().max_share) continue;
           EXPECT_LE(report.iterations, 1.35 * alone) << what;
         }
       }

@@ -20,8 +20,8 @@ constexpr int kSlices = 10, kAxis = 2;
 
 /// The bar of a case, with the origin on its axis at the lower end.
 HexMesh bar_mesh(int refine) {
-  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, kSlices * kCell);
-  return regular_grid({3 * refine, 3 * refine, kSlices * refine}, least, most);
+  const Vec3 min(-kWidth / 2, -kWidth / 2, 0), max(kWidth / 2, kWidth / 2, kSlices * kCell);
+  return regular_grid({3 * refine, 3 * refine, kSlices * refine}, min, max);
 }
 
 std::vector<int> central(const HexMesh& mesh, std::vector<int> end) {

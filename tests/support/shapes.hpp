@@ -32,7 +32,7 @@ inline HexMesh single_element(const ElementPoints& x) {
   return HexMesh(PointArray(x), {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}});
 }
 
-/// Block of cubes with its least corner at the origin.
+/// Block of cubes with its smallest corner at the origin.
 inline HexMesh block(std::array<int, 3> cells, double edge) {
   return regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * edge, cells[1] * edge, cells[2] * edge));
 }

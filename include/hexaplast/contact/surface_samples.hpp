@@ -46,15 +46,15 @@ struct SurfaceSamples {
   double spacing = 0;  ///< [m] the largest distance between neighbours
 
   /// On the faces of the mesh. Parts of an edge of a face: as many as make neighbours no farther apart than `wanted`
-  /// [m], but not more than `most`. alive: empty, or one per hexahedron. Throws InputError for a `wanted` or `most`
-  /// that is not positive.
-  static SurfaceSamples on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int most);
+  /// [m], but not more than `max_parts`. alive: empty, or one per hexahedron. Throws InputError for a `wanted` or
+  /// `max_parts` that is not positive.
+  static SurfaceSamples on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int max_parts);
 
   /// The same on triangles that are embedded in the hexahedra (Embedding) and have the positions `skin` [m] in the
   /// initial shape. Triangles of which a point lies in a hexahedron that is gone are left out. Throws what Embedding
   /// throws, and InputError for a node that is not there.
   static SurfaceSamples on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
-                                const std::vector<Triangle>& triangles, double wanted, int most);
+                                const std::vector<Triangle>& triangles, double wanted, int max_parts);
 };
 
 }  // namespace hexaplast

@@ -65,6 +65,6 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
 /// InputError when none is left.
 Cage cage_of(std::span<const CageCell> cells, const CageGrid& grid, CageCells kept = CageCells::kTouchedOrEnclosed);
 
-inline constexpr double kMostCageCells = 134'217'728;  // of the whole grid: a byte each while the cage is made
+inline constexpr double kMaxCageCells = 134'217'728;  // of the whole grid: a byte each while the cage is made
 
 }  // namespace hexaplast

@@ -60,8 +60,8 @@ class PlaneCut {
   double area_ = 0;
 };
 
-/// Where hexahedra lie along a direction of length 1: least and largest normal . x [m] of their corners, between which
-/// planes cut them; 0 and 0 where there is no hexahedron.
+/// Where hexahedra lie along a direction of length 1: smallest and largest normal . x [m] of their corners, between
+/// which planes cut them; 0 and 0 where there is no hexahedron.
 std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::span<const Hexahedron> hexahedra,
                                        std::span<const unsigned char> alive = {});
 

@@ -16,10 +16,10 @@
 
 namespace hexaplast {
 
-inline constexpr double kMostVoxels = 268'435'456;     // of a volume: a byte each
-inline constexpr double kMostVoxelCells = 16'777'216;  // hexahedra that are made of one
-inline constexpr double kMostCosineOfAxes = 1e-4;      // between two axes of a volume
-inline constexpr int kMostCoarsening = 256;            // voxels along an edge of a hexahedron
+inline constexpr double kMaxVoxels = 268'435'456;     // of a volume: a byte each
+inline constexpr double kMaxVoxelCells = 16'777'216;  // hexahedra that are made of one
+inline constexpr double kMaxCosineOfAxes = 1e-4;      // between two axes of a volume
+inline constexpr int kMaxCoarsening = 256;            // voxels along an edge of a hexahedron
 
 /// A segmentation: a label for each voxel of an image. Voxel (i, j, k) has the number i + n0 (j + n1 k), and its centre
 /// lies at origin + axes (i, j, k)^T. Label 0 is the background.
@@ -96,7 +96,7 @@ struct VoxelMesh {
 
 /// One hexahedron for each cell of coarsening^3 voxels of which at least half have a label that counts, beginning with
 /// voxel (0, 0, 0); what lies beyond the volume is background. The hexahedron has the most frequent of these labels; of
-/// equally frequent ones the least. All hexahedra have positive volumes, also where the axes of the volume are
+/// equally frequent ones the smallest. All hexahedra have positive volumes, also where the axes of the volume are
 /// left-handed.
 /// Throws InputError for a coarsening < 1, for a label that is 0, given twice or that no voxel has, for more than
 /// kMostVoxelCells hexahedra, and where no hexahedron is left.

@@ -83,7 +83,7 @@ double stable_phase_per_step(const EulerSettings& settings, double dt);
 /// (MechanicalSystem::release).
 class ImplicitEuler {
  public:
-  static constexpr int kMostReleases = 4;  ///< of a step
+  static constexpr int kMaxReleases = 4;  ///< of a step
 
   explicit ImplicitEuler(EulerSettings settings) : settings_(settings) {}
 

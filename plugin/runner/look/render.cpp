@@ -22,9 +22,9 @@ namespace {
 
 using output::RecordedRun;
 
-constexpr int kLeastSize = 64, kMostSize = 4096;  // [pixels]
-constexpr int kMostSections = 100;
-constexpr int kMostDecimals = 6;  // of times
+constexpr int kMinSize = 64, kMaxSize = 4096;  // [pixels]
+constexpr int kMaxSections = 100;
+constexpr int kMaxDecimals = 6;  // of times
 constexpr const char* kRestShape = "rest shape";
 
 // What options say
@@ -63,7 +63,7 @@ std::optional<std::pair<double, double>> range_of(const std::string& text) {
 
 std::pair<int, int> size_of(const std::string& text) {
   if (text.empty()) return {1280, 720};
-  const auto is_size = [](double side) { return side == std::floor(side) && side >= kLeastSize && side <= kMostSize; };
+  const auto is_size = [](double side) { return side == std::floor(side) && side >= kMinSize && side <= kMaxSize; };
   const std::vector<double> sides = numbers(text, 'x');
   if (sides.size() != 2 || !is_size(sides[0]) || !is_size(sides[1]))
     refuse("--size", text, "WIDTHxHEIGHT, each from 64 to 4096 pixels");
@@ -138,14 +138,14 @@ struct Subject {
   int time_decimals() const {
     if (manifest) return output::time_decimals(manifest->dt);
     // enough to tell the times apart that are there
-    for (int decimals = 2; decimals < kMostDecimals; ++decimals) {
+    for (int decimals = 2; decimals < kMaxDecimals; ++decimals) {
       const double tick = std::pow(10.0, -decimals);
       const auto is_told = [&](const RecordedRun::Entry& entry) {
         return std::abs(entry.time / tick - std::round(entry.time / tick)) < 1e-3;
       };
       if (std::ranges::all_of(run.entries(), is_told)) return decimals;
     }
-    return kMostDecimals;
+    return kMaxDecimals;
   }
 
   RecordedRun run;
@@ -203,11 +203,11 @@ output::Staging staging_of(const Subject& subject, const RenderOptions& options)
 
 void require_met(const Plane& cut, const RecordedRun& run, const RecordedRun::State& state,
                  const RenderOptions& options) {
-  const auto [least, most] =
+  const auto [min, max] =
       extent_along(cut.normal, shown_positions(state, options), run.mesh().hexahedra(), state.alive);
-  if (cut.offset < least || cut.offset > most)
+  if (cut.offset < min || cut.offset > max)
     throw UsageError(fmt::format("--slice {}: does not meet the body, which lies between {:.6g} and {:.6g} m",
-                                 options.slice, least, most));
+                                 options.slice, min, max));
 }
 
 void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const RenderOptions& options,
@@ -235,8 +235,7 @@ output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& en
                             const RenderOptions& options) {
   constexpr const char* kAllowed = "an axis and how many sections, from 1 to 100, as in z:5";
   const auto [axis, count] = axis_and_number("--sections", options.sections, kAllowed);
-  if (count != std::floor(count) || count < 1 || count > kMostSections)
-    refuse("--sections", options.sections, kAllowed);
+  if (count != std::floor(count) || count < 1 || count > kMaxSections) refuse("--sections", options.sections, kAllowed);
   output::SectionPage page;
   page.title = subject.title();
   page.remark = fmt::format("t = {:.{}f} s", entry.time, subject.time_decimals());

@@ -207,11 +207,11 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
 
 /// Which hexahedra bodies have lost, as far as a line holds them.
 std::string removed_line(const output::Bodies& bodies, const Totals& totals) {
-  constexpr std::size_t kMostNamed = 8;
+  constexpr std::size_t kMaxNamed = 8;
   std::vector<std::string> named;
   for (const output::Bodies::Entry& entry : bodies.all())
     for (const int hexahedron : entry.body->removed())
-      if (named.size() < kMostNamed)
+      if (named.size() < kMaxNamed)
         named.push_back(fmt::format("{}{}", hexahedron, bodies.is_one() ? "" : " of " + entry.name));
   return fmt::format("{} in steps {} to {}: {}{}", bodies.num_removed(), totals.first_removal, totals.latest_removal,
                      fmt::join(named, ", "), named.size() < bodies.num_removed() ? ", ..." : "");
@@ -219,7 +219,7 @@ std::string removed_line(const output::Bodies& bodies, const Totals& totals) {
 
 /// Which of a body's hexahedra were inverted.
 std::string inverted_line(int at_end, const Totals& totals) {
-  return fmt::format("{} at the end, at most {} in step {}", at_end, totals.most_inverted, totals.most_inverted_in);
+  return fmt::format("{} at the end, at most {} in step {}", at_end, totals.max_inverted, totals.max_inverted_in);
 }
 
 /// Where the work went.
@@ -274,7 +274,7 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
       add("removed", removed_line(*bodies, totals));
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
-    if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
+    if (totals.max_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
     const bool has_ends = measures_ends(simulation);
     if (has_ends)
       add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},

@@ -46,7 +46,7 @@ constexpr double kHardlyKnown = 0.5;
 /// Whether a share of the way between the limits counts as one of them.
 bool is_limit(double share);
 
-std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int most_evaluations);
+std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int max_evaluations);
 
 void print(const FitResult& result, const Experiments& experiments);
 

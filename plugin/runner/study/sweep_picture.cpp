@@ -13,7 +13,7 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr long kMostPanels = 64;   // of a quantity: more are too small to be told apart
+constexpr long kMaxPanels = 64;    // of a quantity: more are too small to be told apart
 constexpr double kNoTwist = 0.05;  // [deg] a bar that is pulled turns by less
 
 /// Two results with a common unit.
@@ -88,9 +88,9 @@ bool twists(const SweepTable& table) {
 std::vector<std::string> draw_sweep(const std::filesystem::path& file, const std::string& title,
                                     const SweepTable& table, std::span<const std::string> labels) {
   const long num_panels = table.num_runs() / static_cast<long>(table.factors().front().values.size());
-  if (num_panels > kMostPanels)
+  if (num_panels > kMaxPanels)
     return {
-        fmt::format("no picture: it would have {} plots of a quantity, at most {} are drawn", num_panels, kMostPanels)};
+        fmt::format("no picture: it would have {} plots of a quantity, at most {} are drawn", num_panels, kMaxPanels)};
   std::vector<output::PanelGrid> grids = {grid_of(kElongation, table, labels.front())};
   if (twists(table)) grids.push_back(grid_of(kTwist, table, labels.front()));
   output::write_panel_grids(file, title, grids);

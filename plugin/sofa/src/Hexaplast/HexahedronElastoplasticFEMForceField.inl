@@ -343,9 +343,9 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::draw(const sofa::core::vi
     const auto x = view(this->mstate->readPositions().ref());
     const std::span<const unsigned char> alive = body.alive();
     const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
-    const double most = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
+    const double max = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
     static sofa::helper::ColorMap colours(256, "Blue to Red");
-    const auto colour = colours.getEvaluator(0.0, std::max(most, 1e-6));
+    const auto colour = colours.getEvaluator(0.0, std::max(max, 1e-6));
     const auto faces = body.mesh().boundary_faces(alive);
     std::vector<sofa::type::Vec3> corners;
     std::vector<sofa::type::RGBAColor> shades;

@@ -121,7 +121,7 @@ public:
                     check_constraints(system);
                     PointArray solution(system.num_nodes(), 3), load = system.read(b);
                     SolveReport report = m_solver->solver().solve(system, load, solution);
-                    for (int k = 0; k < ImplicitEuler::kMostReleases && system.release(solution, load); ++k)
+                    for (int k = 0; k < ImplicitEuler::kMaxReleases && system.release(solution, load); ++k)
                     {
                         const SolveReport again = m_solver->solver().solve_from_guess(system, load, solution);
                         report.iterations += again.iterations;
