@@ -124,9 +124,9 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
                                          .frame = frame_of(state, settings.rotation_frame)},
                                         before.element(0), dt);
   for (int i = 0; i < kCorners; ++i) {
-    found.stretch_flow_fraction[i] = step.stretch[i].share;
+    found.stretch_flow_fraction[i] = step.stretch[i].fraction;
     found.stretch_increment[i] = step.stretch[i].increment;
-    found.rotation_flow_fraction[i] = step.rotation[i].share;
+    found.rotation_flow_fraction[i] = step.rotation[i].fraction;
     found.rotation_increment[i] = step.rotation[i].increment;
   }
   found.volume_ratio = step.volume_ratio;
@@ -179,10 +179,10 @@ void follow_path(const ElementPoints& original, const Material& material, const 
     const int steps = std::max(1, static_cast<int>(std::ceil(span / dt * (1 - 1e-9))));
     if (body.can_flow()) check_time_step({material}, settings, span / steps, names);
     for (int n = 1; n <= steps; ++n) {
-      const double share = static_cast<double>(n) / steps;
-      const Mat3 F = (1 - share) * path[k - 1].F + share * path[k].F;
+      const double fraction = static_cast<double>(n) / steps;
+      const Mat3 F = (1 - fraction) * path[k - 1].F + fraction * path[k].F;
       body.flow(original * F.transpose(), span / steps);
-      respond(path[k - 1].time + share * span, F);
+      respond(path[k - 1].time + fraction * span, F);
     }
   }
 }

@@ -78,7 +78,7 @@ class Batch {
     return {};
   }
 
-  /// The smallest share of hexahedra that have yielded in a step of a body.
+  /// The smallest fraction of hexahedra that have yielded in a step of a body.
   double min_yielded() const { return std::ranges::min(min_yielded_); }
 
  private:

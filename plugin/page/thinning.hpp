@@ -36,7 +36,7 @@ class Thinning {
   Series kept_;
 };
 
-/// The value that the share `rank` of the sorted values does not exceed (nearest rank); 0 where there are none.
+/// The value that the fraction `rank` of the sorted values does not exceed (nearest rank); 0 where there are none.
 double percentile(const std::vector<double>& sorted, double rank);
 
 }  // namespace hexaplast::output

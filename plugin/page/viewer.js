@@ -10,14 +10,14 @@ const keyHeight = 76;  // [pixels] of the colour key in the picture
 const surfaceVertexShader = `#version 300 es
 layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in float share;
+layout(location = 2) in float fraction;
 uniform mat4 camera;
 out vec3 at, across;
 out float value;
 void main() {
   at = place;
   across = normal;
-  value = share;
+  value = fraction;
   gl_Position = camera * vec4(place, 1);
 }`;
 const surfaceFragmentShader = `#version 300 es
@@ -414,9 +414,9 @@ class Viewer {
   // As the shader takes it. A plane of symmetry would run along the faces of a mesh: it is passed by a little.
   get cut() {
     if (!this.cutNormal) return [0, 0, 0, 1];
-    const axis = this.cutNormal.findIndex(number => number !== 0), share = this.part("offset").value / 1000 + 7e-4;
+    const axis = this.cutNormal.findIndex(number => number !== 0), fraction = this.part("offset").value / 1000 + 7e-4;
     const box = this.runs[0].data.box;
-    return [...this.cutNormal, this.cutNormal[axis] * (box[axis] + share * (box[3 + axis] - box[axis]))];
+    return [...this.cutNormal, this.cutNormal[axis] * (box[axis] + fraction * (box[3 + axis] - box[axis]))];
   }
 
   listen() {
@@ -635,16 +635,16 @@ class Viewer {
 
   drawRun(run, height) {
     const nearest = run.nearest(this.time);
-    let moment = {low: nearest, high: nearest, share: 0};
+    let moment = {low: nearest, high: nearest, fraction: 0};
     if (this.isBlended) {
       const between = run.between(this.time);
       if (run.sameSurfaceAs[between.low] === run.sameSurfaceAs[between.high]) moment = between;
     }
     const positions = run.blendedPositions(moment), topology = run.topology(moment.low);
     const field = run.data.fields.find(other => other.word === this.field);
-    const shares = field ? run.blendedShares(field, moment, this.range) : new Float32Array(run.numNodes);
+    const fractions = field ? run.blendedFractions(field, moment, this.range) : new Float32Array(run.numNodes);
     if (this.shows.ghost) this.drawGhost(run);
-    this.drawBodies(run, topology, positions, shares, moment.low, height);
+    this.drawBodies(run, topology, positions, fractions, moment.low, height);
     this.drawMarks(run, topology, positions, nearest, height);
   }
 
@@ -662,26 +662,26 @@ class Viewer {
     gl.enable(gl.DEPTH_TEST);
   }
 
-  drawBodies(run, topology, positions, shares, state, height) {
+  drawBodies(run, topology, positions, fractions, state, height) {
     const gl = this.painter.gl, cut = this.cut, isEmbedded = topology.embedded.length > 0;
     // edges grow fainter with their length on the screen; lines of WebGL are never thinner than a pixel
     const {shortest, longest, widest, strongest, cageOpacity} = ink.edges;
     const length = topology.body.meanEdge * this.camera.pixelsPerMetre(height) / this.pixel;
-    const share = Math.min(1, length / longest), thinness = Math.min(1, widest * Math.sqrt(share) * this.pixel);
-    const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * share * thinness;
+    const fraction = Math.min(1, length / longest), thinness = Math.min(1, widest * Math.sqrt(fraction) * this.pixel);
+    const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * fraction * thinness;
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
     if (isEmbedded && this.shows.surface)
       topology.embedded.forEach((surface, number) => {
-        const values = run.blend(number, shares, 1);
+        const values = run.blend(number, fractions, 1);
         this.painter.surface(surface.vertices(run.embeddedPoints(number, positions), point => values[point]),
                              surface.triangles, {cut});
       });
     if (!isEmbedded) {
-      this.painter.surface(topology.body.vertices(positions, node => shares[node]), topology.body.triangles,
+      this.painter.surface(topology.body.vertices(positions, node => fractions[node]), topology.body.triangles,
                            {cut});
       if (this.cutNormal) {
-        const section = run.cut(state, positions, shares, this.cutNormal, cut[3]);
+        const section = run.cut(state, positions, fractions, this.cutNormal, cut[3]);
         this.painter.surface(section.vertices, null, {light: "none"});  // who cuts wants to read values there
         const nearer = 5e-4 * this.camera.size;
         if (this.shows.edges) this.painter.marks("LINES", section.lines, null, ink.edge, {opacity: edgeOpacity, nearer});

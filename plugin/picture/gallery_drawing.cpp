@@ -32,10 +32,10 @@ constexpr float kShortestArrow = 3;   // on the page; shorter ones are left out
 constexpr float kBetweenArrows = 24;  // on the page: of denser ones the strongest are drawn
 constexpr float kAlongSight = 0.05f;  // of gravity that is seen: below, it has no direction on the page
 
-/// Towards white by a share, for the gleam of what is moist.
-Colour gleaming(const Colour& colour, float share) {
-  return {colour.red + share * (1 - colour.red), colour.green + share * (1 - colour.green),
-          colour.blue + share * (1 - colour.blue)};
+/// Towards white by a fraction, for the gleam of what is moist.
+Colour gleaming(const Colour& colour, float fraction) {
+  return {colour.red + fraction * (1 - colour.red), colour.green + fraction * (1 - colour.green),
+          colour.blue + fraction * (1 - colour.blue)};
 }
 
 /// Weights of a quad's corners at a place in it.

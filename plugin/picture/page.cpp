@@ -116,8 +116,8 @@ void Page::add_colour_bar(const Scale& scale) {
         fmt::format("{} [{}]", scale.quantity().label, scale.quantity().unit));
   const Ticks ticks = ticks_within(scale.min(), scale.max(), 6);
   for (const double value : ticks.values) {
-    const double share = (value - scale.min()) / (scale.max() - scale.min());
-    const float x = left + kBarWidth * static_cast<float>(share);
+    const double fraction = (value - scale.min()) / (scale.max() - scale.min());
+    const float x = left + kBarWidth * static_cast<float>(fraction);
     drawing_.lines.push_back({{x, bottom, 0, kInk}, {x, bottom + 6, 0, kInk}, 1.3f});
     write(x, bottom + 24, 16, Drawing::Align::kCentre, kInk, ticks.label(value));
   }

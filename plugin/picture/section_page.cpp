@@ -79,13 +79,13 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   Scale scale(quantity, range);
   Eigen::AlignedBox2f box;
   for (int k = 0; k < count; ++k) {
-    const double share = (k + 0.5) / count;
-    places.push_back(min + share * (max - min));
+    const double fraction = (k + 0.5) / count;
+    places.push_back(min + fraction * (max - min));
     sections.push_back(section_at(mesh, positions, at_nodes, alive, axis, places.back()));
     scale.see(sections.back().values);
     for (const Eigen::Vector2f& point : sections.back().points) box.extend(point);
     if (ghost.empty()) continue;
-    const double place_behind = min_behind + share * (max_behind - min_behind);
+    const double place_behind = min_behind + fraction * (max_behind - min_behind);
     ghosts.push_back(section_at(mesh, behind, at_nodes, {}, axis, place_behind));
     for (const Eigen::Vector2f& point : ghosts.back().points) box.extend(point);
   }

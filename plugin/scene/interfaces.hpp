@@ -43,7 +43,7 @@ class Topology : public Component {
   /// Which nothing deforms by: for what is made of them.
   virtual const std::vector<Tetrahedron>& tetrahedra();
 
-  /// Factor of the stiffness of each hexahedron > 0, mostly its share of matter; empty: all are full.
+  /// Factor of the stiffness of each hexahedron > 0, mostly its fraction of matter; empty: all are full.
   virtual std::span<const double> fill() { return {}; }
   /// The like for the mass of elements that are their own mass.
   virtual std::span<const double> mass_fill() { return fill(); }

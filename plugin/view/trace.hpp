@@ -25,8 +25,8 @@ class Trace {
   /// Widens [min, max] by the values at and after `begin`.
   void extend_range(double begin, double& min, double& max) const;
 
-  /// Value that a share of all values does not exceed; 0 where there are none.
-  double quantile(double share) const;
+  /// Value that a fraction of all values does not exceed; 0 where there are none.
+  double quantile(double fraction) const;
 
   template <class Visit>
   void for_each_since(double begin, const Visit& visit) const {

@@ -15,7 +15,7 @@ namespace hexaplast::view {
 
 /// An ink of the pictures.
 constexpr ImU32 ink(const output::Colour& colour) {
-  const auto byte = [](float share) { return static_cast<int>(255 * share + 0.5f); };
+  const auto byte = [](float fraction) { return static_cast<int>(255 * fraction + 0.5f); };
   return IM_COL32(byte(colour.red), byte(colour.green), byte(colour.blue), 255);
 }
 

@@ -102,7 +102,7 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
   });
 }
 
-// Each contact has about its share of the normal force that it had, and all together about the one that is expected:
+// Each contact has about its part of the normal force that it had, and all together about the one that is expected:
 // bodies that land press more from step to step.
 void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
   const auto pressing = [&](const ContactTerm& term) {

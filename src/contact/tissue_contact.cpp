@@ -18,7 +18,7 @@ namespace {
 constexpr double kEdgesPerLook = 0.5;  // of an edge that bodies may move against each other between two looks
 constexpr int kMaxTissueLooks = 16;    // within a step
 constexpr double kKept = 0.5;          // of an edge that what touched may be expected in front of the surface
-constexpr double kShare = 0.5;         // of the stiffness, for each of the two sides
+constexpr double kFraction = 0.5;      // of the stiffness, for each of the two sides
 constexpr double kPerEdge = 0.5;       // distance of samples, in edges of the other body
 
 /// What stays of a sample from step to step.
@@ -136,8 +136,8 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
   for (int look = 1; look <= looks; ++look) {
-    const double share = static_cast<double>(look) / looks;
-    for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + share * h * *vs[body];
+    const double fraction = static_cast<double>(look) / looks;
+    for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + fraction * h * *vs[body];
     for (const auto& of : sides_) {
       Side& side = *of;
       const PointArray &own = expected_[side.from], &others = expected_[with_itself ? 0 : side.to];
@@ -205,15 +205,15 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
       term.normal = sign * found.place->normal;
       const Vec3 r = sign * found.difference;
       term.place = r - (found.place->distance - settings_.distance) * term.normal;
-      term.stiffness = kShare * settings_.stiffness * sample.area;
-      term.damping = kShare * settings_.damping * sample.area;
+      term.stiffness = kFraction * settings_.stiffness * sample.area;
+      term.damping = kFraction * settings_.damping * sample.area;
       if (state.normal_force == 0) {
         state.hexahedron = found.place->hexahedron;
         state.anchor = found.place->weights;
       }
       state.face = found.place->face;
       term.anchor = r - sign * found.displacement;
-      term.stick = kShare * settings_.tangential_stiffness * sample.area;
+      term.stick = kFraction * settings_.tangential_stiffness * sample.area;
       term.friction = settings_.friction;
       term.normal_before = state.normal_force;
     }
@@ -240,7 +240,7 @@ void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
     SampleState& state = side.states[i];
     const SurfaceSamples::Sample& sample = side.samples.samples[i];
     state.normal_force = N;
-    const double stiffness = kShare * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
+    const double stiffness = kFraction * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
                  size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
 

@@ -50,9 +50,10 @@ CycleOperator::CycleOperator(const Model& model)
       keeps_its_own_(model.partition->num_blocks),
       is_thin_(model.partition->num_blocks) {
   for (int block = 0; block < model.partition->num_blocks; ++block) is_thin_[block] = is_thin(model, block);
-  simple_.kind = {
-      .sampling = {.assumed = Assumed::kModes, .share = sampling_of(model.settings).share, .one_rotation = true},
-      .volumetric = model.settings.volumetric};
+  simple_.kind = {.sampling = {.assumed = Assumed::kModes,
+                               .corner_weight = sampling_of(model.settings).corner_weight,
+                               .one_rotation = true},
+                  .volumetric = model.settings.volumetric};
   simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));
 }
 

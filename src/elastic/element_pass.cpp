@@ -26,9 +26,9 @@ HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, s
 /// Of the volume ratio.                                                                                        eq. E6
 template <class V>
 HWY_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes<V>& p, const ModeLanes<V>& of_volume,
-                                 V share, CornerLanes<V>& f) {
+                                 V corner_weight, CornerLanes<V>& f) {
   if (of.volumetric != Volumetric::kVolumeRatio) return;
-  const V pressure = of.of_volume() * p.excess * share;
+  const V pressure = of.of_volume() * p.excess * corner_weight;
   CornerLanes<V> gradient;
   modes_transpose(of_volume, gradient);
   for (int a = 0; a < kCorners; ++a)
@@ -43,7 +43,7 @@ HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, kAssumed, V>& elemen
   const auto& rest = element.rest;
   const V eighth = V(-1.0 / kCorners) * volume;
   if constexpr (kAssumed != Assumed::kNothing) {
-    acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.share));
+    acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.corner_weight));
     // samples with rotations of their own feel that of the mean by what is assumed alone
     V moment[3] = {V(0.0), V(0.0), V(0.0)};
     add_moment(1, element.columns.a, acting.a, moment);
@@ -114,7 +114,7 @@ HWY_NOINLINE void screen_one_rotation(const ElementPass<T, Coef>& pass, const Ma
   V min_det(1e300);
   for (int i = 0; i < kCorners; ++i) {
     const Sym<V> S = symmetric_part(turned[i]);
-    const Sym<V> yielding = stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(dilatation(of.law, S)));
+    const Sym<V> yielding = stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(dilatation(of.law, S)));
     store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
     min_det = min(min_det, determinant(turned[i]));
   }
@@ -150,7 +150,7 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
   screen_folding(pass, element, block);
 
   const Mat<V> j = scaled(V(pass.length), element.j);
-  ModeStiffness<V> stiffness(j, rest.share, of.mu, of.free);
+  ModeStiffness<V> stiffness(j, rest.corner_weight, of.mu, of.free);
   V on_modes[4][3];
   apply(stiffness.of_two, element.columns.Q, on_modes);
   apply(stiffness.of_three, element.columns.Q + 3, on_modes + 3);
@@ -162,7 +162,7 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
 
   V moment[3] = {V(0.0), V(0.0), V(0.0)};
   add_moment(-1, element.columns.Q, on_modes, moment);
-  const Mat<V> P = element.mean.R * matrix(stress(of.law, of.mooney_share, element.mean.S, of.mu, p.at(theta)));
+  const Mat<V> P = element.mean.R * matrix(stress(of.law, of.mooney_fraction, element.mean.S, of.mu, p.at(theta)));
   const Mat<V> by_turning = turning(element.mean, dual_of(rest), moment),
                by_stress = product_transposed(dual_of(rest), P);
   Mat<V> on_mean;
@@ -196,14 +196,14 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   for (int i = 0; i < kCorners; ++i) {
     const auto& [R, S, doubtful] = element.polar[i];
     const V theta = dilatation(of.law, S);
-    const Sym<V> sigma = stress(of.law, of.mooney_share, S, of.mu, p.at(theta));
+    const Sym<V> sigma = stress(of.law, of.mooney_fraction, S, of.mu, p.at(theta));
     const Mat<V> P = R * matrix(sigma);
     acting.add_columns(i, product_transposed(inverse_at(element.rest, i), P));
     if constexpr (RestLanes<kGeneral, kAssumed, V>::kAtCorners) acting.add_shared(i, P);
     writer.add_sample(i, of, p);
 
     const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
-                                ? stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(theta))
+                                ? stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(theta))
                                 : sigma;
     store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
     const Mat<V>& F = element.F[i];
@@ -259,7 +259,7 @@ struct ExactCoefficients {
       if (kind.sampling.one_rotation) {
         place_mean(x, u, kind.sampling, element);
         pressures(of, dilatation(of.law, element.mean.S), element.volume, u, of_volume);
-        ModeStiffness<V> stiffness(element.j, element.rest.share, of.mu, of.free);
+        ModeStiffness<V> stiffness(element.j, element.rest.corner_weight, of.mu, of.free);
         store_one_rotation<kStride>(element.rest, element.j, stiffness, kind.has_volume() ? &of_volume : nullptr,
                                     V(1.0), coef);
       }
@@ -410,7 +410,7 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
   using V = Lanes<double>;
   const Partition& partition = *model.partition;
   const Sampling sampling = sampling_of(model.settings);
-  const double fourth_share = sampling.assumed == Assumed::kModes ? kFourthShare : sampling.share;
+  const double fourth_weight = sampling.assumed == Assumed::kModes ? kFourthWeight : sampling.corner_weight;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock && blocks[block]; lane += V::kCount) {
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
@@ -431,7 +431,8 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       store_as(per_sample * mu, op.weight.data() + first);
       store_as(per_sample * lambda, op.weight.data() + first + kBlock);
       const Mat<V> j = scaled(V(model.length), element.j);
-      ModeStiffness<V> stiffness(j, element.rest.share, mu, free_modulus(op.kind.volumetric, mu, lambda), fourth_share);
+      ModeStiffness<V> stiffness(j, element.rest.corner_weight, mu, free_modulus(op.kind.volumetric, mu, lambda),
+                                 fourth_weight);
       store_one_rotation<kBlock>(element.rest, j, stiffness, op.kind.has_volume() ? &of_volume : nullptr,
                                  V(model.length), const_cast<hwy::float16_t*>(stored(op, block)) + lane);
     }

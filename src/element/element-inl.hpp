@@ -87,7 +87,7 @@ HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u
   auto& columns = element.columns;
   place_mean(x, u, sampling, element);
   if constexpr (kAssumed != Assumed::kNothing)
-    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.share), columns);
+    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.corner_weight), columns);
   else
     finish_columns(rest, u, nullptr, columns);
   for (int i = 0; i < kCorners; ++i) {
@@ -112,9 +112,9 @@ HWY_NOINLINE void turned_gradients(const ElementLanes<kGeneral, Assumed::kModes,
       const auto& mode = element.columns.Q[l];
       Q[l][i] = R(0, i) * mode[0] + R(1, i) * mode[1] + R(2, i) * mode[2];
     }
-  AssumedLanes<N>(dual, rest.share).columns(Q, a);
+  AssumedLanes<N>(dual, rest.corner_weight).columns(Q, a);
   for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) Q[l][i] *= l < 3 ? rest.share : N(ScalarOf<N>(kFourthShare));
+    for (int i = 0; i < 3; ++i) Q[l][i] *= l < 3 ? rest.corner_weight : N(ScalarOf<N>(kFourthWeight));
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {
       N of_one[3], of_two[3];
@@ -171,7 +171,7 @@ struct MaterialLanes {
   HWY_INLINE MaterialLanes(const Settings& settings, N mu_, N lambda_)
       : law(settings.law),
         volumetric(settings.volumetric),
-        mooney_share(settings.mooney_share),
+        mooney_fraction(settings.mooney_fraction),
         mu(mu_),
         lambda(lambda_),
         free(free_modulus(volumetric, mu_, lambda_)) {}
@@ -181,7 +181,7 @@ struct MaterialLanes {
 
   ElasticLaw law;
   Volumetric volumetric;
-  double mooney_share;
+  double mooney_fraction;
   N mu, lambda, free;  ///< [Pa]
 };
 
@@ -204,7 +204,7 @@ HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilat
                                         const CornerLanes<N>& u, ModeLanes<N>& gradient) {
   using T = ScalarOf<N>;
   PressureLanes<N> p;
-  const LawConstants<N> law(of.law, of.mooney_share, of.mu);
+  const LawConstants<N> law(of.law, of.mooney_fraction, of.mu);
   p.k0 = law.k0;
   p.own = law.b0 + of.free;
   p.shared = p.in_stress = p.excess = N(T(0));
@@ -239,7 +239,7 @@ HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N
   N sum(T(0));
   for (const PolarLanes<N>& polar : element.polar) {
     const N theta = dilatation(of.law, polar.S);
-    sum += shape_energy(of.law, of.mooney_share, polar.S, of.mu) + (p.k0 + N(T(0.5)) * p.own * theta) * theta;
+    sum += shape_energy(of.law, of.mooney_fraction, polar.S, of.mu) + (p.k0 + N(T(0.5)) * p.own * theta) * theta;
   }
   return N(T(1.0 / kCorners)) * sum + N(T(0.5)) * (p.shared * p.dilatation + (p.in_stress - p.shared) * p.excess);
 }

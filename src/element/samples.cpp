@@ -35,8 +35,8 @@ ElementSamples samples(const ElementPoints& material, const ElementPoints& world
     found.polar[i] = {to_eigen(at.R), to_eigen(matrix(at.S))};
     // what flows by rotation is the rotation of the sample itself
     if (sampling_of(settings).one_rotation) found.polar[i].R = polar(found.F[i]).R;
-    found.stress[i] =
-        to_eigen(matrix(stress(of.law, of.mooney_share, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
+    found.stress[i] = to_eigen(
+        matrix(stress(of.law, of.mooney_fraction, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
   }
   return found;
 }

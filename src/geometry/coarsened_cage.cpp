@@ -46,9 +46,9 @@ class Crossings {
     return std::ranges::any_of(edges_, [&](const auto& edge) {
       const auto& [from, to] = edge;
       if (from[d] == to[d]) return false;
-      const double share = (corner[d] - from[d]) / (to[d] - from[d]);
-      if (std::abs(share) > 1) return false;
-      const Vec3 point = from + share * (to - from);
+      const double fraction = (corner[d] - from[d]) / (to[d] - from[d]);
+      if (std::abs(fraction) > 1) return false;
+      const Vec3 point = from + fraction * (to - from);
       for (const int other : {(d + 1) % 3, (d + 2) % 3})
         if (point[other] < corner[other] || point[other] > corner[other] + size[other]) return false;
       return true;

@@ -9,7 +9,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kExact = 1e-15;        // of its size, and in reference coordinates: as exact as doubles are
-constexpr double kShortestStep = 1e-6;  // share of a Gauss-Newton step
+constexpr double kShortestStep = 1e-6;  // fraction of a Gauss-Newton step
 constexpr int kMaxIterations = 60;      // inside a sound hexahedron less than ten are needed
 
 }  // namespace
@@ -46,8 +46,8 @@ HexahedronPlace nearest_place(const ElementPoints& x, const Vec3& p, double size
     if (!step.allFinite()) step = descent / J.squaredNorm();
 
     Vec3 next = s, next_gap = gap;
-    for (double share = 1; share > kShortestStep; share /= 2) {
-      next = (s + share * step).cwiseMin(1).cwiseMax(-1);
+    for (double fraction = 1; fraction > kShortestStep; fraction /= 2) {
+      next = (s + fraction * step).cwiseMin(1).cwiseMax(-1);
       next_gap = gap_at(next);
       if (next_gap.squaredNorm() < gap.squaredNorm()) break;
     }

@@ -128,9 +128,9 @@ PointArray positions_of(const QuadSurface& surface, const PointArray& directions
   PointArray x(Eigen::Index{surface.num_vertices()} * (layers + 1), 3);
   for (int n = 0; n < surface.num_vertices(); ++n)
     for (int l = 0; l <= layers; ++l) {
-      const double share = static_cast<double>(l) / layers;
+      const double fraction = static_cast<double>(l) / layers;
       x.row(Eigen::Index{n} * (layers + 1) + l) =
-          surface.positions().row(n) + (share * outward - (1 - share) * inward) * directions.row(n);
+          surface.positions().row(n) + (fraction * outward - (1 - fraction) * inward) * directions.row(n);
     }
   return x;
 }

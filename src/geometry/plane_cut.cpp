@@ -35,8 +35,8 @@ std::vector<Cell> cells_of_hexahedron(int parts) {
           for (int a = 0; a < kCorners; ++a) {
             double& weight = cell.weights[c][a] = 1;
             for (int d = 0; d < 3; ++d) {
-              const double share = static_cast<double>(at[d] + (kCornerSign[c][d] > 0)) / parts;
-              weight *= kCornerSign[a][d] > 0 ? share : 1 - share;
+              const double fraction = static_cast<double>(at[d] + (kCornerSign[c][d] > 0)) / parts;
+              weight *= kCornerSign[a][d] > 0 ? fraction : 1 - fraction;
             }
             cell.weights[kMiddle][a] += weight / kCorners;
           }
@@ -54,8 +54,8 @@ std::vector<Cell> cells_of_hexahedron(int parts) {
   return cells;
 }
 
-/// Where the way from one height to another, of which one is negative, meets 0: the share of the second.
-double share_at_plane(double from, double to) { return from / (from - to); }
+/// Where the way from one height to another, of which one is negative, meets 0: the fraction of the second.
+double fraction_at_plane(double from, double to) { return from / (from - to); }
 
 /// A height, or 0 where it is one of rounding: neighbours must agree on which side a place lies that they share, though
 /// each of them comes to its height by another way.
@@ -79,9 +79,10 @@ class Crossings {
     if (p > q) std::swap(p, q);
     int& point = point_[p][q];
     if (point >= 0) return point;
-    const double share = share_at_plane(height_[p], height_[q]);
+    const double fraction = fraction_at_plane(height_[p], height_[q]);
     Weights weights;
-    for (int a = 0; a < kCorners; ++a) weights[a] = (1 - share) * cell_.weights[p][a] + share * cell_.weights[q][a];
+    for (int a = 0; a < kCorners; ++a)
+      weights[a] = (1 - fraction) * cell_.weights[p][a] + fraction * cell_.weights[q][a];
     return point = add(weights);
   }
 
@@ -220,7 +221,7 @@ std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::s
   return min <= max ? std::pair(min, max) : std::pair(0.0, 0.0);
 }
 
-int part_above(const std::array<double, 3>& height, std::array<TriangleShares, 4>& part) {
+int part_above(const std::array<double, 3>& height, std::array<TriangleWeights, 4>& part) {
   int count = 0;
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
@@ -229,10 +230,10 @@ int part_above(const std::array<double, 3>& height, std::array<TriangleShares, 4
       part[count++][k] = 1;
     }
     if ((height[k] >= 0) == (height[next] >= 0)) continue;
-    const double share = share_at_plane(height[k], height[next]);
+    const double fraction = fraction_at_plane(height[k], height[next]);
     part[count] = {};
-    part[count][k] = 1 - share;
-    part[count++][next] = share;
+    part[count][k] = 1 - fraction;
+    part[count++][next] = fraction;
   }
   return count;
 }

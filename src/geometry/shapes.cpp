@@ -161,9 +161,9 @@ Centreline curve_through(ConstPoints points, int num_points) {
     const double wanted = between(0, length.back(), k, num_points - 1);
     const auto above = std::upper_bound(length.begin() + 1, length.end() - 1, wanted);
     const auto piece = static_cast<int>(above - length.begin()) - 1;
-    const double share = (wanted - length[piece]) / (length[piece + 1] - length[piece]);
+    const double fraction = (wanted - length[piece]) / (length[piece + 1] - length[piece]);
     const int span = piece / kPiecesPerSpan;
-    const double t = (piece % kPiecesPerSpan + share) / kPiecesPerSpan;
+    const double t = (piece % kPiecesPerSpan + fraction) / kPiecesPerSpan;
     curve.points.row(k) = point(span, t).transpose();
     curve.tangents.row(k) = derivative(span, t).normalized().transpose();
   }

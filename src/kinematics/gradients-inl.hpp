@@ -66,14 +66,14 @@ HWY_INLINE void add_edges_transpose(const EdgeLanes<N>& e, CornerLanes<N>& f) {
   });
 }
 
-/// share e + (1 - share) mean of the four edges of the same direction. It is its own transpose.
+/// corner_weight e + (1 - corner_weight) mean of the four edges of the same direction. It is its own transpose.
 template <class N>
-HWY_INLINE void blend(N share, EdgeLanes<N>& e) {
-  const N quarter = (N(ScalarOf<N>(1)) - share) * N(ScalarOf<N>(0.25));
+HWY_INLINE void blend(N corner_weight, EdgeLanes<N>& e) {
+  const N quarter = (N(ScalarOf<N>(1)) - corner_weight) * N(ScalarOf<N>(0.25));
   for (int d = 0; d < 3; ++d)
     for (int i = 0; i < 3; ++i) {
       const N mean = quarter * ((e.at[d][0][i] + e.at[d][1][i]) + (e.at[d][2][i] + e.at[d][3][i]));
-      for (int m = 0; m < 4; ++m) e.at[d][m][i] = share * e.at[d][m][i] + mean;
+      for (int m = 0; m < 4; ++m) e.at[d][m][i] = corner_weight * e.at[d][m][i] + mean;
     }
 }
 
@@ -202,8 +202,8 @@ struct RestLanes {
   CornerLanes<N> mean;                        ///< where kHasMean: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
   N skew[kModes][3];  ///< where kHasMean: hourglass modes of the material shape, in its mean edges
   N volume;
-  N min_jacobian;  ///< smallest det J_i
-  N share;         ///< of the corner: Sampling::share
+  N min_jacobian;   ///< smallest det J_i
+  N corner_weight;  ///< of the corner: Sampling::corner_weight
 };
 
 template <bool kGeneral, Assumed kAssumed, class N>
@@ -211,7 +211,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
                               RestLanes<kGeneral, kAssumed, N>& rest) {
   using T = ScalarOf<N>;
   using Rest = RestLanes<kGeneral, kAssumed, N>;
-  rest.share = N(T(sampling.share));
+  rest.corner_weight = N(T(sampling.corner_weight));
   EdgeLanes<N> e;
   N det;
   edges(x, e);
@@ -244,8 +244,9 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
     }
     if constexpr (!Rest::kAtCorners) {
       rest.inverse[0] = centre;
-    } else if (!sampling.of_the_centre) {  // h = Gm - share mean g                                          eq. 8
-      if (sampling.share == 1) {           // corners alone
+    } else if (!sampling
+                    .of_the_centre) {  // h = Gm - corner_weight mean g                                          eq. 8
+      if (sampling.corner_weight == 1) {  // corners alone
         set_zero(rest.h);
       } else {
         rest.h = Gm;
@@ -253,7 +254,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
         for (int d = 0; d < 3; ++d)
           for (int m = 0; m < 4; ++m)
             for (int j = 0; j < 3; ++j)
-              mean.at[d][m][j] = N(T(-sampling.share / kCorners)) *
+              mean.at[d][m][j] = N(T(-sampling.corner_weight / kCorners)) *
                                  (rest.inverse[kEdgeFrom[d][m]](d, j) + rest.inverse[kEdgeTo[d][m]](d, j));
         add_edges_transpose(mean, rest.h);
       }

@@ -39,18 +39,18 @@ ElementPoints mean_gradient(const ElementPoints& x) {
 
 RestOperator rest_operator(const ElementPoints& material, const Sampling& sampling) {
   RestOperator rest;
-  rest.corner_weight = sampling.share;
+  rest.corner_weight = sampling.corner_weight;
   rest.volume = volume(material);
   for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
 
   if (sampling.of_the_centre) {
     rest.shared_gradient = shape_derivatives(Vec3::Zero()) * centre_jacobian(material).inverse();
-  } else if (sampling.share == 1) {
+  } else if (sampling.corner_weight == 1) {
     rest.shared_gradient.setZero();
-  } else {  // h_a = Gm_a - share mean_j g_ja                                                                 eq. 8
+  } else {  // h_a = Gm_a - corner_weight mean_j g_ja eq. 8
     rest.shared_gradient = mean_gradient(material);
     for (int j = 0; j < kCorners; ++j)
-      add_corner_gradient(rest.inverse_jacobian[j], j, -sampling.share / kCorners, rest.shared_gradient);
+      add_corner_gradient(rest.inverse_jacobian[j], j, -sampling.corner_weight / kCorners, rest.shared_gradient);
   }
   return rest;
 }

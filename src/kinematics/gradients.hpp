@@ -23,12 +23,12 @@ ElementPoints mean_gradient(const ElementPoints& x);
 /// (F_i + F_o)/2 + F_m - mean_j (F_j + F_o)/2: on parallelepipeds the blend of corner and centre, and on every
 /// hexahedron with the exact mean, without which the patch test fails.
 ///
-/// The other schemes have the same form: F_i = share F_i(corner) + sum_a xh_a (x) h_a, with share = 1 and h = 0 at the
-/// corners alone, share = 0 and h = the gradients at the centre there.
+/// The other schemes have the same form: F_i = corner_weight F_i(corner) + sum_a xh_a (x) h_a, with corner_weight = 1
+/// and h = 0 at the corners alone, corner_weight = 0 and h = the gradients at the centre there.
 struct RestOperator {
   std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
   ElementPoints shared_gradient;                ///< [1/m] h_a
-  double corner_weight = 0.5;                   ///< [-] of F_i: Sampling::share
+  double corner_weight = 0.5;                   ///< [-] of F_i: Sampling::corner_weight
   double volume = 0;                            ///< [m^3] each sample carries an eighth of it
 };
 

@@ -82,10 +82,10 @@ HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
     out[m].doubtful = bits<T>(hn::Not(fine));
 
     const Mat<V> FtF = transposed_product(F[m], F[m]), FFtF = F[m] * FtF;
-    const V share = V(T(1)) / denominator, linear = I * I - II;
+    const V inverse = V(T(1)) / denominator, linear = I * I - II;
     Mat<V> R;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) R(i, j) = share * (I * cof[m](i, j) + linear * F[m](i, j) - FFtF(i, j));
+      for (int j = 0; j < 3; ++j) R(i, j) = inverse * (I * cof[m](i, j) + linear * F[m](i, j) - FFtF(i, j));
 
     // one Newton-Schulz step makes R orthogonal to rounding: R <- R + R (I - R^T R) / 2
     const Mat<V> RtR = transposed_product(R, R);

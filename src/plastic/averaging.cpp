@@ -15,11 +15,11 @@ namespace hexaplast {
 
 namespace {
 
-constexpr double kFitted = 1e-26;  // E below this share of sum |t|^2 is rounding
+constexpr double kFitted = 1e-26;  // E below this fraction of sum |t|^2 is rounding
 
 // a linear field over the 2 x 2 x 2 children of a cell costs as much in them as in the cell, of twice their edges, with
 // weight 2
-constexpr float kShareOfChild = 0.25;
+constexpr float kFractionOfChild = 0.25;
 
 // H_k <= P_k <= I, and the diagonal of P_k is 7/8
 constexpr double kSpectralRadius = 8.0 / 7 * (1 + kRegularisation);
@@ -40,7 +40,7 @@ struct CoarseAveraging {
     parallel_for(static_cast<int>(weight.size()), [&](int cell) {
       weight[cell] = 0;
       for (const int child : mesh.children[cell])
-        if (child >= 0) weight[cell] += kShareOfChild * weight_of(child);
+        if (child >= 0) weight[cell] += kFractionOfChild * weight_of(child);
     });
   }
 

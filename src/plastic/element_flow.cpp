@@ -21,11 +21,11 @@ void flow_stretch(const FlowInput& at, double dt, ElementStep& step) {
     flow = stretch_flow(at.samples.polar[i].S, at.samples.stress[i], at.settings.yield_norm, step.next.yield_stress[i],
                         at.material.flow_rate, dt, at.settings.law);
     if (!std::isfinite(flow.norm)) step.dissipated = flow.norm;  // an overflow, which whoever takes the step refuses
-    if (flow.share == 0) continue;
+    if (flow.fraction == 0) continue;
     step.yielded = true;
     step.dissipated += at.samples.volume / kCorners * flow.dissipated;
     step.next.plastic_strain[i] += flow.strain;
-    step.next.yield_stress[i] = hardened(step.next.yield_stress[i], at.material.hardening, flow.share, flow.norm);
+    step.next.yield_stress[i] = hardened(step.next.yield_stress[i], at.material.hardening, flow.fraction, flow.norm);
   }
 }
 
@@ -55,9 +55,9 @@ void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
       case RotationPlasticity::kNone:
         break;
     }
-    if (flow.share == 0) continue;
+    if (flow.fraction == 0) continue;
     step.yielded = true;
-    step.next.rotation_yield[i] = hardened(threshold, at.material.hardening, flow.share, flow.angle);
+    step.next.rotation_yield[i] = hardened(threshold, at.material.hardening, flow.fraction, flow.angle);
   }
 }
 
@@ -69,10 +69,10 @@ void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& ste
     increments[i] = step.stretch[i].increment;
     if (objective) increments[i] = step.rotation[i].increment * increments[i];
   }
-  if (const double share = sampling_of(at.settings).increment_share(); share != 1) {
+  if (const double fraction = sampling_of(at.settings).increment_weight(); fraction != 1) {
     Mat3 mean = Mat3::Zero();
     for (const Mat3& increment : increments) mean += increment / kCorners;
-    for (Mat3& increment : increments) increment = mean + share * (increment - mean);
+    for (Mat3& increment : increments) increment = mean + fraction * (increment - mean);
   }
   if (tracks_stretch)
     for (int i = 0; i < kCorners; ++i) {

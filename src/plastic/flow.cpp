@@ -40,7 +40,7 @@ void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints w
   for (PartFrame& frame : frames) frame.rotation = polar(frame.rotation).R;
 }
 
-constexpr double kSinglePrecision = 1e-5;  // the screen may be wrong by this share
+constexpr double kSinglePrecision = 1e-5;  // the screen may be wrong by this fraction
 
 /// Whether the plastic step would leave an element as it is but for its volume, as far as single precision can tell.
 /// Errs on the safe side.

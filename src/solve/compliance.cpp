@@ -72,16 +72,16 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   const bool has_previous = x_.cols() > 0 && x_.rows() == size;
   std::swap(x_, previous_);
   for (Eigen::MatrixXd* columns : {&x_, &r_}) columns->resize(size, num_rows);
-  Eigen::MatrixXd shares;
+  Eigen::MatrixXd coefficients;
   if (has_previous) {
-    shares = Eigen::MatrixXd(previous_.cols(), num_rows);
+    coefficients = Eigen::MatrixXd(previous_.cols(), num_rows);
     parallel_for(num_rows, [&](int j) {
       Eigen::VectorXd known = Eigen::VectorXd::Zero(previous_.cols());
       for (const auto& [node, direction] : rows[j]) known += previous_.middleRows(3 * node, 3).transpose() * direction;
-      shares.col(j) = factor_.solve(known);
-      const double negligible = kNegligible * std::sqrt(std::max(known.dot(shares.col(j)), 0.0));
+      coefficients.col(j) = factor_.solve(known);
+      const double negligible = kNegligible * std::sqrt(std::max(known.dot(coefficients.col(j)), 0.0));
       for (int i = 0; i < static_cast<int>(known.size()); ++i)
-        if (std::abs(shares(i, j)) * std::sqrt(std::max(energy_[i], 0.0)) < negligible) shares(i, j) = 0;
+        if (std::abs(coefficients(i, j)) * std::sqrt(std::max(energy_[i], 0.0)) < negligible) coefficients(i, j) = 0;
     });
   }
 
@@ -93,8 +93,8 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
       x.setZero();
       bool has_start = false;
       for (int i = 0; has_previous && i < static_cast<int>(previous_.cols()); ++i) {
-        if (shares(i, j) == 0) continue;
-        x_.col(j) += shares(i, j) * previous_.col(i);
+        if (coefficients(i, j) == 0) continue;
+        x_.col(j) += coefficients(i, j) * previous_.col(i);
         has_start = true;
       }
       iterations[j] = solver.approximate(field_of(b_, j), error, has_start, x, field_of(r_, j));
@@ -144,9 +144,9 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
 void Compliance::factorise(const Eigen::MatrixXd& K) {
   energy_ = K.diagonal();
   const double mean = energy_.mean();
-  for (double share = kRegularised; share < 1e-2; share *= 10) {
+  for (double fraction = kRegularised; fraction < 1e-2; fraction *= 10) {
     Eigen::MatrixXd regularised = K;
-    regularised.diagonal().array() += mean > 0 ? share * mean : 1;
+    regularised.diagonal().array() += mean > 0 ? fraction * mean : 1;
     factor_.compute(regularised);
     if (factor_.info() == Eigen::Success) return;
   }

@@ -15,10 +15,10 @@ namespace hexaplast {
 
 namespace {
 
-constexpr int kSmoothing = 2;            // degree of the Chebyshev polynomial before and after a coarse correction
-constexpr double kSmoothedShare = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
-constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a direct solution
-constexpr double kCoarsestShare = 0.02;
+constexpr int kSmoothing = 2;               // degree of the Chebyshev polynomial before and after a coarse correction
+constexpr double kSmoothedFraction = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
+constexpr int kCoarsestDegree = 10;         // on the coarsest mesh, in place of a direct solution
+constexpr double kCoarsestFraction = 0.02;
 constexpr int kMinLanczosSteps = 6, kMaxLanczosSteps = 14;
 constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step: with less, steps end
 constexpr double kRangeEnds = 1e-5;      // of a Lanczos vector: what is left is rounding
@@ -244,7 +244,7 @@ void Multigrid<T>::place(const KernelBody& body, const PointArray& diagonal, con
     level.fixed.find(cells, [&](int slot, int axis) {
       return mesh.finer_slot[slot] >= 0 && finer_is_fixed(mesh.finer_slot[slot], axis);
     });
-    // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its share of the stiffness
+    // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its fraction of the stiffness
     parallel_for(cells.num_nodes, [&](int slot) {
       for (int axis = 0; axis < 3; ++axis) {
         double sum = 0;
@@ -283,9 +283,9 @@ void Multigrid<T>::place(const KernelBody& body, const PointArray& diagonal, con
 /// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
 template <class T>
 template <class U>
-void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double min_share, bool leaves_residual) {
+void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double min_fraction, bool leaves_residual) {
   const Partition& partition = level.op->partition();
-  const double theta = level.radius * (1 + min_share) / 2, delta = level.radius * (1 - min_share) / 2;
+  const double theta = level.radius * (1 + min_fraction) / 2, delta = level.radius * (1 - min_fraction) / 2;
   const double sigma = theta / delta;
   double rho = 1 / sigma;
   for (int step = 0; step < degree; ++step) {
@@ -349,14 +349,14 @@ template <class T>
 void Multigrid<T>::cycle(int coarse) {
   MultigridLevel<float>& level = coarse_[coarse];
   if (coarse + 1 == static_cast<int>(coarse_.size())) {
-    smooth(level, kCoarsestDegree, kCoarsestShare, false);
+    smooth(level, kCoarsestDegree, kCoarsestFraction, false);
     return;
   }
-  smooth(level, kSmoothing, kSmoothedShare, true);
+  smooth(level, kSmoothing, kSmoothedFraction, true);
   restrict_to(level, coarse + 1);
   cycle(coarse + 1);
   prolong_from(coarse + 1, level);
-  smooth(level, kSmoothing, kSmoothedShare, false);
+  smooth(level, kSmoothing, kSmoothedFraction, false);
 }
 
 template <class T>
@@ -368,13 +368,13 @@ void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
   });
   fine_.x.swap(z);
   if (coarse_.empty()) {
-    smooth(fine_, kCoarsestDegree, kCoarsestShare, false);
+    smooth(fine_, kCoarsestDegree, kCoarsestFraction, false);
   } else {
-    smooth(fine_, kSmoothing, kSmoothedShare, true);
+    smooth(fine_, kSmoothing, kSmoothedFraction, true);
     restrict_to(fine_, 0);
     cycle(0);
     prolong_from(0, fine_);
-    smooth(fine_, kSmoothing, kSmoothedShare, false);
+    smooth(fine_, kSmoothing, kSmoothedFraction, false);
   }
   fine_.x.swap(z);
   if (!fine_.blocks.empty())

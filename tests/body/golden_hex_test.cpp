@@ -139,10 +139,10 @@ TEST_P(GoldenHex, ElementStep) {
     EXPECT_TRUE(agrees(hex.samples.stress[a], matrix(plastic["sigma"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.R_centre.transpose() * hex.samples.polar[a].R, matrix(plastic["Q"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.stretch[a].norm, plastic["sigma_norm"][a].get<double>(), kTolerance));
-    EXPECT_TRUE(agrees(step.stretch[a].share, plastic["gamma"][a].get<double>(), kTolerance));
+    EXPECT_TRUE(agrees(step.stretch[a].fraction, plastic["gamma"][a].get<double>(), kTolerance));
     EXPECT_TRUE(agrees(step.stretch[a].increment, matrix(plastic["Sp"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.rotation[a].angle, plastic["phi"][a].get<double>(), kTolerance));
-    EXPECT_TRUE(agrees(step.rotation[a].share, plastic["eta"][a].get<double>(), kTolerance));
+    EXPECT_TRUE(agrees(step.rotation[a].fraction, plastic["eta"][a].get<double>(), kTolerance));
     EXPECT_TRUE(agrees(step.rotation[a].increment, matrix(plastic["Rp"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.next.yield_stress[a], plastic["tau_new"][a].get<double>(), kTolerance));
     EXPECT_TRUE(agrees(step.next.rotation_yield[a], plastic["tauR_new"][a].get<double>(), kTolerance));

@@ -38,8 +38,8 @@ class DrivenBar {
   template <class Pose>
   void drive(Body& body, const Pose& posed) const {
     for (int k = 1; k <= kSteps; ++k) {
-      const double share = std::min(1.0, k / 80.0);
-      body.flow(posed(k, support::stretched_and_twisted(mesh_, 1 + 0.3 * share, 1.5 * share)), kStep);
+      const double fraction = std::min(1.0, k / 80.0);
+      body.flow(posed(k, support::stretched_and_twisted(mesh_, 1 + 0.3 * fraction, 1.5 * fraction)), kStep);
     }
   }
 

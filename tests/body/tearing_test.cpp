@@ -142,9 +142,9 @@ constexpr double kCell = 0.01;                  // [m]
 constexpr int kMiddle = 6;                      // column of hexahedra in which the sheet is notched
 constexpr int kNotch = 3;                       // rows that the notch takes
 
-/// A sheet notched from one side to three eighths of its width; every node moved by up to `share` of an edge.
-HexMesh notched_sheet(double share) {
-  const HexMesh whole = support::distorted_block(kSheet, kCell, share, 303);
+/// A sheet notched from one side to three eighths of its width; every node moved by up to `fraction` of an edge.
+HexMesh notched_sheet(double fraction) {
+  const HexMesh whole = support::distorted_block(kSheet, kCell, fraction, 303);
   std::vector<Hexahedron> hexahedra;
   for (int e = 0; e < whole.num_elements(); ++e)
     if (e % kSheet[0] != kMiddle || e / kSheet[0] >= kNotch) hexahedra.push_back(whole.hexahedra()[e]);
@@ -159,9 +159,9 @@ support::Simulation pulled_sheet(const HexMesh& mesh, double pull, const bool& i
   setup.euler = {.rayleigh_mass = 0, .rayleigh_stiffness = 0.02};
   setup.load = [=, &is_pulled](double time, ConstPoints, Points f) {
     if (!is_pulled) return;
-    const double share = pull * std::min(1.0, time / 0.2) / static_cast<double>(lower.size());
-    for (const int n : lower) f(n, 0) -= share;
-    for (const int n : upper) f(n, 0) += share;
+    const double fraction = pull * std::min(1.0, time / 0.2) / static_cast<double>(lower.size());
+    for (const int n : lower) f(n, 0) -= fraction;
+    for (const int n : upper) f(n, 0) += fraction;
   };
   return {Body(mesh, {tearing(320)}, published_element()), std::move(setup)};
 }
@@ -169,8 +169,8 @@ support::Simulation pulled_sheet(const HexMesh& mesh, double pull, const bool& i
 using Crack = std::set<std::array<int, 2>>;  // hexahedra by column and row
 
 /// The removed hexahedra once the sheet is in two pieces; empty if it holds.
-Crack crack_of(double share, double pull) {
-  const HexMesh mesh = notched_sheet(share);
+Crack crack_of(double fraction, double pull) {
+  const HexMesh mesh = notched_sheet(fraction);
   bool is_pulled = true;
   support::Simulation sheet = pulled_sheet(mesh, pull, is_pulled);
   const History& history = sheet.body.state().history;

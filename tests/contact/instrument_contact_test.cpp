@@ -24,7 +24,7 @@ PointArray random_field(const HexMesh& mesh, unsigned seed, double size) {
   return field;
 }
 
-TEST(SurfaceSamples, ShareTheSurfaceAmongThem) {
+TEST(SurfaceSamples, FractionTheSurfaceAmongThem) {
   const HexMesh mesh = block();
   for (const int parts : {1, 2, 3, 7}) {
     const SurfaceSamples found = SurfaceSamples::on(mesh, {}, 0.1 / parts, 64);
@@ -72,17 +72,17 @@ TEST(SurfaceSamples, OfAnEmbeddedSkin) {
 // An even pressure on samples of flat faces is a quarter of each face's on its nodes, however many samples there are.
 TEST(SurfaceSamples, CarryPressureAsFacesDo) {
   const HexMesh mesh = block();
-  const auto share = [](double at) { return at < 1e-9 || at > 0.2 - 1e-9 ? 0.5 : 1.0; };
+  const auto fraction = [](double at) { return at < 1e-9 || at > 0.2 - 1e-9 ? 0.5 : 1.0; };
   const auto is_on_top = [](const Vec3& p) { return p.z() > 0.0999; };
   PointArray expected = PointArray::Zero(mesh.num_nodes(), 3), by_samples = expected;
   for (int n = 0; n < mesh.num_nodes(); ++n) {
     const Vec3 p = mesh.positions().row(n).transpose();
-    if (is_on_top(p)) expected(n, 2) = 7 * 0.01 * share(p.x()) * share(p.y());
+    if (is_on_top(p)) expected(n, 2) = 7 * 0.01 * fraction(p.x()) * fraction(p.y());
   }
   for (const SurfaceSamples::Sample& sample : SurfaceSamples::on(mesh, {}, 0.025, 64).samples) {
     const Vec3 p = sample.at(mesh.positions());
     // those on the rim have area of the sides too
-    if (is_on_top(p)) sample.add({0, 0, 7 * 0.025 * 0.025 * share(p.x()) * share(p.y())}, by_samples);
+    if (is_on_top(p)) sample.add({0, 0, 7 * 0.025 * 0.025 * fraction(p.x()) * fraction(p.y())}, by_samples);
   }
   EXPECT_TRUE(support::agrees(by_samples, expected, 1e-12));
 }

@@ -185,8 +185,8 @@ TEST(Stiffness, IsSymmetricAndNotNegative) {
 
 TEST(Stiffness, HasSixZeroModesUnderARigidMotion) {
   Random random(95);
-  for (const double share : {0.0, 0.15}) {
-    Body body = elastic_body(support::single_element(support::distorted_hexahedron(kEdge, share, 96)));
+  for (const double fraction : {0.0, 0.15}) {
+    Body body = elastic_body(support::single_element(support::distorted_hexahedron(kEdge, fraction, 96)));
     const Eigen::MatrixXd K = stiffness_at(body, mapped(body.mesh().positions(), random.rotation(), random.vector(1)));
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
     for (int i = 0; i < 6; ++i) EXPECT_LE(std::abs(values[i]), 1e-10 * values[23]);

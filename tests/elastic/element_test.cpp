@@ -435,10 +435,10 @@ TEST(Recovery, ActsAsSoonAsACornerIsThin) {
     }
     Body body(mesh, {Material{}}, settings);
     const Linearization& at = body.state().at;
-    for (const double share : {0.05 * thick, 0.3 * thick, 0.6 * thick, 0.9 * thick, thick, thin, 2 * thin}) {
-      const PointArray x = mesh.positions() + share * way;
+    for (const double fraction : {0.05 * thick, 0.3 * thick, 0.6 * thick, 0.9 * thick, thick, thin, 2 * thin}) {
+      const PointArray x = mesh.positions() + fraction * way;
       force_at(body, x);
-      EXPECT_EQ(at.recovery.acts(), min_corner_ratio(mesh, x) < settings.recovery_from) << round << " " << share;
+      EXPECT_EQ(at.recovery.acts(), min_corner_ratio(mesh, x) < settings.recovery_from) << round << " " << fraction;
       passed_over += at.may_fold[0] == 0;
     }
   }

@@ -61,7 +61,7 @@ void relax(Body& body, const std::vector<bool>& is_fixed, PointArray& x) {
 }
 
 /// Greatest force on an interior node, relative to the greatest on the boundary.
-double interior_share(const PointArray& f, const std::vector<bool>& on_boundary) {
+double interior_fraction(const PointArray& f, const std::vector<bool>& on_boundary) {
   double interior = 0, boundary = 0;
   for (int n = 0; n < f.rows(); ++n) {
     double& greatest = on_boundary[n] ? boundary : interior;
@@ -84,7 +84,7 @@ TEST_F(DistortedPatch, IsInEquilibriumUnderAnAffineMotion) {
   PointArray f = PointArray::Zero(mesh.num_nodes(), 3);
   body.linearize(world);
   body.add_force(f);
-  EXPECT_LE(interior_share(f, on_boundary), 1e-10);
+  EXPECT_LE(interior_fraction(f, on_boundary), 1e-10);
 }
 
 // The power of the test: with the plain mean of corner and centre gradients the same patch is far from equilibrium.
@@ -107,7 +107,7 @@ TEST_F(DistortedPatch, FailsWithoutTheCorrectionOfTheMean) {
       for (int a = 0; a < kCorners; ++a) f.row(corners[a]) += force.row(a);
     }
   }
-  EXPECT_GE(interior_share(f, on_boundary), 1e-3);
+  EXPECT_GE(interior_fraction(f, on_boundary), 1e-3);
 }
 
 TEST_F(DistortedPatch, FindsTheAffineMotionFromItsBoundary) {

@@ -80,7 +80,7 @@ TEST(PlaneCut, AreasOfAWarpedHexahedronAddUpToItsExactVolume) {
   double sum = 0;
   for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
     const double from = heights[k], width = heights[k + 1] - from;
-    const auto area = [&](double share) { return cut(mesh, {normal, from + share * width}).area(); };
+    const auto area = [&](double fraction) { return cut(mesh, {normal, from + fraction * width}).area(); };
     // at a height itself nothing jumps
     sum += width * (area(1e-12) + 4 * area(0.5) + area(1 - 1e-12)) / 6;
   }
@@ -222,10 +222,10 @@ TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
   EXPECT_GT(cut(mesh, {normal, -0.79}).area(), 0);
 }
 
-TEST(PartAbove, OfATriangleHasTheShareOfItsAreaThatItsHeightsSay) {
+TEST(PartAbove, OfATriangleHasTheFractionOfItsAreaThatItsHeightsSay) {
   const std::array<Vec3, 3> corner{Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 2, 0)};
   const auto area_above = [&](const std::array<double, 3>& height) {
-    std::array<TriangleShares, 4> part;
+    std::array<TriangleWeights, 4> part;
     const int count = part_above(height, part);
     std::vector<Vec3> places;
     for (int k = 0; k < count; ++k)

@@ -61,9 +61,9 @@ const HexMesh& bar() {
 PointArray bent_bar(double twist = 80) {
   PointArray x = bar().positions();
   for (Eigen::Index n = 0; n < x.rows(); ++n) {
-    const double share = x(n, 2) / 0.7, angle = twist * share * std::numbers::pi / 180;
+    const double fraction = x(n, 2) / 0.7, angle = twist * fraction * std::numbers::pi / 180;
     const Vec3 across(x(n, 0) - 0.1, x(n, 1) - 0.15, 0);
-    x.row(n) = Eigen::AngleAxisd(angle, Vec3::UnitZ()) * across + Vec3(0.1, 0.15 + 0.1 * share * share, x(n, 2));
+    x.row(n) = Eigen::AngleAxisd(angle, Vec3::UnitZ()) * across + Vec3(0.1, 0.15 + 0.1 * fraction * fraction, x(n, 2));
   }
   return x;
 }

@@ -109,14 +109,14 @@ TEST(Picture, FillsThePageOverTheWholeRun) {
 
 TEST(Picture, ShowsTheScaleFromZeroToTheGreatestValue) {
   const Image image = pictures_of(bar_at_rest_and_stretched())[0];
-  for (const double share : {0.01, 0.25, 0.5, 0.75, 0.99}) {
-    const int x = 410 + static_cast<int>(share * 460);
-    EXPECT_LE(difference(pixel(image, x, 655), bytes(output::colour_of(share))), 2) << share;
+  for (const double fraction : {0.01, 0.25, 0.5, 0.75, 0.99}) {
+    const int x = 410 + static_cast<int>(fraction * 460);
+    EXPECT_LE(difference(pixel(image, x, 655), bytes(output::colour_of(fraction))), 2) << fraction;
   }
 }
 
-/// The share of the scale whose colour, under some light, is nearest to a pixel.
-double share_at(const Rgb& pixel) {
+/// The fraction of the scale whose colour, under some light, is nearest to a pixel.
+double fraction_at(const Rgb& pixel) {
   double best = 0, min = 1e9;
   for (int k = 0; k <= 100; ++k) {
     const Colour base = output::colour_of(k / 100.0);
@@ -146,10 +146,11 @@ TEST(Picture, BlendsTheStrainOfNeighbours) {
     if (y > 600 || std::ranges::max(own) - std::ranges::min(own) < 22 || difference(at, own) > 3) continue;
     ++num_seen;
     const double section = 4.0 * (x - first) / (last - first);
-    static constexpr std::array kShare{0.0, 1.0 / 6, 0.5, 5.0 / 6, 1.0, 1.0};
+    static constexpr std::array kFraction{0.0, 1.0 / 6, 0.5, 5.0 / 6, 1.0, 1.0};
     const int from = std::clamp(static_cast<int>(section), 0, 4);
-    const double expected = kShare[from] + (section - from) * (kShare[from + 1] - kShare[from]);
-    EXPECT_NEAR(share_at(at), expected, 0.13) << "at " << x << ", " << y;  // the sections stand aslant in the picture
+    const double expected = kFraction[from] + (section - from) * (kFraction[from + 1] - kFraction[from]);
+    EXPECT_NEAR(fraction_at(at), expected, 0.13)
+        << "at " << x << ", " << y;  // the sections stand aslant in the picture
   }
   EXPECT_GT(num_seen, 100);
 }
@@ -213,10 +214,10 @@ TEST(EmbeddedSurface, BlendsStrainByItsPlaceInTheHexahedra) {
   // from the middle of the first hexahedron, 1/12 of 0.3, to that of the last one, 11/12, which is the greatest shown
   const Image image = pictures_of(gallery)[0];
   const auto [first, last] = coloured_columns(image);
-  const std::array ends{share_at(pixel(image, first + 4, 340)), share_at(pixel(image, last - 4, 340))};
+  const std::array ends{fraction_at(pixel(image, first + 4, 340)), fraction_at(pixel(image, last - 4, 340))};
   EXPECT_NEAR(std::min(ends[0], ends[1]), 1.0 / 11, 0.04);
   EXPECT_NEAR(std::max(ends[0], ends[1]), 1, 0.04);
-  EXPECT_NEAR(share_at(pixel(image, (first + last) / 2, 340)), 6.0 / 11, 0.04);
+  EXPECT_NEAR(fraction_at(pixel(image, (first + last) / 2, 340)), 6.0 / 11, 0.04);
 }
 
 TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {

@@ -248,8 +248,8 @@ double permanent_twist(int averaging_steps) {
   settings.averaging_steps = averaging_steps;
   Body body(support::block({2, 2, 10}, kEdge), {twistable(0.005)}, settings);
   for (int k = 1; k <= 60; ++k) {
-    const double share = std::min(1.0, k / 40.0);
-    const PointArray world = support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 2 * share);
+    const double fraction = std::min(1.0, k / 40.0);
+    const PointArray world = support::stretched_and_twisted(body.mesh(), 1 + 0.3 * fraction, 2 * fraction);
     body.flow(world, 0.01);
   }
   return twist(body.mesh(), end_sections(body.mesh()), body.state().history.material);
@@ -265,8 +265,8 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
   FlowWorkspace work(model, history);
   PreconditionedConjugateGradients exact(1e-12, 10000);
   for (int k = 1; k <= 100; ++k) {
-    const double share = std::min(1.0, k / 40.0);
-    const PointArray world = support::stretched_and_twisted(model.mesh, 1 + 0.3 * share, 2 * share);
+    const double fraction = std::min(1.0, k / 40.0);
+    const PointArray world = support::stretched_and_twisted(model.mesh, 1 + 0.3 * fraction, 2 * fraction);
     body.flow(world, 0.01);
     linearize(model, history, world, at);
     flow(model, at, 0.01, exact, history, work);
@@ -315,8 +315,8 @@ double tilt_after_a_twist(AveragingMethod method) {
   settings.averaging = method;
   Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)}, settings);
   for (int k = 1; k <= 60; ++k) {
-    const double share = std::min(1.0, k / 40.0);
-    body.flow(support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 1.5 * share), 0.01);
+    const double fraction = std::min(1.0, k / 40.0);
+    body.flow(support::stretched_and_twisted(body.mesh(), 1 + 0.3 * fraction, 1.5 * fraction), 0.01);
   }
   const PointArray before = body.mesh().positions(), after = body.state().history.material;
   const Mat3 covariance =

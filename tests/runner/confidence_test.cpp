@@ -151,7 +151,7 @@ TEST(Confidence, WhatCurvesDoNotDetermineIsNamed) {
   EXPECT_FALSE(confidence_of(J.topRows(2), r.head(2), two_rows, two, 10).has_noise);
 }
 
-/// y = a exp(-b t), in shares of [0, 4] for both.
+/// y = a exp(-b t), in fractions of [0, 4] for both.
 Residuals decay() {
   return [](const std::vector<Point>& points) {
     std::vector<std::optional<std::vector<double>>> found;

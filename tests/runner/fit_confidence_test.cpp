@@ -23,7 +23,7 @@ class FitConfidence : public Command {
     ASSERT_EQ(hexaplast("run bar.scn --quiet --steps 40 --frames 0 --out truth " + set).code, 0);
   }
 
-  /// time and elongations of the truth; noise as shares of the largest value, of which the next row keeps a part.
+  /// time and elongations of the truth; noise as fractions of the largest value, of which the next row keeps a part.
   void write_noisy(int seed, double noise, double kept, double plastic_noise) {
     hexaplast::output::HistoryTable table(directory_ / "truth/history.csv");
     std::mt19937 random(static_cast<unsigned>(seed));

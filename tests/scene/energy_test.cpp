@@ -70,8 +70,8 @@ TEST(EnergyOfAScene, WeightWorksAlongTheWayOfTheCentreOfMass) {
   double work = 0;
   for (int n = 0; n < way.rows(); ++n) {
     const int i = n % 3, j = n / 3 % 3, k = n / 9;  // of a node of the grid; each of 32 cells weighs 1/8 kg
-    const double share = (i == 1 ? 2 : 1) * (j == 1 ? 2 : 1) * (k > 0 && k < 8 ? 2 : 1) / 8.0;
-    work -= share * 0.125 * 9.81 * way(n, 2);
+    const double fraction = (i == 1 ? 2 : 1) * (j == 1 ? 2 : 1) * (k > 0 && k < 8 ? 2 : 1) / 8.0;
+    work -= fraction * 0.125 * 9.81 * way(n, 2);
   }
   EXPECT_GT(work, 0.1);
   EXPECT_NEAR(balance.load_work, work, 1e-9 * work);

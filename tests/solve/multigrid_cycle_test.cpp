@@ -176,9 +176,9 @@ std::vector<Material> mixture(int count) {
 
 TEST(MultigridCycle, IsPositiveDefiniteOnDistortedMeshes) {
   for (const double nu : {0.3, 0.49})
-    for (const double share : {0.0, 0.2, 0.25})
+    for (const double fraction : {0.0, 0.2, 0.25})
       expect_definite("distorted", [&]<class T> {
-        return Cycle<T>(support::distorted_block({12, 12, 12}, 0.01, share, 1), {stiff(nu)});
+        return Cycle<T>(support::distorted_block({12, 12, 12}, 0.01, fraction, 1), {stiff(nu)});
       });
 }
 

@@ -19,11 +19,11 @@ inline ElementPoints cube(double edge) {
   return x;
 }
 
-/// A cube whose corners are moved by up to `share` of its edge: no two edges parallel.
-inline ElementPoints distorted_hexahedron(double edge, double share, std::uint64_t seed) {
+/// A cube whose corners are moved by up to `fraction` of its edge: no two edges parallel.
+inline ElementPoints distorted_hexahedron(double edge, double fraction, std::uint64_t seed) {
   Random random(seed);
   ElementPoints x = cube(edge);
-  for (int a = 0; a < kCorners; ++a) x.row(a) += random.vector(share * edge).transpose();
+  for (int a = 0; a < kCorners; ++a) x.row(a) += random.vector(fraction * edge).transpose();
   return x;
 }
 
@@ -37,11 +37,11 @@ inline HexMesh block(std::array<int, 3> cells, double edge) {
   return regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * edge, cells[1] * edge, cells[2] * edge));
 }
 
-/// The same with every node moved by up to `share` of the edge.
-inline HexMesh distorted_block(std::array<int, 3> cells, double edge, double share, std::uint64_t seed) {
+/// The same with every node moved by up to `fraction` of the edge.
+inline HexMesh distorted_block(std::array<int, 3> cells, double edge, double fraction, std::uint64_t seed) {
   const HexMesh regular = block(cells, edge);
   Random random(seed);
-  return HexMesh(regular.positions() + random.field(regular.num_nodes(), share * edge), regular.hexahedra());
+  return HexMesh(regular.positions() + random.field(regular.num_nodes(), fraction * edge), regular.hexahedra());
 }
 
 /// A x + b for every row x.

@@ -25,11 +25,11 @@ struct SurfaceSamples {
     /// The nodes that move it and their weights, in one order: the same point may be written down by another of the
     /// faces that have it.
     std::array<std::pair<int, double>, kCorners> key() const {
-      std::array<std::pair<int, double>, kCorners> shares;
-      shares.fill({-1, 0});
-      for (int a = 0; a < num_nodes; ++a) shares[a] = {nodes[a], weights[a]};
-      std::ranges::sort(shares);
-      return shares;
+      std::array<std::pair<int, double>, kCorners> sorted;
+      sorted.fill({-1, 0});
+      for (int a = 0; a < num_nodes; ++a) sorted[a] = {nodes[a], weights[a]};
+      std::ranges::sort(sorted);
+      return sorted;
     }
 
     Vec3 at(ConstPoints x) const {

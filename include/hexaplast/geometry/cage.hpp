@@ -16,8 +16,8 @@ struct CageGrid {
   Vec3 min = Vec3::Zero(), max = Vec3::Ones();
 };
 
-/// Share of its size by which the box around a surface is widened at either side: no part of the surface then lies in
-/// the border of the grid.
+/// Fraction of its size by which the box around a surface is widened at either side: no part of the surface then lies
+/// in the border of the grid.
 inline constexpr double kCageMargin = 0.01;
 
 /// Box around points, widened by kCageMargin of its own size in each direction, as SOFA's sparse grids do.

@@ -66,10 +66,10 @@ std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::s
                                        std::span<const unsigned char> alive = {});
 
 /// A place in a triangle: how much each of its corners counts.
-using TriangleShares = std::array<double, 3>;
+using TriangleWeights = std::array<double, 3>;
 
 /// The part of a triangle on or above a plane, from the heights of its corners: three or four corners in the triangle's
 /// order of turning, or none. Returns how many of `part` are set.
-int part_above(const std::array<double, 3>& height, std::array<TriangleShares, 4>& part);
+int part_above(const std::array<double, 3>& height, std::array<TriangleWeights, 4>& part);
 
 }  // namespace hexaplast

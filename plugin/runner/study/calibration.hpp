@@ -12,7 +12,7 @@ namespace hexaplast::runner {
 /// Parameters, each in [0, 1].
 using Point = std::vector<double>;
 
-/// Differences between what is computed and what is wanted, as shares of what is wanted, at several points at once,
+/// Differences between what is computed and what is wanted, as fractions of what is wanted, at several points at once,
 /// which may be found at the same time. None: there is no result at that point.
 using Residuals = std::function<std::vector<std::optional<std::vector<double>>>(const std::vector<Point>&)>;
 

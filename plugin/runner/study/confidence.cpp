@@ -32,7 +32,7 @@ struct Moments {
   double square = 0, neighbours = 0;
 };
 
-/// A curve's share of a fit: its residuals, and its rows of an orthonormal basis Q of the slopes.
+/// A curve's part of a fit: its residuals, and its rows of an orthonormal basis Q of the slopes.
 struct Curve {
   Eigen::VectorXd residuals;
   Eigen::MatrixXd Q;

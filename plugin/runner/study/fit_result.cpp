@@ -28,10 +28,10 @@ std::string combination(const std::vector<Found>& found, const std::vector<doubl
   for (std::size_t p = 0; p < step.size(); ++p) {
     if (std::abs(step[p]) < kShown * std::abs(max)) continue;
     const FreeAttribute& free = found[p].free;
-    const double share = kShown * step[p] / max;
+    const double fraction = kShown * step[p] / max;
     words.push_back(free.is_logarithmic
-                        ? fmt::format("{} times {:.3g}", free.name, std::pow(free.max / free.min, share))
-                        : fmt::format("{} {:+.3g}{}{}", free.name, share * (free.max - free.min),
+                        ? fmt::format("{} times {:.3g}", free.name, std::pow(free.max / free.min, fraction))
+                        : fmt::format("{} {:+.3g}{}{}", free.name, fraction * (free.max - free.min),
                                       free.unit.empty() ? "" : " ", free.unit));
   }
   return fmt::format("{}", fmt::join(words, " together with "));
@@ -57,7 +57,7 @@ std::string interval_text(const Found& found) {
 
 }  // namespace
 
-bool is_limit(double share) { return share < kAtTheLimit || share > 1 - kAtTheLimit; }
+bool is_limit(double fraction) { return fraction < kAtTheLimit || fraction > 1 - kAtTheLimit; }
 
 bool Found::is_at_limit() const { return is_limit(free.fraction(value)); }
 bool Found::has_interval() const { return std::isfinite(half_width) && !is_at_limit(); }

@@ -17,8 +17,8 @@ class ColorMap {
   template <class Real>
   auto getEvaluator(Real min, Real max) const {
     return [min, max](Real value) {
-      const auto share = static_cast<float>(std::clamp((value - min) / (max - min), Real(0), Real(1)));
-      return type::RGBAColor{share, 0, 1 - share, 1};
+      const auto fraction = static_cast<float>(std::clamp((value - min) / (max - min), Real(0), Real(1)));
+      return type::RGBAColor{fraction, 0, 1 - fraction, 1};
     };
   }
 };
