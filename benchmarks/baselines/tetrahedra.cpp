@@ -86,7 +86,7 @@ double volume(const TetrahedronPoints& at) {
 }
 
 /// Linear corotational tetrahedra with the library's flow of stretch, in the three spaces of the hexahedra: isolated
-/// rest shapes, a joined material shape, the world.
+/// rest shapes, a joined plastic rest shape, the world.
 class TetrahedralBody {
  public:
   TetrahedralBody(const HexMesh& mesh, std::vector<Tetrahedron> tetrahedra, const Material& material,
@@ -336,16 +336,16 @@ nlohmann::json simulate(const Bar& bar, const std::string& splitting) {
     body.flow(x, kDt);
     if (step + 1 == kLastLoadedStep) peak = x;
   }
-  double original = 0, left = 0;
+  double initial = 0, left = 0;
   for (const Tetrahedron& t : body.tetrahedra()) {
-    original += volume(gather(X, t));
+    initial += volume(gather(X, t));
     left += volume(gather(body.material(), t));
   }
   return {{"tetrahedra", body.tetrahedra()},
           {"peak", rows(peak)},
           {"material", rows(body.material())},
           {"softness", softness},
-          {"volume_ratio", left / original}};
+          {"volume_ratio", left / initial}};
 }
 
 }  // namespace

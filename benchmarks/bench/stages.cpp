@@ -83,7 +83,7 @@ void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
     flow_seconds = std::min(
         flow_seconds, min_seconds(1, [&](int) { flows = flow(model, at, kBarDt, solver, history, work).yielded > 0; }));
     // the rest shapes have flowed; the averaging starts again from the positions before
-    history.material = body.history.material;
+    history.plastic_rest_positions = body.history.plastic_rest_positions;
     history.averaging_increment = body.history.averaging_increment;
     ++history.version;
     averaging_seconds =

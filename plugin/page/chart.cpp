@@ -14,7 +14,7 @@ namespace {
 Ticks vertical_axis(std::span<const Panel> panels, int count) {
   constexpr double kNoise = 1e-6;  // of the span: rounding does not turn a scale upside down
   const double span = panels.front().min_span;
-  double min = 0, max = 0;  // zero, the original shape, is always in sight
+  double min = 0, max = 0;  // zero, the initial shape, is always in sight
   for (const Panel& panel : panels) {
     const auto include = [&](double value) {
       if (!std::isfinite(value)) return;

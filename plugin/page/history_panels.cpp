@@ -43,20 +43,21 @@ StepTimes step_times_of(std::vector<double> ms) {
 
 std::span<const HistoryPanel> history_panels() {
   using Colours = CurveColours;
-  constexpr auto kWorld = &Colours::first, kPlastic = &Colours::second;
+  constexpr auto kCurrent = &Colours::first, kPlastic = &Colours::second;
   static const std::vector<HistoryPanel> panels = {
       {"elongation",
        "%",
        1,
-       {{"world", {"world_elongation"}, 100, 0, kWorld}, {"plastic", {"plastic_elongation"}, 100, 0, kPlastic}}},
+       {{"current", {"world_elongation"}, 100, 0, kCurrent}, {"plastic", {"plastic_elongation"}, 100, 0, kPlastic}}},
       {"twist",
        "°",
        1,
-       {{"world", {"world_twist_deg"}, 1, 0, kWorld}, {"plastic", {"plastic_twist_deg"}, 1, 0, kPlastic}}},
+       {{"current", {"world_twist_deg"}, 1, 0, kCurrent}, {"plastic", {"plastic_twist_deg"}, 1, 0, kPlastic}}},
       {"volume error",
        "%",
        0.01,
-       {{"world", {"world_volume_ratio"}, 100, -1, kWorld}, {"plastic", {"material_volume_ratio"}, 100, -1, kPlastic}}},
+       {{"current", {"world_volume_ratio"}, 100, -1, kCurrent},
+        {"plastic", {"material_volume_ratio"}, 100, -1, kPlastic}}},
       {"yielded hexahedra", "", 5, {{"yielded", {"yielded"}}}},
       {"energy",
        "J",

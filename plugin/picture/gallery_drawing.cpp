@@ -353,7 +353,7 @@ void Gallery::draw_wires(const State& state, const Camera& camera, const Scale& 
 }
 
 // Where loaded nodes lie close together, the strongest of each neighbourhood stands for the others. Neighbourhoods are
-// those of the original shape, so that arrows do not jump in films.
+// those of the initial shape, so that arrows do not jump in films.
 void Gallery::draw_loads(const State& state, const Camera& camera, const Strongest& strongest, Drawing& picture) const {
   const float across = kBetweenArrows / camera.scale();
   std::map<std::array<int, 3>, const Load*> standing;

@@ -58,7 +58,7 @@ void CarriedSurfaces::write(const std::filesystem::path& file, ConstPoints posit
 
 std::vector<EmbeddedSurface> read_embedded_surfaces(const std::filesystem::path& file) {
   const ImportedState state = read_vtu_state(file);
-  const PointArray original = state.mesh.positions - point_vectors(file, state, "displacement");
+  const PointArray initial = state.mesh.positions - point_vectors(file, state, "displacement");
   const std::vector<int> surface = point_numbers(file, state, "surface");
 
   // points of an embedded surface follow one another
@@ -74,7 +74,7 @@ std::vector<EmbeddedSurface> read_embedded_surfaces(const std::filesystem::path&
     std::size_t last = first;
     while (last < surface.size() && surface[last] == static_cast<int>(s)) ++last;
     embedded_surfaces[s].points =
-        original.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first));
+        initial.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first));
     first = last;
   }
   const auto add_to_surface = [&](auto face, auto faces_of_surface) {

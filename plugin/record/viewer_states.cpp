@@ -212,8 +212,8 @@ std::string ViewerStates::json() const {
 
   std::vector<Vector3f> places;
   Eigen::AlignedBox3f box, tool_box;
-  const std::vector<Vector3f> original = rows_of(mesh.positions());
-  for (const Vector3f& place : original) box.extend(place);
+  const std::vector<Vector3f> initial = rows_of(mesh.positions());
+  for (const Vector3f& place : initial) box.extend(place);
   for (const State& state : states_) {
     for (std::size_t node = 0; node < num_nodes; ++node) {
       places.emplace_back(state.positions[3 * node], state.positions[3 * node + 1], state.positions[3 * node + 2]);
@@ -228,7 +228,7 @@ std::string ViewerStates::json() const {
 
   PackedNumbers numbers;
   numbers.add("hexahedra", flat<8>(mesh.hexahedra()), 8);
-  numbers.add("original", in_box(original, box), 3);
+  numbers.add("original", in_box(initial, box), 3);
   numbers.add("positions", in_box(places, box), 3 * num_nodes);
 
   Json bodies = Json::array();

@@ -88,7 +88,7 @@ void Figure::update(const Snapshot& snapshot, const Look& look, const Strongest&
   shows_embedded_surfaces_ = look.shows_embedded_surfaces && has_embedded_surfaces() && !cut_;
 
   if (look.ghost != Ghost::kNone) {
-    const ConstPoints nodes = look.ghost == Ghost::kOriginal ? mesh_.positions() : snapshot.material;
+    const ConstPoints nodes = look.ghost == Ghost::kInitial ? mesh_.positions() : snapshot.plastic_rest;
     if (!shows_embedded_surfaces_) draw_ghost(body_, nodes);
     for (Sheet& embedded : embedded_surfaces_)
       if (shows_embedded_surfaces_) draw_ghost(embedded, nodes);
@@ -122,7 +122,7 @@ void Figure::update(const Snapshot& snapshot, const Look& look, const Strongest&
   box_.setEmpty();
   extend(box_, mesh_.positions());
   extend(box_, snapshot.positions);
-  extend(box_, snapshot.material);
+  extend(box_, snapshot.plastic_rest);
 }
 
 // Every quad is drawn as four triangles around its middle, so that a warped one shows no preferred diagonal.

@@ -483,7 +483,7 @@ void Session::publish() {
   for (const std::string& message : hand_.take_messages()) messages_.push_back(message);
   back_.messages = std::exchange(messages_, {});
   back_.positions = x;
-  back_.material = shown_.plastic_rest_positions();
+  back_.plastic_rest = shown_.plastic_rest_positions();
   const std::span<const unsigned char> alive = shown_.alive();
   back_.alive.assign(alive.begin(), alive.end());
   publish_values(fields);

@@ -56,7 +56,7 @@ class CoefficientWriter {
     }
   }
 
-  /// of_volume: the gradient of the world volume, read for the volume ratio only.
+  /// of_volume: the gradient of the current volume, read for the volume ratio only.
   HWY_INLINE void finish(const ModeLanes<V>& of_volume) {
     const auto& rest = element_.rest;
     Coef* to = coef_;

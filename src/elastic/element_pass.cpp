@@ -16,9 +16,9 @@ namespace hexaplast::HWY_NAMESPACE {
 /// Loads an element per lane; those that are not there become unit cubes.
 template <class V>
 HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, std::uint32_t present,
-                              const double* material, const double* world, CornerLanes<V>& x, CornerLanes<V>& u) {
-  gather(partition, block, lane, material, x);
-  gather(partition, block, lane, world, u);
+                              const double* plastic_rest, const double* current, CornerLanes<V>& x, CornerLanes<V>& u) {
+  gather(partition, block, lane, plastic_rest, x);
+  gather(partition, block, lane, current, u);
   replace_absent(present, x);
   replace_absent(present, u);
 }
@@ -127,7 +127,7 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
   using V = Lanes<double>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   CornerLanes<V> x, u, f;
-  gather_shapes(pass.partition, block, lane, present, pass.material, pass.world, x, u);
+  gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
   ElementLanes<kGeneral, Assumed::kModes, V> element;
   place_mean(x, u, pass.op.kind.sampling, element);
   const auto& rest = element.rest;
@@ -180,7 +180,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   const StiffnessKind& kind = pass.op.kind;
   CornerLanes<V> x, u;
   ModeLanes<V> of_volume;
-  gather_shapes(pass.partition, block, lane, present, pass.material, pass.world, x, u);
+  gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
   ElementLanes<kGeneral, kAssumed, V> element;
   place_element(x, u, kind.sampling, element);
   decompose(kind.sampling, element);
@@ -251,7 +251,7 @@ struct ExactCoefficients {
     const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
     CornerLanes<V> x, u;
     ModeLanes<V> of_volume;
-    gather_shapes(*model.partition, block, lane, present, at.material.data(), at.world.data(), x, u);
+    gather_shapes(*model.partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
     ElementLanes<kGeneral, kAssumed, V> element;
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
@@ -326,13 +326,13 @@ void matrices_of(const Model& model, const Linearization& at, int block, double 
         });
 }
 
-void ratios_of(const Model& model, const double* material, const double* world, int block, double* ratios) {
+void ratios_of(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios) {
   using V = Lanes<double>;
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
     CornerLanes<V> x, u;
     EdgeLanes<V> before, now;
-    gather(*model.partition, block, lane, material, x);
-    gather(*model.partition, block, lane, world, u);
+    gather(*model.partition, block, lane, plastic_rest, x);
+    gather(*model.partition, block, lane, current, u);
     edges(x, before);
     edges(u, now);
     V of_rest[kCorners], largest(0.0), lowest(std::numeric_limits<double>::infinity());
@@ -352,14 +352,15 @@ void ratios_of(const Model& model, const double* material, const double* world, 
 }
 
 /// Elastic energy.                                                                              eq. 18, E1, E5, E14
-double energy_of(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
+double energy_of(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
+                 int block) {
   using V = Lanes<double>;
   V sum(0.0);
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
     const std::uint32_t here = static_cast<std::uint32_t>(present) >> lane;
     CornerLanes<V> x, u;
     ModeLanes<V> gradient;
-    gather_shapes(*model.partition, block, lane, here, material, world, x, u);
+    gather_shapes(*model.partition, block, lane, here, plastic_rest, current, x, u);
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
     for_shape(true, sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() {
@@ -373,16 +374,16 @@ double energy_of(const Model& model, const double* material, const double* world
   return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
 }
 
-void linearize_coarse(const Partition& partition, const double* material, const double* world, double length, int chunk,
-                      ElementOperator<float, float>& op) {
+void linearize_coarse(const Partition& partition, const double* plastic_rest, const double* current, double length,
+                      int chunk, ElementOperator<float, float>& op) {
   using V = Lanes<double>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       std::uint32_t present = 0;
       for (int k = 0; k < V::kCount; ++k) present |= (partition.element(block, lane + k) >= 0 ? 1u : 0u) << k;
       CornerLanes<V> x, u;
-      gather(partition, block, lane, material, x);
-      gather(partition, block, lane, world, u);
+      gather(partition, block, lane, plastic_rest, x);
+      gather(partition, block, lane, current, u);
       // corners beyond the mesh may lie anywhere: cells that they invert do not help
       replace_absent(present, x);
       RestLanes<true, Assumed::kNothing, V> rest;
@@ -415,13 +416,13 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
     for (int lane = 0; lane < kBlock && blocks[block]; lane += V::kCount) {
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       CornerLanes<V> x, u;
-      gather_shapes(partition, block, lane, present, at.material.data(), at.world.data(), x, u);
+      gather_shapes(partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
       ElementLanes<false, Assumed::kModes, V> element;
       place_mean(x, u, op.kind.sampling, element);
-      ModeLanes<V> world, of_volume;
+      ModeLanes<V> current, of_volume;
       if (op.kind.has_volume()) {
-        modes(u, world);
-        volume_of(world, of_volume);
+        modes(u, current);
+        volume_of(current, of_volume);
       }
       const std::size_t first = static_cast<std::size_t>(block) * 2 * kBlock + lane;
       const double* lame = model.lame_blocks.data() + first;
@@ -439,7 +440,7 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
 }
 
 /// A hexahedron is a parallelepiped when the edges of each direction agree to `alike` of the longest one.
-void find_general(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
+void find_general(const Partition& partition, const double* plastic_rest, const std::uint16_t* present, double alike,
                   int chunk, unsigned char* is_general) {
   using V = Lanes<double>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
@@ -447,7 +448,7 @@ void find_general(const Partition& partition, const double* material, const std:
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       CornerLanes<V> x;
       EdgeLanes<V> e;
-      gather(partition, block, lane, material, x);
+      gather(partition, block, lane, plastic_rest, x);
       replace_absent(static_cast<std::uint32_t>(present[block]) >> lane, x);
       edges(x, e);
       V longest(0.0), difference(0.0);
@@ -500,26 +501,27 @@ void add_exact_product(const Model& model, const Linearization& at, int chunk, d
                        double* Ap) {
   HWY_DYNAMIC_DISPATCH(exact_product)(model, at, chunk, factor, p, Ap);
 }
-double block_energy(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
-  return HWY_DYNAMIC_DISPATCH(energy_of)(model, material, world, present, block);
+double block_energy(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
+                    int block) {
+  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_rest, current, present, block);
 }
-void corner_ratios(const Model& model, const double* material, const double* world, int block, double* ratios) {
-  HWY_DYNAMIC_DISPATCH(ratios_of)(model, material, world, block, ratios);
+void corner_ratios(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios) {
+  HWY_DYNAMIC_DISPATCH(ratios_of)(model, plastic_rest, current, block, ratios);
 }
 void element_matrices(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices) {
   HWY_DYNAMIC_DISPATCH(matrices_of)(model, at, block, factor, matrices);
 }
-void linearize_cells(const Partition& partition, const double* material, const double* world, double length, int chunk,
-                     ElementOperator<float, float>& op) {
-  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, material, world, length, chunk, op);
+void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current, double length,
+                     int chunk, ElementOperator<float, float>& op) {
+  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, plastic_rest, current, length, chunk, op);
 }
 void linearize_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
                       ElementOperator<float, Half>& op) {
   HWY_DYNAMIC_DISPATCH(linearize_as_simple)(model, at, blocks, chunk, op);
 }
-void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
-                         int chunk, unsigned char* is_general) {
-  HWY_DYNAMIC_DISPATCH(find_general)(partition, material, present, alike, chunk, is_general);
+void find_general_blocks(const Partition& partition, const double* plastic_rest, const std::uint16_t* present,
+                         double alike, int chunk, unsigned char* is_general) {
+  HWY_DYNAMIC_DISPATCH(find_general)(partition, plastic_rest, present, alike, chunk, is_general);
 }
 
 }  // namespace hexaplast

@@ -30,14 +30,14 @@ HWY_INLINE void for_shape(bool is_general, Assumed assumed, const F& f) {
   }
 }
 
-/// The samples of an element at world positions.
+/// The samples of an element at current positions.
 template <class N>
 struct SampleLanes {
   Mat<N> F[kCorners];
   PolarLanes<N> polar[kCorners];
   PolarLanes<N> mean;  ///< where something is assumed: R_m and S_m of the mean gradient
-  N volume;            ///< [m^3] of the material shape
-  N min_jacobian;      ///< [m^3] of the material shape at its corners
+  N volume;            ///< [m^3] of the plastic rest shape
+  N min_jacobian;      ///< [m^3] of the plastic rest shape at its corners
 };
 
 /// And how they follow from the corners.
@@ -61,8 +61,8 @@ HWY_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
     return rest.inverse[0];
 }
 
-/// What the samples follow from, at world positions u: the material shape and, where something is assumed, the mean
-/// gradient with its polar decomposition.
+/// What the samples follow from, at current positions u: the plastic rest shape and, where something is assumed, the
+/// mean gradient with its polar decomposition.
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
                            ElementLanes<kGeneral, kAssumed, N>& element) {
@@ -79,7 +79,7 @@ HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, con
   }
 }
 
-/// Gradients of the samples at world positions u; the polar decompositions are left to the caller.       eq. 7, E11
+/// Gradients of the samples at current positions u; the polar decompositions are left to the caller.       eq. 7, E11
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
                                 ElementLanes<kGeneral, kAssumed, N>& element) {
@@ -198,7 +198,7 @@ struct PressureLanes {
   HWY_INLINE N in_stress_at(N theta) const { return k0 + own * theta + in_stress; }
 };
 
-/// Of the mean of theta; gradient: of the world volume, filled for the volume ratio only.
+/// Of the mean of theta; gradient: of the current volume, filled for the volume ratio only.
 template <class N>
 HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilatation, N volume,
                                         const CornerLanes<N>& u, ModeLanes<N>& gradient) {
@@ -232,7 +232,7 @@ HWY_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLa
   return pressures(of, N(T(1.0 / kCorners)) * sum, element.volume, u, gradient);
 }
 
-/// Elastic energy over the volume of the material shape.                                     eq. E1, E5, E14
+/// Elastic energy over the volume of the plastic rest shape.                                     eq. E1, E5, E14
 template <class N>
 HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N>& element, const PressureLanes<N>& p) {
   using T = ScalarOf<N>;

@@ -21,7 +21,7 @@ double mean_coordinate(const std::vector<int>& nodes, int axis, ConstPoints at) 
   return sum / static_cast<double>(nodes.size());
 }
 
-/// The nodes grouped by equal original coordinate along the axis, in ascending order.
+/// The nodes grouped by equal initial coordinate along the axis, in ascending order.
 std::vector<std::vector<int>> layers_along(const HexMesh& mesh, const EndSections& ends) {
   const PointArray& X = mesh.positions();
   std::vector<int> order(mesh.num_nodes());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A hexahedron by its twelve edges, for elements in lanes and for one element: its volume, its hourglass modes and the
-// constants of its material shape.                                                              theory.md sections
+// constants of its plastic rest shape.                                                              theory.md sections
 // 2, 9.1
 #if defined(HEXAPLAST_KINEMATICS_GRADIENTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_KINEMATICS_GRADIENTS_INL
@@ -187,8 +187,8 @@ HWY_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
   }
 }
 
-/// Constants of the material shape, for whole edges instead of half ones. Parallelepipeds, and samples that are made of
-/// hourglass modes, need one inverse.
+/// Constants of the plastic rest shape, for whole edges instead of half ones. Parallelepipeds, and samples that are
+/// made of hourglass modes, need one inverse.
 template <bool kGeneral, Assumed kAssumed, class N>
 struct RestLanes {
   static constexpr bool kAtCorners = kGeneral && kAssumed != Assumed::kModes;
@@ -200,7 +200,7 @@ struct RestLanes {
   CornerLanes<N> h;                           ///< where kAtCorners: what all samples share
   Mat<N> dual;                                ///< where kHasMean: J_o^-1 / 2
   CornerLanes<N> mean;                        ///< where kHasMean: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
-  N skew[kModes][3];  ///< where kHasMean: hourglass modes of the material shape, in its mean edges
+  N skew[kModes][3];  ///< where kHasMean: hourglass modes of the plastic rest shape, in its mean edges
   N volume;
   N min_jacobian;   ///< smallest det J_i
   N corner_weight;  ///< of the corner: Sampling::corner_weight
@@ -272,11 +272,11 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
 /// Deformation gradient at the centre.                                                                        eq. 1
 template <class N>
 HWY_INLINE Mat<N> centre_gradient(const CornerLanes<N>& x, const CornerLanes<N>& u) {
-  EdgeLanes<N> world, material;
+  EdgeLanes<N> current, plastic_rest;
   N det;
-  edges(u, world);
-  edges(x, material);
-  return transposed_product(mean_edges(world), reciprocal(mean_edges(material), det));
+  edges(u, current);
+  edges(x, plastic_rest);
+  return transposed_product(mean_edges(current), reciprocal(mean_edges(plastic_rest), det));
 }
 
 /// Corners of elements that are not there become those of the unit cube, so that everything computed of them is finite.

@@ -140,7 +140,7 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   const int* elements = pass.partition.element_of_place.data() + block * kBlock + lane;
   CornerLanes<V> x, t;
-  gather(pass.partition, block, lane, pass.material, x);
+  gather(pass.partition, block, lane, pass.plastic_rest, x);
   replace_absent(present, x);
   take_mean_out(x);
 

@@ -31,7 +31,7 @@ void flow_stretch(const FlowInput& at, double dt, ElementStep& step) {
 
 /// Rotation at every corner, relative to the centre (objective) or to the frame (the paper's modes, eq. 33 and 34).
 void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
-  step.R_centre = polar(centre_jacobian(at.world) * centre_jacobian(at.x).inverse()).R;
+  step.R_centre = polar(centre_jacobian(at.current) * centre_jacobian(at.x).inverse()).R;
   const Mat3 pose = at.frame.transpose() * step.R_centre;
   const double pose_angle = rotation_log(pose).norm();
 
@@ -87,9 +87,9 @@ void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& ste
 
 }  // namespace
 
-double min_jacobian_ratio(const CornerValues& original, const ElementPoints& x) {
+double min_jacobian_ratio(const CornerValues& initial, const ElementPoints& x) {
   double min = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kCorners; ++i) min = std::min(min, corner_jacobian(x, i).determinant() / original[i]);
+  for (int i = 0; i < kCorners; ++i) min = std::min(min, corner_jacobian(x, i).determinant() / initial[i]);
   return min;
 }
 
@@ -97,7 +97,7 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
   ElementStep step;
   step.next = before;
 
-  // guard: nothing flows in an element that is inverted or nearly so, in the world or in the material
+  // guard: nothing flows in an element that is inverted or nearly so, at its current or its plastic rest positions
   double min_det = std::numeric_limits<double>::infinity();
   for (const Mat3& F : at.samples.F) min_det = std::min(min_det, F.determinant());
   const double min_jacobian = min_jacobian_ratio(at.corner_jacobian, at.x);
@@ -116,7 +116,7 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
   }
 
   if (min_jacobian < at.settings.inversion_threshold) {
-    repair_rest_shape(at.original_shape, dt, step.next.rest_shape);
+    repair_rest_shape(at.initial_shape, dt, step.next.rest_shape);
     step.repaired = true;
   }
   step.volume_ratio = at.samples.volume / at.initial_volume;

@@ -54,7 +54,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u;
   gather(*model.partition, block, lane, at.material.data(), x);
-  gather(*model.partition, block, lane, at.world.data(), u);
+  gather(*model.partition, block, lane, at.current.data(), u);
   replace_absent(present, x);
   replace_absent(present, u);
   SampleLanes<V> element;
@@ -85,7 +85,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const V rate = step * material(&Material::flow_rate), rotation_rate = step * material(&Material::rotation_flow_rate),
           hardening = material(&Material::hardening);
 
-  // near the guard of the material shape the exact ratios decide
+  // near the guard of the plastic rest shape the exact ratios decide
   const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
   fails |= bits<double>(hn::Not(element.min_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
   Mat<V> R_centre;
@@ -272,7 +272,7 @@ void restore(const Model& model, const Linearization& at, double dt, const Histo
     } else {
       CornerLanes<V> x, u;
       gather(*model.partition, block, lane, at.material.data(), x);
-      gather(*model.partition, block, lane, at.world.data(), u);
+      gather(*model.partition, block, lane, at.current.data(), u);
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       replace_absent(present, x);
       replace_absent(present, u);

@@ -52,7 +52,7 @@ Body make_body(Precision precision = Precision::kDouble, std::array<int, 3> cell
   return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking()}, {.precision = precision});
 }
 
-/// Several plastic steps at positions that wander away from the original ones.
+/// Several plastic steps at positions that wander away from the initial ones.
 void flow(Body& body, int first, int last) {
   for (int step = first; step < last; ++step) {
     support::Random random(100 + step);

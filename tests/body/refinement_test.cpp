@@ -32,7 +32,8 @@ Permanent permanent_shape(int cells_across, double dt, AveragingMethod averaging
     body.flow(support::stretched_and_twisted(mesh, 1 + 0.3 * fraction, 2 * fraction), dt);
   }
   const EndSections ends = end_sections(mesh);
-  return {elongation(ends, body.state().history.material), twist(mesh, ends, body.state().history.material)};
+  return {elongation(ends, body.state().history.plastic_rest_positions),
+          twist(mesh, ends, body.state().history.plastic_rest_positions)};
 }
 
 TEST(PlasticResult, DoesNotDependMuchOnTheMesh) {

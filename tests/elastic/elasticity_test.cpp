@@ -36,8 +36,8 @@ Body elastic_body(HexMesh mesh) {
 /// opposite).
 bool is_smooth_at(const Body& body, const PointArray& x) {
   for (const Hexahedron& corners : body.mesh().hexahedra()) {
-    for (const Mat3& F :
-         deformation_gradients(rest_operator(gather(body.state().history.material, corners)), gather(x, corners))) {
+    for (const Mat3& F : deformation_gradients(
+             rest_operator(gather(body.state().history.plastic_rest_positions, corners)), gather(x, corners))) {
       const Vec3 d = signed_svd(F).d;
       if (d[1] + d[2] < 0.02) return false;
     }
@@ -48,8 +48,8 @@ bool is_smooth_at(const Body& body, const PointArray& x) {
 int count_inverted(const Body& body, const PointArray& x) {
   int count = 0;
   for (const Hexahedron& corners : body.mesh().hexahedra()) {
-    for (const Mat3& F :
-         deformation_gradients(rest_operator(gather(body.state().history.material, corners)), gather(x, corners))) {
+    for (const Mat3& F : deformation_gradients(
+             rest_operator(gather(body.state().history.plastic_rest_positions, corners)), gather(x, corners))) {
       count += F.determinant() < 0;
     }
   }

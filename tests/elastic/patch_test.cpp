@@ -77,12 +77,12 @@ class DistortedPatch : public testing::Test {
   std::vector<bool> on_boundary = support::is_on_boundary(mesh);
   support::Random random{112};
   Mat3 affine = random.rotation() * (Mat3::Identity() + random.matrix(0.2));
-  PointArray world = mapped(mesh.positions(), affine, Vec3(0.3, -0.1, 0.2));
+  PointArray current = mapped(mesh.positions(), affine, Vec3(0.3, -0.1, 0.2));
 };
 
 TEST_F(DistortedPatch, IsInEquilibriumUnderAnAffineMotion) {
   PointArray f = PointArray::Zero(mesh.num_nodes(), 3);
-  body.linearize(world);
+  body.linearize(current);
   body.add_force(f);
   EXPECT_LE(interior_fraction(f, on_boundary), 1e-10);
 }
@@ -111,12 +111,12 @@ TEST_F(DistortedPatch, FailsWithoutTheCorrectionOfTheMean) {
 }
 
 TEST_F(DistortedPatch, FindsTheAffineMotionFromItsBoundary) {
-  PointArray x = world;
+  PointArray x = current;
   for (int n = 0; n < x.rows(); ++n) {
     if (!on_boundary[n]) x.row(n) += random.vector(0.01).transpose();
   }
   relax(body, on_boundary, x);
-  EXPECT_LE(support::max_abs(x - world), 1e-9 * 0.1);
+  EXPECT_LE(support::max_abs(x - current), 1e-9 * 0.1);
 }
 
 /// MacNeal and Harder's solid patch: a unit cube around a distorted hexahedron, seven elements in all. One corner of

@@ -137,7 +137,7 @@ PointArray material_after(const HexMesh& mesh, const Settings& settings, const M
     const Mat3 pose = rotation_exp(k * kStep * spin) * R;
     body.flow(mapped(support::stretched_and_twisted(mesh, 1 + 0.3 * fraction, 1.5 * fraction), pose), kStep);
   }
-  return body.state().history.material;
+  return body.state().history.plastic_rest_positions;
 }
 
 class PaperMode : public testing::TestWithParam<RotationPlasticity> {};

@@ -245,7 +245,7 @@ TEST(PlotFile, NamesTheCurvesOfEachPanelAndKeepsTitlesOnThePage) {
   for (const auto* text = document.RootElement()->FirstChildElement("text"); text;
        text = text->NextSiblingElement("text"))
     words.insert(text->GetText());
-  EXPECT_EQ(words.count("world"), 2u) << "elongation and volume error; it does not twist";
+  EXPECT_EQ(words.count("current"), 2u) << "elongation and volume error; it does not twist";
   EXPECT_EQ(words.count("plastic"), 2u);
   EXPECT_EQ(words.count("kinetic"), 1u) << "energy has the place of twist";
   EXPECT_EQ(words.count("yielded"), 1u);

@@ -230,9 +230,9 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
   EXPECT_NEAR(last("inside"), z, 1e-14);
   output::HistoryTable table(directory_ / "run/history.csv");
   const auto ratio = static_cast<std::size_t>(table.find("world_volume_ratio"));
-  double world = 0;
-  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) world = row[ratio];
-  EXPECT_NEAR(last("volume"), 0.004 * world, 1e-15);
+  double current = 0;
+  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) current = row[ratio];
+  EXPECT_NEAR(last("volume"), 0.004 * current, 1e-15);
   double sum = 0;
   for (int e = 0; e < 4; ++e) sum += state["volume_ratio"][e].get<double>() * 0.05 * 0.05 * 0.05;
   EXPECT_NEAR(last("plastic_volume"), sum, 1e-15);

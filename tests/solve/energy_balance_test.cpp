@@ -220,7 +220,7 @@ TEST(EnergyBalance, MeasuringChangesNoBit) {
   }
   EXPECT_EQ(silent.x, measured.x);
   EXPECT_EQ(silent.v, measured.v);
-  EXPECT_EQ(silent.body.state().history.material, measured.body.state().history.material);
+  EXPECT_EQ(silent.body.state().history.plastic_rest_positions, measured.body.state().history.plastic_rest_positions);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ struct BarState {
   double mean_elongation = 0;         ///< [-] between all nodes of both ends
   double volume_ratio = 1;            ///< of the world mesh
   std::vector<double> twist_deg;      ///< of each layer of nodes, from the lower end upwards
-  std::vector<double> slice_stretch;  ///< [-] distance of neighbouring layers / original distance, coarse slices
+  std::vector<double> slice_stretch;  ///< [-] distance of neighbouring layers / initial distance, coarse slices
 };
 
 struct BarRun {

@@ -57,7 +57,7 @@ inline double incongruence(const PointArray& x, const PointArray& expected) {
   return (mapped(from, polar(to.transpose() * from).R) - to).cwiseAbs().maxCoeff();
 }
 
-/// Nodes whose original coordinate along `axis` lies within `reach` of `value`.
+/// Nodes whose initial coordinate along `axis` lies within `reach` of `value`.
 inline std::vector<int> nodes_at(const HexMesh& mesh, int axis, double value, double reach = 1e-9) {
   std::vector<int> nodes;
   for (int n = 0; n < mesh.num_nodes(); ++n) {

@@ -84,7 +84,7 @@ enum class RotationFrame {
   kWorld     ///< the axes, as printed: the pose of the body matters
 };
 
-/// How the isolated rest shapes become one material shape.
+/// How the isolated rest shapes become one plastic rest shape.
 enum class AveragingMethod {
   kGaussNewton,  ///< one Gauss-Newton step that leaves the rotations of the joined elements free  theory.md eq. 31
   kGaussNewtonIsolated,  ///< that leaves the rotations of the isolated shapes free: bodies tilt

@@ -161,7 +161,7 @@ std::string ghost_name(const RenderOptions& options) {
 bool is_free_of_loads(const RenderOptions& options) { return options.shape == "rest"; }
 
 const PointArray& shown_positions(const RecordedRun::State& state, const RenderOptions& options) {
-  return options.shape == "rest" ? state.material : state.positions;
+  return options.shape == "rest" ? state.plastic_rest : state.positions;
 }
 
 /// What the options say.
@@ -215,7 +215,7 @@ void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const
   const bool shows_marks = !options.no_marks && !is_free_of_loads(options);
   gallery.add(entry.step.value_or(0), entry.time, shown_positions(state, options), state.values, state.alive,
               shows_marks ? state.conditions : output::BoundaryConditions(),
-              options.ghost == "rest" ? &state.material : nullptr);
+              options.ghost == "rest" ? &state.plastic_rest : nullptr);
 }
 
 void render_film(const Subject& subject, const RenderOptions& options, output::Renderer& renderer) {
@@ -248,7 +248,7 @@ output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& en
   std::tie(page.width, page.height) = size_of(options.size);
   const HexMesh& mesh = subject.run.mesh();
   return page.drawing(mesh, shown_positions(state, options), state.values, state.alive,
-                      options.ghost == "rest" ? state.material : mesh.positions());
+                      options.ghost == "rest" ? state.plastic_rest : mesh.positions());
 }
 
 output::Drawing picture_of(const Subject& subject, const RenderOptions& options) {
@@ -328,8 +328,8 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
                               ->excludes(view)
                               ->excludes(camera);
   command->add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")
-      ->check(CLI::IsMember({"world", "rest"}))
-      ->type_name("world|rest")
+      ->check(CLI::IsMember({"current", "rest", "world"}))  // world: the older name of current
+      ->type_name("current|rest")
       ->capture_default_str();
   command->add_option("--ghost", options.ghost, "Pale shape behind the body")
       ->check(CLI::IsMember({"initial", "rest", "none", "original"}))  // original: the older name of initial

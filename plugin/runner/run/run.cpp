@@ -278,15 +278,15 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     const bool has_ends = measures_ends(simulation);
     if (has_ends)
       add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
-                 fmt::format("{:+.3f} %  (world {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
+                 fmt::format("{:+.3f} %  (current {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
                              rounded(100 * summary.world_elongation, 1e-3)));
     if (has_ends)
       add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
-                 fmt::format("{:+.3f} deg  (world {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
+                 fmt::format("{:+.3f} deg  (current {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
                              rounded(summary.world_twist_deg, 1e-3)));
     add_finite(
         "volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
-        fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
+        fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, current {:+.4f} %)",
                     rounded(100 * (summary.material_volume_ratio - 1), 1e-4), 100 * summary.worst_element_volume_error,
                     rounded(100 * (summary.world_volume_ratio - 1), 1e-4)));
     const PointArray& x = simulation.positions();
@@ -331,7 +331,7 @@ void warn_of_stalls(const Simulation& simulation) {
       spdlog::warn("warning: {} stopped before its tolerance in {} of {} steps", what, steps, simulation.latest().step);
   };
   warn(simulation.totals().stalled_solves, "the linear solver");
-  warn(simulation.totals().stalled_averaging, "the rest-to-material averaging");
+  warn(simulation.totals().stalled_averaging, "the rest-shape averaging");
 }
 
 output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {

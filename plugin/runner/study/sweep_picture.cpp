@@ -18,7 +18,7 @@ constexpr double kNoTwist = 0.05;  // [deg] a bar that is pulled turns by less
 
 /// Two results with a common unit.
 struct Shown {
-  std::string_view quantity, plastic, world;
+  std::string_view quantity, plastic, current;
   double scale;
 };
 constexpr Shown kElongation = {"elongation [%]", "plastic_elongation", "world_elongation", 100};
@@ -61,7 +61,7 @@ output::PanelGrid grid_of(const Shown& shown, const SweepTable& table, const std
     for (const std::size_t value : order)
       series.x.push_back(has_numbers ? along.numbers[value] : static_cast<double>(value));
     for (const auto& [name, colour, result] :
-         {std::tuple{"world", colours.first, shown.world}, {"plastic", colours.second, shown.plastic}}) {
+         {std::tuple{"current", colours.first, shown.current}, {"plastic", colours.second, shown.plastic}}) {
       output::Curve curve{.name = name, .colour = std::string(colour), .has_line = has_numbers, .has_dots = true};
       for (const std::size_t value : order) {
         choice[0] = value;
@@ -78,7 +78,7 @@ output::PanelGrid grid_of(const Shown& shown, const SweepTable& table, const std
 bool twists(const SweepTable& table) {
   for (long run = 0; run < table.num_runs(); ++run)
     if (const std::optional<SweepRow>& row = table.row(run))
-      for (const std::string_view result : {kTwist.plastic, kTwist.world})
+      for (const std::string_view result : {kTwist.plastic, kTwist.current})
         if (std::abs(row->number(result)) > kNoTwist) return true;
   return false;
 }
