@@ -36,7 +36,7 @@ class LoadedBody : public MechanicalSystem {
   void fix(std::vector<int> nodes);
 
   /// The same body in another place.
-  void refer_to(Body& body) { body_ = &body; }
+  void set_body(Body& body) { body_ = &body; }
 
   const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
 

@@ -85,7 +85,7 @@ Eigen::Quaterniond RigidState::orientation_at(int frame, ConstPoints x) {
   return turned(orientations()[frame], x.row(2 * frame + 1).transpose());
 }
 
-void RigidState::settle() {
+void RigidState::accept() {
   PointArray& x = positions();
   for (int frame = 0; frame < num_frames(); ++frame) {
     if (x.row(2 * frame + 1).isZero(0)) continue;

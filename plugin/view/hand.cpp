@@ -81,15 +81,16 @@ void link_embedded_surface(scene::Component& tool, scene::VisualModel& model) {
   if (has_own && model.quads().empty()) {
     const std::string path = model.node().path();
     const std::string link = fmt::format("@{}{}{}.", path, path == "/" ? "" : "/", model.name());
-    tool.find_data("skinPositions")->follow(*points, link + "position");
-    tool.find_data("skinTriangles")->follow(*triangles, link + "triangles");
+    tool.find_data("embeddedPositions")->follow(*points, link + "position");
+    tool.find_data("embeddedTriangles")->follow(*triangles, link + "triangles");
     return;
   }
   std::vector<std::int64_t> corners;
   for (const Triangle& face : model.triangles()) corners.insert(corners.end(), face.begin(), face.end());
   for (const auto& [a, b, c, d] : model.quads()) corners.insert(corners.end(), {a, b, c, a, c, d});
-  set(tool, "skinPositions", std::vector<double>(model.points().data(), model.points().data() + model.points().size()));
-  set(tool, "skinTriangles", std::move(corners));
+  set(tool, "embeddedPositions",
+      std::vector<double>(model.points().data(), model.points().data() + model.points().size()));
+  set(tool, "embeddedTriangles", std::move(corners));
 }
 
 /// Everything but the path.

@@ -99,14 +99,15 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
   return found;
 }
 
-SurfaceSamples SurfaceSamples::on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
-                                       const std::vector<Triangle>& triangles, double wanted, int max_parts) {
+SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const unsigned char> alive,
+                                           ConstPoints surface, const std::vector<Triangle>& triangles, double wanted,
+                                           int max_parts) {
   check(wanted, max_parts);
   double longest = 0;
   for (const Triangle& triangle : triangles) {
-    require_nodes("SurfaceSamples", triangle, skin.rows());
+    require_nodes("SurfaceSamples", triangle, surface.rows());
     for (int a = 0; a < 3; ++a)
-      longest = std::max(longest, (skin.row(triangle[a]) - skin.row(triangle[(a + 1) % 3])).norm());
+      longest = std::max(longest, (surface.row(triangle[a]) - surface.row(triangle[(a + 1) % 3])).norm());
   }
   const int parts = parts_of(longest, wanted, max_parts);
 
@@ -116,7 +117,7 @@ SurfaceSamples SurfaceSamples::on_skin(const HexMesh& mesh, std::span<const unsi
   std::vector<Vec3> points;
   std::vector<std::pair<std::size_t, double>> of_triangle;  // its points and their areas, triangle by triangle
   for (const Triangle& triangle : triangles) {
-    const auto corner = [&](int a) { return Vec3(skin.row(triangle[a]).transpose()); };
+    const auto corner = [&](int a) { return Vec3(surface.row(triangle[a]).transpose()); };
     const double area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
     for (int j = 0; j <= parts; ++j)
       for (int i = 0; i + j <= parts; ++i) {

@@ -15,11 +15,11 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kEdgesPerLook = 0.5;  // of an edge that bodies may move against each other between two looks
-constexpr int kMaxTissueLooks = 16;    // within a step
-constexpr double kKept = 0.5;          // of an edge that what touched may be expected in front of the surface
-constexpr double kFraction = 0.5;      // of the stiffness, for each of the two sides
-constexpr double kPerEdge = 0.5;       // distance of samples, in edges of the other body
+constexpr double kEdgesPerCheck = 0.5;  // of an edge that bodies may move against each other between two checks
+constexpr int kMaxTissueChecks = 16;    // within a step
+constexpr double kKept = 0.5;           // of an edge that what touched may be expected in front of the surface
+constexpr double kFraction = 0.5;       // of the stiffness, for each of the two sides
+constexpr double kPerEdge = 0.5;        // distance of samples, in edges of the other body
 
 /// What stays of a sample from step to step.
 struct SampleState {
@@ -128,15 +128,15 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   const Vec3 mean = (v.first.colwise().sum() + v.second.colwise().sum()).transpose() /
                     static_cast<double>(v.first.rows() + v.second.rows());
   const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean));
-  const int looks =
+  const int num_checks =
       !settings_.is_active ? 0
       : edge > 0 && way > 0
-          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMaxTissueLooks}))
+          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerCheck * edge)), 1.0, double{kMaxTissueChecks}))
           : 1;
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
-  for (int look = 1; look <= looks; ++look) {
-    const double fraction = static_cast<double>(look) / looks;
+  for (int check = 1; check <= num_checks; ++check) {
+    const double fraction = static_cast<double>(check) / num_checks;
     for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + fraction * h * *vs[body];
     for (const auto& of : sides_) {
       Side& side = *of;
@@ -160,8 +160,8 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
           found.displacement = p - point_of(others, mesh.hexahedra()[state.hexahedron], state.anchor);
           return;
         }
-        // it stuck from when it touched, in this look at the earliest
-        const Vec3 change = h / looks *
+        // it stuck from when it touched, in this check at the earliest
+        const Vec3 change = h / num_checks *
                             (sample.at(*vs[side.from]) -
                              point_of(*vs[side.to], mesh.hexahedra()[found.place->hexahedron], found.place->weights));
         const double depth = settings_.distance - found.place->distance, approach = -found.place->normal.dot(change);

@@ -75,7 +75,7 @@ void CycleOperator::visit_others(const Visit& visit) const {
 }
 
 void CycleOperator::update(const Model& model, const Linearization& at) {
-  refer_to(at);
+  set_linearization(at);
   const Partition& partition = *model.partition;
   // parallelepipeds without assumed strain have a fast product of their own
   const bool always_gains =

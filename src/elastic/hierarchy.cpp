@@ -59,7 +59,7 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
   const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
   operators_.clear();
   for (std::size_t k = 0; k < levels_.size(); ++k) operators_.push_back({&levels_[k].op, &meshes[k]});
-  if (cycle_) cycle_->refer_to(at);
+  if (cycle_) cycle_->set_linearization(at);
   if (revision_ == at.revision) return operators_;
   revision_ = at.revision;
   if (cycle_) cycle_->update(model, at);

@@ -91,7 +91,7 @@ struct Averaging::Kernels {
   }
 
   /// Takes the elements whose entry is not 0.
-  void refer_to(const Model& model, const std::vector<unsigned char>& elements) {
+  void setup(const Model& model, const std::vector<unsigned char>& elements) {
     const Partition& partition = *model.partition;
     std::visit(
         [&]<class T>(AveragingOperator<T>& of) {
@@ -427,7 +427,7 @@ void Averaging::choose_elements(const Model& model, History& history, std::span<
       if (parts_.part_of_node[n] < 0 || !part_moves_[parts_.part_of_node[n]])
         history.averaging_increment.row(n).setZero();
   }
-  if (kernels_->chosen != chosen_) kernels_->refer_to(model, chosen_);
+  if (kernels_->chosen != chosen_) kernels_->setup(model, chosen_);
 }
 
 AveragingReport Averaging::advance(const Model& model, LinearSolver& solver, History& history,

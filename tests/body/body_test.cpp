@@ -95,7 +95,7 @@ TEST_F(YieldingBody, FlowsAtTheGivenPositionsWhateverWasLinearizedBefore) {
   EXPECT_EQ(a.text(), b.text());
 }
 
-TEST_F(YieldingBody, IsVirginAgainAfterReset) {
+TEST_F(YieldingBody, IsInItsInitialStateAfterReset) {
   Body initial(body.mesh(), {kYielding});
   EXPECT_GT(
       support::max_abs(body.state().history.plastic_rest_positions - initial.state().history.plastic_rest_positions),
@@ -236,7 +236,7 @@ TEST(Body, RunsTwiceToTheSameBits) {
   EXPECT_EQ(run(), run());
 }
 
-TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
+TEST(Body, WithoutElementsOrWithUnsupportedNodesIsHarmless) {
   Body none(HexMesh(PointArray::Zero(3, 3), {}), {kYielding});
   PointArray f = PointArray::Zero(3, 3);
   none.linearize(f);
@@ -246,10 +246,10 @@ TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
 
   PointArray positions(9, 3);
   positions << PointArray(support::cube(1)), 5, 5, 5;
-  Body loose(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {kYielding});
+  Body unsupported(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {kYielding});
   PointArray current = support::mapped(positions, Vec3(1.1, 1, 1).asDiagonal());
-  EXPECT_EQ(loose.flow(current, kStep).yielded, 1);
-  EXPECT_EQ(loose.state().history.plastic_rest_positions.row(8), positions.row(8));
+  EXPECT_EQ(unsupported.flow(current, kStep).yielded, 1);
+  EXPECT_EQ(unsupported.state().history.plastic_rest_positions.row(8), positions.row(8));
 }
 
 TEST(Body, WithoutPlasticityReportsInvertedElementsAndKeepsItsHistory) {

@@ -100,8 +100,8 @@ TEST(MovingBody, FallsUnderItsGravityAsUnderTheSameLoad) {
 /// Nodes of the upper end of the bar.
 const std::vector<int> kEnd = {72, 73, 74, 75, 76, 77, 78, 79, 80};
 
-// All nodes move at one velocity, the end's because they are led: a rigid translation, which no force disturbs. A
-// velocity of the led nodes that the others did not feel would lag by a step.
+// All nodes move at one velocity, the end's because they are prescribed: a rigid translation, which no force disturbs.
+// A velocity of the prescribed nodes that the others did not feel would lag by a step.
 TEST(MovingBody, LeadsNodesAndTheOthersAlongWithThem) {
   MovingBody moving(yielding_bar(), {.euler = {.rayleigh_stiffness = 0.05}});
   const Vec3 velocity(0.3, -0.2, 0.5);
@@ -114,7 +114,7 @@ TEST(MovingBody, LeadsNodesAndTheOthersAlongWithThem) {
     EXPECT_LE(support::max_abs(moving.x - moved(k)), 1e-12) << "step " << k;
   }
 
-  moving.step();  // no longer led, they stand
+  moving.step();  // no longer prescribed, they stand
   EXPECT_LE(support::max_abs(moving.x.bottomRows(9) - moved(5).bottomRows(9)), 1e-12);
   EXPECT_GE(support::max_abs(moving.x.topRows(9) - moved(5).topRows(9)), 1e-3);
   moving.release(kEnd);
@@ -347,7 +347,7 @@ TEST(MovingBody, IsAsBeforeWhereAStepThrows) {
       force = 0;
       throws = false;
       for (MovingBody* of : {&moving, &untroubled}) {
-        of->step();  // the nodes that were led before are led still
+        of->step();  // the nodes that were prescribed before still are
         go_on(*of, 5);
       }
       EXPECT_TRUE(MotionState(moving) == MotionState(untroubled)) << trouble.what;

@@ -165,14 +165,14 @@ TEST_F(Probes, OfConstraintsTellWhatBalancesABodyAtRest) {
 }
 
 TEST_F(Probes, OfConstraintsAreExactInMotionToo) {
-  // everything is led: a rigid body that is accelerated needs its mass times its acceleration, step by step
-  write("led.scn", R"xml(<Node dt="0.01" gravity="0 0 -10">
+  // every node is prescribed: a rigid body that is accelerated needs its mass times its acceleration, step by step
+  write("prescribed.scn", R"xml(<Node dt="0.01" gravity="0 0 -10">
   <RunSettings steps="20"/><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass="0" rayleighStiffness="0"/>
   <SparseLDLSolver/><RegularGridTopology name="grid" n="3 3 3" max="0.1 0.1 0.1"/><MechanicalObject name="nodes"/>
   <UniformMass totalMass="2"/><HexahedronElastoplasticFEMForceField name="body" youngModulus="5e4"/>
   <FixedProjectiveConstraint name="held" indices="0-8"/><Probe name="z" value="@held.reaction" component="z"/>
   <Probe name="com" value="@nodes.velocity" component="z" statistic="sum"/></Node>)xml");
-  ASSERT_EQ(hexaplast("run led.scn --out run --frames 0 --quiet").code, 0);
+  ASSERT_EQ(hexaplast("run prescribed.scn --out run --frames 0 --quiet").code, 0);
   output::HistoryTable table(directory_ / "run/history.csv");
   const auto force = static_cast<std::size_t>(table.find("probe_z")),
              velocity = static_cast<std::size_t>(table.find("probe_com"));

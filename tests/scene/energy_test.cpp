@@ -80,8 +80,8 @@ TEST(EnergyOfAScene, WeightWorksAlongTheWayOfTheCentreOfMass) {
   EXPECT_LT(std::abs(balance.error()), 0.01 * work);
 }
 
-// A bar led out to a tenth more within a quarter of a second and held there: what was put in has become elastic energy
-// or was damped. First with the slope that begins at once, which puts nodes back to where they are to be.
+// A bar drawn out to a tenth more within a quarter of a second and held there: what was put in has become elastic
+// energy or was damped. First with the slope that begins at once, which puts nodes back to where they are to be.
 TEST(EnergyOfAScene, NodesThatAreLedPutEnergyIn) {
   const std::string material = "youngModulus='200000'";
   for (const std::string motion : {"keyTimes='0 .25 99' movements='0 0 0  0 0 .04  0 0 .04'",

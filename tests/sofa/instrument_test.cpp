@@ -193,7 +193,7 @@ TEST_F(InstrumentAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {
   EXPECT_FALSE(contact.isInMatrix());
   tell<AnimateBeginEvent>();
   ASSERT_TRUE(contact.isOneSided());
-  contact.settle();
+  contact.accept();
   EXPECT_FALSE(contact.isOneSided());
   EXPECT_EQ(said(), "");
   tell<AnimateEndEvent>();
@@ -219,7 +219,7 @@ TEST_F(InstrumentAdapter, RefusesWhatItCannotTouchOrFollow) {
   refuses("rayleighStiffness: = 0.1", {{"rayleighStiffness", "0.1"}});
   refuses("surfaceTriangles",
           {{"shape", "surface"}, {"surfacePositions", "0 0 0 1 0 0 0 1 0"}, {"surfaceTriangles", "0 1 2"}});
-  refuses("node 7 must lie in", {{"skinPositions", "0 0 0 1 0 0 0 1 0"}, {"skinTriangles", "0 1 7"}});
+  refuses("node 7 must lie in", {{"embeddedPositions", "0 0 0 1 0 0 0 1 0"}, {"embeddedTriangles", "0 1 7"}});
   integrator.trapezoidal.setValue(true);
   refuses("trapezoidalScheme", {});
   integrator.trapezoidal.setValue(false);

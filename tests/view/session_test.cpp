@@ -391,7 +391,7 @@ TEST(Session, AfterARefusedInstrumentThereIsNoResetAndNoUndo) {
   Played played;
   Session session(played.subject(), [](std::string_view class_name) {
     std::unique_ptr<scene::Component> made = hand(class_name);
-    if (scene::Data* triangles = made->find_data("skinTriangles"))
+    if (scene::Data* triangles = made->find_data("embeddedTriangles"))
       triangles->set(std::vector<std::int64_t>{0, 1, 99}, {.file = "test"});
     return made;
   });

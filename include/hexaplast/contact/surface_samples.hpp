@@ -50,11 +50,11 @@ struct SurfaceSamples {
   /// `max_parts` that is not positive.
   static SurfaceSamples on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int max_parts);
 
-  /// The same on triangles that are embedded in the hexahedra (Embedding) and have the positions `skin` [m] in the
+  /// The same on triangles that are embedded in the hexahedra (Embedding) and have the positions `surface` [m] in the
   /// initial shape. Triangles of which a point lies in a hexahedron that is gone are left out. Throws what Embedding
   /// throws, and InputError for a node that is not there.
-  static SurfaceSamples on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
-                                const std::vector<Triangle>& triangles, double wanted, int max_parts);
+  static SurfaceSamples on_embedded(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints surface,
+                                    const std::vector<Triangle>& triangles, double wanted, int max_parts);
 };
 
 }  // namespace hexaplast

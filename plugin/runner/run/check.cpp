@@ -180,7 +180,8 @@ Json json_of(const Findings& found) {
           {"bodies", bodies},
           {"regions", json_of(found.regions)},
           {"writes", found.writes},
-          {"advice", warnings}};
+          {"warnings", warnings},
+          {"advice", warnings}};  // the older name
 }
 
 void print(const ModelCheck& body) {

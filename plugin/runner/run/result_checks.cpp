@@ -11,7 +11,7 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr double kManyInverted = 0.01;       // of the hexahedra: single ones may pass through and come back
+constexpr double kManyInverted = 0.01;       // of the hexahedra: single ones may pass through and recover
 constexpr double kLargestUnexplained = 0.2;  // of the energy put in
 constexpr double kLargestGain = 100;         // times the energy put in
 
