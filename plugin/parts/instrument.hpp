@@ -23,11 +23,11 @@ struct InstrumentOptions {
   std::vector<Triangle> surface_triangles = {};
   PointArray embedded_positions = PointArray(0, 3);  ///< [m] of a surface that is embedded in the body and touched in
                                                      ///< place of its faces
-  std::vector<Triangle> embedded_triangles = {};              ///< empty: the body's own faces are touched
-  bool is_prescribed = false;                                 ///< the host tells its poses; there is no path then
-  std::vector<double> key_times = {};                         ///< [s] of its path, ascending
-  PointArray positions = PointArray(0, 3);                    ///< [m] one row per key time
-  std::vector<double> orientations = {};                      ///< quaternions x y z w, one per key time, or none
+  std::vector<Triangle> embedded_triangles = {};     ///< empty: the body's own faces are touched
+  bool is_prescribed = false;                        ///< the host tells its poses; there is no path then
+  std::vector<double> key_times = {};                ///< [s] of its path, ascending
+  PointArray positions = PointArray(0, 3);           ///< [m] one row per key time
+  std::vector<double> orientations = {};             ///< quaternions x y z w, one per key time, or none
   std::optional<double> contact_stiffness = std::nullopt;     ///< [Pa/m] otherwise 30 E / edge length
   std::optional<double> tangential_stiffness = std::nullopt;  ///< [Pa/m] otherwise contact_stiffness
   double friction = 0;

@@ -41,11 +41,11 @@ int parts_of(double longest_edge, double wanted, int max_parts) {
 /// A point of a face by its nodes and the fractions that it has of them, in parts of the edges, ascending: the same
 /// whichever of the faces names it. Fractions of 0 do not count.
 template <std::size_t N>
-using CornerWeights = std::array<std::pair<int, int>, N>;
+using FaceWeights = std::array<std::pair<int, int>, N>;
 
 template <std::size_t N>
-CornerWeights<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>& weights) {
-  CornerWeights<N> key;
+FaceWeights<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>& weights) {
+  FaceWeights<N> key;
   for (std::size_t a = 0; a < N; ++a) key[a] = weights[a] > 0 ? std::pair(nodes[a], weights[a]) : std::pair(-1, 0);
   std::ranges::sort(key);
   return key;
@@ -72,7 +72,7 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
 
   SurfaceSamples found;
   found.spacing = longest / parts;
-  std::map<CornerWeights<4>, std::size_t> known;
+  std::map<FaceWeights<4>, std::size_t> known;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (int j = 0; j <= parts; ++j)
       for (int i = 0; i <= parts; ++i) {
@@ -113,7 +113,7 @@ SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const 
 
   SurfaceSamples found;
   found.spacing = longest / parts;
-  std::map<CornerWeights<3>, std::size_t> known;
+  std::map<FaceWeights<3>, std::size_t> known;
   std::vector<Vec3> points;
   std::vector<std::pair<std::size_t, double>> of_triangle;  // its points and their areas, triangle by triangle
   for (const Triangle& triangle : triangles) {

@@ -53,7 +53,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const Settings& settings = model.settings;
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u;
-  gather(*model.partition, block, lane, at.material.data(), x);
+  gather(*model.partition, block, lane, at.plastic_rest.data(), x);
   gather(*model.partition, block, lane, at.current.data(), u);
   replace_absent(present, x);
   replace_absent(present, u);
@@ -271,7 +271,7 @@ void restore(const Model& model, const Linearization& at, double dt, const Histo
       volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
     } else {
       CornerLanes<V> x, u;
-      gather(*model.partition, block, lane, at.material.data(), x);
+      gather(*model.partition, block, lane, at.plastic_rest.data(), x);
       gather(*model.partition, block, lane, at.current.data(), u);
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       replace_absent(present, x);
