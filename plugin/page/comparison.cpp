@@ -162,7 +162,7 @@ ComparisonTable table_of_states(const fs::path& directory_a, const fs::path& dir
         {label, fmt::format("{:.6g} m", farthest), fmt::format("node {}", node), place(in_a, node), place(in_b, node)});
   };
   add_points("positions", state_a.positions, state_b.positions);
-  add_points("plastic rest positions", state_a.material, state_b.material);
+  add_points("plastic rest positions", state_a.plastic_rest, state_b.plastic_rest);
 
   std::size_t farthest = 0, num_in_one = 0;
   double difference = -1;

@@ -18,7 +18,7 @@ int report_errors(const std::string& subject, const std::function<int()>& action
 
 /// The same for one that returns nothing: 0 where it throws nothing.
 template <class Action>
-  requires std::is_void_v<std::invoke_result_t<Action>>
+requires std::is_void_v<std::invoke_result_t<Action>>
 int report_errors(const std::string& subject, const Action& action) {
   return report_errors(subject, std::function<int()>([&] {
                          action();
