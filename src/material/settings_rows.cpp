@@ -66,7 +66,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kNumerics,
      .words = kRecoveries,
      .help =
-         "What leads folded hexahedra back. cluster: springs on each connected cluster of folded hexahedra, without "
+         "What unfolds folded hexahedra. cluster: springs on each connected cluster of folded hexahedra, without "
          "force or moment in sum; none: a body may stay folded.",
      .at = kMember<&Settings::recovery>},
     {.member = "recovery_strength",
