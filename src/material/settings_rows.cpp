@@ -65,9 +65,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "recovery",
      .group = kNumerics,
      .words = kRecoveries,
-     .help =
-         "What unfolds folded hexahedra. cluster: springs on each connected cluster of folded hexahedra, without "
-         "force or moment in sum; none: a body may stay folded.",
+     .help = "What unfolds folded hexahedra. cluster: springs on each connected cluster of folded hexahedra, without "
+             "force or moment in sum; none: a body may stay folded.",
      .at = kMember<&Settings::recovery>},
     {.member = "recovery_strength",
      .name = "recoveryStrength",
