@@ -193,7 +193,7 @@ TEST_F(InstrumentAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {
   EXPECT_FALSE(contact.isInMatrix());
   tell<AnimateBeginEvent>();
   ASSERT_TRUE(contact.isOneSided());
-  contact.accept();
+  contact.acceptStep();
   EXPECT_FALSE(contact.isOneSided());
   EXPECT_EQ(said(), "");
   tell<AnimateEndEvent>();

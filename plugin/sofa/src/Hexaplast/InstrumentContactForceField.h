@@ -62,7 +62,7 @@ public:
     bool isInMatrix() const override { return !m_instrument->contact().terms().empty(); }
     bool isOneSided() const override { return !m_isAccepted && isInMatrix(); }
     bool release(ConstPoints x, ConstPoints v) override { return m_instrument->contact().release(x, v); }
-    void accept() override { m_isAccepted = true; }
+    void acceptStep() override { m_isAccepted = true; }
 
     const parts::Instrument* instrument() const { return hasPart() ? &*m_instrument : nullptr; }
 

@@ -128,7 +128,7 @@ public:
                         report.residual = again.residual;
                         report.converged = again.converged;
                     }
-                    system.accept();
+                    system.acceptStep();
                     system.write(solution, x);
                     msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
                                << ", |r| / |b| = " << report.residual;

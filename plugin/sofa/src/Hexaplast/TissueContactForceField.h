@@ -69,7 +69,7 @@ public:
     {
         return m_tissues->contact().release(x, v);
     }
-    void accept() { m_isAccepted = true; }
+    void acceptStep() { m_isAccepted = true; }
     void addOwnForce(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const
     {
         m_tissues->add_force(x, v, f);
