@@ -105,7 +105,7 @@ LoadedBody loaded(Body& body, const Motion& motion) {
   return {body, std::move(mass), {}, std::move(load)};
 }
 
-constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 1, "motion"};
+constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 2, "motion"};
 enum Held : unsigned char {
   kFree,
   kFixed,
@@ -251,7 +251,7 @@ void MovingBody::save(std::ostream& out) const {
 
 void MovingBody::load(std::istream& in) {
   const auto num_nodes = static_cast<std::size_t>(body.mesh().num_nodes());
-  const std::size_t max = 64 + num_nodes * (9 * sizeof(double) + 1);
+  const std::size_t max = 64 + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
   const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity(), max);
   Archive archive{std::span<const std::byte>(bytes)};
   PointArray positions, velocities;
@@ -264,7 +264,7 @@ void MovingBody::load(std::istream& in) {
     return field.rows() == body.mesh().num_nodes() && field.allFinite();
   };
   if (!has_all(positions) || !has_all(velocities) || !(memory.start.rows() == 0 || has_all(memory.start)) ||
-      steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
+      !memory.radii.are_sound() || steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
       std::ranges::any_of(held, [](unsigned char how) { return how > kPrescribed; }))
     throw InputError("the saved motion is of another body");
   body.load(in);

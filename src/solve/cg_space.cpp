@@ -88,17 +88,23 @@ void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slo
 }
 
 template <class T>
+void invert_sum(const Partition& partition, const AlignedVector<T>& stiffness, const AlignedVector<T>& diagonal,
+                AlignedVector<T>& inverse) {
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const OwnedRange own(partition, chunk);
+    for (std::size_t i = own.first; i < own.first + own.size; ++i) {
+      const T entry = stiffness[i] + diagonal[i];
+      inverse[i] = entry > T(0) ? T(1) / entry : T(0);
+    }
+  });
+}
+
+template <class T>
 void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
                      AlignedVector<T>& inverse) {
   const Partition& partition = op.partition();
   find_diagonal(op, factor, inverse);
-  parallel_for(partition.num_chunks, [&](int chunk) {
-    const OwnedRange own(partition, chunk);
-    for (std::size_t i = own.first; i < own.first + own.size; ++i) {
-      const T entry = inverse[i] + diagonal[i];
-      inverse[i] = entry > T(0) ? T(1) / entry : T(0);
-    }
-  });
+  invert_sum(partition, inverse, diagonal, inverse);
 }
 
 template <class T>
@@ -275,6 +281,37 @@ double SlotCgSpace<T>::rounding_of_residual() {
   return 0.5 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm / scale_;
 }
 
+namespace {
+
+/// r, a product of bodies and other terms with x, becomes the residual on the free degrees of freedom. Returns |r|.
+double finish_residual(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
+  parallel_for(static_cast<int>(b.rows()), [&](int n) {
+    for (int i = 0; i < 3; ++i) r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - r(n, i));
+  });
+  return std::sqrt(dot(r, r));
+}
+
+}  // namespace
+
+template <class T>
+double SlotCgSpace<T>::residual_beside_others(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
+                                              PointArray& r) {
+  r.setZero(b.rows(), 3);  // the product, first
+  for (const NodalTerm& other : others_) other.add_product(x, r);
+  to_slots(*partition_, x, p_, scale_);
+  parallel_for(partition_->num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnedRange(*partition_, chunk);
+    std::fill_n(Ap_.data() + first, size, T(0));
+  });
+  multiply(*op_, factor_, p_, Ap_);
+  parallel_for(partition_->num_chunks, [&](int chunk) { reduce_ghosts(*partition_, chunk, Ap_.data()); });
+  parallel_for(partition_->num_nodes, [&](int n) {
+    const T* of_body = Ap_.data() + 4 * static_cast<std::size_t>(partition_->slot_of_node[n]);
+    for (int i = 0; i < 3; ++i) r(n, i) += static_cast<double>(of_body[i]) / scale_;
+  });
+  return finish_residual(system, b, x, r);
+}
+
 double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
                       PointArray& r) {
   r.setZero(b.rows(), 3);  // the product, first
@@ -293,10 +330,9 @@ double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, Con
       for (int i = 0; i < 3; ++i) r(body.first_node + n, i) += from[i];
     });
   }
-  parallel_for(static_cast<int>(b.rows()), [&](int n) {
-    for (int i = 0; i < 3; ++i) r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - r(n, i));
-  });
-  if (system.couples_coordinates) A.project(r);
+  const double norm = finish_residual(system, b, x, r);
+  if (!system.couples_coordinates) return norm;
+  A.project(r);
   return std::sqrt(dot(r, r));
 }
 
@@ -304,6 +340,10 @@ template void multiply(const ChunkedProduct<double>&, double, AlignedVector<doub
 template void multiply(const ChunkedProduct<float>&, float, AlignedVector<float>&, AlignedVector<float>&);
 template void find_diagonal(const ChunkedOperator<double>&, double, AlignedVector<double>&);
 template void find_diagonal(const ChunkedOperator<float>&, float, AlignedVector<float>&);
+template void invert_sum(const Partition&, const AlignedVector<double>&, const AlignedVector<double>&,
+                         AlignedVector<double>&);
+template void invert_sum(const Partition&, const AlignedVector<float>&, const AlignedVector<float>&,
+                         AlignedVector<float>&);
 template void invert_diagonal(const ChunkedOperator<double>&, double, const AlignedVector<double>&,
                               AlignedVector<double>&);
 template void invert_diagonal(const ChunkedOperator<float>&, float, const AlignedVector<float>&, AlignedVector<float>&);

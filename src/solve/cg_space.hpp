@@ -44,6 +44,13 @@ class CgSpace {
   /// What rounding may have left in b - A x beyond r: a rounding unit of |D x|, D being the diagonal of A. Stiff bodies
   /// that nothing holds have |A x| far below it.
   virtual double rounding_of_residual() = 0;
+
+  /// |b - A x| for the x of the latest `end`, r its scratch: the terms beside the body in double precision, the body as
+  /// its products are.
+  virtual double residual_beside_others(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
+    static_cast<void>(system), static_cast<void>(b), static_cast<void>(x), static_cast<void>(r);
+    return std::numeric_limits<double>::infinity();
+  }
   static constexpr double kDoubleRounding = 1e-13, kSingleRounding = 1e-10;
 };
 
@@ -142,7 +149,12 @@ void multiply(const ChunkedProduct<T>& op, T factor, AlignedVector<T>& p, Aligne
 template <class T>
 void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slots);
 
-/// inverse = 1 / (diagonal + factor diag(L)), 0 where that is not positive.
+/// inverse = 1 / (stiffness + diagonal) at the nodes, 0 where that is not positive. `inverse` may be `stiffness`.
+template <class T>
+void invert_sum(const Partition& partition, const AlignedVector<T>& stiffness, const AlignedVector<T>& diagonal,
+                AlignedVector<T>& inverse);
+
+/// The same with a stiffness of factor diag(L).
 template <class T>
 void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector<T>& diagonal,
                      AlignedVector<T>& inverse);
@@ -183,6 +195,7 @@ class SlotCgSpace final : public CgSpace {
   bool is_preconditioned() const override { return scaled_ || preconditioner_; }
   double rounding() const override { return std::is_same_v<T, double> ? kDoubleRounding : kSingleRounding; }
   double rounding_of_residual() override;
+  double residual_beside_others(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x, PointArray& r) override;
 
  private:
   struct Partial {

@@ -81,10 +81,14 @@ void require_finite(double p_Ap, double r_z) {
   throw NumericalError(fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", p_Ap));
 }
 
-/// Throws NumericalError where z is not what a positive definite preconditioner makes of r.
+struct IndefinitePreconditioner : NumericalError {
+  using NumericalError::NumericalError;
+};
+
+/// Throws IndefinitePreconditioner where z is not what a positive definite preconditioner makes of r.
 void require_definite(double r_z) {
   if (r_z < 0)
-    throw NumericalError(
+    throw IndefinitePreconditioner(
         fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", r_z));
 }
 
@@ -337,11 +341,18 @@ struct PreconditionedConjugateGradients::Spaces {
   CgSpace* latest = nullptr;  // for the latest system
   PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
 
+  /// Whether the latest preconditioner has spectral radii that were known before; then the next one finds them anew.
+  bool forgets_known_radii() {
+    const bool of_double = multigrid_double.forgets_known_radii(), of_single = multigrid_single.forgets_known_radii();
+    return preconditioned_by == PreconditionedBy::kMultigrid && system.has_one_body() && (of_double || of_single);
+  }
   bool has_others() const { return knows_kernels && !system.others.empty(); }
   bool refines() const { return knows_kernels && rounds_products(system); }
   bool knows_residual() const { return knows_kernels && has_exact_products(system); }
 
-  CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, PreconditionedBy& chosen) {
+  /// radii: that serve, or are to; may be null.
+  CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, SpectralRadii* radii,
+                  PreconditionedBy& chosen) {
     system.clear();
     system.wants_coarse = preconditioner != Preconditioner::kDiagonal;
     knows_kernels = A.describe(system);
@@ -368,9 +379,9 @@ struct PreconditionedConjugateGradients::Spaces {
       return nodal;
     }
     const KernelBody& body = system.bodies.front();
-    if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles);
-    if (!body.cycle_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles);
-    multigrid_single.setup(body, rest);
+    if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles, radii);
+    if (!body.cycle_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles, radii);
+    multigrid_single.setup(body, rest, radii);
     in_double.setup(system, false, &single_precision);
     return in_double;
   }
@@ -381,10 +392,10 @@ struct PreconditionedConjugateGradients::Spaces {
 
   template <class T>
   CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, BlockJacobi<T>& jacobi, const NodalPart& rest,
-                 bool cycles) {
+                 bool cycles, SpectralRadii* radii) {
     const KernelBody& body = system.bodies.front();
     if (cycles) {
-      multigrid.setup(body, rest);
+      multigrid.setup(body, rest, radii);
       space.setup(system, false, &multigrid);
     } else if (!system.others.empty()) {
       jacobi.setup(*body.op<T>(), static_cast<T>(body.factor), rest);
@@ -404,13 +415,9 @@ struct PreconditionedConjugateGradients::Spaces {
   /// the degrees of freedom that more than half of the stiffness acts on: what holds some nodes is not theirs alone.
   bool is_stiff(const PointArray& diagonal) {
     double stiff = 0, all = 0;
-    const auto count = [&]<class T>(const KernelBody& body) {
+    const auto count = [&]<class T>(const KernelBody& body, const Partition& partition,
+                                    const AlignedVector<T>& stiffness) {
       constexpr double kBreakEven = 40;
-      const ChunkedOperator<T>& op = *body.op<T>();
-      const Partition& partition = op.partition();
-      AlignedVector<T>& stiffness = std::get<AlignedVector<T>>(scratch_);
-      stiffness.resize(4 * static_cast<std::size_t>(partition.num_slots));
-      find_diagonal(op, static_cast<T>(body.factor), stiffness);
       for (int n = 0; n < partition.num_nodes; ++n)
         for (int i = 0; i < 3; ++i) {
           const auto entry =
@@ -419,11 +426,26 @@ struct PreconditionedConjugateGradients::Spaces {
           if (entry > kBreakEven * diagonal(body.first_node + n, i)) stiff += entry;
         }
     };
-    for (const KernelBody& body : system.bodies)
-      if (body.double_operator)
-        count.template operator()<double>(body);
+    const auto count_one_of_several = [&]<class T>(const KernelBody& body, const ChunkedOperator<T>& op) {
+      AlignedVector<T>& stiffness = std::get<AlignedVector<T>>(scratch_);
+      stiffness.resize(4 * static_cast<std::size_t>(op.partition().num_slots));
+      find_diagonal(op, static_cast<T>(body.factor), stiffness);
+      count(body, op.partition(), stiffness);
+    };
+    if (system.has_one_body()) {  // whose diagonal a cycle shares
+      const KernelBody& body = system.bodies.front();
+      if (!body.double_operator || body.cycle_operator)
+        count(body, body.cycle_operator ? body.cycle_operator->partition() : body.single_operator->partition(),
+              multigrid_single.stiffness(body));
       else
-        count.template operator()<float>(body);
+        count(body, body.double_operator->partition(), multigrid_double.stiffness(body));
+    } else {
+      for (const KernelBody& body : system.bodies)
+        if (body.double_operator)
+          count_one_of_several(body, *body.double_operator);
+        else
+          count_one_of_several(body, *body.single_operator);
+    }
     return stiff > all / 2;
   }
 };
@@ -439,12 +461,21 @@ PreconditionedConjugateGradients::PreconditionedConjugateGradients(Preconditione
     default;
 
 SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
-  return iterate(A, b, nullptr, x);
+  return iterate(A, b, nullptr, x, nullptr);
+}
+
+SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
+                                                         SolverMemory& memory) {
+  SpectralRadii radii = memory.radii;
+  const SolveReport report = iterate(A, b, nullptr, x, &radii);
+  radii.heed(report.iterations);
+  memory.radii = radii;
+  return report;
 }
 
 SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) {
   const ConstPoints start(x);  // which is read before x is written
-  return iterate(A, b, &start, x);
+  return iterate(A, b, &start, x, nullptr);
 }
 
 namespace {
@@ -454,6 +485,10 @@ constexpr double kSingleSuffices = 1e-3;
 constexpr double kCorrection = 3e-3;  // relative residual of each correction
 constexpr double kDoubt = 0.1;        // of the tolerance: rounding that may have hidden that it was not reached
 constexpr int kMaxCorrections = 50;
+
+// What coefficients in half precision, which enter a product twice, leave out of a residual: two rounding units in most
+// bodies, and a few times as much in some that are badly distorted.
+constexpr double kHalfLeavesOut = 0x1p-10;
 
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
 void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int max_iterations,
@@ -476,7 +511,7 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
 PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A) {
   PreparedSystem prepared;
   PreconditionedBy& preconditioner = spaces_->preconditioned_by;
-  spaces_->latest = &spaces_->choose(A, preconditioner_, preconditioner);
+  spaces_->latest = &spaces_->choose(A, preconditioner_, nullptr, preconditioner);
   const MatrixFreeSystem& system = spaces_->system;
   prepared.couples_coordinates = system.couples_coordinates;
   prepared.is_near_inverse = preconditioner == PreconditionedBy::kMultigrid && system.is_one_body();
@@ -510,16 +545,29 @@ int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, b
   return iterations;
 }
 
+// What radii of an earlier step are too small for is solved again with those of the present one: the cells of a sheet
+// that turns fast.
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
-                                                      Points x) {
+                                                      Points x, SpectralRadii* radii) {
   require_sizes(A, b, x);
+  try {
+    return attempt(A, b, start, x, radii);
+  } catch (const IndefinitePreconditioner&) {
+    if (!spaces_->forgets_known_radii()) throw;
+  }
+  if (radii) *radii = {};
+  return attempt(A, b, start, x, radii);
+}
+
+SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
+                                                      Points x, SpectralRadii* radii) {
   SolveReport report;
   const double norm_b = std::sqrt(finite_square(b));
   if (norm_b == 0) {
     x.setZero();
     return report;
   }
-  spaces_->latest = &spaces_->choose(A, preconditioner_, spaces_->preconditioned_by);
+  spaces_->latest = &spaces_->choose(A, preconditioner_, radii, spaces_->preconditioned_by);
   CgSpace& space = *spaces_->latest;
   report.preconditioner = spaces_->preconditioned_by;
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
@@ -535,10 +583,16 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   } else {
     run(space, b, start, norm_b, enough, iterations_, report);
     space.end(x);
-    // beside what is much stiffer than the body, rounding and half precision leave out much more than they do of it;
-    // and rounding leaves more than the tolerance where the stiffness is far above what b asks for
+    // rounding leaves more than the tolerance where the stiffness is far above what b asks for, and where other terms
+    // are much stiffer than the body
     if (!spaces_->knows_residual()) return report;
-    if (!spaces_->has_others() && space.rounding_of_residual() <= kDoubt * enough * norm_b) return report;
+    const bool is_doubtful = space.rounding_of_residual() > kDoubt * enough * norm_b;
+    if (!spaces_->has_others() && !is_doubtful) return report;
+    if (is_single && !is_doubtful) {
+      report.residual = space.residual_beside_others(spaces_->system, b, x, r) / norm_b;
+      report.converged = report.residual + kHalfLeavesOut <= enough;
+      if (report.converged) return report;
+    }
   }
   double norm_r = exact_residual(A, spaces_->system, b, x, r);
   if (!std::isfinite(norm_r)) {  // the start was no number

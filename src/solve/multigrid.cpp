@@ -181,62 +181,107 @@ void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMes
   }
 }
 
-// Terms beside the bodies do not raise the spectral radii: they add the same to A and to D. So these are found without
-// them, and serve all solves with one linearization, however contacts come and go.
 template <class T>
-void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest) {
+void Multigrid<T>::refer_to(const KernelBody& body) {
   operators_ = body.coarse;
   fine_.op = body.op<T>();
   if constexpr (std::is_same_v<T, float>)
     if (body.cycle_operator) fine_.op = body.cycle_operator;
-  for (std::size_t k = 0; k < coarse_.size() && k < operators_.size(); ++k) coarse_[k].op = operators_[k].op;
-  if (rest.version != 0 && rest.version == diagonal_version_) return;
-  diagonal_version_ = rest.version;
-
-  const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
-  const bool knows_radii = body.spectral_radius > 0 ||
-                           (body.revision != 0 && body.revision == radii_of_.revision &&
-                            body.factor == radii_of_.factor && own_diagonal.rows() == radii_of_.diagonal.rows() &&
-                            own_diagonal == radii_of_.diagonal && rest.free == radii_of_.free);
-  if (!knows_radii) {
-    place(body, own_diagonal, rest.free, {});
-    const auto estimate = [](auto& level) { level.radius = kSafety * spectral_radius(level); };
-    estimate(fine_);
-    std::ranges::for_each(coarse_, estimate);
-    radii_of_.revision = body.revision;
-    if (body.revision != 0) {
-      radii_of_.factor = body.factor;
-      radii_of_.diagonal = own_diagonal;
-      radii_of_.free = rest.free;
-    }
-    if (!rest.own_diagonal && rest.blocks.empty()) return;
-  }
-  place(body, rest.diagonal, rest.free, rest.blocks);
-  if (!(body.spectral_radius > 0)) return;
-  fine_.radius = body.spectral_radius;
-  for (MultigridLevel<float>& level : coarse_) level.radius = body.spectral_radius;
+  coarse_.resize(operators_.size());
+  for (std::size_t k = 0; k < coarse_.size(); ++k) coarse_[k].op = operators_[k].op;
 }
 
 template <class T>
-void Multigrid<T>::place(const KernelBody& body, const PointArray& diagonal, const NodeMask& free,
-                         std::span<const NodeBlock> blocks) {
+const AlignedVector<T>& Multigrid<T>::stiffness(const KernelBody& body) {
+  refer_to(body);
+  const bool is_known =
+      body.revision != 0 && body.revision == stiffness_of_.revision && body.factor == stiffness_of_.factor;
+  if (is_known) return fine_.stiffness;
+  const auto find = [&]<class U>(MultigridLevel<U>& level) {
+    level.factor = static_cast<U>(body.factor);
+    level.stiffness.resize(4 * static_cast<std::size_t>(level.op->partition().num_slots));
+    find_diagonal(*level.op, level.factor, level.stiffness);
+  };
+  find(fine_);
+  for (MultigridLevel<float>& level : coarse_) find(level);
+  stiffness_of_ = {.revision = body.revision, .factor = body.factor};
+  return fine_.stiffness;
+}
+
+// Terms beside the bodies do not raise the spectral radii: they add the same to A and to D. So these are found without
+// them, and serve all solves with one linearization, however contacts come and go.
+template <class T>
+void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest, SpectralRadii* known) {
+  refer_to(body);
+  if (rest.version != 0 && rest.version == diagonal_version_) return;
+  diagonal_version_ = rest.version;
+  stiffness(body);
+  find_radii(body, rest, known);
+  place(rest.diagonal, rest.free, rest.blocks);
+}
+
+// In as many steps as radii serve, those of a body that flows by a few hundredths per step change by less than kSafety
+// allows for.
+template <class T>
+void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, SpectralRadii* known) {
+  const auto for_each_radius = [&](const auto& visit) {
+    visit(fine_.radius, 0);
+    for (std::size_t k = 0; k < coarse_.size(); ++k) visit(coarse_[k].radius, k + 1);
+  };
+  if (body.spectral_radius > 0)
+    return for_each_radius([&](double& radius, std::size_t) { radius = body.spectral_radius; });
+  const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
+  if (body.revision != 0 && body.revision == radii_of_.revision && body.factor == radii_of_.factor &&
+      own_diagonal.rows() == radii_of_.diagonal.rows() && own_diagonal == radii_of_.diagonal &&
+      rest.free == radii_of_.free)
+    return;
+  radii_of_.revision = body.revision;
+  if (body.revision != 0) {
+    radii_of_.factor = body.factor;
+    radii_of_.diagonal = own_diagonal;
+    radii_of_.free = rest.free;
+  }
+
+  SpectralRadii of_system{.num_levels = static_cast<int>(coarse_.size()) + 1,
+                          .factor = body.factor,
+                          .diagonal = own_diagonal.sum(),
+                          .num_free = rest.free.template cast<std::int64_t>().sum()};
+  are_radii_known_ = known && known->serve(of_system);
+  if (are_radii_known_) {
+    ++known->num_solves;
+    return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });
+  }
+  place(own_diagonal, rest.free, {});
+  fine_.radius = kSafety * spectral_radius(fine_);
+  for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level);
+  if (!known || of_system.num_levels > SpectralRadii::kMaxLevels) return;
+  for_each_radius([&](double radius, std::size_t level) { of_system.of_level[level] = radius; });
+  of_system.num_solves = 1;
+  *known = of_system;
+}
+
+template <class T>
+bool Multigrid<T>::forgets_known_radii() {
+  if (!are_radii_known_) return false;
+  radii_of_.revision = diagonal_version_ = 0;
+  return true;
+}
+
+template <class T>
+void Multigrid<T>::place(const PointArray& diagonal, const NodeMask& free, std::span<const NodeBlock> blocks) {
   const Partition& partition = fine_.op->partition();
-  fine_.factor = static_cast<T>(body.factor);
   fine_.resize();
   to_slots(partition, diagonal, fine_.diagonal);
   fine_.has_diagonal = !diagonal.isZero(0);
-  invert_diagonal(*fine_.op, fine_.factor, fine_.diagonal, fine_.inverse);
+  invert_sum(partition, fine_.stiffness, fine_.diagonal, fine_.inverse);
   const auto is_fixed = [&](int slot, int axis) { return free(partition.node_of_slot[slot], axis) == 0; };
   fine_.fixed.find(partition, is_fixed);
   fine_.blocks.clear();
   fine_.blocks.setup(partition, blocks, fine_.inverse);
 
-  coarse_.resize(operators_.size());
   const auto descend = [&](auto& finer, const auto& finer_is_fixed, int k) {
     MultigridLevel<float>& level = coarse_[k];
     const CoarseMesh& mesh = *operators_[k].mesh;
-    level.op = operators_[k].op;
-    level.factor = static_cast<float>(body.factor);
     level.resize();
     level.x.resize(level.d.size(), 0.0f);
     const Partition& cells = level.op->partition();
@@ -261,7 +306,7 @@ void Multigrid<T>::place(const KernelBody& body, const PointArray& diagonal, con
       }
     });
     level.has_diagonal = std::ranges::any_of(level.diagonal, [](float entry) { return entry != 0; });
-    invert_diagonal(*level.op, level.factor, level.diagonal, level.inverse);
+    invert_sum(cells, level.stiffness, level.diagonal, level.inverse);
     level.is_fixed.assign(4 * static_cast<std::size_t>(cells.num_nodes), 0);
     for (const std::size_t number : level.fixed.number) level.is_fixed[number] = 1;
     level.blocks.clear();

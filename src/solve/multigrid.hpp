@@ -14,6 +14,7 @@ template <class T>
 struct MultigridLevel {
   const ChunkedOperator<T>* op = nullptr;
   T factor = 0;
+  AlignedVector<T> stiffness;          ///< diag(factor L)
   AlignedVector<T> diagonal, inverse;  ///< D, and 1 / diag(A); 0 where a block has the inverse
   SlotBlocks<T> blocks;
   bool has_diagonal = false;  ///< some of `diagonal` is not 0
@@ -32,16 +33,24 @@ template <class T>
 class Multigrid final : public SlotPreconditioner<T> {
  public:
   /// Takes the body's operators, and the diagonal, blocks and fixed degrees of freedom of `rest`; finds the spectral
-  /// radii, anew unless they are those of the latest system.
-  void setup(const KernelBody& body, const NodalPart& rest);
+  /// radii, unless they are those of the latest system, or `known` ones serve (null: there are none).
+  void setup(const KernelBody& body, const NodalPart& rest, SpectralRadii* known = nullptr);
+
+  /// Whether the radii were known ones; then the next setup finds them anew.
+  bool forgets_known_radii();
+
+  /// diag(factor L) of the body, in its slots; found once for a revision.
+  const AlignedVector<T>& stiffness(const KernelBody& body);
+
   void apply(const AlignedVector<T>& r, AlignedVector<T>& z) override;
   double diagonal_norm(const AlignedVector<T>& x) override {
     return norm_over(fine_.op->partition(), fine_.inverse, x, fine_.partial);
   }
 
  private:
-  void place(const KernelBody& body, const PointArray& diagonal, const NodeMask& free,
-             std::span<const NodeBlock> blocks);
+  void refer_to(const KernelBody& body);
+  void find_radii(const KernelBody& body, const NodalPart& rest, SpectralRadii* known);
+  void place(const PointArray& diagonal, const NodeMask& free, std::span<const NodeBlock> blocks);
   template <class Finer>
   void restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMesh& mesh, MultigridLevel<float>& level);
   template <class U>
@@ -60,9 +69,14 @@ class Multigrid final : public SlotPreconditioner<T> {
   struct {
     long revision = 0;  // 0: of no system
     double factor = 0;
+  } stiffness_of_;  // of all levels
+  struct {
+    long revision = 0;  // 0: of no system
+    double factor = 0;
     PointArray diagonal;
     NodeMask free;
-  } radii_of_;  // all that the spectral radii follow from
+  } radii_of_;                    // all that the spectral radii follow from
+  bool are_radii_known_ = false;  // of an earlier system, to serve this one
 };
 
 }  // namespace hexaplast

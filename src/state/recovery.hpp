@@ -11,7 +11,7 @@
 
 namespace hexaplast {
 
-/// Cluster springs: what leads folded elements back.                                         theory.md section 3.3
+/// Cluster springs, which unfold folded elements.                                             theory.md section 3.3
 ///
 ///   d_e = min_i det Jhat_i / det J_i of an element, current against plastic rest shape                        (eq.
 ///   E22) s_e = (d1 - d_e) / (d1 - d0) within [0, 1], and of the elements beside the largest that touches      (eq.

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <sstream>
 
+#include "hexaplast/element_values.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "layout/coarsening.hpp"
@@ -270,6 +274,65 @@ TEST(Multigrid, FallsBackToTheDiagonalWhereThereIsNoLattice) {
   const HexMesh mesh = support::block({2, 2, 3}, 0.1);
   EXPECT_FALSE(coarsen(mesh.num_nodes(), mesh.hexahedra()));
   EXPECT_GT(iterations_of(mesh, {Material{}}, Precision::kDouble, 1e-8, Preconditioner::kMultigrid), 0);
+}
+
+MovingBody flowing_bar() {
+  return MovingBody(Body(regular_grid({4, 4, 16}, Vec3::Zero(), {0.04, 0.04, 0.16}),
+                         {{.young_modulus = 5000, .poisson_ratio = 0.45, .yield_stress = 20, .flow_rate = 4}},
+                         {.precision = Precision::kMixed}),
+                    {.gravity = {1, 0, -9}, .fixed = {0, 1, 2, 3, 4}},
+                    std::make_unique<PreconditionedConjugateGradients>(1e-2, 100, Preconditioner::kMultigrid));
+}
+
+TEST(SpectralRadii, ServeEightSolvesOfOneSystem) {
+  MovingBody bar = flowing_bar();
+  const SpectralRadii& radii = bar.solver_memory().radii;
+  for (int step = 0; step < 20; ++step) {
+    const auto before = radii.of_level;
+    bar.step();
+    EXPECT_EQ(radii.num_solves, step % 8 + 1);
+    EXPECT_EQ(radii.of_level != before, step % 8 == 0) << step;
+  }
+  EXPECT_GT(radii.num_levels, 1);
+  bar.fix(std::vector{90});  // another system
+  bar.step();
+  EXPECT_EQ(radii.num_solves, 1);
+  bar.solver_memory().reset();
+  bar.step();
+  EXPECT_EQ(radii.num_solves, 1);
+}
+
+TEST(SpectralRadii, OfEarlierStepsServeAsWellAsThePresentOnes) {
+  MovingBody bar = flowing_bar(), anew = flowing_bar();
+  int iterations = 0, iterations_anew = 0;
+  double change = 0;
+  for (int step = 0; step < 32; ++step) {
+    bar.step();
+    anew.solver_memory().reset();
+    anew.step();
+    iterations += bar.latest.iterations;
+    iterations_anew += anew.latest.iterations;
+    for (int level = 0; level < bar.solver_memory().radii.num_levels; ++level)
+      change = std::max(
+          change, std::abs(bar.solver_memory().radii.of_level[level] / anew.solver_memory().radii.of_level[level] - 1));
+  }
+  EXPECT_GT(std::ranges::max(plastic_strains(bar.body)), 0.9);
+  EXPECT_LT(change, 0.15);  // what the margin of the estimates allows for
+  EXPECT_NEAR(iterations, iterations_anew, 0.03 * iterations_anew);
+}
+
+TEST(SpectralRadii, ThatCannotBeAreRefused) {
+  for (const auto& spoil :
+       {+[](SpectralRadii& radii) { radii.num_levels = SpectralRadii::kMaxLevels + 1; },
+        +[](SpectralRadii& radii) { radii.num_solves = -1; }, +[](SpectralRadii& radii) { radii.of_level[0] = NAN; },
+        +[](SpectralRadii& radii) { radii.of_level[1] = 0; }}) {
+    MovingBody bar = flowing_bar(), other = flowing_bar();
+    bar.step();
+    spoil(bar.solver_memory().radii);
+    std::stringstream bytes;
+    bar.save(bytes);
+    EXPECT_THROW(other.load(bytes), InputError);
+  }
 }
 
 }  // namespace

@@ -266,6 +266,28 @@ TEST(OtherTerms, LeaveTheReportedResidualTrueAtAnyToleranceHoweverStiffTheyAre) 
         }
 }
 
+// The products of a body in mixed precision leave out what its coefficients round to, above tolerances of 1e-3. Beside
+// other terms it is no more than alone.
+TEST(OtherTerms, LeaveTheResidualAsTrueAsThatOfOneBodyInMixedPrecision) {
+  for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal})
+    for (const double tolerance : {3e-2, 1e-2, 3e-3}) {
+      double of_one = 0;
+      for (const double ratio : {0.0, 0.01, 1.0, 100.0}) {
+        Slab tied = one_body(1e6, Precision::kMixed);
+        support::Random random(11);
+        tied.bodies.front().linearize(tied.mesh.positions() + random.field(tied.num_nodes(), 2e-3));
+        if (ratio > 0) tie_oblique_plane(tied, ratio * stiffness_of_node(1e6));
+        const auto [report, x, residual] = solve(tied, tolerance, preconditioner);
+        if (ratio == 0) of_one = std::abs(report.residual - residual);
+        const std::string what = fmt::format("tolerance {}, share {}: {} iterations, {} in place of {}, {} alone",
+                                             tolerance, ratio, report.iterations, report.residual, residual, of_one);
+        EXPECT_TRUE(report.converged) << what;
+        EXPECT_LE(residual, tolerance + of_one) << what;
+        EXPECT_NEAR(report.residual, residual, of_one) << what;
+      }
+    }
+}
+
 // A start that moves what is held is none of the answer.
 TEST(OtherTerms, AStartLeavesHeldNodesWhereTheyAre) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed})

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -199,14 +202,52 @@ struct SolveReport {
   PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< that was used
 };
 
+/// What multigrid has estimated of a system, and serves the next ones of a sequence, whose spectra are nearly the same.
+struct SpectralRadii {
+  static constexpr int kMaxLevels = 16, kMaxSolves = 8;
+
+  int num_levels = 0;                            ///< 0: nothing has been estimated
+  std::array<double, kMaxLevels> of_level = {};  ///< of D^-1 A, from the finest mesh on
+  int num_solves = 0;                            ///< that they have served
+  int iterations = 0;                            ///< of the first of these
+  double factor = 0, diagonal = 0;               ///< of the system: KernelBody::factor; sum of the diagonal
+  std::int64_t num_free = 0;                     ///< of the system: degrees of freedom
+
+  /// Whether they serve another system, of which everything else is given, in place of an estimate.
+  bool serve(const SpectralRadii& other) const {
+    return num_levels == other.num_levels && num_solves < kMaxSolves && factor == other.factor &&
+           diagonal == other.diagonal && num_free == other.num_free;
+  }
+
+  /// After a solve: where it took many more iterations than the first one, they serve no longer.
+  void heed(int iterations_now) {
+    if (num_solves == 1) iterations = iterations_now;
+    if (iterations_now > 1.25 * iterations + 1) num_solves = kMaxSolves;
+  }
+
+  /// What an archive may hold.
+  bool are_sound() const {
+    return num_levels >= 0 && num_levels <= kMaxLevels && num_solves >= 0 &&
+           std::all_of(of_level.begin(), of_level.begin() + num_levels,
+                       [](double radius) { return radius > 0 && std::isfinite(radius); });
+  }
+  void serialize(Archive& archive) {
+    archive(num_levels, of_level, num_solves, iterations, factor, diagonal, num_free);
+  }
+};
+
 /// What one solve of a sequence leaves for the next one: all of it that a result depends on, to the last bit. Whoever
 /// makes the sequence owns it, as a time integrator does beside the motion, and keeps it where the motion is kept.
 struct SolverMemory {
   bool is_first = true;  ///< nothing has been solved: SOFA's rules are relaxed then
   PointArray start;      ///< the latest solution, to start from; without rows: there is none
+  SpectralRadii radii;
 
   void reset() { *this = {}; }
-  void serialize(Archive& archive) { archive(is_first, start); }
+  void serialize(Archive& archive) {
+    archive(is_first, start);
+    radii.serialize(archive);
+  }
 };
 
 /// Solves A x = b; x arrives with any content. What a solver keeps from one solve to the next (vectors, factors, coarse

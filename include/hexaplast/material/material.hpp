@@ -57,7 +57,7 @@ enum class ElasticLaw {
   kMooneyRivlin       ///< with |cof F|^2 besides
 };
 
-/// What leads folded elements back.
+/// What unfolds folded elements.
 enum class RecoveryMode {
   kNone,    ///< nothing: a body that was thrown out of shape may stay folded
   kCluster  ///< springs about the best rigid placement of every connected cluster of folded elements

@@ -76,6 +76,8 @@ class PreconditionedConjugateGradients final : public LinearSolver {
       : PreconditionedConjugateGradients(other.tolerance_, other.iterations_, other.preconditioner_) {}
   PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
+  /// With SolverMemory::radii of one body's system.
+  SolveReport solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) override;
   SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) override;
 
   /// For many right-hand sides of one A (Compliance): prepares what their solves share. A stays as it is until the last
@@ -88,7 +90,8 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   int approximate(ConstPoints b, double error, bool has_start, Points x, Points r);
 
  private:
-  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);
+  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x, SpectralRadii* radii);
+  SolveReport attempt(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x, SpectralRadii* radii);
 
   double tolerance_;
   int iterations_;

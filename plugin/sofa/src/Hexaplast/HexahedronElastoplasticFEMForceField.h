@@ -44,7 +44,7 @@ public:
     DataWord d_bending;                ///< strain of the samples
     Data<SReal> d_blendWeight;         ///< of the corner in samples of blended
     DataWord d_volumetric;             ///< what resists a change of volume
-    DataWord d_recovery;               ///< what leads folded hexahedra back
+    DataWord d_recovery;               ///< what unfolds folded hexahedra
     Data<SReal> d_recoveryStrength;    ///< of its springs
     Data<SReal> d_recoveryFrom;        ///< volume ratio at a corner where they begin
     Data<SReal> d_recoveryFull;        ///< and where they have their full strength

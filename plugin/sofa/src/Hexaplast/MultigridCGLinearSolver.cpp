@@ -101,6 +101,7 @@ public:
     {
         if (m_solver) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
         m_compliance.reset();
+        m_memory.reset();
         m_knowsCompliance = false;
         if (m_solver) attempt(*this, [&] { refuseUnbuiltConstraints(); });
     }
@@ -120,7 +121,7 @@ public:
                     if (m_knowsCompliance) return system.write(motionOf(system, system.read(b)), x);
                     check_constraints(system);
                     PointArray solution(system.num_nodes(), 3), load = system.read(b);
-                    SolveReport report = m_solver->solver().solve(system, load, solution);
+                    SolveReport report = m_solver->solver().solve_next(system, load, solution, m_memory);
                     for (int k = 0; k < ImplicitEuler::kMaxReleases && system.release(solution, load); ++k)
                     {
                         const SolveReport again = m_solver->solver().solve_from_guess(system, load, solution);
@@ -278,6 +279,7 @@ private:
     }
 
     std::optional<parts::MultigridCG> m_solver;
+    SolverMemory m_memory;
     Compliance m_compliance;
     bool m_knowsCompliance = false;  // of the present matrix
     Jacobian m_jacobian;             // of the latest buildComplianceMatrix
