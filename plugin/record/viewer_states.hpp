@@ -90,7 +90,7 @@ class ViewerStates {
 /// What the viewer of a run's report needs.
 struct ViewerData {
   std::string markup;      ///< viewer.json as it may stand in an element of HTML: with no mark of HTML in it
-  bool has_states = true;  ///< else the run had more than kMostNodes nodes
+  bool has_states = true;  ///< else the run had more than kMaxNodes nodes
 };
 
 /// json: what ViewerStates::json() returns. Throws InputError, which names the source, for anything else.

@@ -49,7 +49,7 @@ class Diagnostics {
   static constexpr int kMaxErrors = 20;    ///< errors kept; the others are counted
   static constexpr int kMaxCounted = 100;  ///< then enough is known of the scene
 
-  /// Throws like throw_errors when this is error number kMostCounted.
+  /// Throws like throw_errors when this is error number kMaxCounted.
   void add(Message message);
   void add(Severity severity, Place place, std::string text, std::string hint = {}) {
     add({severity, std::move(place), std::move(text), std::move(hint)});

@@ -71,7 +71,7 @@ class Session final : public Source {
   void release();
 
   /// Back to the state before the hand took hold last, material included; what came since is as if it had not been.
-  /// May be repeated up to kMostUndo times.
+  /// May be repeated up to kMaxUndo times.
   void undo();
 
   /// Changes a parameter by its name, or the factor of one that each hexahedron has for

@@ -16,8 +16,7 @@ void update_material(const Model& model, const History& history, Linearization& 
 void set_positions(const Model& model, const History& history, ConstPoints x, Linearization& at);
 
 /// Rotations, forces and the stiffness operator at current positions x (num_nodes x 3) [m]; nothing where `at` holds
-/// them already.                                                                                     theory.md eq. 15,
-/// 16
+/// them already.                                                                                   theory.md eq. 15, 16
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at);
 
 /// f += elastic forces [N].

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A hexahedron by its twelve edges, for elements in lanes and for one element: its volume, its hourglass modes and the
-// constants of its plastic rest shape.                                                              theory.md sections
-// 2, 9.1
+// constants of its plastic rest shape.                                                        theory.md sections 2, 9.1
 #if defined(HEXAPLAST_KINEMATICS_GRADIENTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_KINEMATICS_GRADIENTS_INL
 #undef HEXAPLAST_KINEMATICS_GRADIENTS_INL

@@ -68,8 +68,7 @@ HWY_INLINE void sine_and_cosine(Lanes<double> angle, Lanes<double>& sine, Lanes<
   cosine = hn::Cos(d, angle.raw());
 }
 
-/// exp(fraction w).                                                                                               eq.
-/// 26
+/// exp(fraction w).                                                                                              eq. 26
 template <class N>
 HWY_INLINE Mat<N> rotation_exp(const RotationVector<N>& w, N fraction) {
   const N half = N(0.5) * fraction * w.angle, small(1e-8);

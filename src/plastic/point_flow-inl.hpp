@@ -23,8 +23,7 @@ HWY_INLINE N flow_fraction(N value, N threshold, N rate_dt, N size) {
   return select(value > threshold, fraction, N(0.0));
 }
 
-/// max(0, threshold + hardening fraction value); the threshold itself where nothing flows.                     eq. 23,
-/// 25
+/// max(0, threshold + hardening fraction value); the threshold itself where nothing flows.                   eq. 23, 25
 template <class N>
 HWY_INLINE N hardened(N threshold, N hardening, N fraction, N value) {
   // select: a threshold of infinity times a fraction of zero is no number
@@ -130,8 +129,7 @@ HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::u
 
 /// S^p of a corner of stretch S and stress sigma, of which the given fraction flows. Adds the plastic strain [-],
 /// sqrt(2/3) fraction |dev log S|, and the dissipated energy [J/m^3], sigma : fraction dev log S. fails: bit per lane,
-/// the series does not suffice.                                                                        eq. 22,
-/// section 5.8
+/// the series does not suffice.                                                                     eq. 22, section 5.8
 template <class N>
 HWY_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, N fraction, N& strain, N& dissipated,
                                     std::uint32_t& fails) {

@@ -13,10 +13,9 @@ namespace hexaplast {
 
 /// Cluster springs, which unfold folded elements.                                             theory.md section 3.3
 ///
-///   d_e = min_i det Jhat_i / det J_i of an element, current against plastic rest shape                        (eq.
-///   E22) s_e = (d1 - d_e) / (d1 - d0) within [0, 1], and of the elements beside the largest that touches      (eq.
-///   E27) E_C = sum_n w_n |r_n|^2 / 2,  w_n = sum_e s_e strength mu V_e^1/3 / 2 of a node's elements      (eq. E23,
-///   E25)
+///   d_e = min_i det Jhat_i / det J_i of an element, current against plastic rest                         (eq. E22)
+///   s_e = (d1 - d_e) / (d1 - d0) within [0, 1], and of the elements beside the largest that touches      (eq. E27)
+///   E_C = sum_n w_n |r_n|^2 / 2,  w_n = sum_e s_e strength mu V_e^1/3 / 2 of a node's elements      (eq. E23, E25)
 ///
 /// with r the deviation from the best rigid placement of the plastic rest shape, one placement for each connected
 /// cluster of elements with s > 0. Forces and moments of a cluster sum to zero. Nothing happens while all d_e >= d1. s

@@ -28,7 +28,7 @@ namespace hexaplast {
 /// State: per sample its anchor, a place in a hexahedron of the other body, N, and the face that is nearest.
 class TissueContact {
  public:
-  /// Of two bodies. The meshes must outlive it. most_parts: of the edge of a face, between samples. Throws InputError
+  /// Of two bodies. The meshes must outlive it. max_parts: of the edge of a face, between samples. Throws InputError
   /// for settings that are not allowed.
   TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int max_parts);
   /// Of one body with itself.

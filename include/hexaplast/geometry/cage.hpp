@@ -52,7 +52,7 @@ struct Cage {
 ///
 /// x: num_nodes x 3 [m], triangles and quads with corners in x; a quad counts as the two triangles on either side of
 /// its first diagonal. Throws InputError when there is no face, a corner does not exist, is not finite or lies outside
-/// the box, the box is empty, the grid has more than kMostCageCells cells, or none is left.
+/// the box, the box is empty, the grid has more than kMaxCageCells cells, or none is left.
 Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
                  CageCells kept = CageCells::kTouchedOrEnclosed);
 

@@ -27,8 +27,8 @@ class LabelledVolume {
  public:
   /// size: voxels in each direction; axes: column d leads from a voxel to the next one in direction d [mm]; origin: the
   /// centre of voxel (0, 0, 0) [mm]. All labels are 0 at first, and take no memory until they are set.
-  /// Throws InputError for a size < 1, more than kMostVoxels voxels, numbers that are not finite, and axes that are
-  /// flat or not perpendicular (kMostCosineOfAxes). They may be left-handed.
+  /// Throws InputError for a size < 1, more than kMaxVoxels voxels, numbers that are not finite, and axes that are
+  /// flat or not perpendicular (kMaxCosineOfAxes). They may be left-handed.
   LabelledVolume(const std::array<int, 3>& size, const Mat3& axes, const Vec3& origin);
 
   const std::array<int, 3>& size() const { return size_; }
@@ -81,7 +81,7 @@ struct VoxelCells {
   double mm_per_length = 1000;   ///< of the positions: 1000 for m
 };
 
-/// Throws InputError where so many voxels have labels that count that there would be more than kMostVoxelCells
+/// Throws InputError where so many voxels have labels that count that there would be more than kMaxVoxelCells
 /// hexahedra.
 void require_feasible(const LabelledVolume& volume, const VoxelCells& cells);
 
@@ -99,7 +99,7 @@ struct VoxelMesh {
 /// equally frequent ones the smallest. All hexahedra have positive volumes, also where the axes of the volume are
 /// left-handed.
 /// Throws InputError for a coarsening < 1, for a label that is 0, given twice or that no voxel has, for more than
-/// kMostVoxelCells hexahedra, and where no hexahedron is left.
+/// kMaxVoxelCells hexahedra, and where no hexahedron is left.
 VoxelMesh mesh_of_voxels(const LabelledVolume& volume, const VoxelCells& cells);
 
 }  // namespace hexaplast
