@@ -222,7 +222,7 @@ TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
   EXPECT_GT(cut(mesh, {normal, -0.79}).area(), 0);
 }
 
-TEST(PartAbove, OfATriangleHasTheFractionOfItsAreaThatItsHeightsSay) {
+TEST(PartAbove, OfATriangleHasTheShareOfItsAreaThatItsHeightsSay) {
   const std::array<Vec3, 3> corner{Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 2, 0)};
   const auto area_above = [&](const std::array<double, 3>& height) {
     std::array<TriangleWeights, 4> part;

@@ -51,7 +51,7 @@ TEST(Voxels, BecomeHexahedraAroundTheirCentres) {
 }
 
 // Two labels in a block of 4 x 3 x 2: 24 hexahedra with 5 * 4 * 3 nodes, in the order of the voxels.
-TEST(Voxels, NeighboursFractionNodesAndKeepTheirLabels) {
+TEST(Voxels, NeighboursShareNodesAndKeepTheirLabels) {
   LabelledVolume volume = box_volume({6, 5, 4});
   fill(volume, {1, 1, 1}, {5, 4, 3}, 3);
   mark(volume, {2, 1, 1}, -8);
@@ -205,7 +205,7 @@ TEST(VoxelSurface, SmoothsAwayStepsAndKeepsVolume) {
 }
 
 // Two cubes of a label that share an edge alone have surfaces of their own; a vertex moves by half a voxel at most.
-TEST(VoxelSurface, HexahedraThatFractionAnEdgeStayApart) {
+TEST(VoxelSurface, HexahedraThatShareAnEdgeStayApart) {
   LabelledVolume volume = box_volume({4, 4, 2});
   fill(volume, {0, 0, 0}, {2, 2, 2}, 1);
   fill(volume, {2, 2, 0}, {4, 4, 2}, 1);

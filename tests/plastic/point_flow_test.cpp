@@ -48,7 +48,7 @@ TEST(StressNorm, OnlyVonMisesIgnoresPressure) {
   EXPECT_GT(stress_norm(pressed, YieldNorm::kSpectral), stress_norm(sigma, YieldNorm::kSpectral) + 100);
 }
 
-TEST(FlowFraction, IsTheRateTimesTheExcessAndStaysWithinZeroAndOne) {
+TEST(FlowShare, IsTheRateTimesTheExcessAndStaysWithinZeroAndOne) {
   EXPECT_DOUBLE_EQ(flow_fraction(400, 300, 2, 0.01), 0.02 * 0.25);
   EXPECT_EQ(flow_fraction(300, 300, 2, 0.01), 0);
   EXPECT_EQ(flow_fraction(200, 300, 2, 0.01), 0);
@@ -82,7 +82,7 @@ TEST(RestoreVolume, ScalesLengthsByTheRateTimesTheErrorAndWithinAFactorOfTwo) {
   EXPECT_DOUBLE_EQ(scale(-5, 50, 0.01), 2);
 }
 
-TEST(StretchFlow, IsAFractionOfTheDeviatoricLogarithmicStretch) {
+TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
   Random random(53);
   for (const YieldNorm norm : kYieldNorms) {
     for (int k = 0; k < 200; ++k) {
@@ -133,7 +133,7 @@ TEST(StretchFlow, OfAPureVolumeChangeHasNoShape) {
   EXPECT_LE((flow.increment - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-15);
 }
 
-TEST(RotationFlow, IsAFractionOfTheRotation) {
+TEST(RotationFlow, IsAShareOfTheRotation) {
   Random random(56);
   for (int k = 0; k < 200; ++k) {
     const Vec3 axis = random.direction();

@@ -334,7 +334,7 @@ TEST(SeveralBodies, HaveACycleEach) {
 
 // What is glued needs more than a cycle each, and yet much less than the diagonal: halves that share a face (108 where
 // that takes 402), one body within another (47, 380), and one that is too small for coarse meshes (33, 403).
-TEST(SeveralBodies, MayFractionNodes) {
+TEST(SeveralBodies, MayShareNodes) {
   for (const auto& [first, end] : {std::pair{512, 1024}, std::pair{256, 768}, std::pair{1020, 1024}}) {
     Slab slab(slab_mesh());
     slab.add_body(0, first == 256 ? 1024 : first, 1e6);
