@@ -21,7 +21,7 @@
 namespace hexaplast {
 namespace {
 
-constexpr std::int64_t kMostNodes = std::numeric_limits<int>::max();
+constexpr std::int64_t kMaxNodes = std::numeric_limits<int>::max();
 
 /// Nodes of each element type of Gmsh; 0: no such type.
 constexpr std::array<int, 32> kNodesOfType{0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
@@ -127,7 +127,7 @@ class GmshFile {
     const std::size_t count = source_.count("the number of elements", 10);
     for (std::size_t e = 0; e < count; ++e) {
       tag("an element");
-      const std::int64_t type = source_.integer("an element type", 1, kMostNodes);
+      const std::int64_t type = source_.integer("an element type", 1, kMaxNodes);
       const std::int64_t group = tag("a group");
       tag("an entity");
       const int num_nodes = nodes_of(type);
@@ -176,8 +176,8 @@ class GmshFile {
     } else {
       for (std::size_t e = 0; e < count; ++e) {
         tag("an element");
-        const std::int64_t type = source_.integer("an element type", 1, kMostNodes);
-        const std::int64_t num_tags = source_.integer("the number of tags", 0, kMostNodes);
+        const std::int64_t type = source_.integer("an element type", 1, kMaxNodes);
+        const std::int64_t num_tags = source_.integer("the number of tags", 0, kMaxNodes);
         const int num_nodes = nodes_of(type);
         std::int64_t group = 0;
         for (std::int64_t t = 0; t < num_tags; ++t) {
@@ -197,7 +197,7 @@ class GmshFile {
     if (is_binary_) source_.line();  // data begin on the line after the section's name
     const std::size_t num_blocks = number("the number of blocks", is_binary_ ? 20 : 8);
     const std::size_t count = begin_nodes(number("the number of nodes", is_binary_ ? 32 : 8));
-    for (int i = 0; i < 2; ++i) number_of_any_size("a node tag");  // least and greatest
+    for (int i = 0; i < 2; ++i) number_of_any_size("a node tag");  // smallest and greatest
     std::size_t n = 0;
     for (std::size_t block = 0; block < num_blocks; ++block) {
       const std::int64_t dimension = small_number("a dimension", 0, 3);
@@ -246,11 +246,11 @@ class GmshFile {
   std::int64_t number_of_any_size(const char* what) {
     return is_binary_ ? static_cast<std::int64_t>(source_.binary<std::uint64_t>()) : tag(what);
   }
-  std::int64_t small_number(const char* what, std::int64_t least, std::int64_t most) {
-    if (!is_binary_) return source_.integer(what, least, most);
+  std::int64_t small_number(const char* what, std::int64_t min, std::int64_t max) {
+    if (!is_binary_) return source_.integer(what, min, max);
     const auto value = source_.binary<std::int32_t>();
-    if (value < least || value > most)
-      source_.refuse_at_byte(fmt::format("{} is not {}: must lie in [{}, {}]", value, what, least, most));
+    if (value < min || value > max)
+      source_.refuse_at_byte(fmt::format("{} is not {}: must lie in [{}, {}]", value, what, min, max));
     return value;
   }
 
@@ -293,8 +293,8 @@ class GmshFile {
 
   std::size_t begin_nodes(std::size_t count) {
     if (std::exchange(has_nodes_, true)) refuse("a second $Nodes, there must be one");
-    if (count > static_cast<std::size_t>(kMostNodes))
-      refuse(fmt::format("{} nodes, must be at most {}", count, kMostNodes));
+    if (count > static_cast<std::size_t>(kMaxNodes))
+      refuse(fmt::format("{} nodes, must be at most {}", count, kMaxNodes));
     mesh_.positions.resize(static_cast<Eigen::Index>(count), 3);
     number_of_.reserve(count);
     return count;

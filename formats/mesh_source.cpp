@@ -79,12 +79,12 @@ double MeshSource::real(const char* what) {
   return number;
 }
 
-std::int64_t MeshSource::integer(const char* what, std::int64_t least, std::int64_t most) {
+std::int64_t MeshSource::integer(const char* what, std::int64_t min, std::int64_t max) {
   const std::string_view text = word();
   std::int64_t number = 0;
   if (text.empty()) refuse(fmt::format("the file ends where {} is expected", what));
-  if (!read_number(text, number) || number < least || number > most)
-    refuse(fmt::format("{} is not {}: must be a whole number in [{}, {}]", quoted(text), what, least, most));
+  if (!read_number(text, number) || number < min || number > max)
+    refuse(fmt::format("{} is not {}: must be a whole number in [{}, {}]", quoted(text), what, min, max));
   return number;
 }
 

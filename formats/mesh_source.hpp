@@ -31,7 +31,7 @@ class MeshSource {
   void expect(std::string_view wanted);  ///< refuses any other word
 
   double real(const char* what);
-  std::int64_t integer(const char* what, std::int64_t least, std::int64_t most);
+  std::int64_t integer(const char* what, std::int64_t min, std::int64_t max);
 
   /// A count of things of which each takes at least `bytes` of the rest of the file.
   std::size_t count(const char* what, std::size_t bytes);

@@ -58,17 +58,17 @@ class MetaImageFile {
  private:
   /// Returns what is behind the header.
   std::string_view read_header() {
-    MeshSource source(content_.substr(0, kMostHeader), name_);
+    MeshSource source(content_.substr(0, kMaxHeader), name_);
     for (long line = 1;; ++line) {
       if (source.at_end()) header_.refuse_line(line, fmt::format("the file ends in its header: {} must follow", kLast));
       const std::string_view text = source.line();
-      if (source.at_end() && content_.size() > kMostHeader) header_.refuse_length(line);
+      if (source.at_end() && content_.size() > kMaxHeader) header_.refuse_length(line);
       const std::size_t equals = text.find('=');
       if (equals == text.npos) header_.refuse_line(line, "must be 'Field = value'");
       const std::string_view field = without_blanks(text.substr(0, equals));
       header_.add(field, without_blanks(text.substr(equals + 1)), line);
       if (in_small_letters(field) == in_small_letters(kLast))
-        return content_.substr(std::min(content_.size(), kMostHeader) - source.remaining());
+        return content_.substr(std::min(content_.size(), kMaxHeader) - source.remaining());
     }
   }
 
@@ -82,7 +82,7 @@ class MetaImageFile {
       const std::vector<double> rows = header_.reals(field, 9);  // one direction after the other
       for (int d = 0; d < 3; ++d) {
         geometry.axes.col(d) = Vec3(rows.data() + 3 * d);
-        if (std::abs(geometry.axes.col(d).norm() - 1) > kMostErrorOfLength)
+        if (std::abs(geometry.axes.col(d).norm() - 1) > kMaxErrorOfLength)
           header_.refuse(field,
                          fmt::format("direction {} has the length {:.6g}: must be 1", d, geometry.axes.col(d).norm()));
       }
@@ -108,7 +108,7 @@ class MetaImageFile {
     return header_.find(field) ? header_.one_of(field, truth()) : otherwise;
   }
 
-  static constexpr double kMostErrorOfLength = 1e-4;
+  static constexpr double kMaxErrorOfLength = 1e-4;
 
   std::string_view content_;
   std::string name_;

@@ -13,9 +13,9 @@
 namespace hexaplast {
 namespace {
 
-constexpr std::size_t kNiftiHeader = 348, kLeastOffset = 352;  // [byte]
-constexpr double kMostOffset = 1 << 26;                        // [byte] of extensions
-constexpr double kLeastScalar = 1e-7;                          // of a quaternion: below, it turns by 180 degrees
+constexpr std::size_t kNiftiHeader = 348, kMinOffset = 352;  // [byte]
+constexpr double kMaxOffset = 1 << 26;                       // [byte] of extensions
+constexpr double kMinScalar = 1e-7;                          // of a quaternion: below, it turns by 180 degrees
 
 class NiftiFile {
  public:
@@ -133,10 +133,10 @@ class NiftiFile {
   Mat3 rotation() const {
     const Vec3 vector(real(256, "quatern_b"), real(260, "quatern_c"), real(264, "quatern_d"));
     const double rest = 1 - vector.squaredNorm();
-    if (rest < -kMostExcess)
+    if (rest < -kMaxExcess)
       refuse("quatern_b, quatern_c, quatern_d",
              fmt::format("the sum of their squares is {:g}, must be at most 1", 1 - rest));
-    const Eigen::Quaterniond turn(std::sqrt(std::max(0., rest < kLeastScalar ? 0 : rest)), vector[0], vector[1],
+    const Eigen::Quaterniond turn(std::sqrt(std::max(0., rest < kMinScalar ? 0 : rest)), vector[0], vector[1],
                                   vector[2]);
     return turn.normalized().toRotationMatrix();
   }
@@ -158,9 +158,9 @@ class NiftiFile {
 
   void skip_extensions() {
     const double offset = real(108, "vox_offset");
-    if (offset < kLeastOffset || offset > kMostOffset || offset != std::floor(offset))
+    if (offset < kMinOffset || offset > kMaxOffset || offset != std::floor(offset))
       refuse("vox_offset",
-             fmt::format("{:.10g}, must be a whole number in [{}, {:.10g}]", offset, kLeastOffset, kMostOffset));
+             fmt::format("{:.10g}, must be a whole number in [{}, {:.10g}]", offset, kMinOffset, kMaxOffset));
     char skipped[4096];
     for (std::size_t left = static_cast<std::size_t>(offset) - kNiftiHeader; left > 0;) {
       const std::size_t count = std::min(left, sizeof skipped);
@@ -169,7 +169,7 @@ class NiftiFile {
     }
   }
 
-  static constexpr double kMostExcess = 1e-5;  // of the squares of single numbers
+  static constexpr double kMaxExcess = 1e-5;  // of the squares of single numbers
 
   std::string name_;
   ByteSource source_;

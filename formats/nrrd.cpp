@@ -104,7 +104,7 @@ class NrrdFile {
  private:
   /// Returns what is behind the header.
   std::string_view read_header() {
-    MeshSource source(content_.substr(0, kMostHeader), name_);
+    MeshSource source(content_.substr(0, kMaxHeader), name_);
     const std::string_view magic = source.line();
     if (magic.size() != 8 || !magic.starts_with("NRRD000") || magic[7] < '1' || magic[7] > '5')
       header_.refuse_line(1, "the file must begin with NRRD0001 to NRRD0005");
@@ -114,8 +114,8 @@ class NrrdFile {
         header_.refuse_line(line, "the file ends in its header: an empty line and the data must follow");
       }
       const std::string_view text = source.line();
-      if (source.at_end() && content_.size() > kMostHeader) header_.refuse_length(line);
-      if (text.empty()) return content_.substr(std::min(content_.size(), kMostHeader) - source.remaining());
+      if (source.at_end() && content_.size() > kMaxHeader) header_.refuse_length(line);
+      if (text.empty()) return content_.substr(std::min(content_.size(), kMaxHeader) - source.remaining());
       if (text.starts_with('#')) continue;
       add(text, line);
     }

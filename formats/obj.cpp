@@ -42,8 +42,8 @@ ImportedMesh parse_obj(std::string_view content, const std::string& name) {
       std::vector<int> nodes;
       for (std::string_view word = words.word(); !word.empty(); word = words.word())
         nodes.push_back(corner(source, word, static_cast<std::int64_t>(vertices.size() / 3)));
-      const std::size_t least = kind == "f" ? 3 : 2;
-      if (nodes.size() < least) source.refuse(fmt::format("{} vertices, must be at least {}", nodes.size(), least));
+      const std::size_t min = kind == "f" ? 3 : 2;
+      if (nodes.size() < min) source.refuse(fmt::format("{} vertices, must be at least {}", nodes.size(), min));
       if (kind == "l") {
         for (std::size_t i = 0; i + 1 < nodes.size(); ++i) mesh.edges.push_back({nodes[i], nodes[i + 1]});
       } else if (nodes.size() == 4) {

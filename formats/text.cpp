@@ -15,12 +15,12 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first <= 0xDF) return continues(1) ? 2 : 0;
   if (first >= 0xE0 && first <= 0xEF) {
-    const unsigned least = first == 0xE0 ? 0xA0 : 0x80, most = first == 0xED ? 0x9F : 0xBF;
-    return byte(1) >= least && byte(1) <= most && continues(2) ? 3 : 0;
+    const unsigned min = first == 0xE0 ? 0xA0 : 0x80, max = first == 0xED ? 0x9F : 0xBF;
+    return byte(1) >= min && byte(1) <= max && continues(2) ? 3 : 0;
   }
   if (first >= 0xF0 && first <= 0xF4) {
-    const unsigned least = first == 0xF0 ? 0x90 : 0x80, most = first == 0xF4 ? 0x8F : 0xBF;
-    return byte(1) >= least && byte(1) <= most && continues(2) && continues(3) ? 4 : 0;
+    const unsigned min = first == 0xF0 ? 0x90 : 0x80, max = first == 0xF4 ? 0x8F : 0xBF;
+    return byte(1) >= min && byte(1) <= max && continues(2) && continues(3) ? 4 : 0;
   }
   return 0;
 }

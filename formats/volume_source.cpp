@@ -16,7 +16,7 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kMostInflation = 1032;      // no byte of zlib's stands for more than this many
+constexpr double kMaxInflation = 1032;       // no byte of zlib's stands for more than this many
 constexpr std::size_t kBuffer = 1 << 16;     // [byte]
 constexpr std::size_t kLongestValue = 60;    // bytes of a file that a message repeats
 constexpr int kGzipOrZlib = MAX_WBITS + 32;  // for zlib: the header tells which of the two it is
@@ -71,8 +71,8 @@ void ByteSource::refuse(const std::string& what) const { throw InputError(fmt::f
 
 void ByteSource::require_room_for(double bytes) const {
   const std::size_t rest = content_.size() - (inflater_ ? 0 : num_read_);
-  const double most = static_cast<double>(rest) * (inflater_ ? kMostInflation : 1);
-  if (bytes > most)
+  const double max = static_cast<double>(rest) * (inflater_ ? kMaxInflation : 1);
+  if (bytes > max)
     refuse(fmt::format("{:.10g} bytes of voxels cannot come from {} bytes of {}data", bytes, rest,
                        inflater_ ? "compressed " : ""));
 }
@@ -157,10 +157,10 @@ LabelledVolume volume_of(const VolumeGeometry& geometry, const VoxelType& type, 
                          const std::string& name) {
   const auto& [nx, ny, nz] = geometry.size;
   const double count = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
-  source.require_room_for(std::min(count, kMostVoxels + 1) * static_cast<double>(type.bytes));
-  if (count > kMostVoxels)
+  source.require_room_for(std::min(count, kMaxVoxels + 1) * static_cast<double>(type.bytes));
+  if (count > kMaxVoxels)
     throw InputError(
-        fmt::format("{}: {} x {} x {} voxels: must be at most {:.10g} in all", name, nx, ny, nz, kMostVoxels));
+        fmt::format("{}: {} x {} x {} voxels: must be at most {:.10g} in all", name, nx, ny, nz, kMaxVoxels));
   try {
     return LabelledVolume({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}, geometry.axes,
                           geometry.origin);
@@ -255,7 +255,7 @@ void TextHeader::refuse_line(long line, const std::string& what) const {
 }
 
 void TextHeader::refuse_length(long line) const {
-  refuse_line(line, fmt::format("the header is longer than {} bytes", kMostHeader));
+  refuse_line(line, fmt::format("the header is longer than {} bytes", kMaxHeader));
 }
 
 std::string TextHeader::data_beside(const std::string& field, const ReadBeside& beside) const {

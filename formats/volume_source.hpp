@@ -65,7 +65,7 @@ LabelledVolume volume_of(const VolumeGeometry& geometry, const VoxelType& type, 
 /// Changes coordinates to LPS: some of x, y and z change their sign.
 void flip(VolumeGeometry& geometry, const Vec3& signs);
 
-inline constexpr std::size_t kMostHeader = 1 << 20;  // [byte] of a text header
+inline constexpr std::size_t kMaxHeader = 1 << 20;  // [byte] of a text header
 
 /// The fields of a text header, each with its line.
 class TextHeader {

@@ -26,12 +26,12 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr std::int64_t kMostComponents = 4096;  // of a data array
-constexpr std::size_t kMostGrowth = 1032;       // no byte of zlib's stands for more than this many
+constexpr std::int64_t kMaxComponents = 4096;  // of a data array
+constexpr std::size_t kMaxGrowth = 1032;       // no byte of zlib's stands for more than this many
 
 // What the numbers of a file may take altogether, beside the bytes that they are decoded from: a regular grid, which
 // zlib packs best, takes eight bytes per byte of its data.
-constexpr std::size_t kMostBytesPerByte = 16;
+constexpr std::size_t kMaxBytesPerByte = 16;
 constexpr std::size_t kBytesOfAnyFile = 24'000'000;  // [byte]
 
 std::string attribute(const XMLElement& element, const char* name) {
@@ -143,8 +143,8 @@ class VtuFile {
       ImportedArray array{attribute(*at, "Name"), 1, {}};
       const std::string components = attribute(*at, "NumberOfComponents");
       if (std::int64_t number = 1; !components.empty()) {
-        if (!read_number(components, number) || number < 1 || number > kMostComponents)
-          refuse(*at, fmt::format("NumberOfComponents '{}', must lie in [1, {}]", components, kMostComponents));
+        if (!read_number(components, number) || number < 1 || number > kMaxComponents)
+          refuse(*at, fmt::format("NumberOfComponents '{}', must lie in [1, {}]", components, kMaxComponents));
         array.num_components = static_cast<int>(number);
       }
       const std::size_t size = count * static_cast<std::size_t>(array.num_components);
@@ -295,8 +295,7 @@ class VtuFile {
     }
     take(at, head_size + total);
     const std::string packed = part(at, data, is_raw, head_size, total);
-    if (size / kMostGrowth > packed.size())
-      refuse(at, fmt::format("{} bytes cannot come from {}", size, packed.size()));
+    if (size / kMaxGrowth > packed.size()) refuse(at, fmt::format("{} bytes cannot come from {}", size, packed.size()));
 
     bytes.resize(size);
     std::size_t from = 0, to = 0;
@@ -319,10 +318,10 @@ class VtuFile {
   void take(const XMLElement& at, std::size_t bytes) {
     if (bytes > content_.size() - num_taken_) refuse(at, "takes bytes that belong to other arrays");
     num_taken_ += bytes;
-    const std::size_t most = (kBytesOfAnyFile + kMostBytesPerByte * num_taken_) / sizeof(double);
-    if (num_numbers_ > most)
+    const std::size_t max = (kBytesOfAnyFile + kMaxBytesPerByte * num_taken_) / sizeof(double);
+    if (num_numbers_ > max)
       refuse(at,
-             fmt::format("{} numbers so far: {} bytes of data can contain at most {}", num_numbers_, num_taken_, most));
+             fmt::format("{} numbers so far: {} bytes of data can contain at most {}", num_numbers_, num_taken_, max));
   }
 
   /// `size` bytes of data: raw from byte `begin` on; in base64 those of the part that begins where the base64 of the
@@ -365,7 +364,7 @@ class VtuFile {
     std::int64_t number = 0;
     if (!read_number(attribute(element, name), number) || number < 0)
       refuse(element, fmt::format("{} '{}', must be a whole number >= 0", name, attribute(element, name)));
-    if (static_cast<std::uint64_t>(number) / kMostGrowth > content_.size())
+    if (static_cast<std::uint64_t>(number) / kMaxGrowth > content_.size())
       refuse(element, fmt::format("{} is {}, more than the file has room for", name, number));
     return static_cast<std::size_t>(number);
   }

@@ -78,7 +78,7 @@ fs::path link_below(const fs::path& directory, const fs::path& file) {
 /// What a symbolic link leads to, there or not. Links of the system's to what is open lead to no name: what lies there
 /// would be replaced under the hands of whoever has it open.
 fs::path end_of_links(const fs::path& link) {
-  constexpr int kMostLinks = 40;  // as the system has it
+  constexpr int kMaxLinks = 40;  // as the system has it
   std::error_code unknown;
   fs::path place = link;
   for (int count = 0; fs::is_symlink(place, unknown); ++count) {
@@ -86,7 +86,7 @@ fs::path end_of_links(const fs::path& link) {
     if (folder == "/dev" || (folder.string() + "/").starts_with("/proc/"))
       throw OutputError(link.string() +
                         ": is a link of the system's to what is open, not a file: name the file itself");
-    if (count == kMostLinks) throw OutputError(link, "cannot be reached", ELOOP);
+    if (count == kMaxLinks) throw OutputError(link, "cannot be reached", ELOOP);
     place = folder / fs::read_symlink(place);
   }
   return fs::weakly_canonical(place);

@@ -103,7 +103,7 @@ const Material& Body::material(int hexahedron) const {
 const Settings& Body::settings() const { return state_->model.settings; }
 bool Body::can_flow() const { return state_->model.can_flow(); }
 
-const PointArray& Body::plastic_rest_positions() const { return state_->history.material; }
+const PointArray& Body::plastic_rest_positions() const { return state_->history.plastic_rest_positions; }
 std::span<const unsigned char> Body::alive() const { return state_->history.alive; }
 std::span<const int> Body::removed() const { return state_->history.removed; }
 std::span<const CornerValues> Body::yield_stress() const { return state_->history.yield_stress; }
@@ -187,7 +187,7 @@ double Body::recovery_work(ConstPoints x) const {
   if (state_->model.settings.recovery == RecoveryMode::kNone) return 0;
   state_->require_linearized("recovery_work");
   energy(x);  // finds the springs
-  return state_->product.recovery.energy() - state_->at.recovery.energy_at(state_->history.material, x);
+  return state_->product.recovery.energy() - state_->at.recovery.energy_at(state_->history.plastic_rest_positions, x);
 }
 
 double Body::energy(ConstPoints x) const {
@@ -199,7 +199,7 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   state_->require_field("flow", "x", x);
   if (dt != state_->checked_dt) {
     require_time_step(dt);
-    // a body without yield is at rest in its original shape for ever: no limit of the plastic step concerns it
+    // a body without yield is at rest in its initial shape for ever: no limit of the plastic step concerns it
     if (state_->model.can_flow()) check_time_step(state_->model.materials, state_->model.settings, dt);
     state_->checked_dt = dt;
   }
@@ -322,8 +322,8 @@ ElementFields Body::fields(ConstPoints x) const {
 
     const Hexahedron& corners = state_->model.mesh.hexahedra()[e];
     const Settings& settings = state_->model.settings;
-    const ElementSamples samples =
-        element_samples(gather(state_->history.material, corners), gather(x, corners), state_->model.lame[e], settings);
+    const ElementSamples samples = element_samples(gather(state_->history.plastic_rest_positions, corners),
+                                                   gather(x, corners), state_->model.lame[e], settings);
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
       out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));
@@ -358,7 +358,8 @@ void Body::add_to(StateHash& hash) const {
   add_array(hash, state_->history.rotation_map);
   add_array(hash, state_->history.yield_stress);
   add_array(hash, state_->history.rotation_yield);
-  hash.add(state_->history.material.data(), state_->history.material.size() * sizeof(double));
+  hash.add(state_->history.plastic_rest_positions.data(),
+           state_->history.plastic_rest_positions.size() * sizeof(double));
   add_array(hash, state_->history.plastic_strain);
   add_array(hash, state_->history.plastic_stretch);
   hash.add(&state_->history.dissipated_energy, sizeof(double));

@@ -18,53 +18,53 @@ namespace hexaplast {
 namespace {
 
 constexpr double kExactAveraging = 1e-11;  // relative residual
-constexpr double kMostStepsOfPath = 1e9;   // from one point to the next
+constexpr double kMaxStepsOfPath = 1e9;    // from one point to the next
 
-HexMesh mesh_of(const ElementPoints& original) { return HexMesh(original, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}); }
+HexMesh mesh_of(const ElementPoints& initial) { return HexMesh(initial, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}); }
 
 History history_of(const Model& model, const HexahedronState& state) {
   History history(model);
-  history.material = state.material;
+  history.plastic_rest_positions = state.plastic_rest;
   history.set_element(0, state.history);
   return history;
 }
 
 /// B: what the paper's rotation modes are measured against.                                          theory.md eq. 33
 Mat3 frame_of(const HexahedronState& state, RotationFrame frame) {
-  return frame == RotationFrame::kBestFit ? fit_rotation(about_mean(state.material), about_mean(state.world))
+  return frame == RotationFrame::kBestFit ? fit_rotation(about_mean(state.plastic_rest), about_mean(state.current))
                                           : Mat3(Mat3::Identity());
 }
 
 }  // namespace
 
-HexahedronState initial_hexahedron(const ElementPoints& original, const Material& material) {
-  const Model model(mesh_of(original), {material}, {});
-  return {original, original, original, History(model).element(0)};
+HexahedronState initial_hexahedron(const ElementPoints& initial, const Material& material) {
+  const Model model(mesh_of(initial), {material}, {});
+  return {initial, initial, initial, History(model).element(0)};
 }
 
 HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Material& material,
                                         const Settings& settings) {
-  const Model model(mesh_of(state.original), {material}, settings);
+  const Model model(mesh_of(state.initial), {material}, settings);
   const History history = history_of(model, state);
   Linearization at(model);
-  linearize(model, history, state.world, at);
+  linearize(model, history, state.current, at);
   const Sampling sampling = sampling_of(settings);
-  const RestOperator rest = rest_operator(state.material, sampling);
+  const RestOperator rest = rest_operator(state.plastic_rest, sampling);
 
   HexahedronElasticity found;
   for (int i = 0; i < kCorners; ++i) {
-    found.corner_jacobian[i] = corner_jacobian(state.material, i);
+    found.corner_jacobian[i] = corner_jacobian(state.plastic_rest, i);
     if (sampling.assumed == Assumed::kNothing)
       found.sample_gradient[i] = sample_gradient(rest, i);
     else
       found.sample_gradient[i].setConstant(std::numeric_limits<double>::quiet_NaN());
   }
-  found.centre_jacobian = centre_jacobian(state.material);
+  found.centre_jacobian = centre_jacobian(state.plastic_rest);
   found.volume = rest.volume;
   found.sample_volume = rest.volume / kCorners;
-  found.mean_gradient = mean_gradient(state.material);
+  found.mean_gradient = mean_gradient(state.plastic_rest);
 
-  found.energy = energy(model, history, state.world);
+  found.energy = energy(model, history, state.current);
   PointArray force = PointArray::Zero(kCorners, 3);
   add_force(model, at, force);
   found.force = force;
@@ -86,19 +86,19 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   Settings exact = settings;
   exact.averaging_tolerance = kExactAveraging;
   exact.precision = Precision::kDouble;
-  const Model model(mesh_of(state.original), {material}, exact);
+  const Model model(mesh_of(state.initial), {material}, exact);
   check_time_step(model.materials, settings, dt, names);
   const History before = history_of(model, state);
   Linearization at(model);
-  linearize(model, before, state.world, at);
-  const ElementSamples samples = element_samples(state.material, state.world, model.lame[0], settings);
+  linearize(model, before, state.current, at);
+  const ElementSamples samples = element_samples(state.plastic_rest, state.current, model.lame[0], settings);
 
   HexahedronStep found;
-  found.F_centre = centre_jacobian(state.world) * centre_jacobian(state.material).inverse();
+  found.F_centre = centre_jacobian(state.current) * centre_jacobian(state.plastic_rest).inverse();
   found.R_centre = polar(found.F_centre).R;
   found.F = samples.F;
   for (int i = 0; i < kCorners; ++i) {
-    found.F_corner[i] = corner_jacobian(state.world, i) * corner_jacobian(state.material, i).inverse();
+    found.F_corner[i] = corner_jacobian(state.current, i) * corner_jacobian(state.plastic_rest, i).inverse();
     found.F_blended[i] = (found.F_corner[i] + found.F_centre) / 2;
     const Polar& decomposed = samples.polar[i];
     found.R[i] = decomposed.R;
@@ -115,18 +115,18 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   // what flows, corner by corner
   const ElementStep step = flow_element({.material = model.material(0),
                                          .settings = settings,
-                                         .original_shape = model.original_shape(0),
+                                         .initial_shape = model.initial_shape(0),
                                          .corner_jacobian = model.corner_jacobian(0),
                                          .initial_volume = model.volume[0],
-                                         .x = state.material,
+                                         .x = state.plastic_rest,
                                          .samples = samples,
-                                         .world = state.world,
+                                         .current = state.current,
                                          .frame = frame_of(state, settings.rotation_frame)},
                                         before.element(0), dt);
   for (int i = 0; i < kCorners; ++i) {
-    found.stretch_flow_fraction[i] = step.stretch[i].share;
+    found.stretch_flow_fraction[i] = step.stretch[i].fraction;
     found.stretch_increment[i] = step.stretch[i].increment;
-    found.rotation_flow_fraction[i] = step.rotation[i].share;
+    found.rotation_flow_fraction[i] = step.rotation[i].fraction;
     found.rotation_increment[i] = step.rotation[i].increment;
   }
   found.volume_ratio = step.volume_ratio;
@@ -139,12 +139,12 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   flow(model, at, dt, solver, after, work);
   found.history = after.element(0);
   found.rest_volume = volume(found.history.rest_shape);
-  found.material = after.material;
-  found.material_volume = volume(found.material);
+  found.plastic_rest = after.plastic_rest_positions;
+  found.plastic_volume = volume(found.plastic_rest);
   return found;
 }
 
-void follow_path(const ElementPoints& original, const Material& material, const Settings& settings, double dt,
+void follow_path(const ElementPoints& initial, const Material& material, const Settings& settings, double dt,
                  const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report,
                  Names names) {
   if (path.empty()) throw InputError("a path needs at least one point");
@@ -152,16 +152,16 @@ void follow_path(const ElementPoints& original, const Material& material, const 
   for (std::size_t k = 1; k < path.size(); ++k)
     if (!(path[k].time > path[k - 1].time))
       throw InputError(fmt::format("path: time {} does not come after {}", path[k].time, path[k - 1].time));
-  Body body(mesh_of(original), {material}, settings);
+  Body body(mesh_of(initial), {material}, settings);
   const auto respond = [&](double time, const Mat3& F) {
-    const PointArray x = original * F.transpose();
+    const PointArray x = initial * F.transpose();
     body.linearize(x);
     PointArray f = PointArray::Zero(kCorners, 3);
     body.add_force(f);
     const ElementFields fields = body.fields(x);
     report({.time = time,
             .F = F,
-            .P = -(f.transpose() * original) / body.initial_volume(),  // what the forces do on the corners
+            .P = -(f.transpose() * initial) / body.initial_volume(),  // what the forces do on the corners
             .stress_norm = fields.stress_norm[0],
             .plastic_strain = fields.plastic_strain[0],
             .yield_stress = fields.yield_stress[0],
@@ -173,16 +173,16 @@ void follow_path(const ElementPoints& original, const Material& material, const 
   respond(path.front().time, path.front().F);
   for (std::size_t k = 1; k < path.size(); ++k) {
     const double span = path[k].time - path[k - 1].time;
-    if (!(span / dt <= kMostStepsOfPath))
+    if (!(span / dt <= kMaxStepsOfPath))
       throw InputError(fmt::format("dt = {} s: makes {:.3g} steps of the path from {} s to {} s, at most {:.3g}", dt,
-                                   span / dt, path[k - 1].time, path[k].time, kMostStepsOfPath));
+                                   span / dt, path[k - 1].time, path[k].time, kMaxStepsOfPath));
     const int steps = std::max(1, static_cast<int>(std::ceil(span / dt * (1 - 1e-9))));
     if (body.can_flow()) check_time_step({material}, settings, span / steps, names);
     for (int n = 1; n <= steps; ++n) {
-      const double share = static_cast<double>(n) / steps;
-      const Mat3 F = (1 - share) * path[k - 1].F + share * path[k].F;
-      body.flow(original * F.transpose(), span / steps);
-      respond(path[k - 1].time + share * span, F);
+      const double fraction = static_cast<double>(n) / steps;
+      const Mat3 F = (1 - fraction) * path[k - 1].F + fraction * path[k].F;
+      body.flow(initial * F.transpose(), span / steps);
+      respond(path[k - 1].time + fraction * span, F);
     }
   }
 }

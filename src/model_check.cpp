@@ -32,8 +32,8 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
   found.density = mass / found.volume;
 
   const auto min_and_max = [&](double Material::*property) {
-    const auto [least, greatest] = std::ranges::minmax(model.materials, {}, property);
-    return std::pair(least.*property, greatest.*property);
+    const auto [min, greatest] = std::ranges::minmax(model.materials, {}, property);
+    return std::pair(min.*property, greatest.*property);
   };
   std::tie(found.min_young_modulus, found.max_young_modulus) = min_and_max(&Material::young_modulus);
   found.locks = body.settings().volumetric == Volumetric::kSample;
@@ -52,11 +52,11 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
 
   if (mass > 0) {
     double stiffest = 0, stiffest_lumped = 0, stiffest_consistent = 0;  // [Pa] largest of the elements
-    const double share = sampling_of(model.settings).share;
+    const double corner_weight = sampling_of(model.settings).corner_weight;
     for (const Lame& k : model.lame) {
       stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
       // of a cube on its own, which swells or warps; neighbours slow it down
-      const double swelling = 3 * k.lambda + 2 * k.mu, warping = share * share * (k.lambda + 4 * k.mu);
+      const double swelling = 3 * k.lambda + 2 * k.mu, warping = corner_weight * corner_weight * (k.lambda + 4 * k.mu);
       stiffest_lumped = std::max({stiffest_lumped, swelling, warping});
       stiffest_consistent = std::max({stiffest_consistent, 3 * swelling, 27 * warping});
     }

@@ -131,7 +131,7 @@ FlowReport MovingBody::step() {
   x_before_ = x;
   v_before_ = v;
   memory_before_ = euler_.memory();
-  system_.refer_to(body);  // which may have moved together with this
+  system_.set_body(body);  // which may have moved together with this
   for (std::size_t n = 0; n < held_.size(); ++n)
     if (held_[n] == kFixed) v.row(static_cast<Eigen::Index>(n)).setZero();
   try {
@@ -251,8 +251,8 @@ void MovingBody::save(std::ostream& out) const {
 
 void MovingBody::load(std::istream& in) {
   const auto num_nodes = static_cast<std::size_t>(body.mesh().num_nodes());
-  const std::size_t most = 64 + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
-  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity(), most);
+  const std::size_t max = 64 + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
+  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity(), max);
   Archive archive{std::span<const std::byte>(bytes)};
   PointArray positions, velocities;
   long steps = 0;
@@ -279,7 +279,7 @@ void MovingBody::load(std::istream& in) {
 }
 
 void MovingBody::tell_fixed() {
-  system_.refer_to(body);  // which may have moved together with this
+  system_.set_body(body);  // which may have moved together with this
   std::vector<int> fixed;
   for (int n = 0; n < body.mesh().num_nodes(); ++n)
     if (held_[n] != kFree || mass()[n] == 0) fixed.push_back(n);

@@ -86,7 +86,7 @@ double volume(const TetrahedronPoints& at) {
 }
 
 /// Linear corotational tetrahedra with the library's flow of stretch, in the three spaces of the hexahedra: isolated
-/// rest shapes, a joined material shape, the world.
+/// rest shapes, a joined plastic rest shape, the world.
 class TetrahedralBody {
  public:
   TetrahedralBody(const HexMesh& mesh, std::vector<Tetrahedron> tetrahedra, const Material& material,
@@ -160,7 +160,7 @@ class TetrahedralBody {
                                                 YieldNorm::kFrobenius, yield_stress_[e], law_.flow_rate, dt);
         const Mat3 turn = rotation_from_rest(e, at);
         rest_shape_[e] *= (turn.transpose() * flowed.increment * turn).transpose();
-        yield_stress_[e] += law_.hardening * flowed.share * flowed.norm;
+        yield_stress_[e] += law_.hardening * flowed.fraction * flowed.norm;
       }
       rest_shape_[e] *= 1 + restitution_ * dt * (1 - ratio);
     }
@@ -213,15 +213,15 @@ struct Bar {
 
   bool is_held(int node) const { return std::abs(mesh.positions()(node, 2)) < 0.01; }
 
-  void add_load(double share, ConstPoints x, Points f) const {
+  void add_load(double fraction, ConstPoints x, Points f) const {
     static constexpr int kLower[] = {5, 6, 6, 10, 10, 9, 9, 5};  // the four edges of the central face
     static constexpr int kUpper[] = {165, 166, 166, 170, 170, 169, 169, 165};
     if (is_twisted) {
-      add_tangential_forces(kUpper, 2, {0, 0, 1}, Vec3::Zero(), 20 * share, x, f);
-      add_tangential_forces(kLower, 2, {0, 0, -1}, Vec3::Zero(), 20 * share, x, f);
+      add_tangential_forces(kUpper, 2, {0, 0, 1}, Vec3::Zero(), 20 * fraction, x, f);
+      add_tangential_forces(kLower, 2, {0, 0, -1}, Vec3::Zero(), 20 * fraction, x, f);
     } else {
-      for (const int node : {165, 166, 169, 170}) f(node, 2) += 22.5 * share;
-      for (const int node : {5, 6, 9, 10}) f(node, 2) -= 22.5 * share;
+      for (const int node : {165, 166, 169, 170}) f(node, 2) += 22.5 * fraction;
+      for (const int node : {5, 6, 9, 10}) f(node, 2) -= 22.5 * fraction;
     }
   }
 };
@@ -273,7 +273,7 @@ class LoadedBar final : public MechanicalSystem {
 
 /// Displacement under a small load: of anything that has stiffness blocks.
 template <class AnyBody>
-PointArray small_displacement(const Bar& bar, AnyBody& body, double share) {
+PointArray small_displacement(const Bar& bar, AnyBody& body, double fraction) {
   struct Stiffness final : LinearSystem {
     Stiffness(const Bar& held_bar, const AnyBody& any_body) : at(held_bar), of(any_body) {}
     int num_nodes() const override { return at.mesh.num_nodes(); }
@@ -298,7 +298,7 @@ PointArray small_displacement(const Bar& bar, AnyBody& body, double share) {
   const PointArray& x = bar.mesh.positions();
   body.linearize(x);
   PointArray f = PointArray::Zero(x.rows(), 3), u = f;
-  bar.add_load(share, x, f);
+  bar.add_load(fraction, x, f);
   for (int n = 0; n < x.rows(); ++n)
     if (bar.is_held(n)) f.row(n).setZero();
   CholeskySolver().solve(Stiffness(bar, body), f, u);
@@ -321,7 +321,7 @@ nlohmann::json simulate(const Bar& bar, const std::string& splitting) {
   const Material material{.yield_stress = 300, .flow_rate = bar.is_twisted ? 2.0 : 4.0, .hardening = .2};
   TetrahedralBody body(bar.mesh, split(bar.mesh, splitting), material, 1);
 
-  constexpr double kSmall = 1e-4;  // share of the load
+  constexpr double kSmall = 1e-4;  // fraction of the load
   Body hexahedra(bar.mesh, {material});
   const PointArray& X = bar.mesh.positions();
   const double softness = response(bar, X + small_displacement(bar, body, kSmall)) /
@@ -336,16 +336,16 @@ nlohmann::json simulate(const Bar& bar, const std::string& splitting) {
     body.flow(x, kDt);
     if (step + 1 == kLastLoadedStep) peak = x;
   }
-  double original = 0, left = 0;
+  double initial = 0, left = 0;
   for (const Tetrahedron& t : body.tetrahedra()) {
-    original += volume(gather(X, t));
+    initial += volume(gather(X, t));
     left += volume(gather(body.material(), t));
   }
   return {{"tetrahedra", body.tetrahedra()},
           {"peak", rows(peak)},
           {"material", rows(body.material())},
           {"softness", softness},
-          {"volume_ratio", left / original}};
+          {"volume_ratio", left / initial}};
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ class Batch {
       solvers_.push_back(std::make_unique<ConjugateGradients>(
           ConjugateGradientSettings{.iterations = kIterations, .tolerance = 0, .threshold = 0}));
     }
-    least_yielded_.assign(errors_.size(), kind.mode == Mode::kPlastic ? 1 : 0);
+    min_yielded_.assign(errors_.size(), kind.mode == Mode::kPlastic ? 1 : 0);
   }
 
   void run(Way way, int num_steps) {
@@ -78,8 +78,8 @@ class Batch {
     return {};
   }
 
-  /// The least share of hexahedra that have yielded in a step of a body.
-  double least_yielded() const { return std::ranges::min(least_yielded_); }
+  /// The smallest fraction of hexahedra that have yielded in a step of a body.
+  double min_yielded() const { return std::ranges::min(min_yielded_); }
 
  private:
   // nothing may be thrown out of a parallel loop, and a body that fails is not stepped any further
@@ -88,8 +88,8 @@ class Batch {
     try {
       for (int step = 0; step < num_steps && errors_[at].empty(); ++step) {
         const Bar::Step done = bars_[at]->step(*solvers_[at]);
-        least_yielded_[at] =
-            std::min(least_yielded_[at], static_cast<double>(done.flow.yielded) / bars_[at]->num_elements());
+        min_yielded_[at] =
+            std::min(min_yielded_[at], static_cast<double>(done.flow.yielded) / bars_[at]->num_elements());
       }
     } catch (const std::exception& error) {
       errors_[at] = error.what();
@@ -99,7 +99,7 @@ class Batch {
   std::vector<std::unique_ptr<Bar>> bars_;
   std::vector<std::unique_ptr<ConjugateGradients>> solvers_;
   std::vector<std::string> errors_;
-  std::vector<double> least_yielded_;  // share, per body
+  std::vector<double> min_yielded_;  // share, per body
 };
 
 /// What is measured in one way.
@@ -173,7 +173,7 @@ class KindRun {
     if (alone_.empty()) alone_ = found.hashes;
 
     std::vector<std::string> wrong = {batch.error(), differing_bodies(alone_, found.hashes)};
-    if (const double yielded = batch.least_yielded(); kind_.mode == Mode::kPlastic && yielded < kNearlyAllOfThem)
+    if (const double yielded = batch.min_yielded(); kind_.mode == Mode::kPlastic && yielded < kNearlyAllOfThem)
       wrong.push_back(fmt::format("only {:.2f} % of the hexahedra yield", 100 * yielded));
     for (const std::string& what : wrong) {
       if (what.empty()) continue;

@@ -111,9 +111,9 @@ class Peer {
 
   static std::vector<int> clamped(const HexMesh& mesh) {
     std::vector<int> nodes;
-    const double least = mesh.positions().col(2).minCoeff();
+    const double min = mesh.positions().col(2).minCoeff();
     for (int n = 0; n < mesh.num_nodes(); ++n)
-      if (mesh.positions()(n, 2) == least) nodes.push_back(n);
+      if (mesh.positions()(n, 2) == min) nodes.push_back(n);
     return nodes;
   }
 
@@ -296,7 +296,7 @@ class SizeRun {
     record.processor = MachineLimits::processor();
     record.iterations = static_cast<double>(iterations) / num_steps;
     record.tolerance = solver.tolerance;
-    record.hex_per_ms = record.size / times.least;
+    record.hex_per_ms = record.size / times.min;
     record.p50_ms = times.p50;
     record.p99_ms = times.p99;
     record.bytes_per_hex = bytes / record.size;
@@ -347,7 +347,7 @@ class SizeRun {
 
 StepTimes::StepTimes(std::vector<double> ms) {
   std::sort(ms.begin(), ms.end());
-  least = ms.front();
+  min = ms.front();
   p50 = ms[(ms.size() - 1) / 2];
   p99 = ms[static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(ms.size()))) - 1];
 }

@@ -30,7 +30,7 @@ Outcome run(const Options& options, const MachineLimits& limits,
 
 /// Times of steps [ms], of any body: the fastest, the median and the one that only a hundredth exceeds.
 struct StepTimes {
-  double least, p50, p99;
+  double min, p50, p99;
   explicit StepTimes(std::vector<double> ms);
 };
 

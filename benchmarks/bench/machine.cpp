@@ -106,7 +106,7 @@ double peak(int threads, bool single) {
 }
 
 double bandwidth(const AlignedVector<double>& array, std::size_t bytes, int threads) {
-  const std::size_t share = bytes / sizeof(double) / threads / 128 * 128;
+  const std::size_t part = bytes / sizeof(double) / threads / 128 * 128;
   const int passes = static_cast<int>(std::max<std::size_t>(1, (32u << 20) / bytes));
   std::vector<double> sums(threads);
   double best = 0;
@@ -114,10 +114,10 @@ double bandwidth(const AlignedVector<double>& array, std::size_t bytes, int thre
     const double time = seconds([&] {
       parallel_for(threads, [&](int thread) {
         for (int pass = 0; pass < passes; ++pass)
-          sums[thread] += HWY_DYNAMIC_DISPATCH(read_all)(array.data() + thread * share, share);
+          sums[thread] += HWY_DYNAMIC_DISPATCH(read_all)(array.data() + thread * part, part);
       });
     });
-    const double read = static_cast<double>(share * sizeof(double)) * threads * passes;
+    const double read = static_cast<double>(part * sizeof(double)) * threads * passes;
     best = std::max(best, 1e-9 * read / time + (sums[0] == 0.5));  // the array holds ones: never
   }
   return best;

@@ -36,7 +36,7 @@ struct Record {
   double bytes_per_hex = kNotMeasured;        ///< of everything allocated for body, state and solver
   double residual = 0;                        ///< relative, of the last step
   double velocity_error = kNotMeasured;       ///< of a velocity increment, in the norm of kinetic energy
-  double yielded = 0;                         ///< share of the hexahedra that yielded in the last step
+  double yielded = 0;                         ///< fraction of the hexahedra that yielded in the last step
   std::string state_hash;                     ///< at the end; the same for any number of threads
 
   // [ns per hexahedron] of the stages, each the fastest of several, and how near the operator gets to the machine
@@ -44,7 +44,7 @@ struct Record {
   double operator_ns = kNotMeasured;   ///< one product
   double vectors_ns = kNotMeasured;    ///< the rest of one plain conjugate gradient iteration
   double flow_ns = kNotMeasured;       ///< plastic flow, rest shapes
-  double averaging_ns = kNotMeasured;  ///< rest-to-material averaging
+  double averaging_ns = kNotMeasured;  ///< rest-shape averaging
   double operator_gflops = kNotMeasured;
   double operator_gbs = kNotMeasured;
   double peak_gflops = kNotMeasured;  ///< measured on this machine, in the operator's precision

@@ -22,14 +22,14 @@ constexpr double kBoxFlops = 36 + 2 * 108 + 8 * (45 + 3 + 1 + 12 + 54) + 72;
 constexpr double kGeneralFlops = 36 + 2 * 36 + 144 + 120 + 8 * (45 + 3 + 1 + 12 + 54 + 2 * 54) + 72;
 
 template <class Work>
-double least_seconds(int repetitions, const Work& work) {
-  double least = std::numeric_limits<double>::infinity();
+double min_seconds(int repetitions, const Work& work) {
+  double min = std::numeric_limits<double>::infinity();
   for (int repetition = 0; repetition < repetitions; ++repetition) {
     const auto begin = std::chrono::steady_clock::now();
     work(repetition);
-    least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    min = std::min(min, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
-  return least;
+  return min;
 }
 
 /// [s] of one product with the operator that `bar` was linearized to, as the solvers carry it out.
@@ -38,7 +38,7 @@ double time_product(const ChunkedOperator<T>& op, int repetitions) {
   const Partition& partition = op.partition();
   AlignedVector<T> p = slot_vector<T>(partition), Ap = p;
   for (std::size_t k = 0; k < p.size(); ++k) p[k] = static_cast<T>(std::sin(0.1 * static_cast<double>(k)));
-  return least_seconds(repetitions, [&](int) {
+  return min_seconds(repetitions, [&](int) {
     parallel_for(partition.num_chunks, [&](int chunk) { op.add_product(chunk, T(1e-3), p.data(), Ap.data()); });
   });
 }
@@ -48,8 +48,8 @@ void describe_operator(const ElementOperator<T, Coef>& op, int num_elements, Sta
   const Partition& partition = op.partition();
   double general = 0;
   for (const unsigned char is_general : op.is_general) general += is_general != 0;
-  const double share = op.per_sample ? 1 : general / partition.num_blocks;
-  stages.operator_flops = share * kGeneralFlops + (1 - share) * kBoxFlops;
+  const double fraction = op.per_sample ? 1 : general / partition.num_blocks;
+  stages.operator_flops = fraction * kGeneralFlops + (1 - fraction) * kBoxFlops;
   // coefficients and corner slots stream through; p is read, Ap read and written
   stages.operator_footprint = op.bytes() + partition.corner.size() * sizeof(int) +
                               3 * 4 * static_cast<std::size_t>(partition.num_slots) * sizeof(T);
@@ -61,8 +61,8 @@ double time_iteration(Bar& bar, int repetitions) {
   constexpr int kFew = 5, kMany = 25;
   ConjugateGradients few({.iterations = kFew, .tolerance = 0, .threshold = 0});
   ConjugateGradients many({.iterations = kMany, .tolerance = 0, .threshold = 0});
-  const double few_seconds = least_seconds(repetitions, [&](int) { bar.increment(few); });
-  const double many_seconds = least_seconds(repetitions, [&](int) { bar.increment(many); });
+  const double few_seconds = min_seconds(repetitions, [&](int) { bar.increment(few); });
+  const double many_seconds = min_seconds(repetitions, [&](int) { bar.increment(many); });
   return (many_seconds - few_seconds) / (kMany - kFew);
 }
 
@@ -80,15 +80,14 @@ void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
   for (int repetition = 0; repetition < repetitions; ++repetition) {
     History history = body.history;
     linearize(model, history, bar.positions(), at);
-    flow_seconds =
-        std::min(flow_seconds,
-                 least_seconds(1, [&](int) { flows = flow(model, at, kBarDt, solver, history, work).yielded > 0; }));
+    flow_seconds = std::min(
+        flow_seconds, min_seconds(1, [&](int) { flows = flow(model, at, kBarDt, solver, history, work).yielded > 0; }));
     // the rest shapes have flowed; the averaging starts again from the positions before
-    history.material = body.history.material;
+    history.plastic_rest_positions = body.history.plastic_rest_positions;
     history.averaging_increment = body.history.averaging_increment;
     ++history.version;
     averaging_seconds =
-        std::min(averaging_seconds, least_seconds(1, [&](int) { averaging.advance(model, solver, history); }));
+        std::min(averaging_seconds, min_seconds(1, [&](int) { averaging.advance(model, solver, history); }));
   }
   stages.averaging_ns = flows ? ns * averaging_seconds : 0;
   stages.flow_ns = std::max(0.0, ns * flow_seconds - stages.averaging_ns);
@@ -102,7 +101,7 @@ Stages measure_stages(Bar& bar, int repetitions) {
 
   // a body does not linearize twice at the same place
   const PointArray nudged = bar.positions().array() + 1e-9;
-  stages.linearize_ns = ns * least_seconds(2 * repetitions, [&](int repetition) {
+  stages.linearize_ns = ns * min_seconds(2 * repetitions, [&](int repetition) {
                           bar.body().linearize(repetition % 2 == 0 ? nudged : bar.positions());
                         });
 

@@ -12,7 +12,7 @@ struct Stages {
   double operator_ns = 0;              ///< one product
   double vectors_ns = 0;               ///< one plain conjugate gradient iteration without the product
   double flow_ns = 0;                  ///< plastic flow, rest shapes
-  double averaging_ns = 0;             ///< rest-to-material averaging; 0 where nothing flows
+  double averaging_ns = 0;             ///< rest-shape averaging; 0 where nothing flows
   double operator_flops = 0;           ///< per hexahedron: additions and multiplications in the operator's formulas
   double operator_bytes = 0;           ///< per hexahedron: coefficients, weights, indices, and the vectors once each
   std::size_t operator_footprint = 0;  ///< [B] of all of these

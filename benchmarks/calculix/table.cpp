@@ -125,7 +125,7 @@ void report_locking() {
     for (const Element& element : kElements) {
       fmt::print(" |");
       for (const double poisson_ratio : kPoissonRatios)
-        fmt::print(" {:.3f}", support::relative_deflection(beam.mesh, beam.shares, poisson_ratio, element.settings()));
+        fmt::print(" {:.3f}", support::relative_deflection(beam.mesh, beam.weights, poisson_ratio, element.settings()));
     }
     fmt::print(" |\n");
   }

@@ -51,12 +51,12 @@ WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 440, 76, 24, 48, 58
 LEGEND = 270  # beside the plot, so that it covers no curve
 
 
-def _ticks(least, most):
-    """About six round numbers from least to most."""
-    raw = (most - least) / 6
+def _ticks(low, high):
+    """About six round numbers from low to high."""
+    raw = (high - low) / 6
     power = 10 ** np.floor(np.log10(raw))
     step = power * next(factor for factor in (1, 2, 2.5, 5, 10) if factor * power >= raw)
-    return np.arange(np.ceil(least / step - 1e-9), np.floor(most / step + 1e-9) + 1) * step + 0.0  # no -0
+    return np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step + 0.0  # no -0
 
 
 def write_plot(name, title, x_label, y_label, curves, x_end=None, marks=False):

@@ -23,7 +23,7 @@ struct MatrixFreeSystem;
 struct ElementFields {
   std::vector<double> plastic_strain;  ///< [-] mean over the corners of the accumulated plastic strain
   std::vector<double> yield_stress;    ///< [Pa] maximum of the corners; infinite if it never yields
-  std::vector<double> volume_ratio;    ///< [-] material volume / original volume
+  std::vector<double> volume_ratio;    ///< [-] plastic volume / initial volume
   std::vector<double> stress_norm;     ///< [Pa] maximum of the corners, in the body's yield norm
   std::vector<double> strain;          ///< [-] largest |D - 1| of the corners
 };
@@ -93,7 +93,7 @@ class Body {
   void reset();
 
   /// Writes the history, and the materials that its thresholds belong to, so that a body that loads it goes on as this
-  /// one does, bit for bit. The world state (positions, velocities) is the host's. Between two time steps.
+  /// one does, bit for bit. The current state (positions, velocities) is the host's. Between two time steps.
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero

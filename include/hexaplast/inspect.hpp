@@ -14,19 +14,19 @@ namespace hexaplast {
 
 /// A hexahedron in any state. All positions [m], corners as rows.
 struct HexahedronState {
-  ElementPoints original;  ///< X
-  ElementPoints material;  ///< x
-  ElementPoints world;     ///< xh
-  ElementHistory history;  ///< isolated rest shape, rotation maps, thresholds
+  ElementPoints initial;       ///< X
+  ElementPoints plastic_rest;  ///< x
+  ElementPoints current;       ///< xh
+  ElementHistory history;      ///< isolated rest shape, rotation maps, thresholds
 };
 
-/// The initial state: material and world positions are the original ones.
-HexahedronState initial_hexahedron(const ElementPoints& original, const Material& material);
+/// The initial state: plastic rest and current positions are the initial ones.
+HexahedronState initial_hexahedron(const ElementPoints& initial, const Material& material);
 
 struct HexahedronElasticity {
-  CornerTensors corner_jacobian;                        ///< [m] J_i of the material shape                    eq. 2
+  CornerTensors corner_jacobian;                        ///< [m] J_i of the plastic rest shape                    eq. 2
   Mat3 centre_jacobian;                                 ///< [m] J_o                                          eq. 3
-  double volume;                                        ///< [m^3] of the material shape                      eq. 4
+  double volume;                                        ///< [m^3] of the plastic rest shape                      eq. 4
   double sample_volume;                                 ///< [m^3] that each sample carries
   ElementPoints mean_gradient;                          ///< [1/m] Gm                                         eq. 9
   std::array<ElementPoints, kCorners> sample_gradient;  ///< [1/m] g~, per sample                             eq. 7
@@ -35,7 +35,7 @@ struct HexahedronElasticity {
   Eigen::Matrix<double, 24, 24> stiffness;              ///< [N/m] -df/dx, row 3a + axis; rotations fixed      eq. 17
 };
 
-/// Throws InputError for a material or settings outside their ranges, or an original shape that is inverted.
+/// Throws InputError for a material or settings outside their ranges, or an initial shape that is inverted.
 HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Material& material,
                                         const Settings& settings);
 
@@ -55,12 +55,12 @@ struct HexahedronStep {
   CornerTensors stretch_increment;      ///< S^p                                                               eq. 22
   CornerValues rotation_flow_fraction;  ///< eta                                                           eq. 25, 33
   CornerTensors rotation_increment;     ///< R^p                                                           eq. 26, 34
-  double volume_ratio;                  ///< beta = material / original volume
+  double volume_ratio;                  ///< beta = plastic / initial volume
   bool skipped;                         ///< without flow: inverted or nearly so
   ElementHistory history;               ///< after the step
   double rest_volume;                   ///< [m^3] of the rest shape after the step
-  ElementPoints material;               ///< [m] x after the step                                              eq. 31
-  double material_volume;               ///< [m^3] of it
+  ElementPoints plastic_rest;           ///< [m] x after the step                                              eq. 31
+  double plastic_volume;                ///< [m^3] of it
 };
 
 /// One plastic step over dt [s], averaging included; what does not flow in the chosen mode is identity or 0. Throws
@@ -68,7 +68,7 @@ struct HexahedronStep {
 HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings, double dt,
                             Names names = Names::kMembers);
 
-/// A deformation gradient of the whole hexahedron, relative to its original shape.
+/// A deformation gradient of the whole hexahedron, relative to its initial shape.
 struct PathPoint {
   double time;  ///< [s]
   Mat3 F;
@@ -78,11 +78,11 @@ struct PathPoint {
 struct PathResponse {
   double time;               ///< [s]
   Mat3 F;                    ///< imposed
-  Mat3 P;                    ///< [Pa] mean first Piola stress with respect to the original shape
+  Mat3 P;                    ///< [Pa] mean first Piola stress with respect to the initial shape
   double stress_norm;        ///< [Pa] maximum of the corners
   double plastic_strain;     ///< mean of the corners, accumulated
   double yield_stress;       ///< [Pa] maximum of the corners
-  double volume_ratio;       ///< material / original volume
+  double volume_ratio;       ///< plastic / initial volume
   double energy;             ///< [J] elastic
   double dissipated_energy;  ///< [J] accumulated
 };
@@ -90,7 +90,7 @@ struct PathResponse {
 /// Deforms an initial hexahedron along F(t), linear between the points, in steps of at most dt [s] with a plastic step
 /// after each, and hands every moment to `report`. Throws as inspect_step does, and InputError where the path is empty
 /// or its times do not ascend.
-void follow_path(const ElementPoints& original, const Material& material, const Settings& settings, double dt,
+void follow_path(const ElementPoints& initial, const Material& material, const Settings& settings, double dt,
                  const std::vector<PathPoint>& path, const std::function<void(const PathResponse&)>& report,
                  Names names = Names::kMembers);
 

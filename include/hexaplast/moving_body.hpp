@@ -36,7 +36,7 @@ class LoadedBody : public MechanicalSystem {
   void fix(std::vector<int> nodes);
 
   /// The same body in another place.
-  void refer_to(Body& body) { body_ = &body; }
+  void set_body(Body& body) { body_ = &body; }
 
   const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
 
@@ -76,11 +76,11 @@ struct RunReport {
   void add(const SolveReport& solved, const FlowReport& flowed);
 };
 
-/// A body by itself in time, for programs that have no scene: an implicit step of the world, then one plastic flow at
-/// the accepted positions. Nodes without hexahedron have no mass and stay where they are. May be moved, not copied.
+/// A body by itself in time, for programs that have no scene: an implicit step of the positions, then one plastic flow
+/// at the accepted positions. Nodes without hexahedron have no mass and stay where they are. May be moved, not copied.
 class MovingBody {
  public:
-  /// Starts at the body's original positions, at rest, at time 0. solver: sparse Cholesky when null, which is exact and
+  /// Starts at the body's initial positions, at rest, at time 0. solver: sparse Cholesky when null, which is exact and
   /// suits up to about a thousand hexahedra; PreconditionedConjugateGradients beyond. Throws InputError where a fixed
   /// node does not exist, or a number of `motion` is not positive, or a rate of the material too great for dt.
   MovingBody(Body body, Motion motion, std::unique_ptr<LinearSolver> solver = nullptr);

@@ -61,13 +61,15 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .range = kIndex,
      .help = "Groups of three nodes, counter-clockwise seen from outside, for example @loader.triangles. The surface "
              "must be closed."},
-    {.name = "skinPositions",
+    {.name = "embeddedPositions",
      .type = Type::kVectors3,
      .unit = "m",
+     .aliases = "skinPositions",
      .help = "Nodes of a surface that is embedded in the body, in the initial shape, for example @visual.position."},
-    {.name = "skinTriangles",
+    {.name = "embeddedTriangles",
      .type = Type::kIntegers,
      .range = kIndex,
+     .aliases = "skinTriangles",
      .help = "Groups of three of these nodes. If given, this surface is touched in place of the faces of the "
              "hexahedra."},
     {.name = "keyTimes", .type = Type::kReals, .unit = "s", .help = "Key times of the path, ascending."},
@@ -83,7 +85,8 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .type = Type::kLink,
      .help =
          "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node, one of which is the "
-         "frame of the instrument. It leads the instrument, and the body does not push it. Within a step the "
+         "frame of the instrument. It prescribes the motion of the instrument, and the body does not push it. Within a "
+         "step the "
          "instrument moves on with the velocity of the frame."},
     {.name = "rigidIndex", .type = Type::kInteger, .initial = "0", .range = kIndex, .help = "Which of the frames."},
     {.name = "contactStiffness",

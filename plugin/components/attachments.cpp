@@ -113,8 +113,8 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   };
 
   template <class Row>
-  static void draw_together(Row&& first, Row&& second, double share) {
-    const Eigen::RowVector3d correction = share * (second - first);
+  static void draw_together(Row&& first, Row&& second, double fraction) {
+    const Eigen::RowVector3d correction = fraction * (second - first);
     first += correction;
     second -= correction;
   }

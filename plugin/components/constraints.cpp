@@ -173,8 +173,8 @@ class AffineMotion final : public NodeConstraint {
     clear(v);
     const bool has_begun = time > begin_;
     if (!has_begun) return;
-    const double share = time > end_ ? 1 : (time - begin_) / (end_ - begin_);
-    for (const int node : nodes_) x.row(node) = first_.row(node) + share * (last_.row(node) - first_.row(node));
+    const double fraction = time > end_ ? 1 : (time - begin_) / (end_ - begin_);
+    for (const int node : nodes_) x.row(node) = first_.row(node) + fraction * (last_.row(node) - first_.row(node));
   }
 
  private:

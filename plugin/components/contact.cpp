@@ -29,7 +29,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     if (!body_field_) reject("no body on its state: contact is that of a body's surface");
     for (const scene::Mapping* mapping : node().root().all<scene::Mapping>())
       if (mapping->output() == state_) reject("its state follows another one: must be one that an integrator moves");
-    leading_ = leading();
+    prescribing_ = prescribing_frames();
     frame_ = integer("rigidIndex");
     integrator_ = node().nearest<scene::OdeSolver>();
     if (!integrator_ || integrator_->class_name() != "EulerImplicitSolver")
@@ -52,7 +52,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   void begin_step() override {
     const scene::Clock& clock = node().clock();
     const double rayleigh_stiffness = integrator_->real("rayleighStiffness");
-    if (leading_)
+    if (prescribing_)
       instrument_->begin_step(pose_after(0), pose_after(clock.dt), clock.dt, rayleigh_stiffness, state_->positions(),
                               state_->velocities());
     else
@@ -104,7 +104,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   }
 
  private:
-  scene::RigidState* leading() {
+  scene::RigidState* prescribing_frames() {
     scene::Object* target = find_data("rigid")->target();
     if (!target) return nullptr;
     scene::State* state = dynamic_cast<scene::State*>(target);
@@ -120,11 +120,11 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     return frames;
   }
 
-  /// Of the frame that leads, if it keeps its velocity so long [s].
+  /// Of the frame that prescribes the motion, if it keeps its velocity so long [s].
   Pose pose_after(double duration) const {
-    const auto x = leading_->positions().middleRows(2 * frame_, 2),
-               v = leading_->velocities().middleRows(2 * frame_, 2);
-    const Pose now{x.row(0).transpose(), scene::turned(leading_->orientations()[frame_], x.row(1).transpose())};
+    const auto x = prescribing_->positions().middleRows(2 * frame_, 2),
+               v = prescribing_->velocities().middleRows(2 * frame_, 2);
+    const Pose now{x.row(0).transpose(), scene::turned(prescribing_->orientations()[frame_], x.row(1).transpose())};
     return parts::moved(now, v.row(0).transpose(), v.row(1).transpose(), duration);
   }
 
@@ -133,8 +133,8 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
                                      .radius = real_if_given("radius"),
                                      .length = real_if_given("length"),
                                      .surface_positions = vectors3("surfacePositions"),
-                                     .skin_positions = vectors3("skinPositions"),
-                                     .is_led = leading_ != nullptr,
+                                     .embedded_positions = vectors3("embeddedPositions"),
+                                     .is_prescribed = prescribing_ != nullptr,
                                      .key_times = reals("keyTimes"),
                                      .positions = vectors3("positions"),
                                      .orientations = reals("orientations"),
@@ -148,18 +148,19 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     if (is_given("size")) options.size = vector3("size");
     options.surface_triangles =
         cells_of<3>(*this, "surfaceTriangles", static_cast<int>(options.surface_positions.rows()));
-    options.skin_triangles = cells_of<3>(*this, "skinTriangles", static_cast<int>(options.skin_positions.rows()));
+    options.embedded_triangles =
+        cells_of<3>(*this, "embeddedTriangles", static_cast<int>(options.embedded_positions.rows()));
     return options;
   }
 
-  /// That of a frame that leads is known at the present time only.
-  Pose present_pose(double time) const { return leading_ ? pose_after(0) : instrument_->pose_at(time); }
+  /// That of a frame that prescribes the motion is known at the present time only.
+  Pose present_pose(double time) const { return prescribing_ ? pose_after(0) : instrument_->pose_at(time); }
 
   scene::MechanicalState* state_ = nullptr;
   scene::ForceField* body_field_ = nullptr;  // that has the body
   scene::OdeSolver* integrator_ = nullptr;
-  scene::RigidState* leading_ = nullptr;  // null: it moves along its path
-  int frame_ = 0;                         // that leads
+  scene::RigidState* prescribing_ = nullptr;  // null: it moves along its path
+  int frame_ = 0;                             // that prescribes it
   std::optional<parts::Instrument> instrument_;
   parts::InstrumentShape shape_;
 };

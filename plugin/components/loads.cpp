@@ -201,10 +201,10 @@ class SurfacePressureForceField final : public FaceLoad {
     require_nodes<4>(quads_);
     require_nodes<3>(triangles_);
 
-    const Vec3 least = vector3("min"), most = vector3("max");
-    const bool is_everywhere = least.isZero(0) && most.isZero(0);
+    const Vec3 min = vector3("min"), max = vector3("max");
+    const bool is_everywhere = min.isZero(0) && max.isZero(0);
     box_.reset();
-    if (!is_everywhere) box_.emplace(least, most);
+    if (!is_everywhere) box_.emplace(min, max);
     quads_depend_on_box_ = box_ && !chooses_quads;
     triangles_depend_on_box_ = box_ && !chooses_triangles;
     pressure_ = real("pressure");
@@ -286,11 +286,11 @@ class QuadPressureForceField final : public FaceLoad {
 
   std::vector<Quad> between_planes(const std::vector<Quad>& all, ConstPoints rest) {
     const Vec3 normal = vector3("normal");
-    const double least = real("dmin"), most = real("dmax");
-    if (least == most) return {};
+    const double min = real("dmin"), max = real("dmax");
+    if (min == max) return {};
     const auto lies_between = [&](int node) {
       const double distance = rest.row(node).dot(normal);
-      return distance > least && distance < most;
+      return distance > min && distance < max;
     };
     std::vector<Quad> some;
     for (const Quad& quad : all)

@@ -118,12 +118,12 @@ class SubsetMapping final : public PointMapping {
     const double radius = real("radius");
     for (Eigen::Index i = 0; i < below.rows(); ++i) {
       int nearest = -1;
-      double least = radius;
+      double min = radius;
       for (Eigen::Index n = 0; n < above.rows(); ++n) {
         const double distance = (below.row(i) - above.row(n)).norm();
-        if (distance >= least) continue;
+        if (distance >= min) continue;
         nearest = static_cast<int>(n);
-        least = distance;
+        min = distance;
       }
       if (nearest < 0)
         reject("radius", fmt::format("no node of the followed state lies within {} m of node {}", radius, i));

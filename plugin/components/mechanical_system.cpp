@@ -131,7 +131,7 @@ void NodeSystem::scatter() const {
   for (const Layer& root : roots()) {
     root.state->positions() = rows_of<ConstPoints>(root, x_);
     root.state->velocities() = rows_of<ConstPoints>(root, v_);
-    root.state->settle();
+    root.state->accept();
   }
 }
 
@@ -461,11 +461,11 @@ void NodeSystem::prescribe(double time, Points x, Points v) const {
     if (constraint.of_one) {
       constraint.of_one->project_motion(time, rows_of(root(first), x), rows_of(root(first), v));
     } else {
-      scene::State& leading = *layers_[first].state;
+      scene::State& followed = *layers_[first].state;
       const bool follows = layers_[first].mapping;
       constraint.of_two->project_motion(
-          time, {follows ? Points(leading.positions()) : rows_of(root(first), x), rows_of(root(second), x)},
-          {follows ? Points(leading.velocities()) : rows_of(root(first), v), rows_of(root(second), v)});
+          time, {follows ? Points(followed.positions()) : rows_of(root(first), x), rows_of(root(second), x)},
+          {follows ? Points(followed.velocities()) : rows_of(root(first), v), rows_of(root(second), v)});
     }
   }
 }
@@ -578,7 +578,7 @@ void NodeSystem::project_motion(double time) const {
       constraint.of_two->project_motion(time, {first.positions(), second.positions()},
                                         {first.velocities(), second.velocities()});
   }
-  for (const Layer& root : roots()) root.state->settle();
+  for (const Layer& root : roots()) root.state->accept();
   follow();
 }
 

@@ -42,7 +42,7 @@ class NodeSystem final : public MechanicalSystem {
   auto advance(const Move& move) {
     if (num_roots_ == 1) {
       auto result = move(root(0).state->positions(), root(0).state->velocities());
-      root(0).state->settle();
+      root(0).state->accept();
       return result;
     }
     gather();

@@ -190,8 +190,8 @@ class RigidMovement final : public FrameConstraint {
       v.row(2 * frame) = slope(phase, times_, translations_);
       v.row(2 * frame + 1) = slope(phase, times_, angles_);
       const Eigen::Quaterniond goal = is_relative_ ? first_orientations_[frame] * turn : turn;
-      const Eigen::AngleAxisd from_settled(goal * state_->orientations()[frame].conjugate());
-      x.row(2 * frame + 1) = (from_settled.angle() * from_settled.axis()).transpose();
+      const Eigen::AngleAxisd from_accepted(goal * state_->orientations()[frame].conjugate());
+      x.row(2 * frame + 1) = (from_accepted.angle() * from_accepted.axis()).transpose();
     }
   }
 

@@ -73,7 +73,7 @@ class AttributeChange final : public scene::Component {
     num_done_ = num_done;
     // the host makes the component follow
     if (present == Present::kGiven)
-      data_->give(scene::read_value(data_->attribute(), value), place());
+      data_->set(scene::read_value(data_->attribute(), value), place());
     else if (present == Present::kNotGiven)
       data_->unset();
     else if (before_ && before_->source)
@@ -116,7 +116,7 @@ class AttributeChange final : public scene::Component {
   void put() {
     if (num_done_ > 0) {
       if (const Change& change = values_[static_cast<std::size_t>(num_done_ - 1)])
-        data_->give(*change, place());
+        data_->set(*change, place());
       else
         data_->unset();
     } else {
@@ -128,7 +128,7 @@ class AttributeChange final : public scene::Component {
     if (!before_) {
       data_->unset();
     } else {
-      data_->give(before_->value, place());
+      data_->set(before_->value, place());
       if (before_->source) data_->follow(*before_->source, before_->link);
     }
   }

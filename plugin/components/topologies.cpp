@@ -48,18 +48,18 @@ class RegularGridTopology final : public GridTopology {
 
   void make() {
     if (is_made_) return;
-    auto [least, most] = corners();
-    const Vec3 count = real("cellWidth") > 0 ? num_cells(most - least) : one_by_one(num_cells(most - least));
+    auto [min, max] = corners();
+    const Vec3 count = real("cellWidth") > 0 ? num_cells(max - min) : one_by_one(num_cells(max - min));
     for (int d = 0; d < 3; ++d)
-      if (count[d] != 0 && !(least[d] < most[d])) reject("max", "must be greater than min in every direction");
+      if (count[d] != 0 && !(min[d] < max[d])) reject("max", "must be greater than min in every direction");
     const bool is_flat = (count.array() == 0).any();
     if (is_given("p0")) {
-      most += vector3("p0") - least;
-      least = vector3("p0");
+      max += vector3("p0") - min;
+      min = vector3("p0");
     } else {
       // as SOFA does, and not for z
       for (int d = 0; d < 2; ++d)
-        if (count[d] == 0) least[d] = (least[d] + most[d]) / 2;
+        if (count[d] == 0) min[d] = (min[d] + max[d]) / 2;
     }
     if (is_flat)
       accepted(*this, [&] { parts::check_num_cells("n", (count.array() + 1).prod()); });
@@ -67,9 +67,9 @@ class RegularGridTopology final : public GridTopology {
       accepted(*this, [&] { parts::check_num_hexahedra("n", count.prod()); });
     for (int d = 0; d < 3; ++d) cells_[d] = static_cast<int>(count[d]);
     if (is_flat)
-      flat_positions_ = grid_points(cells_, least, (most - least).cwiseQuotient(count.cwiseMax(1)));
+      flat_positions_ = grid_points(cells_, min, (max - min).cwiseQuotient(count.cwiseMax(1)));
     else
-      grid_ = regular_grid(cells_, least, most);
+      grid_ = regular_grid(cells_, min, max);
     is_made_ = true;
   }
 

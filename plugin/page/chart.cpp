@@ -13,46 +13,46 @@ namespace {
 
 Ticks vertical_axis(std::span<const Panel> panels, int count) {
   constexpr double kNoise = 1e-6;  // of the span: rounding does not turn a scale upside down
-  const double span = panels.front().least_span;
-  double least = 0, most = 0;  // zero, the original shape, is always in sight
+  const double span = panels.front().min_span;
+  double min = 0, max = 0;  // zero, the initial shape, is always in sight
   for (const Panel& panel : panels) {
     const auto include = [&](double value) {
       if (!std::isfinite(value)) return;
-      least = std::min(least, std::min(value, panel.highest));
-      most = std::max(most, std::min(value, panel.highest));
+      min = std::min(min, std::min(value, panel.highest));
+      max = std::max(max, std::min(value, panel.highest));
     };
     for (const Series& series : panel.series)
       for (const Curve& curve : series.curves) std::ranges::for_each(curve.values, include);
     for (const Level& level : panel.levels) include(level.value);
   }
 
-  if (most - least < span) {
-    const bool falls = -least > most + kNoise * span;
-    most = falls ? most : least + span;
-    least = falls ? most - span : least;
+  if (max - min < span) {
+    const bool falls = -min > max + kNoise * span;
+    max = falls ? max : min + span;
+    min = falls ? max - span : min;
   }
-  return ticks_around(least, most, count);
+  return ticks_around(min, max, count);
 }
 
 Ticks horizontal_axis(std::span<const Panel> panels, int count) {
   const XAxis& axis = panels.front().across;
   if (!axis.names.empty()) {
     const double last = static_cast<double>(axis.names.size()) - 1;
-    return {.least = -0.5, .most = last + 0.5, .values = {}, .decimals = 0};
+    return {.min = -0.5, .max = last + 0.5, .values = {}, .decimals = 0};
   }
-  double least = std::numeric_limits<double>::infinity(), most = -least;
+  double min = std::numeric_limits<double>::infinity(), max = -min;
   for (const Panel& panel : panels)
     for (const Series& series : panel.series)
       for (const double x : series.x) {
-        least = std::min(least, x);
-        most = std::max(most, x);
+        min = std::min(min, x);
+        max = std::max(max, x);
       }
-  if (!(least < most)) {  // a single value stands in the middle
-    const double margin = least == 0 || !std::isfinite(least) ? 1 : std::abs(least) / 2;
-    least = std::isfinite(least) ? least - margin : -margin;
-    most = least + 2 * margin;
+  if (!(min < max)) {  // a single value stands in the middle
+    const double margin = min == 0 || !std::isfinite(min) ? 1 : std::abs(min) / 2;
+    min = std::isfinite(min) ? min - margin : -margin;
+    max = min + 2 * margin;
   }
-  return axis.is_logarithmic ? ticks_logarithmic(least, most, count) : ticks_within(least, most, count);
+  return axis.is_logarithmic ? ticks_logarithmic(min, max, count) : ticks_within(min, max, count);
 }
 
 /// Where values stand in a frame [pixels].
@@ -63,12 +63,12 @@ struct Scales {
 
   double x(double value) const {
     const auto along = [&](double v) { return is_logarithmic ? std::log(v) : v; };
-    const double first = along(axes.across.least), last = along(axes.across.most);
+    const double first = along(axes.across.min), last = along(axes.across.max);
     return frame.left + frame.width * (along(value) - first) / (last - first);
   }
   double y(double value) const {
-    const double least = axes.upwards.least, most = axes.upwards.most;
-    return frame.top + frame.height * (1 - (std::min(value, most) - least) / (most - least));
+    const double min = axes.upwards.min, max = axes.upwards.max;
+    return frame.top + frame.height * (1 - (std::min(value, max) - min) / (max - min));
   }
 };
 

@@ -47,7 +47,7 @@ struct XAxis {
 struct Panel {
   std::string quantity = {};
   std::string unit = {};  ///< empty: a number
-  double least_span = 1;  ///< smaller ranges are shown this large, so that rounding does not look like a result
+  double min_span = 1;    ///< smaller ranges are shown this large, so that rounding does not look like a result
   XAxis across = {};
   std::vector<Series> series = {};
   std::vector<Level> levels = {};
@@ -66,7 +66,7 @@ struct PanelAxes {
   Ticks across, upwards;
 };
 
-/// Axes with about so many ticks, on which all panels fit. They have the horizontal axis and the least span of the
+/// Axes with about so many ticks, on which all panels fit. They have the horizontal axis and the smallest span of the
 /// first.
 PanelAxes axes_of(std::span<const Panel> panels, int ticks_across, int ticks_upwards);
 

@@ -162,7 +162,7 @@ ComparisonTable table_of_states(const fs::path& directory_a, const fs::path& dir
         {label, fmt::format("{:.6g} m", farthest), fmt::format("node {}", node), place(in_a, node), place(in_b, node)});
   };
   add_points("positions", state_a.positions, state_b.positions);
-  add_points("material positions", state_a.material, state_b.material);
+  add_points("plastic rest positions", state_a.plastic_rest, state_b.plastic_rest);
 
   std::size_t farthest = 0, num_in_one = 0;
   double difference = -1;
@@ -190,7 +190,7 @@ std::vector<HistoryPanel> single_curves() {
   for (const HistoryPanel& panel : history_panels())
     for (HistoryCurve curve : panel.curves) {
       curve.unless_zero = false;  // the other run may have it
-      panels.push_back({panel.quantity, panel.unit, panel.least_span, {curve}});
+      panels.push_back({panel.quantity, panel.unit, panel.min_span, {curve}});
     }
   return panels;
 }
@@ -290,7 +290,7 @@ std::string comparison_page(const fs::path& a, const fs::path& b, const std::vec
     const std::string quantity = name_of(panel);
     const auto other = std::ranges::find(view_b.panels, quantity, name_of);
     if (other == view_b.panels.end()) continue;
-    Panel both{.quantity = quantity, .unit = panel.unit, .least_span = panel.least_span};
+    Panel both{.quantity = quantity, .unit = panel.unit, .min_span = panel.min_span};
     both.series = {series_of(panel, "A", kPageColours.first, ""), series_of(*other, "B", kPageColours.second, "6 4")};
     if (!is_zero(both.series.front()) || !is_zero(both.series.back())) page.chart(both);
   }

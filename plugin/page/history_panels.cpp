@@ -43,20 +43,21 @@ StepTimes step_times_of(std::vector<double> ms) {
 
 std::span<const HistoryPanel> history_panels() {
   using Colours = CurveColours;
-  constexpr auto kWorld = &Colours::first, kPlastic = &Colours::second;
+  constexpr auto kCurrent = &Colours::first, kPlastic = &Colours::second;
   static const std::vector<HistoryPanel> panels = {
       {"elongation",
        "%",
        1,
-       {{"world", {"world_elongation"}, 100, 0, kWorld}, {"plastic", {"plastic_elongation"}, 100, 0, kPlastic}}},
+       {{"current", {"world_elongation"}, 100, 0, kCurrent}, {"plastic", {"plastic_elongation"}, 100, 0, kPlastic}}},
       {"twist",
        "°",
        1,
-       {{"world", {"world_twist_deg"}, 1, 0, kWorld}, {"plastic", {"plastic_twist_deg"}, 1, 0, kPlastic}}},
+       {{"current", {"world_twist_deg"}, 1, 0, kCurrent}, {"plastic", {"plastic_twist_deg"}, 1, 0, kPlastic}}},
       {"volume error",
        "%",
        0.01,
-       {{"world", {"world_volume_ratio"}, 100, -1, kWorld}, {"plastic", {"material_volume_ratio"}, 100, -1, kPlastic}}},
+       {{"current", {"world_volume_ratio"}, 100, -1, kCurrent},
+        {"plastic", {"material_volume_ratio"}, 100, -1, kPlastic}}},
       {"yielded hexahedra", "", 5, {{"yielded", {"yielded"}}}},
       {"energy",
        "J",
@@ -95,7 +96,7 @@ bool has_nothing_to_see(const Panel& panel) {
   constexpr std::string_view kShownIfNotZero[] = {"elongation", "twist", "yielded hexahedra",
                                                   "displacement of loaded nodes", "removed hexahedra"};
   if (std::ranges::count(kShownIfNotZero, panel.quantity) == 0) return false;
-  const double rounding = 1e-9 * panel.least_span;
+  const double rounding = 1e-9 * panel.min_span;
   return std::ranges::all_of(panel.series, [&](const Series& series) {
     return std::ranges::all_of(series.curves, [&](const Curve& curve) {
       return std::ranges::all_of(curve.values, [&](double value) { return std::abs(value) <= rounding; });
@@ -143,7 +144,7 @@ HistoryView view_history(const std::filesystem::path& file, std::span<const Hist
     series.curves = std::move(shown);
     view.panels.push_back({.quantity = std::string(wanted[p].quantity),
                            .unit = std::string(wanted[p].unit),
-                           .least_span = wanted[p].least_span,
+                           .min_span = wanted[p].min_span,
                            .series = {std::move(series)}});
   }
   return view;

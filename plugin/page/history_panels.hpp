@@ -30,7 +30,7 @@ struct HistoryCurve {
 
 struct HistoryPanel {
   std::string_view quantity, unit;
-  double least_span;
+  double min_span;
   std::vector<HistoryCurve> curves;
 };
 

@@ -54,8 +54,8 @@ std::string json_of(const Panel& panel, const PanelAxes& axes) {
   }
   return fmt::format(R"({{"quantity":{},"unit":{},"frame":[{},{},{},{}],"axes":[{},{},{},{}],"series":[{}]}})",
                      json_string(panel.quantity), json_string(panel.unit), kChartFrame.left, kChartFrame.top,
-                     kChartFrame.width, kChartFrame.height, axes.across.least, axes.across.most, axes.upwards.least,
-                     axes.upwards.most, all_series);
+                     kChartFrame.width, kChartFrame.height, axes.across.min, axes.across.max, axes.upwards.min,
+                     axes.upwards.max, all_series);
 }
 
 std::string json_of(const Colour& colour) {
@@ -71,7 +71,7 @@ std::string ink_script() {
     cageOpacity: {cage_opacity:.4g}}},
   dot: {{radius: {dot:.4g}, ofEdge: {of_edge:.4g}}}, ring: {{radius: {ring:.4g}, width: {width:.4g}, rim: {rim:.4g}}},
   arrow: {{longest: {arrow:.4g}, girth: {girth:.4g}, headLength: {head_length:.4g}, headWidth: {head_width:.4g},
-    mostHead: {most_head:.4g}, sides: {sides}, presses: {presses:.4g}}}}};
+    maxHead: {max_head:.4g}, sides: {sides}, presses: {presses:.4g}}}}};
 const lightShader = `{light}`;)",
       fmt::arg("paper", json_of(kPaper)), fmt::arg("ink", json_of(kInk)), fmt::arg("outline", json_of(kOriginal)),
       fmt::arg("ghost", json_of(kGhost)), fmt::arg("load", json_of(kLoad)), fmt::arg("steel", json_of(kSteel)),
@@ -82,7 +82,7 @@ const lightShader = `{light}`;)",
       fmt::arg("cage_opacity", EdgeInk::kCageOpacity), fmt::arg("dot", kDotRadius), fmt::arg("of_edge", kDotOfEdge),
       fmt::arg("ring", kRingRadius), fmt::arg("width", kRingWidth), fmt::arg("rim", kRimWidth),
       fmt::arg("arrow", kLongestArrow), fmt::arg("girth", kArrowGirth), fmt::arg("head_length", kArrowHeadLength),
-      fmt::arg("head_width", kArrowHeadWidth), fmt::arg("most_head", kArrowMostHead), fmt::arg("sides", kArrowSides),
+      fmt::arg("head_width", kArrowHeadWidth), fmt::arg("max_head", kArrowMaxHead), fmt::arg("sides", kArrowSides),
       fmt::arg("presses", kArrowPresses), fmt::arg("light", light_shader()));
 }
 

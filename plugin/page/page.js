@@ -16,9 +16,9 @@ for (const figure of document.querySelectorAll("figure.chart")) {
   const values = figure.querySelectorAll(".curve b");
   const at = figure.querySelector(".at");
   const [left, top, width, height] = chart.frame;
-  const [first, last, least, most] = chart.axes;
+  const [first, last, min, max] = chart.axes;
   const x = time => left + width * (time - first) / (last - first);
-  const y = value => top + height * (1 - (Math.min(Math.max(value, least), most) - least) / (most - least));
+  const y = value => top + height * (1 - (Math.min(Math.max(value, min), max) - min) / (max - min));
 
   const make = (name, attributes) => {
     const element = document.createElementNS("http://www.w3.org/2000/svg", name);

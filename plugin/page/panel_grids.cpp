@@ -19,7 +19,7 @@ struct Layout {
 
 constexpr double kLeft = 78, kRight = 34, kTop = 84, kBottom = 24;        // margins of the page
 constexpr double kGapX = 30, kGapY = 38, kGridHead = 34, kGridFoot = 60;  // between panels, around grids
-constexpr double kLeastWidth = 560;                                       // of the page, for title and legend
+constexpr double kMinWidth = 560;                                         // of the page, for title and legend
 
 Layout layout_of(std::size_t num_panels) {
   if (num_panels == 1) return {1, 560, 300, 6, 6};
@@ -73,7 +73,7 @@ void draw_legend(SvgText& svg, std::span<const PanelGrid> grids, double y) {
 
 void write_panel_grids(WholeFile& out, const std::string& title, std::span<const PanelGrid> grids) {
   SvgText svg;
-  double width = kLeastWidth, bottom = kTop;
+  double width = kMinWidth, bottom = kTop;
   for (const PanelGrid& grid : grids) {
     bottom = draw(svg, grid, bottom + kGridHead) + kGridFoot;
     width = std::max(width, layout_of(grid.panels.size()).total_width());

@@ -20,8 +20,8 @@ namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMostPictures = 8;
-constexpr std::size_t kMostRemovedSteps = 40;  // rows of the table of removed hexahedra
+constexpr std::size_t kMaxPictures = 8;
+constexpr std::size_t kMaxRemovedSteps = 40;  // rows of the table of removed hexahedra
 
 std::string content_of(const fs::path& file) {
   require_readable(file);
@@ -52,12 +52,12 @@ std::map<long, fs::path> key_frames(const fs::path& directory) {
     const auto [at, problem] = std::from_chars(name.data() + kPrefix.size(), last, step);
     if (problem == std::errc() && at == last) all.emplace(step, entry->path());
   }
-  if (all.size() <= kMostPictures) return all;
+  if (all.size() <= kMaxPictures) return all;
 
   std::map<long, fs::path> some;
   std::size_t number = 0;  // from 1
   for (const auto& frame : all)
-    if (++number * kMostPictures / all.size() > some.size()) some.insert(frame);
+    if (++number * kMaxPictures / all.size() > some.size()) some.insert(frame);
   return some;
 }
 
@@ -127,19 +127,19 @@ void add_viewer(HtmlPage& page, const fs::path& directory) {
   if (data && data->has_states) page.viewer({data->markup});
   if (data && !data->has_states)
     page.paragraph(fmt::format("Reports of bodies with more than {} nodes have pictures only: nothing to turn.",
-                               ViewerStates::kMostNodes),
+                               ViewerStates::kMaxNodes),
                    "lead");
 }
 
 void add_removed(HtmlPage& page, const fs::path& directory) {
   const std::map<long, std::vector<std::string>> removed = removed_by_step(directory);
   if (removed.empty()) return;
-  constexpr std::size_t kMostNamed = 40;  // hexahedra of a step
+  constexpr std::size_t kMaxNamed = 40;  // hexahedra of a step
   page.heading("Removed hexahedra");
   std::vector<std::vector<std::string>> rows;
   for (const auto& [step, hexahedra] : removed) {
-    if (rows.size() == kMostRemovedSteps) break;
-    const std::size_t named = std::min(hexahedra.size(), kMostNamed);
+    if (rows.size() == kMaxRemovedSteps) break;
+    const std::size_t named = std::min(hexahedra.size(), kMaxNamed);
     rows.push_back({fmt::format("step {}", step), fmt::format("{}", hexahedra.size()),
                     fmt::format("{}{}", fmt::join(hexahedra.begin(), hexahedra.begin() + static_cast<long>(named), " "),
                                 named < hexahedra.size() ? " ..." : "")});

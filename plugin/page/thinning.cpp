@@ -9,13 +9,13 @@
 namespace hexaplast::output {
 namespace {
 
-constexpr long kMostRows = 1500;     // that are drawn one by one
+constexpr long kMaxRows = 1500;      // that are drawn one by one
 constexpr long kNumStretches = 400;  // of a longer table: about one per pixel
 
 }  // namespace
 
 Thinning::Thinning(long num_rows, std::size_t num_curves)
-    : stride_(num_rows <= kMostRows ? 1 : (num_rows + kNumStretches - 1) / kNumStretches) {
+    : stride_(num_rows <= kMaxRows ? 1 : (num_rows + kNumStretches - 1) / kNumStretches) {
   kept_.curves.resize(num_curves);
 }
 
@@ -42,9 +42,9 @@ void Thinning::keep_extremes() {
   std::set<std::size_t> rows{0};
   for (std::size_t c = 0; c < kept_.curves.size(); ++c) {
     const auto of_curve = [&](const Row& row) { return row.values[c]; };
-    const auto [least, most] = std::ranges::minmax_element(stretch_, {}, of_curve);
-    rows.insert(static_cast<std::size_t>(least - stretch_.begin()));
-    rows.insert(static_cast<std::size_t>(most - stretch_.begin()));
+    const auto [min, max] = std::ranges::minmax_element(stretch_, {}, of_curve);
+    rows.insert(static_cast<std::size_t>(min - stretch_.begin()));
+    rows.insert(static_cast<std::size_t>(max - stretch_.begin()));
   }
   for (const std::size_t row : rows) keep(stretch_[row]);
   stretch_.clear();

@@ -9,7 +9,7 @@
 
 namespace hexaplast::output {
 
-/// What is drawn of a table: every row of a short one; of a long one the rows in which a curve is least or largest
+/// What is drawn of a table: every row of a short one; of a long one the rows in which a curve is smallest or largest
 /// within each of several hundred stretches, so that no peak is lost and the picture stays small.
 class Thinning {
  public:
@@ -36,7 +36,7 @@ class Thinning {
   Series kept_;
 };
 
-/// The value that the share `rank` of the sorted values does not exceed (nearest rank); 0 where there are none.
+/// The value that the fraction `rank` of the sorted values does not exceed (nearest rank); 0 where there are none.
 double percentile(const std::vector<double>& sorted, double rank);
 
 }  // namespace hexaplast::output

@@ -10,14 +10,14 @@ const keyHeight = 76;  // [pixels] of the colour key in the picture
 const surfaceVertexShader = `#version 300 es
 layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in float share;
+layout(location = 2) in float fraction;
 uniform mat4 camera;
 out vec3 at, across;
 out float value;
 void main() {
   at = place;
   across = normal;
-  value = share;
+  value = fraction;
   gl_Position = camera * vec4(place, 1);
 }`;
 const surfaceFragmentShader = `#version 300 es
@@ -72,11 +72,11 @@ void main() {
 
 // A shaft with a cone at its end, as vertices of seven numbers.
 function arrowVertices(from, to, girth) {
-  const {sides, headLength, headWidth, mostHead} = ink.arrow, length = norm(subtract(to, from));
+  const {sides, headLength, headWidth, maxHead} = ink.arrow, length = norm(subtract(to, from));
   if (!(length > 0)) return [];
   const along = scaled(subtract(to, from), 1 / length);
   const first = unit(cross(along, Math.abs(along[0]) < 0.8 ? [1, 0, 0] : [0, 1, 0])), second = cross(along, first);
-  const thick = Math.min(girth, mostHead * length / headLength), neck = add(to, along, -headLength * thick);
+  const thick = Math.min(girth, maxHead * length / headLength), neck = add(to, along, -headLength * thick);
   const vertices = [];
   const put = (place, normal) => vertices.push(...place, ...normal, 0);
   for (let side = 0; side < sides; ++side) {
@@ -135,15 +135,15 @@ class Camera {
   fit(points, shape, keyShare) {
     this.towards = this.home.towards;
     const [right, up] = [this.right, this.up];
-    const least = [1, 1, 1].map(() => Infinity), most = least.map(() => -Infinity);
+    const min = [1, 1, 1].map(() => Infinity), max = min.map(() => -Infinity);
     for (const point of points)
       [right, up, this.towards].forEach((axis, k) => {
-        least[k] = Math.min(least[k], dot(axis, point));
-        most[k] = Math.max(most[k], dot(axis, point));
+        min[k] = Math.min(min[k], dot(axis, point));
+        max[k] = Math.max(max[k], dot(axis, point));
       });
-    const middle = least.map((number, k) => (number + most[k]) / 2);
+    const middle = min.map((number, k) => (number + max[k]) / 2);
     this.target = [right, up, this.towards].reduce((sum, axis, k) => add(sum, axis, middle[k]), [0, 0, 0]);
-    this.size = Math.hypot(...least.map((number, k) => most[k] - number)) || 1;
+    this.size = Math.hypot(...min.map((number, k) => max[k] - number)) || 1;
     const whole = Math.tan(fieldOfView / 2), upwards = whole * (0.94 - keyShare), sideways = 0.94 * whole * shape;
     this.distance = this.size / 50;
     for (const point of points) {
@@ -279,12 +279,12 @@ function withUnit(value, unitName) {
   return `${+(value / 1000 ** thousands).toPrecision(3)} ${["n", "µ", "m", "", "k", "M", "G"][thousands + 3]}${unitName}`;
 }
 
-// A few round numbers from `least` to `most`.
-function ticksWithin(least, most) {
-  const rough = (most - least) / 4, power = 10 ** Math.floor(Math.log10(rough));
+// A few round numbers from `min` to `max`.
+function ticksWithin(min, max) {
+  const rough = (max - min) / 4, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(factor => factor * power).find(candidate => candidate >= rough);
   const ticks = [];
-  for (let k = Math.ceil(least / step - 1e-9); k * step <= most + 1e-9 * step; ++k) ticks.push(k * step);
+  for (let k = Math.ceil(min / step - 1e-9); k * step <= max + 1e-9 * step; ++k) ticks.push(k * step);
   return ticks;
 }
 
@@ -338,7 +338,7 @@ class Viewer {
     this.field = word;
     const own = this.runs.map(run => run.data.fields.find(field => field.word === word));
     this.range = [Math.min(...own.map(field => field?.shown[0] ?? 0)), Math.max(...own.map(field => field?.shown[1] ?? 0))];
-    const [least, most] = this.range, isFlat = !(most > least);
+    const [min, max] = this.range, isFlat = !(max > min);
     const bar = this.part("bar"), ticks = this.part("ticks");
     bar.style.background =
       `linear-gradient(to right, ${this.colours.map(colour => `rgb(${colour.join(" ")})`).join(", ")})`;
@@ -347,12 +347,12 @@ class Viewer {
     ticks.replaceChildren();
     if (isFlat) {
       const label = own[0]?.label ?? "nothing";
-      ticks.textContent = most === 0 ? `no ${label} in this run` : `${label}: ${+most.toPrecision(4)} everywhere`;
+      ticks.textContent = max === 0 ? `no ${label} in this run` : `${label}: ${+max.toPrecision(4)} everywhere`;
     } else {
-      for (const value of ticksWithin(least, most)) {
+      for (const value of ticksWithin(min, max)) {
         const tick = document.createElement("span");
         tick.textContent = `${+value.toPrecision(6)}`;
-        tick.style.left = `${100 * (value - least) / (most - least)}%`;
+        tick.style.left = `${100 * (value - min) / (max - min)}%`;
         ticks.append(tick);
       }
     }
@@ -415,9 +415,9 @@ class Viewer {
   // As the shader takes it. A plane of symmetry would run along the faces of a mesh: it is passed by a little.
   get cut() {
     if (!this.cutNormal) return [0, 0, 0, 1];
-    const axis = this.cutNormal.findIndex(number => number !== 0), share = this.part("offset").value / 1000 + 7e-4;
+    const axis = this.cutNormal.findIndex(number => number !== 0), fraction = this.part("offset").value / 1000 + 7e-4;
     const box = this.runs[0].data.box;
-    return [...this.cutNormal, this.cutNormal[axis] * (box[axis] + share * (box[3 + axis] - box[axis]))];
+    return [...this.cutNormal, this.cutNormal[axis] * (box[axis] + fraction * (box[3 + axis] - box[axis]))];
   }
 
   listen() {
@@ -574,9 +574,9 @@ class Viewer {
   fit() {
     const points = [];
     for (const run of this.runs) {
-      const box = run.data.box, least = box.slice(0, 3), most = box.slice(3);
-      const margin = 0.2 * norm(subtract(most, least));
-      const isNear = point => point.every((number, axis) => number > least[axis] - margin && number < most[axis] + margin);
+      const box = run.data.box, min = box.slice(0, 3), max = box.slice(3);
+      const margin = 0.2 * norm(subtract(max, min));
+      const isNear = point => point.every((number, axis) => number > min[axis] - margin && number < max[axis] + margin);
       const stride = Math.max(1, Math.floor(run.numNodes / 2000));
       const take = places => { for (let k = 0; k < places.length / 3; k += stride) points.push(pointAt(places, k)); };
       const surfaces = positions => run.data.showsHexahedra || run.data.embedded.length === 0
@@ -638,16 +638,16 @@ class Viewer {
 
   drawRun(run, height) {
     const nearest = run.nearest(this.time);
-    let moment = {low: nearest, high: nearest, share: 0};
+    let moment = {low: nearest, high: nearest, fraction: 0};
     if (this.isBlended) {
       const between = run.between(this.time);
       if (run.sameSurfaceAs[between.low] === run.sameSurfaceAs[between.high]) moment = between;
     }
     const positions = run.blendedPositions(moment), topology = run.topology(moment.low);
     const field = run.data.fields.find(other => other.word === this.field);
-    const shares = field ? run.blendedShares(field, moment, this.range) : new Float32Array(run.numNodes);
+    const fractions = field ? run.blendedFractions(field, moment, this.range) : new Float32Array(run.numNodes);
     if (this.shows.ghost) this.drawGhost(run);
-    this.drawBodies(run, topology, positions, shares, moment.low, height);
+    this.drawBodies(run, topology, positions, fractions, moment.low, height);
     if (this.shows.springs) this.drawSprings(run, moment);
     this.drawMarks(run, topology, positions, nearest, height);
   }
@@ -666,26 +666,26 @@ class Viewer {
     gl.enable(gl.DEPTH_TEST);
   }
 
-  drawBodies(run, topology, positions, shares, state, height) {
+  drawBodies(run, topology, positions, fractions, state, height) {
     const gl = this.painter.gl, cut = this.cut, isEmbedded = topology.embedded.length > 0;
     // edges grow fainter with their length on the screen; lines of WebGL are never thinner than a pixel
     const {shortest, longest, widest, strongest, cageOpacity} = ink.edges;
     const length = topology.body.meanEdge * this.camera.pixelsPerMetre(height) / this.pixel;
-    const share = Math.min(1, length / longest), thinness = Math.min(1, widest * Math.sqrt(share) * this.pixel);
-    const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * share * thinness;
+    const fraction = Math.min(1, length / longest), thinness = Math.min(1, widest * Math.sqrt(fraction) * this.pixel);
+    const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * fraction * thinness;
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
     if (isEmbedded && this.shows.surface)
       topology.embedded.forEach((surface, number) => {
-        const values = run.blend(number, shares, 1);
+        const values = run.blend(number, fractions, 1);
         this.painter.surface(surface.vertices(run.embeddedPoints(number, positions), point => values[point]),
                              surface.triangles, {cut});
       });
     if (!isEmbedded) {
-      this.painter.surface(topology.body.vertices(positions, node => shares[node]), topology.body.triangles,
+      this.painter.surface(topology.body.vertices(positions, node => fractions[node]), topology.body.triangles,
                            {cut});
       if (this.cutNormal) {
-        const section = run.cut(state, positions, shares, this.cutNormal, cut[3]);
+        const section = run.cut(state, positions, fractions, this.cutNormal, cut[3]);
         this.painter.surface(section.vertices, null, {light: "none"});  // who cuts wants to read values there
         const nearer = 5e-4 * this.camera.size;
         if (this.shows.edges) this.painter.marks("LINES", section.lines, null, ink.edge, {opacity: edgeOpacity, nearer});

@@ -201,21 +201,21 @@ class Run {
     while (low + 2 < this.times.length && this.times[low + 1] <= time) ++low;
     const high = Math.min(low + 1, this.times.length - 1);
     const length = this.times[high] - this.times[low];
-    return {low, high, share: length > 0 ? Math.min(Math.max((time - this.times[low]) / length, 0), 1) : 0};
+    return {low, high, fraction: length > 0 ? Math.min(Math.max((time - this.times[low]) / length, 0), 1) : 0};
   }
 
   positions(state) { return this.placesIn(this.arrays.positions, this.data.box, state * this.numNodes, this.numNodes); }
 
-  blendedPositions({low, high, share}) {
+  blendedPositions({low, high, fraction}) {
     const places = this.positions(low);
-    if (share === 0) return places;
+    if (fraction === 0) return places;
     const others = this.positions(high);
-    for (let i = 0; i < places.length; ++i) places[i] += share * (others[i] - places[i]);
+    for (let i = 0; i < places.length; ++i) places[i] += fraction * (others[i] - places[i]);
     return places;
   }
 
-  // Of a node: the share of the scale, or -1 where there is no value.
-  shares(field, state, [least, most]) {
+  // Of a node: the fraction of the scale, or -1 where there is no value.
+  fractions(field, state, [least, most]) {
     const numbers = this.arrays[`values_${field.word}`].subarray(state * this.numNodes, (state + 1) * this.numNodes);
     const table = new Float32Array(256);
     for (let k = 0; k < 255; ++k) {
@@ -223,18 +223,18 @@ class Run {
       table[k] = most > least ? Math.min(Math.max((value - least) / (most - least), 0), 1) : 0;
     }
     table[noValue] = -1;
-    const shares = new Float32Array(this.numNodes);
-    for (let node = 0; node < this.numNodes; ++node) shares[node] = table[numbers[node]];
-    return shares;
+    const fractions = new Float32Array(this.numNodes);
+    for (let node = 0; node < this.numNodes; ++node) fractions[node] = table[numbers[node]];
+    return fractions;
   }
 
-  blendedShares(field, {low, high, share}, range) {
-    const shares = this.shares(field, low, range);
-    if (share === 0) return shares;
-    const others = this.shares(field, high, range);
-    for (let node = 0; node < shares.length; ++node)
-      if (shares[node] >= 0 && others[node] >= 0) shares[node] += share * (others[node] - shares[node]);
-    return shares;
+  blendedFractions(field, {low, high, fraction}, range) {
+    const fractions = this.fractions(field, low, range);
+    if (fraction === 0) return fractions;
+    const others = this.fractions(field, high, range);
+    for (let node = 0; node < fractions.length; ++node)
+      if (fractions[node] >= 0 && others[node] >= 0) fractions[node] += fraction * (others[node] - fractions[node]);
+    return fractions;
   }
 
   // What is there at a state: hexahedra, the surface of the bodies, and the embedded surfaces.
@@ -328,15 +328,15 @@ class Run {
 
   // Where a plane, normal . x = offset, cuts the hexahedra of a state: triangles as vertices of seven numbers, and the
   // lines of the mesh.
-  cut(state, positions, shares, normal, offset) {
+  cut(state, positions, fractions, normal, offset) {
     const hexahedra = this.arrays.hexahedra;
     const heights = new Float32Array(this.numNodes);
     for (let node = 0; node < this.numNodes; ++node) heights[node] = dot(normal, pointAt(positions, node)) - offset;
     const vertices = [], lines = [];
     const crossing = (a, b) => {
-      const share = heights[a] / (heights[a] - heights[b]);
-      const place = add(pointAt(positions, a), subtract(pointAt(positions, b), pointAt(positions, a)), share);
-      const value = shares[a] < 0 || shares[b] < 0 ? -1 : shares[a] + share * (shares[b] - shares[a]);
+      const fraction = heights[a] / (heights[a] - heights[b]);
+      const place = add(pointAt(positions, a), subtract(pointAt(positions, b), pointAt(positions, a)), fraction);
+      const value = fractions[a] < 0 || fractions[b] < 0 ? -1 : fractions[a] + fraction * (fractions[b] - fractions[a]);
       return [...place, ...normal, value];
     };
     const isAbove = node => heights[node] >= 0;

@@ -15,7 +15,7 @@ namespace hexaplast::parts {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMostCells = 16'777'216;
+constexpr double kMaxCells = 16'777'216;
 
 /// What was checked before, and cells: throws all that is wrong.
 std::array<int, 3> three_cells(OptionRanges& ranges, const std::vector<int>& cells) {
@@ -64,8 +64,8 @@ HexMesh make_grid(const SpherePatchGridOptions& options) {
 }
 
 void check_num_cells(std::string_view option, double num_cells) {
-  if (num_cells > kMostCells)
-    throw OptionError(option, fmt::format("{:.4g} cells, must be at most {:.10g}", num_cells, kMostCells));
+  if (num_cells > kMaxCells)
+    throw OptionError(option, fmt::format("{:.4g} cells, must be at most {:.10g}", num_cells, kMaxCells));
 }
 
 void check_num_hexahedra(std::string_view option, double num_hexahedra) {

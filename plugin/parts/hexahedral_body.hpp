@@ -25,12 +25,12 @@ void set_values(const Row<Material>& row, std::span<const double> values, std::s
                 std::vector<Material>& materials);
 void set_value(const Row<Settings>& row, double value, Settings& settings);
 
-/// Leaves of each hexahedron the share that is full.
+/// Leaves of each hexahedron the fraction that is full.
 void fill_partly(std::span<const double> fill, std::vector<Material>& materials);
 
 /// Options from what a host has for attributes. given(row): the values of a member, none where it has its default; of a
-/// word its place among those of the row. fill: share of each hexahedron that is full; empty: all are. regions: later
-/// ones over earlier ones. settings: what is not given. Throws OptionError with all that is wrong, including what
+/// word its place among those of the row. fill: fraction of each hexahedron that is full; empty: all are. regions:
+/// later ones over earlier ones. settings: what is not given. Throws OptionError with all that is wrong, including what
 /// `given` throws.
 template <class Given>
 HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill,

@@ -22,9 +22,10 @@ constexpr double kDeep = 0.1;       // of that radius: an instrument may touch a
 
 /// The number of keys that a path has, one of which is there always.
 void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
-  if (options.is_led) {
+  if (options.is_prescribed) {
     if (!options.key_times.empty() || options.positions.rows() > 0 || !options.orientations.empty())
-      ranges.add({"key_times", "a path is given besides a rigid frame that leads: only one of them can"});
+      ranges.add(
+          {"key_times", "a path is given besides a rigid frame that prescribes the motion: only one of them can"});
     return;
   }
   ranges.collect([&] {
@@ -81,8 +82,8 @@ void check(const InstrumentOptions& options) {
   ranges.check("damping", options.damping);
   ranges.check("max_subdivision", std::span(&options.max_subdivision, 1));
   check_path(ranges, options);
-  if (options.skin_positions.rows() > 0 && options.skin_triangles.empty())
-    ranges.add({"skin_positions", "given without skinTriangles, which make a surface of them"});
+  if (options.embedded_positions.rows() > 0 && options.embedded_triangles.empty())
+    ranges.add({"embedded_positions", "given without embeddedTriangles, which make a surface of them"});
   ranges.throw_all();
 }
 
@@ -99,12 +100,13 @@ Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body
 void Instrument::set_options(InstrumentOptions options) {
   check(options);
   const Solid solid = solid_of(options);
-  const bool has_same_shape =
-      contact_ && options.shape == options_.shape && options.radius == options_.radius &&
-      options.length == options_.length && options.size == options_.size &&
-      options.max_subdivision == options_.max_subdivision && options.surface_triangles == options_.surface_triangles &&
-      options.skin_triangles == options_.skin_triangles && options.skin_positions == options_.skin_positions &&
-      options.surface_positions == options_.surface_positions;
+  const bool has_same_shape = contact_ && options.shape == options_.shape && options.radius == options_.radius &&
+                              options.length == options_.length && options.size == options_.size &&
+                              options.max_subdivision == options_.max_subdivision &&
+                              options.surface_triangles == options_.surface_triangles &&
+                              options.embedded_triangles == options_.embedded_triangles &&
+                              options.embedded_positions == options_.embedded_positions &&
+                              options.surface_positions == options_.surface_positions;
   options_ = std::move(options);
   const double stiffness = options_.contact_stiffness.value_or(default_contact_stiffness(body_));
   const ContactSettings settings{.stiffness = stiffness,
@@ -131,10 +133,10 @@ void Instrument::set_options(InstrumentOptions options) {
 
 SurfaceSamples Instrument::samples_of(const Solid& solid) const {
   const double wanted = kPerRadius * solid.smallest_radius();
-  if (options_.skin_triangles.empty())
+  if (options_.embedded_triangles.empty())
     return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.max_subdivision);
-  return SurfaceSamples::on_skin(body_.mesh(), body_.alive(), options_.skin_positions, options_.skin_triangles, wanted,
-                                 options_.max_subdivision);
+  return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
+                                     options_.embedded_triangles, wanted, options_.max_subdivision);
 }
 
 void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
@@ -144,7 +146,7 @@ void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
   double depth = 0;
   for (const SurfaceSamples::Sample& sample : samples_of(solid).samples)
     depth = std::max(depth, -solid.distance(to_frame * (sample.at(x) - pose.position)).value);
-  const char* option = options_.is_led ? "rigid" : "positions";
+  const char* option = options_.is_prescribed ? "rigid" : "positions";
   if (depth > kDeep * solid.smallest_radius()) {
     warnings_.push_back({option, fmt::format("it begins {:.3g} m deep in the body, which is pushed out", depth)});
   } else if (depth == 0) {

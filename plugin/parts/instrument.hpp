@@ -21,13 +21,13 @@ struct InstrumentOptions {
   std::optional<Vec3> size = std::nullopt;          ///< [m] of box
   PointArray surface_positions = PointArray(0, 3);  ///< [m] of surface
   std::vector<Triangle> surface_triangles = {};
-  PointArray skin_positions = PointArray(0, 3);  ///< [m] of a surface that is embedded in the body and touched in place
-                                                 ///< of its faces
-  std::vector<Triangle> skin_triangles = {};     ///< empty: the body's own faces are touched
-  bool is_led = false;                           ///< by a host that tells its poses; there is no path then
-  std::vector<double> key_times = {};            ///< [s] of its path, ascending
-  PointArray positions = PointArray(0, 3);       ///< [m] one row per key time
-  std::vector<double> orientations = {};         ///< quaternions x y z w, one per key time, or none
+  PointArray embedded_positions = PointArray(0, 3);  ///< [m] of a surface that is embedded in the body and touched in
+                                                     ///< place of its faces
+  std::vector<Triangle> embedded_triangles = {};     ///< empty: the body's own faces are touched
+  bool is_prescribed = false;                        ///< the host tells its poses; there is no path then
+  std::vector<double> key_times = {};                ///< [s] of its path, ascending
+  PointArray positions = PointArray(0, 3);           ///< [m] one row per key time
+  std::vector<double> orientations = {};             ///< quaternions x y z w, one per key time, or none
   std::optional<double> contact_stiffness = std::nullopt;     ///< [Pa/m] otherwise 30 E / edge length
   std::optional<double> tangential_stiffness = std::nullopt;  ///< [Pa/m] otherwise contact_stiffness
   double friction = 0;
@@ -39,7 +39,7 @@ struct InstrumentOptions {
 inline constexpr std::array<std::string_view, 5> kInstrumentShapes = {"sphere", "capsule", "cylinder", "box",
                                                                       "surface"};
 
-/// Where a pose leads that keeps its velocities [m/s, rad/s] for a duration [s].
+/// Where a pose gets to that keeps its velocities [m/s, rad/s] for a duration [s].
 Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity, double duration);
 
 /// A rigid instrument that moves along a path and touches a body. Fields are num_nodes x 3.
@@ -62,7 +62,7 @@ class Instrument {
   /// which does not act on contact.
   void begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
 
-  /// The same for one that is led: its poses at the beginning and at the end of the step.
+  /// The same for one with prescribed poses: its poses at the beginning and at the end of the step.
   void begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
   void end_step(ConstPoints x, ConstPoints v) { contact_->end_step(x, v); }
 

@@ -11,7 +11,7 @@
 namespace hexaplast::parts {
 namespace {
 
-constexpr double kMostDistance = 0.5;  // of contact, in edges
+constexpr double kMaxDistance = 0.5;  // of contact, in edges
 
 void check(const TissueContactOptions& options) {
   OptionRanges ranges(attributes::kTissueContactForceField);
@@ -46,11 +46,10 @@ void Tissues::set_options(TissueContactOptions options) {
     set_surface(*other);
   }
   // contact is looked for in the cells around a point
-  if (const double most = kMostDistance * (other ? *other : *contact_).edge();
-      most > 0 && options.contact_distance > most)
+  if (const double max = kMaxDistance * (other ? *other : *contact_).edge(); max > 0 && options.contact_distance > max)
     throw OptionError("contact_distance",
                       fmt::format("= {:.6g}: must be at most {:.3g} m, half of the mean edge of the surfaces",
-                                  options.contact_distance, most));
+                                  options.contact_distance, max));
   options_ = options;
   if (other) {
     contact_ = std::move(other);

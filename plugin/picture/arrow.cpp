@@ -18,7 +18,7 @@ std::vector<Arrow::Face> Arrow::faces() const {
   const Vector3f along = (to - from) / length;
   const Vector3f first = along.unitOrthogonal(), second = along.cross(first);
   // a short arrow is thinner, so that it still has a shaft
-  const float thick = std::min(girth, kArrowMostHead * length / kArrowHeadLength);
+  const float thick = std::min(girth, kArrowMaxHead * length / kArrowHeadLength);
   const float head = kArrowHeadLength * thick;
   const Vector3f neck = to - head * along;
   const auto outwards = [&](int side) -> Vector3f {

@@ -9,7 +9,7 @@
 namespace hexaplast::output {
 namespace {
 
-constexpr int kMostDecimals = 4;  // longer fractions are harder to read than exponents
+constexpr int kMaxDecimals = 4;  // longer fractions are harder to read than exponents
 constexpr double kLargestPlain = 1e5;
 
 /// The smallest of 1, 2, 5 times a power of ten that is not less than `step`.
@@ -20,14 +20,14 @@ double round_up(double step) {
   return 10 * power;
 }
 
-Ticks multiples(double least, double most, double step) {
+Ticks multiples(double min, double max, double step) {
   constexpr double kSlack = 1e-6;  // of a step: an end that is a multiple but for rounding counts
-  Ticks ticks{.least = least, .most = most, .values = {}, .decimals = 0};
-  const double first = std::ceil(least / step - kSlack), last = std::floor(most / step + kSlack);
+  Ticks ticks{.min = min, .max = max, .values = {}, .decimals = 0};
+  const double first = std::ceil(min / step - kSlack), last = std::floor(max / step + kSlack);
   for (double k = first; k <= last; ++k) ticks.values.push_back(k * step);
 
   ticks.decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + kSlack)));
-  if (ticks.decimals > kMostDecimals || std::max(std::abs(least), std::abs(most)) >= kLargestPlain) ticks.decimals = -1;
+  if (ticks.decimals > kMaxDecimals || std::max(std::abs(min), std::abs(max)) >= kLargestPlain) ticks.decimals = -1;
   return ticks;
 }
 
@@ -38,36 +38,36 @@ std::string Ticks::label(double value) const {
   return decimals < 0 ? fmt::format("{:.3g}", value) : fmt::format("{:.{}f}", value, decimals);
 }
 
-Ticks ticks_within(double least, double most, int count) {
-  double step = round_up((most - least) / count);
-  Ticks ticks = multiples(least, most, step);
+Ticks ticks_within(double min, double max, int count) {
+  double step = round_up((max - min) / count);
+  Ticks ticks = multiples(min, max, step);
   // from 6 to 14 there is one multiple of 5: a scale takes two numbers to be one
   while (ticks.values.size() < 2) {
     step = round_up(step / 3);  // the next smaller one of 1, 2, 5
-    ticks = multiples(least, most, step);
+    ticks = multiples(min, max, step);
   }
   return ticks;
 }
 
-Ticks ticks_around(double least, double most, int count) {
+Ticks ticks_around(double min, double max, int count) {
   constexpr double kOverhang = 0.02;  // of a step: so little may stand out rather than open another step
-  const double step = round_up((most - least) / count);
-  return multiples(std::floor(least / step + kOverhang) * step, std::ceil(most / step - kOverhang) * step, step);
+  const double step = round_up((max - min) / count);
+  return multiples(std::floor(min / step + kOverhang) * step, std::ceil(max / step - kOverhang) * step, step);
 }
 
-Ticks ticks_logarithmic(double least, double most, int count) {
+Ticks ticks_logarithmic(double min, double max, int count) {
   constexpr double kSlack = 1e-9;  // an end that is round but for rounding counts
-  Ticks ticks{.least = least, .most = most, .values = {}, .decimals = -1};
+  Ticks ticks{.min = min, .max = max, .values = {}, .decimals = -1};
   std::vector<double> powers;
-  for (double k = std::floor(std::log10(least)); k <= std::ceil(std::log10(most)); ++k)
+  for (double k = std::floor(std::log10(min)); k <= std::ceil(std::log10(max)); ++k)
     for (const double digit : {1.0, 2.0, 5.0}) {
       const double value = digit * std::pow(10, k);
-      if (value < least * (1 - kSlack) || value > most * (1 + kSlack)) continue;
+      if (value < min * (1 - kSlack) || value > max * (1 + kSlack)) continue;
       ticks.values.push_back(value);
       if (digit == 1) powers.push_back(value);
     }
   if (static_cast<int>(ticks.values.size()) > count && powers.size() > 1) ticks.values = powers;
-  return ticks.values.size() > 1 ? ticks : ticks_within(least, most, count);
+  return ticks.values.size() > 1 ? ticks : ticks_within(min, max, count);
 }
 
 }  // namespace hexaplast::output

@@ -8,23 +8,23 @@ namespace hexaplast::output {
 
 /// Round numbers along an interval: multiples of 1, 2 or 5 times a power of ten.
 struct Ticks {
-  double least = 0;  ///< the interval that is shown
-  double most = 1;
-  std::vector<double> values;  ///< ascending, all within [least, most]
+  double min = 0;  ///< the interval that is shown
+  double max = 1;
+  std::vector<double> values;  ///< ascending, all within [min, max]
   int decimals = 0;            ///< that tell neighbouring values apart; < 0: written with exponents
 
   std::string label(double value) const;
 };
 
-/// About `count` (>= 2) ticks within [least, most], least < most, two at least; the interval stays as given.
-Ticks ticks_within(double least, double most, int count);
+/// About `count` (>= 2) ticks within [min, max], min < max, two at least; the interval stays as given.
+Ticks ticks_within(double min, double max, int count);
 
 /// The same with the interval grown outwards to the next tick at both ends (a fiftieth of a step may stand out).
-Ticks ticks_around(double least, double most, int count);
+Ticks ticks_around(double min, double max, int count);
 
-/// Ticks for a scale on which equal distances are equal factors, 0 < least < most: 1, 2 and 5 times the powers of ten
-/// within [least, most], or powers of ten alone where those are more than `count`; where that is less than two, even
+/// Ticks for a scale on which equal distances are equal factors, 0 < min < max: 1, 2 and 5 times the powers of ten
+/// within [min, max], or powers of ten alone where those are more than `count`; where that is less than two, even
 /// ones.
-Ticks ticks_logarithmic(double least, double most, int count);
+Ticks ticks_logarithmic(double min, double max, int count);
 
 }  // namespace hexaplast::output

@@ -35,10 +35,10 @@ std::vector<NodalLoad> shown_loads(const HexMesh& mesh, std::span<const unsigned
       forces.row(instrument.nodes[k]) -= instrument.forces.row(static_cast<Eigen::Index>(k));
   const PointArray& original = mesh.positions();
   const double across = kBetweenLoads * (original.colwise().maxCoeff() - original.colwise().minCoeff()).norm();
-  const double least = kRounding * conditions.loads.rowwise().norm().maxCoeff();
+  const double min = kRounding * conditions.loads.rowwise().norm().maxCoeff();
   std::map<std::array<int, 3>, int> strongest;  // node by neighbourhood
   for (int node = 0; node < mesh.num_nodes(); ++node) {
-    if (!(forces.row(node).norm() > least)) continue;
+    if (!(forces.row(node).norm() > min)) continue;
     if (!hold_together(mesh, alive, {&node, 1})) continue;
     std::array<int, 3> cell;
     for (int axis = 0; axis < 3; ++axis) cell[axis] = static_cast<int>(std::floor(original(node, axis) / across));

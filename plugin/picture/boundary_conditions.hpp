@@ -50,7 +50,7 @@ struct NodalLoad {
 };
 
 /// Those that are worth showing: where they lie close together, the strongest stands for its neighbourhood in the
-/// original shape. alive: per hexahedron; nodes that hold nothing together are left out.
+/// initial shape. alive: per hexahedron; nodes that hold nothing together are left out.
 std::vector<NodalLoad> shown_loads(const HexMesh& mesh, std::span<const unsigned char> alive,
                                    const BoundaryConditions& conditions);
 

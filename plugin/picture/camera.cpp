@@ -13,7 +13,7 @@ using Eigen::Vector3f;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAzimuth = 24 * kDegree;  // of the viewer to the right of the body's side, and above it
 constexpr double kElevation = 22 * kDegree;
-constexpr float kFlat = 1e-3f;     // least depth of what is shown, in parts of its size
+constexpr float kFlat = 1e-3f;     // smallest depth of what is shown, in parts of its size
 constexpr float kClosest = 0.02f;  // at which something is seen, in parts of the distance that is looked at
 
 }  // namespace

@@ -8,7 +8,7 @@ struct Colour {
   float red = 0, green = 0, blue = 0;
 };
 
-/// The colour of a share t of the scale's largest value (clamped to [0, 1]): from pale sand at 0 through orange and
+/// The colour of a fraction t of the scale's largest value (clamped to [0, 1]): from pale sand at 0 through orange and
 /// red to violet at 1. Equal differences of t look equally different: the way through CIELAB is walked at constant
 /// speed, and lightness falls all along it, so that the order also survives a grey print and the common colour
 /// blindnesses.

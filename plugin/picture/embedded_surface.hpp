@@ -13,7 +13,7 @@ namespace hexaplast::output {
 
 /// A surface that moves with the hexahedra of a body.
 struct EmbeddedSurface {
-  PointArray points;  ///< any number x 3 [m], in the body's original positions
+  PointArray points;  ///< any number x 3 [m], in the body's initial positions
   std::vector<Triangle> triangles;
   std::vector<Quad> quads;
   int first_hexahedron = 0, num_hexahedra = -1;  ///< of those that move it; -1: all

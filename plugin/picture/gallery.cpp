@@ -117,11 +117,11 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
   state.body = {current_->surface, current_->points_at(positions), {}};
   for (const int node : current_->node_of_point) state.body.values.push_back(static_cast<float>(at_nodes(node, 0)));
   // an embedded surface that reaches out of the hexahedra continues their values, and shall not pass them
-  float least = std::numeric_limits<float>::infinity(), most = -least;
+  float min = std::numeric_limits<float>::infinity(), max = -min;
   for (const float value : state.body.values) {
     if (!std::isfinite(value)) continue;
-    least = std::min(least, value);
-    most = std::max(most, value);
+    min = std::min(min, value);
+    max = std::max(max, value);
   }
   for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
     const Embedding& embedding = embedded_surfaces_[s].embedding;
@@ -131,7 +131,7 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
     Shown shown{current_embedded_surfaces_[s], single(points), {}};
     for (Eigen::Index n = 0; n < blended.rows(); ++n) {
       const auto value = static_cast<float>(blended(n, 0));
-      shown.values.push_back(std::isfinite(value) && least <= most ? std::clamp(value, least, most) : value);
+      shown.values.push_back(std::isfinite(value) && min <= max ? std::clamp(value, min, max) : value);
     }
     state.embedded_surfaces.push_back(std::move(shown));
   }
@@ -176,9 +176,9 @@ std::vector<Gallery::Load> Gallery::loads_of(const BoundaryConditions& condition
     outwards.row(current_->node_of_point[p]) = normals[p].transpose().cast<double>();
 
   std::vector<Load> loads;
-  const double least = kNoLoad * conditions.loads.rowwise().norm().maxCoeff();
+  const double min = kNoLoad * conditions.loads.rowwise().norm().maxCoeff();
   for (int node = 0; node < mesh_.num_nodes(); ++node) {
-    if (!(forces.row(node).norm() > least)) continue;
+    if (!(forces.row(node).norm() > min)) continue;
     if (!alive.empty() && !hold_together(mesh_, alive, {&node, 1})) continue;
     loads.push_back({node, positions.row(node).transpose().cast<float>(), forces.row(node).transpose().cast<float>(),
                      outwards.row(node).transpose().cast<float>()});

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr float kPatch = 12;      // size on the page of the flat pieces that a face is drawn with
-constexpr int kMostParts = 8;     // of them along an edge
+constexpr int kMaxParts = 8;      // of them along an edge
 constexpr int kShadeParts = 6;    // the same of a warped face where it keeps light off
 constexpr float kWarped = 0.02f;  // of a quad's diagonals: what its middle is off the plane, four times
 constexpr float kNearer = 4e-3f;  // depth by which marks stand before the surface that they are on
@@ -32,10 +32,10 @@ constexpr float kShortestArrow = 3;   // on the page; shorter ones are left out
 constexpr float kBetweenArrows = 24;  // on the page: of denser ones the strongest are drawn
 constexpr float kAlongSight = 0.05f;  // of gravity that is seen: below, it has no direction on the page
 
-/// Towards white by a share, for the gleam of what is moist.
-Colour gleaming(const Colour& colour, float share) {
-  return {colour.red + share * (1 - colour.red), colour.green + share * (1 - colour.green),
-          colour.blue + share * (1 - colour.blue)};
+/// Towards white by a fraction, for the gleam of what is moist.
+Colour gleaming(const Colour& colour, float fraction) {
+  return {colour.red + fraction * (1 - colour.red), colour.green + fraction * (1 - colour.green),
+          colour.blue + fraction * (1 - colour.blue)};
 }
 
 /// Weights of a quad's corners at a place in it.
@@ -280,7 +280,7 @@ void Gallery::draw_surfaces(const State& state, const Camera& camera, const Scal
       };
       // a warped quad is a bilinear patch: cut finely enough, it shows no preferred diagonal
       const bool meets_cut = staging_.cut && !Surface::is_triangle(face) && straddles(*staging_.cut, one->points, face);
-      const int parts = meets_cut ? kCutParts : std::clamp(across, Surface::is_triangle(face) ? 1 : 2, kMostParts);
+      const int parts = meets_cut ? kCutParts : std::clamp(across, Surface::is_triangle(face) ? 1 : 2, kMaxParts);
       grid.resize((parts + 1) * (parts + 1));
       for (int j = 0; j <= parts; ++j)
         for (int i = 0; i <= parts; ++i)
@@ -372,7 +372,7 @@ void Gallery::draw_wires(const State& state, const Camera& camera, const Scale& 
 }
 
 // Where loaded nodes lie close together, the strongest of each neighbourhood stands for the others. Neighbourhoods are
-// those of the original shape, so that arrows do not jump in films.
+// those of the initial shape, so that arrows do not jump in films.
 void Gallery::draw_loads(const State& state, const Camera& camera, const Strongest& strongest, Drawing& picture) const {
   const float across = kBetweenArrows / camera.scale();
   std::map<std::array<int, 3>, const Load*> standing;

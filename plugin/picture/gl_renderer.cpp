@@ -18,7 +18,9 @@ constexpr int kOversampling = 3;     // per direction: nine samples a pixel
 constexpr float kPushSlope = 4.0f;   // triangles step back by this much of their slope, so that lines as wide as an
 constexpr float kPushUnits = 16.0f;  // element edge lie in front of them over their full width
 
-std::uint8_t byte(float share) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0f, 1.0f))); }
+std::uint8_t byte(float fraction) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0f, 1.0f)));
+}
 
 /// Letters of one typeface.
 class Typeface {
@@ -34,8 +36,8 @@ class Typeface {
   void draw(const Drawing::Text& text, Image& image) {
     FT_Set_Char_Size(face_, 0, std::lround(text.size * kUnits), 72, 72);
     const std::u32string letters = decoded(text.words);
-    const double share = text.align == Drawing::Align::kLeft ? 0 : text.align == Drawing::Align::kCentre ? 0.5 : 1;
-    double pen = text.x - share * width(letters);
+    const double fraction = text.align == Drawing::Align::kLeft ? 0 : text.align == Drawing::Align::kCentre ? 0.5 : 1;
+    double pen = text.x - fraction * width(letters);
     for (const char32_t letter : letters) {
       // whole pixels move the bitmap, the rest moves the outline, so that letters keep their even distances
       FT_Vector rest{std::lround((pen - std::floor(pen)) * kUnits), 0};

@@ -20,8 +20,8 @@ std::string glsl(const Direction& direction) {
 std::optional<EdgeInk> edge_ink(float length, bool is_cage) {
   if (length < EdgeInk::kShortest) return std::nullopt;
   if (is_cage) return EdgeInk{kCage, EdgeInk::kCageWidth, EdgeInk::kCageOpacity};
-  const float share = std::min(1.0f, length / EdgeInk::kLongest);
-  return EdgeInk{kEdge, EdgeInk::kWidest * std::sqrt(share), EdgeInk::kStrongest * share};
+  const float fraction = std::min(1.0f, length / EdgeInk::kLongest);
+  return EdgeInk{kEdge, EdgeInk::kWidest * std::sqrt(fraction), EdgeInk::kStrongest * fraction};
 }
 
 float brightness(float received) { return std::min(1.0f, kDarkest + kLit * received); }
@@ -39,10 +39,10 @@ vec3 lit_thing(vec3 colour, vec3 normal) {{
   return colour * min({darkest:.6f} + {lit:.6f} * max(dot(normal, {thing}), 0.0), 1.0);
 }}
 )",
-                     fmt::arg("zenith", glsl(kZenith)), fmt::arg("sky", kSkyShare), fmt::arg("main", glsl(kMainLamp)),
-                     fmt::arg("gleam_lamp", glsl(kGleamLamp)), fmt::arg("darkest", kDarkest), fmt::arg("lit", kLit),
-                     fmt::arg("gleam", kGleam), fmt::arg("exponent", kGleamExponent),
-                     fmt::arg("thing", glsl(kThingLamp)));
+                     fmt::arg("zenith", glsl(kZenith)), fmt::arg("sky", kSkyFraction),
+                     fmt::arg("main", glsl(kMainLamp)), fmt::arg("gleam_lamp", glsl(kGleamLamp)),
+                     fmt::arg("darkest", kDarkest), fmt::arg("lit", kLit), fmt::arg("gleam", kGleam),
+                     fmt::arg("exponent", kGleamExponent), fmt::arg("thing", glsl(kThingLamp)));
 }
 
 }  // namespace hexaplast::output

@@ -53,7 +53,7 @@ inline constexpr float kLongestArrow = 0.13f;    // in parts of the diagonal of 
 inline constexpr float kArrowGirth = 0.055f;     // diameter of shafts, in parts of the longest arrow's length
 inline constexpr float kArrowHeadLength = 4.2f;  // in parts of the girth
 inline constexpr float kArrowHeadWidth = 1.5f;   // radius of its foot
-inline constexpr float kArrowMostHead = 0.6f;    // in parts of the arrow's length
+inline constexpr float kArrowMaxHead = 0.6f;     // in parts of the arrow's length
 inline constexpr int kArrowSides = 16;           // of the shaft
 inline constexpr float kArrowPresses = 0.3f;     // sine of the angle to the surface from which a load presses on it
 
@@ -66,7 +66,7 @@ struct Direction {
   }
 };
 
-// The light on bodies is that of a hemisphere. What share of it a place receives, pictures find with many lamps
+// The light on bodies is that of a hemisphere. What fraction of it a place receives, pictures find with many lamps
 // (lighting.hpp), window and viewer with the even part of the sky and one lamp.
 inline constexpr Direction kZenith{-0.1f, 0.75f, 0.65f};      // the middle of the hemisphere
 inline constexpr Direction kMainLamp{-0.40f, 0.75f, 0.55f};   // around which half of the light gathers
@@ -74,13 +74,14 @@ inline constexpr Direction kGleamLamp{-0.43f, 0.80f, 0.42f};  // that moist surf
 inline constexpr Direction kThingLamp{-0.5f, 1, 1};     // of instruments and arrows, which have a light of their own
 inline constexpr float kDarkest = 0.60f, kLit = 0.43f;  // brightness without light, and what all light adds
 inline constexpr float kGleam = 0.16f, kGleamExponent = 40;
-inline constexpr float kSkyShare = 0.41f;  // of the even sky, where all light arrives
+inline constexpr float kSkyFraction = 0.41f;  // of the even sky, where all light arrives
 
-/// Brightness of what receives a share of the light: never dark, so that colours stay comparable with the colour bar.
+/// Brightness of what receives a fraction of the light: never dark, so that colours stay comparable with the colour
+/// bar.
 float brightness(float received);
 
 /// The light as functions of GLSL (330 and 300 es), vectors along right, up and towards the viewer:
-///   vec3 lit_tissue(vec3 colour, vec3 normal, vec3 sight, float lit)   lit: share of the main lamp's light that
+///   vec3 lit_tissue(vec3 colour, vec3 normal, vec3 sight, float lit)   lit: fraction of the main lamp's light that
 ///   arrives vec3 lit_thing(vec3 colour, vec3 normal)
 std::string light_shader();
 

@@ -30,7 +30,7 @@ Lighting::Lighting(const Vector3f& up, const Vector3f& towards) {
   const Vector3f zenith = kZenith.of(right, up, towards), main = kMainLamp.of(right, up, towards);
   const Vector3f first = zenith.unitOrthogonal(), second = zenith.cross(first);
 
-  // equal shares of the hemisphere: equal steps of height, the golden angle from one to the next
+  // equal fractions of the hemisphere: equal steps of height, the golden angle from one to the next
   const float golden = std::numbers::pi_v<float> * (3 - std::sqrt(5.0f));
   for (int k = 0; k < kNumLamps; ++k) {
     const float height = (static_cast<float>(k) + 0.5f) / kNumLamps, radius = std::sqrt(1 - height * height);

@@ -19,8 +19,8 @@ class Lighting {
   /// What lies in the light from now on: triangles of points [m].
   void place(std::span<const Eigen::Vector3f> points, std::span<const Triangle> triangles);
 
-  /// Share of the light that a place [m] with a unit normal receives: 1 where nothing stands before the lamps and the
-  /// normal points where most of them are, 0 in darkness.
+  /// Fraction of the light that a place [m] with a unit normal receives: 1 where nothing stands before the lamps and
+  /// the normal points where most of them are, 0 in darkness.
   float received(const Eigen::Vector3f& place, const Eigen::Vector3f& normal) const;
 
  private:
@@ -32,7 +32,7 @@ class Lighting {
   };
 
   void draw(Lamp& lamp, std::span<const Eigen::Vector3f> points, std::span<const Triangle> triangles) const;
-  float reach(const Lamp& lamp, const Eigen::Vector3f& place) const;  // share of a lamp's light that arrives
+  float reach(const Lamp& lamp, const Eigen::Vector3f& place) const;  // fraction of a lamp's light that arrives
 
   std::vector<Lamp> lamps_;
   float texel_ = 1;  // [m] of all maps

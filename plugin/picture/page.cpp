@@ -12,7 +12,7 @@
 namespace hexaplast::output {
 namespace {
 
-constexpr float kPageWidth = 1280, kPageHeight = 720;  // the least size of a page
+constexpr float kPageWidth = 1280, kPageHeight = 720;  // the smallest size of a page
 constexpr float kMargin = 56, kTop = 92, kBottom = 128;
 constexpr float kTitleLine = 52;
 constexpr float kBarWidth = 460, kBarHeight = 14;
@@ -33,10 +33,10 @@ Drawing::Vertex on_circle(Drawing::Vertex centre, float radius, int corner) {
 /// "volume ratio: 1 everywhere"
 std::string sentence_on(const Scale& scale) {
   const QuantityEntry& quantity = scale.quantity();
-  if (!scale.is_empty() && scale.most() == 0 && quantity.from_zero)
+  if (!scale.is_empty() && scale.max() == 0 && quantity.from_zero)
     return fmt::format("no {} in this run", quantity.label);
   if (scale.is_empty()) return fmt::format("{}: none", quantity.label);
-  return fmt::format("{} [{}]: {:.4g} {}", quantity.label, quantity.unit, scale.most(),
+  return fmt::format("{} [{}]: {:.4g} {}", quantity.label, quantity.unit, scale.max(),
                      scale.has_gaps() ? "where there is one" : "everywhere");
 }
 
@@ -44,7 +44,7 @@ std::string sentence_on(const Scale& scale) {
 
 Scale::Scale(Quantity quantity, std::optional<std::pair<double, double>> range)
     : quantity_(entry_of(quantity)), is_given_(range.has_value()) {
-  if (range) std::tie(least_, most_) = *range;
+  if (range) std::tie(min_, max_) = *range;
 }
 
 void Scale::see(std::span<const float> values) {
@@ -58,15 +58,15 @@ void Scale::see(std::span<const float> values) {
     has_seen_ = true;
   }
   if (is_given_ || !has_seen_) return;
-  least_ = quantity_.from_zero ? 0 : lowest_;
-  most_ = highest_;
+  min_ = quantity_.from_zero ? 0 : lowest_;
+  max_ = highest_;
   // values that differ by rounding alone are one value
-  if (most_ - least_ <= 1e-6 * std::max(std::abs(least_), std::abs(most_))) least_ = most_;
+  if (max_ - min_ <= 1e-6 * std::max(std::abs(min_), std::abs(max_))) min_ = max_;
 }
 
 Colour Scale::colour(float value) const {
   if (!std::isfinite(value)) return kNoValue;
-  return colour_of(is_flat() ? 0 : (value - least_) / (most_ - least_));
+  return colour_of(is_flat() ? 0 : (value - min_) / (max_ - min_));
 }
 
 Page::Page(int width, int height)
@@ -109,15 +109,15 @@ void Page::add_colour_bar(const Scale& scale) {
   const auto add_arrow = [&](float x, float tip, Colour colour) {
     drawing_.triangles.push_back({{{x, top, 0, colour}, {tip, (top + bottom) / 2, 0, colour}, {x, bottom, 0, colour}}});
   };
-  if (scale.passes_least()) add_arrow(left - 2, left - 2 - kArrow, colour_of(0));
-  if (scale.passes_most()) add_arrow(left + kBarWidth + 2, left + kBarWidth + 2 + kArrow, colour_of(1));
+  if (scale.passes_min()) add_arrow(left - 2, left - 2 - kArrow, colour_of(0));
+  if (scale.passes_max()) add_arrow(left + kBarWidth + 2, left + kBarWidth + 2 + kArrow, colour_of(1));
 
   write(width_ / 2, top - 12, 17, Drawing::Align::kCentre, kInk,
         fmt::format("{} [{}]", scale.quantity().label, scale.quantity().unit));
-  const Ticks ticks = ticks_within(scale.least(), scale.most(), 6);
+  const Ticks ticks = ticks_within(scale.min(), scale.max(), 6);
   for (const double value : ticks.values) {
-    const double share = (value - scale.least()) / (scale.most() - scale.least());
-    const float x = left + kBarWidth * static_cast<float>(share);
+    const double fraction = (value - scale.min()) / (scale.max() - scale.min());
+    const float x = left + kBarWidth * static_cast<float>(fraction);
     drawing_.lines.push_back({{x, bottom, 0, kInk}, {x, bottom + 6, 0, kInk}, 1.3f});
     write(x, bottom + 24, 16, Drawing::Align::kCentre, kInk, ticks.label(value));
   }

@@ -17,18 +17,18 @@ namespace hexaplast::output {
 /// Which values the colours stand for.
 class Scale {
  public:
-  /// range: least and largest value; none: those that are shown, from 0 where the quantity begins there.
+  /// range: smallest and largest value; none: those that are shown, from 0 where the quantity begins there.
   explicit Scale(Quantity quantity, std::optional<std::pair<double, double>> range = {});
 
   /// Takes in values that are going to be shown. Those that are not finite have no colour of the scale.
   void see(std::span<const float> values);
 
   const QuantityEntry& quantity() const { return quantity_; }
-  double least() const { return least_; }
-  double most() const { return most_; }
-  bool is_flat() const { return !(most_ > least_); }                   ///< there is but one value, or none
-  bool passes_least() const { return has_seen_ && lowest_ < least_; }  ///< something shown lies below the range
-  bool passes_most() const { return has_seen_ && highest_ > most_; }
+  double min() const { return min_; }
+  double max() const { return max_; }
+  bool is_flat() const { return !(max_ > min_); }                  ///< there is but one value, or none
+  bool passes_min() const { return has_seen_ && lowest_ < min_; }  ///< something shown lies below the range
+  bool passes_max() const { return has_seen_ && highest_ > max_; }
   bool is_empty() const { return !has_seen_; }  ///< nothing shown has a value
   bool has_gaps() const { return has_gaps_; }   ///< something shown has none
 
@@ -37,7 +37,7 @@ class Scale {
  private:
   const QuantityEntry& quantity_;
   bool is_given_;
-  double least_ = 0, most_ = 0;
+  double min_ = 0, max_ = 0;
   double lowest_ = 0, highest_ = 0;  // of what was seen
   bool has_seen_ = false, has_gaps_ = false;
 };

@@ -10,14 +10,14 @@ constexpr float kOutlineNearer = 1e-4f;  // depth by which the outline of what s
 
 }  // namespace
 
-Corner operator*(float share, const Corner& corner) { return {share * corner.place, share * corner.colour}; }
+Corner operator*(float factor, const Corner& corner) { return {factor * corner.place, factor * corner.colour}; }
 Corner operator+(const Corner& a, const Corner& b) {
   return {a.place + b.place,
           {a.colour.red + b.colour.red, a.colour.green + b.colour.green, a.colour.blue + b.colour.blue}};
 }
 
-Colour operator*(float share, const Colour& colour) {
-  return {share * colour.red, share * colour.green, share * colour.blue};
+Colour operator*(float factor, const Colour& colour) {
+  return {factor * colour.red, factor * colour.green, factor * colour.blue};
 }
 
 void Pen::fill(const std::array<Corner, 3>& triangle) const {
@@ -31,8 +31,8 @@ void Pen::line(Corner from, Corner to, float width, float opacity) const {
     const double at_from = height(plane, from.place), at_to = height(plane, to.place);
     if (at_from < 0 && at_to < 0) return;
     if (at_from >= 0 && at_to >= 0) continue;
-    const auto share = static_cast<float>(at_from / (at_from - at_to));
-    (at_from < 0 ? from : to) = (1 - share) * from + share * to;
+    const auto factor = static_cast<float>(at_from / (at_from - at_to));
+    (at_from < 0 ? from : to) = (1 - factor) * from + factor * to;
   }
   picture_.lines.push_back({vertex(from), vertex(to), width, opacity});
   if (layer_ != Layer::kBehind) return;

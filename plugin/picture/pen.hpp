@@ -16,10 +16,10 @@ struct Corner {
   Colour colour;
 };
 
-Corner operator*(float share, const Corner& corner);
+Corner operator*(float factor, const Corner& corner);
 Corner operator+(const Corner& a, const Corner& b);
 
-Colour operator*(float share, const Colour& colour);
+Colour operator*(float factor, const Colour& colour);
 
 inline double height(const Plane& plane, const Eigen::Vector3f& place) { return plane.height(place.cast<double>()); }
 
@@ -31,12 +31,12 @@ void for_each_part(const std::array<Corner, 3>& triangle, std::span<const Plane>
     return;
   }
   const Plane& plane = above.front();
-  std::array<TriangleShares, 4> part;
+  std::array<TriangleWeights, 4> part;
   const int count = part_above(
       {height(plane, triangle[0].place), height(plane, triangle[1].place), height(plane, triangle[2].place)}, part);
   const auto corner = [&](int k) {
-    const auto share = [&](int c) { return static_cast<float>(part[k][c]); };
-    return share(0) * triangle[0] + share(1) * triangle[1] + share(2) * triangle[2];
+    const auto factor = [&](int c) { return static_cast<float>(part[k][c]); };
+    return factor(0) * triangle[0] + factor(1) * triangle[1] + factor(2) * triangle[2];
   };
   for (int k = 2; k < count; ++k) for_each_part({corner(0), corner(k - 1), corner(k)}, above.subspan(1), take);
 }

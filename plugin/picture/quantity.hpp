@@ -23,7 +23,7 @@ struct QuantityEntry {
   std::string_view unit;
   std::string_view array;  ///< in .vtu files
   bool of_nodes;           ///< one value per node, else per hexahedron
-  bool from_zero;          ///< its scale begins at 0, else at the least value shown
+  bool from_zero;          ///< its scale begins at 0, else at the smallest value shown
 };
 
 inline constexpr std::array<QuantityEntry, 6> kQuantities{{

@@ -71,26 +71,26 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   PointArray at_nodes = PointArray::Zero(mesh.num_nodes(), 3);  // in its first column
   at_nodes.col(0) = Eigen::VectorXd::Map(
       (entry_of(quantity).of_nodes ? values : nodal_means(mesh, values, alive)).data(), mesh.num_nodes());
-  const auto [least, most] = extent_along(Vec3::Unit(axis), positions, mesh.hexahedra(), alive);
-  const auto [least_behind, most_behind] = extent_along(Vec3::Unit(axis), behind, mesh.hexahedra());
+  const auto [min, max] = extent_along(Vec3::Unit(axis), positions, mesh.hexahedra(), alive);
+  const auto [min_behind, max_behind] = extent_along(Vec3::Unit(axis), behind, mesh.hexahedra());
 
   std::vector<Section> sections, ghosts;
   std::vector<double> places;
   Scale scale(quantity, range);
   Eigen::AlignedBox2f box;
   for (int k = 0; k < count; ++k) {
-    const double share = (k + 0.5) / count;
-    places.push_back(least + share * (most - least));
+    const double fraction = (k + 0.5) / count;
+    places.push_back(min + fraction * (max - min));
     sections.push_back(section_at(mesh, positions, at_nodes, alive, axis, places.back()));
     scale.see(sections.back().values);
     for (const Eigen::Vector2f& point : sections.back().points) box.extend(point);
     if (ghost.empty()) continue;
-    const double place_behind = least_behind + share * (most_behind - least_behind);
+    const double place_behind = min_behind + fraction * (max_behind - min_behind);
     ghosts.push_back(section_at(mesh, behind, at_nodes, {}, axis, place_behind));
     for (const Eigen::Vector2f& point : ghosts.back().points) box.extend(point);
   }
   if (box.isEmpty()) box.extend(Eigen::Vector2f(0, 0));
-  const Eigen::Vector2f size = box.sizes().cwiseMax(1e-6f * static_cast<float>(most - least) + 1e-30f);
+  const Eigen::Vector2f size = box.sizes().cwiseMax(1e-6f * static_cast<float>(max - min) + 1e-30f);
 
   Page page(width, height);
   Drawing& picture = page.drawing();
@@ -98,7 +98,7 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   const Grid grid = best_grid(count, window, size);
   const float cell_width = window.width / static_cast<float>(grid.columns);
   const float cell_height = window.height / static_cast<float>(grid.rows);
-  const int decimals = std::clamp(static_cast<int>(std::ceil(2 - std::log10(std::max(most - least, 1e-9)))), 0, 9);
+  const int decimals = std::clamp(static_cast<int>(std::ceil(2 - std::log10(std::max(max - min, 1e-9)))), 0, 9);
 
   for (int k = 0; k < count; ++k) {
     // a last row that is not full stands in the middle

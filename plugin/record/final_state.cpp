@@ -54,16 +54,16 @@ std::vector<int> removed_of(const Bodies& bodies) {
   return all;
 }
 
-void write_shares(WholeFile& out, const Bodies& bodies) {
-  std::vector<std::string> shares;
+void write_fractions(WholeFile& out, const Bodies& bodies) {
+  std::vector<std::string> ranges;
   for (const Bodies::Entry& entry : bodies.all())
-    shares.push_back(nlohmann::ordered_json{{"name", entry.name},
+    ranges.push_back(nlohmann::ordered_json{{"name", entry.name},
                                             {"first_node", entry.first_node},
                                             {"nodes", entry.body->mesh().num_nodes()},
                                             {"first_hexahedron", entry.first_hexahedron},
                                             {"hexahedra", entry.body->mesh().num_elements()}}
                          .dump());
-  out.write(fmt::format("  \"bodies\": [{}],\n", fmt::join(shares, ", ")));
+  out.write(fmt::format("  \"bodies\": [{}],\n", fmt::join(ranges, ", ")));
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ void write_final(WholeFile& out, long step, double time, ConstPoints positions, 
   write_isolated_shapes(out, bodies);
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);
-  if (!bodies.is_one()) write_shares(out, bodies);
+  if (!bodies.is_one()) write_fractions(out, bodies);
   out.write(fmt::format("  \"removed\": [{}],\n", fmt::join(removed_of(bodies), ", ")));
   out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", hash));
   out.commit();

@@ -55,9 +55,9 @@ void keep_quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-Handle space_of(const Shape& shape, const fs::path& file, const Shape& most = {}) {
-  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), most.empty() ? nullptr : most.data()),
-          H5Sclose, file, "cannot make a data space"};
+Handle space_of(const Shape& shape, const fs::path& file, const Shape& max = {}) {
+  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), max.empty() ? nullptr : max.data()), H5Sclose,
+          file, "cannot make a data space"};
 }
 
 Handle text_type(std::size_t size, const fs::path& file) {
@@ -147,14 +147,14 @@ class Series {
   }
 
   Handle make_set(hid_t file_id, const std::string& name, hid_t stored) const {
-    Shape chunk = with_states(1), most = with_states(H5S_UNLIMITED);
+    Shape chunk = with_states(1), max = with_states(H5S_UNLIMITED);
     hsize_t bytes = sizeof(double);
     for (std::size_t d = row_.size(); d-- > 0;) {
       chunk[d + 1] = std::max<hsize_t>(1, std::min(row_[d], kChunkBytes / bytes));
       bytes *= chunk[d + 1];
     }
     chunk[0] = std::clamp<hsize_t>(kChunkBytes / bytes, 1, 256);
-    const Handle made_with = properties(file_), space = space_of(with_states(0), file_, most);
+    const Handle made_with = properties(file_), space = space_of(with_states(0), file_, max);
     require(H5Pset_chunk(made_with, static_cast<int>(chunk.size()), chunk.data()) >= 0 &&
                 H5Pset_shuffle(made_with) >= 0 && H5Pset_deflate(made_with, kCompression) >= 0,
             file_, "cannot compress");

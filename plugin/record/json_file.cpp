@@ -29,7 +29,7 @@ class InputValidator final : public nlohmann::json_sax<Json> {
   bool end_array() override { return close(); }
   bool parse_error(std::size_t, const std::string&, const Json::exception&) override { return false; }
 
-  bool has_passed() const { return num_values_ <= kMostValues && levels_ <= kMostLevels; }
+  bool has_passed() const { return num_values_ <= kMaxValues && levels_ <= kMaxLevels; }
 
  private:
   bool count() {
@@ -45,8 +45,8 @@ class InputValidator final : public nlohmann::json_sax<Json> {
     return true;
   }
 
-  static constexpr long kMostValues = 1'000'000;
-  static constexpr int kMostLevels = 100;
+  static constexpr long kMaxValues = 1'000'000;
+  static constexpr int kMaxLevels = 100;
   long num_values_ = 0;
   int levels_ = 0;
 };

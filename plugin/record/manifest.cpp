@@ -45,9 +45,9 @@ Json json_of(const std::vector<ProbeRecord>& probes) {
 template <std::integral Integer>
 Integer integer_of(const Json& json) {
   const double number = json;
-  constexpr double kMost = static_cast<double>(std::numeric_limits<Integer>::max() / 2);
-  if (!json.is_number_integer() || !(number >= 0 && number <= kMost))
-    throw OutputError(fmt::format("a number {}: must be a whole one from 0 to {}", json.dump(), kMost));
+  constexpr double kMax = static_cast<double>(std::numeric_limits<Integer>::max() / 2);
+  if (!json.is_number_integer() || !(number >= 0 && number <= kMax))
+    throw OutputError(fmt::format("a number {}: must be a whole one from 0 to {}", json.dump(), kMax));
   return json;
 }
 

@@ -17,9 +17,9 @@ Measures Measurement::measure(ConstPoints positions) const {
   found.plastic_twist_deg = twist(bodies_.mesh(), ends_, material) * kDegrees;
   found.world_elongation = elongation(ends_, positions);
   found.world_twist_deg = twist(bodies_.mesh(), ends_, positions) * kDegrees;
-  const double original = bodies_.initial_volume();
-  found.material_volume_ratio = original > 0 ? bodies_.volume(material) / original : 0;
-  found.world_volume_ratio = original > 0 ? bodies_.volume(positions) / original : 0;
+  const double initial = bodies_.initial_volume();
+  found.material_volume_ratio = initial > 0 ? bodies_.volume(material) / initial : 0;
+  found.world_volume_ratio = initial > 0 ? bodies_.volume(positions) / initial : 0;
   return found;
 }
 

@@ -9,11 +9,11 @@ namespace hexaplast::output {
 /// How far a body has been stretched and twisted, between the end sections of its longest axis. Volumes are those of
 /// the hexahedra that are left; the ratios are 0 when none is.
 struct Measures {
-  double plastic_elongation = 0;  ///< [-] of the material mesh along the longest axis of the original bounding box
-  double plastic_twist_deg = 0;   ///< of the material mesh about that axis
+  double plastic_elongation = 0;  ///< [-] of the plastic rest shape along the longest axis of the initial bounding box
+  double plastic_twist_deg = 0;   ///< of the plastic rest shape about that axis
   double world_elongation = 0;
   double world_twist_deg = 0;
-  double material_volume_ratio = 1;  ///< material volume / original volume
+  double material_volume_ratio = 1;  ///< plastic volume / initial volume
   double world_volume_ratio = 1;
 };
 
@@ -22,7 +22,7 @@ class Measurement {
  public:
   explicit Measurement(Bodies bodies);
 
-  /// positions: num_nodes x 3 [m], the world state; the material mesh is the body's present one.
+  /// positions: num_nodes x 3 [m], the current state; the plastic rest shape is the body's present one.
   Measures measure(ConstPoints positions) const;
 
  private:

@@ -117,9 +117,9 @@ RecordedRun::RecordedRun(const fs::path& place) {
   const fs::path& first = entries_.front().file;
   ImportedState state = read(first);
   id_of_hexahedron_ = ids_of(first, state);
-  const PointArray original = state.mesh.positions - point_vectors(first, state, "displacement");
+  const PointArray initial = state.mesh.positions - point_vectors(first, state, "displacement");
   try {
-    mesh_.emplace(original, std::move(state.mesh.hexahedra));
+    mesh_.emplace(initial, std::move(state.mesh.hexahedra));
   } catch (const InputError& reason) {
     throw InputError(fmt::format("{}: {}", first.string(), reason.what()));
   }
@@ -141,7 +141,7 @@ RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) con
 
   State state;
   state.positions = read_state.mesh.positions;
-  state.material = point_vectors(entry.file, read_state, "material_position");
+  state.plastic_rest = point_vectors(entry.file, read_state, "material_position");
 
   const QuantityEntry& wanted = entry_of(quantity);
   if (wanted.of_nodes) {

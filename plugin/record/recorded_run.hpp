@@ -24,7 +24,7 @@ class RecordedRun {
 
   struct State {
     PointArray positions;              ///< [m] num_nodes x 3
-    PointArray material;               ///< [m] the same of the rest shape
+    PointArray plastic_rest;           ///< [m] the same of the rest shape
     std::vector<double> values;        ///< of a quantity, one per hexahedron or per node
     std::vector<unsigned char> alive;  ///< one per hexahedron, 0 for those that are removed
     BoundaryConditions conditions;     ///< as far as the files hold them
@@ -38,7 +38,7 @@ class RecordedRun {
   const std::string& name() const { return name_; }                      ///< of the directory
   const std::vector<Entry>& entries() const { return entries_; }         ///< in the order of the file, at least one
 
-  /// The hexahedra of the first state in their original shape.
+  /// The hexahedra of the first state in their initial shape.
   const HexMesh& mesh() const { return *mesh_; }
 
   /// The surfaces that it carries, where surface.pvd beside the .pvd file names some. Throws OutputError or InputError

@@ -88,8 +88,8 @@ class Recorder {
   /// After record(): what the files hold, flushed to disk, into a checkpoint.
   void save(Archive& archive);
 
-  /// positions, velocities: world state after the step, the body being as that step left it; conditions: what held and
-  /// loaded it in the step. Call once with step 0 before the first step, then once per step. Throws OutputError.
+  /// positions, velocities: current state after the step, the body being as that step left it; conditions: what held
+  /// and loaded it in the step. Call once with step 0 before the first step, then once per step. Throws OutputError.
   void record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
               BoundaryConditions conditions = {});
 
@@ -110,9 +110,9 @@ struct Largest {
   Vec3 place = Vec3::Zero();  ///< [m] its world centre
 };
 
-/// What the summary at the end of a run shows, computed from bodies and their world state.
+/// What the summary at the end of a run shows, computed from bodies and their current state.
 struct Summary : Measures {
-  double worst_element_volume_error = 0;  ///< largest |material volume / original - 1| of a hexahedron that is left
+  double worst_element_volume_error = 0;  ///< largest |plastic volume / initial - 1| of a hexahedron that is left
   Largest strain = {};                    ///< [-] largest |D - 1| of a corner
   Largest plastic_strain = {};            ///< [-] mean over the corners of the accumulated plastic strain
   int num_pieces = 0;                     ///< connected parts of what is left

@@ -33,10 +33,10 @@ void CarriedSurfaces::write(const std::filesystem::path& file, ConstPoints posit
     surface.insert(surface.end(), static_cast<std::size_t>(count), static_cast<std::int32_t>(s));
   }
   // an embedded surface that reaches out of the hexahedra continues their values, and shall not pass them
-  const auto [least, most] = std::ranges::minmax(strains);
+  const auto [min, max] = std::ranges::minmax(strains);
   std::vector<double> plastic_strain(surface.size());
   for (std::size_t p = 0; p < surface.size(); ++p)
-    plastic_strain[p] = std::clamp(blended(static_cast<Eigen::Index>(p), 0), least, most);
+    plastic_strain[p] = std::clamp(blended(static_cast<Eigen::Index>(p), 0), min, max);
 
   VtuGrid grid{.points = {points.data(), static_cast<std::size_t>(points.size())}, .shown_first = {}};
   const auto add_faces = [&](const auto& faces, std::size_t s, std::uint8_t type) {
@@ -58,7 +58,7 @@ void CarriedSurfaces::write(const std::filesystem::path& file, ConstPoints posit
 
 std::vector<EmbeddedSurface> read_embedded_surfaces(const std::filesystem::path& file) {
   const ImportedState state = read_vtu_state(file);
-  const PointArray original = state.mesh.positions - point_vectors(file, state, "displacement");
+  const PointArray initial = state.mesh.positions - point_vectors(file, state, "displacement");
   const std::vector<int> surface = point_numbers(file, state, "surface");
 
   // points of an embedded surface follow one another
@@ -74,7 +74,7 @@ std::vector<EmbeddedSurface> read_embedded_surfaces(const std::filesystem::path&
     std::size_t last = first;
     while (last < surface.size() && surface[last] == static_cast<int>(s)) ++last;
     embedded_surfaces[s].points =
-        original.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first));
+        initial.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first));
     first = last;
   }
   const auto add_to_surface = [&](auto face, auto faces_of_surface) {

@@ -25,19 +25,19 @@ namespace {
 using Eigen::Vector3f;
 using Json = nlohmann::ordered_json;
 
-constexpr double kMostBytes = 2e6;  // of all states before they are deflated
-constexpr int kColours = 65;        // samples of the colour map
+constexpr double kMaxBytes = 2e6;  // of all states before they are deflated
+constexpr int kColours = 65;       // samples of the colour map
 constexpr std::uint8_t kNoValue8 = 255;
-constexpr std::uintmax_t kMostFile = 64u << 20;  // [bytes] of a file that goes into a page
+constexpr std::uintmax_t kMaxFile = 64u << 20;  // [bytes] of a file that goes into a page
 
 /// Maps an interval to whole numbers from 0 to `levels`.
 struct Quantiser {
-  double least, most;
+  double min, max;
   double levels;
   template <class Number>
   Number operator()(double value) const {
-    if (!(most > least)) return 0;
-    return static_cast<Number>(std::lround(levels * std::clamp((value - least) / (most - least), 0.0, 1.0)));
+    if (!(max > min)) return 0;
+    return static_cast<Number>(std::lround(levels * std::clamp((value - min) / (max - min), 0.0, 1.0)));
   }
 };
 
@@ -92,13 +92,13 @@ ViewerStates::ViewerStates(const Bodies& bodies, std::string title, long num_ste
       staging_(staging),
       regions_(std::move(regions)) {
   const HexMesh& mesh = bodies.mesh();
-  if (mesh.num_nodes() > kMostNodes) return;
+  if (mesh.num_nodes() > kMaxNodes) return;
   for (const QuantityEntry& entry : kQuantities)
     if (entry.quantity != Quantity::kRegion || !regions_.empty()) quantities_.push_back(entry.quantity);
   for (const EmbeddedSurface& surface : staging_.embedded_surfaces) embeddings_.push_back(surface.embedding(mesh));
   alive_.assign(static_cast<std::size_t>(mesh.num_elements()), 1);
 
-  const int count = most_states();
+  const int count = max_states();
   for (int i = 0; i < count; ++i) wanted_.push_back(std::lround(static_cast<double>(num_steps) * i / (count - 1)));
   wanted_.erase(std::unique(wanted_.begin(), wanted_.end()), wanted_.end());
 }
@@ -107,8 +107,8 @@ double ViewerStates::bytes_of_state() const {
   return static_cast<double>(bodies_.mesh().num_nodes()) * static_cast<double>(6 + quantities_.size());
 }
 
-int ViewerStates::most_states() const {
-  return std::clamp(static_cast<int>(kMostBytes / bytes_of_state()), kFewestStates, kMostStates);
+int ViewerStates::max_states() const {
+  return std::clamp(static_cast<int>(kMaxBytes / bytes_of_state()), kFewestStates, kMaxStates);
 }
 
 void ViewerStates::halve() {
@@ -164,7 +164,7 @@ ViewerStates::Tool ViewerStates::tool_of(const Instrument& instrument, ConstPoin
 
 void ViewerStates::add(long step, double time, ConstPoints positions, ConstPoints velocities,
                        const BoundaryConditions& conditions) {
-  if (bodies_.mesh().num_nodes() > kMostNodes) return;
+  if (bodies_.mesh().num_nodes() > kMaxNodes) return;
   State state;
   state.step = step;
   state.time = time;
@@ -192,14 +192,14 @@ void ViewerStates::add(long step, double time, ConstPoints positions, ConstPoint
 // What has one value everywhere and always says nothing, unless the pictures are to show it.
 bool ViewerStates::is_shown(std::size_t quantity) const {
   if (quantities_[quantity] == staging_.quantity) return true;
-  float least = std::numeric_limits<float>::infinity(), most = -least;
+  float min = std::numeric_limits<float>::infinity(), max = -min;
   for (const State& state : states_)
     for (const float value : state.values[quantity])
       if (std::isfinite(value)) {
-        least = std::min(least, value);
-        most = std::max(most, value);
+        min = std::min(min, value);
+        max = std::max(max, value);
       }
-  return most - least > 1e-6f * std::max(std::abs(least), std::abs(most));
+  return max - min > 1e-6f * std::max(std::abs(min), std::abs(max));
 }
 
 std::string ViewerStates::json() const {
@@ -211,13 +211,13 @@ std::string ViewerStates::json() const {
            {"steps", states_.empty() ? num_steps_ : std::max(num_steps_, states_.back().step)},
            {"nodes", mesh.num_nodes()},
            {"hexahedra", mesh.num_elements()}};
-  if (kMostBytes / bytes_of_state() < kMostStates) all["thinned"] = true;
+  if (kMaxBytes / bytes_of_state() < kMaxStates) all["thinned"] = true;
   if (states_.empty()) return all.dump();
 
   std::vector<Vector3f> places;
   Eigen::AlignedBox3f box, tool_box, spring_box;
-  const std::vector<Vector3f> original = rows_of(mesh.positions());
-  for (const Vector3f& place : original) box.extend(place);
+  const std::vector<Vector3f> initial = rows_of(mesh.positions());
+  for (const Vector3f& place : initial) box.extend(place);
   for (const State& state : states_) {
     for (std::size_t node = 0; node < num_nodes; ++node) {
       places.emplace_back(state.positions[3 * node], state.positions[3 * node + 1], state.positions[3 * node + 2]);
@@ -233,7 +233,7 @@ std::string ViewerStates::json() const {
 
   PackedNumbers numbers;
   numbers.add("hexahedra", flat<8>(mesh.hexahedra()), 8);
-  numbers.add("original", in_box(original, box), 3);
+  numbers.add("original", in_box(initial, box), 3);
   numbers.add("positions", in_box(places, box), 3 * num_nodes);
 
   Json bodies = Json::array();
@@ -246,16 +246,16 @@ std::string ViewerStates::json() const {
     if (!is_shown(q)) continue;
     const QuantityEntry& entry = entry_of(quantities_[q]);
     Scale scale(quantities_[q], quantities_[q] == staging_.quantity ? staging_.range : std::nullopt);
-    double least = std::numeric_limits<double>::infinity(), most = -least;
+    double min = std::numeric_limits<double>::infinity(), max = -min;
     for (const State& state : states_) {
       scale.see(state.values[q]);
       for (const float value : state.values[q])
         if (std::isfinite(value)) {
-          least = std::min<double>(least, value);
-          most = std::max<double>(most, value);
+          min = std::min<double>(min, value);
+          max = std::max<double>(max, value);
         }
     }
-    const Quantiser quantiser{least, most, kLevels8};
+    const Quantiser quantiser{min, max, kLevels8};
     std::vector<std::uint8_t> values;
     values.reserve(states_.size() * num_nodes);
     for (const State& state : states_)
@@ -265,9 +265,9 @@ std::string ViewerStates::json() const {
     fields.push_back({{"word", entry.word},
                       {"label", entry.label},
                       {"unit", entry.unit},
-                      {"least", least <= most ? least : 0},
-                      {"most", least <= most ? most : 0},
-                      {"shown", {scale.least(), scale.most()}},
+                      {"least", min <= max ? min : 0},
+                      {"most", min <= max ? max : 0},
+                      {"shown", {scale.min(), scale.max()}},
                       {"gaps", scale.has_gaps()}});
   }
   all["fields"] = fields;
@@ -277,13 +277,13 @@ std::string ViewerStates::json() const {
   for (std::size_t s = 0; s < embeddings_.size(); ++s) {
     const Embedding& embedding = embeddings_[s];
     const EmbeddedSurface& surface = staging_.embedded_surfaces[s];
-    double least = 0, most = 1;
+    double min = 0, max = 1;
     for (int point = 0; point < embedding.num_points(); ++point)
       for (const double weight : embedding.weights_of(point)) {
-        least = std::min(least, weight);
-        most = std::max(most, weight);
+        min = std::min(min, weight);
+        max = std::max(max, weight);
       }
-    const Quantiser quantiser{least, most, kLevels16};
+    const Quantiser quantiser{min, max, kLevels16};
     std::vector<std::uint32_t> carriers;
     std::vector<std::uint16_t> weights;  // of seven corners; all eight add up to 1
     for (int point = 0; point < embedding.num_points(); ++point) {
@@ -296,7 +296,7 @@ std::string ViewerStates::json() const {
     numbers.add(fmt::format("carriers_{}", s), carriers, 1);
     numbers.add(fmt::format("weights_{}", s), weights, 7);
     numbers.add(fmt::format("faces_{}", s), flat<4>(faces), 4);
-    embedded.push_back({{"least", least}, {"most", most}});
+    embedded.push_back({{"least", min}, {"most", max}});
   }
   all["embedded"] = embedded;
 
@@ -369,8 +369,8 @@ std::optional<ViewerData> read_viewer_data(const fs::path& directory) {
   std::error_code error;
   if (!fs::exists(file, error)) return std::nullopt;
   require_readable(file);
-  if (fs::file_size(file, error) > kMostFile)
-    throw InputError(fmt::format("{}: has more than {} bytes", file.string(), kMostFile));
+  if (fs::file_size(file, error) > kMaxFile)
+    throw InputError(fmt::format("{}: has more than {} bytes", file.string(), kMaxFile));
   return viewer_markup(whole_file(file), file.string());
 }
 

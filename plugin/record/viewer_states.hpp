@@ -17,12 +17,12 @@ namespace hexaplast::output {
 inline constexpr std::string_view kViewerName = "viewer.json";
 
 /// Collects states of a run for the viewer in its report (docs/output.md describes the file): positions in 16 bits
-/// within the box of all that is shown, values at nodes in 8 bits between the least and the largest, and what holds and
-/// loads the bodies. They are kept in single precision until the run is over, since the ranges are known only then.
+/// within the box of all that is shown, values at nodes in 8 bits between the smallest and the largest, and what holds
+/// and loads the bodies. They are kept in single precision until the run is over, since the ranges are known only then.
 class ViewerStates {
  public:
-  static constexpr int kMostStates = 60, kFewestStates = 6;
-  static constexpr int kMostNodes = 100'000;  ///< of a mesh that a page still opens fast with
+  static constexpr int kMaxStates = 60, kFewestStates = 6;
+  static constexpr int kMaxNodes = 100'000;  ///< of a mesh that a page still opens fast with
 
   /// num_steps: of the whole run; regions: as in RunPlan. The bodies must outlive this object. Throws what Embedding
   /// throws.
@@ -34,7 +34,7 @@ class ViewerStates {
   /// The present state of the bodies, which wants() or the end of the run asks for; steps ascend.
   void add(long step, double time, ConstPoints positions, ConstPoints velocities, const BoundaryConditions& conditions);
   int num_states() const { return static_cast<int>(states_.size()); }
-  int most_states() const;  ///< that one page should have of this mesh
+  int max_states() const;  ///< that one page should have of this mesh
 
   /// Drops every second state: the second, the fourth, and so on.
   void halve();
@@ -92,7 +92,7 @@ class ViewerStates {
 /// What the viewer of a run's report needs.
 struct ViewerData {
   std::string markup;      ///< viewer.json as it may stand in an element of HTML: with no mark of HTML in it
-  bool has_states = true;  ///< else the run had more than kMostNodes nodes
+  bool has_states = true;  ///< else the run had more than kMaxNodes nodes
 };
 
 /// json: what ViewerStates::json() returns. Throws InputError, which names the source, for anything else.

@@ -12,7 +12,7 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
                std::span<const std::string> region_names) {
   const HexMesh& mesh = bodies.mesh();
   const std::span<const unsigned char> alive = bodies.alive();
-  const PointArray world = positions;
+  const PointArray current = positions;
   const PointArray displacement = positions - mesh.positions();
   const PointArray velocity = velocities;
 
@@ -38,7 +38,7 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
   std::vector<std::int32_t> part(hexahedra.size());
   for (std::size_t e = 0; e < part.size(); ++e) part[e] = parts.part_of_node[hexahedra[e][0]];
 
-  VtuGrid grid{.points = {world.data(), static_cast<std::size_t>(world.size())},
+  VtuGrid grid{.points = {current.data(), static_cast<std::size_t>(current.size())},
                .connectivity = std::as_bytes(std::span(hexahedra)),
                .shown_first = "plastic_strain"};
   grid.add_cells(hexahedra.size(), kVtkHexahedron, kCorners);

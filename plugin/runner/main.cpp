@@ -5,98 +5,35 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdlib>
-#include <exception>
-#include <new>
-#include <type_traits>
 #include <utility>
 
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/geometry/voxels.hpp"
-#include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/look/command_page.hpp"
 #include "runner/look/compare.hpp"
 #include "runner/look/list.hpp"
 #include "runner/look/render.hpp"
 #include "runner/look/view.hpp"
-#include "runner/mesh/cage.hpp"
-#include "runner/mesh/export.hpp"
-#include "runner/mesh/info.hpp"
-#include "runner/mesh/make.hpp"
-#include "runner/mesh/voxels.hpp"
+#include "runner/mesh/command.hpp"
+#include "runner/report_errors.hpp"
 #include "runner/run/bench.hpp"
 #include "runner/run/check.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/run/resume.hpp"
 #include "runner/run/run.hpp"
-#include "runner/standard_output.hpp"
 #include "runner/study/element.hpp"
 #include "runner/study/fit.hpp"
 #include "runner/study/sweep.hpp"
 #include "runner/terminal_log.hpp"
-#include "scene/reader.hpp"
+#include "runner/usage.hpp"
 
 namespace {
 
 using namespace hexaplast;
 using namespace hexaplast::runner;
-
-constexpr const char* kExitCodes =
-    "Exit codes: 0 ok, 2 usage, 3 scene or mesh rejected, 4 numerical failure, 5 input/output, 6 plugin, 130/143 "
-    "interrupted.";
-
-void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
-                        std::vector<std::filesystem::path>& plugin_path) {
-  command.add_option("--plugin", plugins, "Plugin to load, by name; may be repeated")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  command.add_option("--plugin-path", plugin_path, "Directory to look for plugins in; may be repeated")
-      ->type_name("DIR")
-      ->allow_extra_args(false);
-}
-
-void add_mesh_path(CLI::App& command, SceneOptions& options) {
-  command
-      .add_option("--mesh-path", options.mesh_path,
-                  "Directory to look for the scene's meshes and includes in; may be repeated")
-      ->type_name("DIR")
-      ->allow_extra_args(false);
-}
-
-/// What the subcommands of `mesh` take.
-struct MeshOptions {
-  MeshExportOptions scene_export;
-  MeshCageOptions cage;
-  MeshOffsetOptions offset;
-  MeshGridOptions grid;
-  MeshSheetOptions sheet;
-  MeshTubeOptions tube;
-  MeshSpherePatchOptions sphere_patch;
-  MeshVoxelsOptions voxels;
-  MeshInfoOptions info;
-  MeshConvertOptions convert;
-};
-
-/// What every command that reads a scene takes.
-void add_scene(CLI::App& command, SceneOptions& options) {
-  command.footer(kExitCodes);
-  command.add_option("scene", options.file, "Scene file")->type_name("SCENE")->required();
-  command.add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
-      ->type_name("PATH.attribute=VALUE")
-      ->allow_extra_args(false);
-  command.add_flag(
-      "--sofa-compat", options.sofa_compat,
-      "Pass over unknown components, attributes, templates and plugins with a warning, as SOFA does, but for "
-      "those that would change the motion");
-  add_mesh_path(command, options);
-  add_plugin_options(command, options.plugins, options.plugin_path);
-}
 
 long parse_every(const std::string& text) {
   constexpr std::string_view kEvery = "every=";
@@ -157,206 +94,6 @@ void add_element(CLI::App& app, ElementOptions& options) {
       ->add_option("--path", options.path,
                    "CSV rows time,F11,F12,...,F33: deform the hexahedron along them and print its response as CSV")
       ->type_name("FILE.csv");
-}
-
-void add_mesh_export(CLI::App& mesh, MeshExportOptions& options) {
-  CLI::App* command = mesh.add_subcommand("export", "Write the scene's body for other programs");
-  add_scene(*command, options.scene);
-  command
-      ->add_option(
-          "--format", options.format,
-          "inp: static analysis for Abaqus and CalculiX, with constraints, elasticity and loads; vtu: mesh for "
-          "ParaView")
-      ->type_name("inp|vtu")
-      ->check(CLI::IsMember({"inp", "vtu"}))
-      ->required();
-  command->add_option("-o,--out", options.out, "File to write; replaces an older one")->type_name("FILE")->required();
-  command
-      ->add_option("--time", options.time,
-                   "Loads at this time [s]; default: at the first step of the run at which they are largest")
-      ->type_name("T")
-      ->check(CLI::NonNegativeNumber);
-}
-
-void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
-  CLI::App* command = mesh.add_subcommand("cage", "Lay coarse hexahedra around a surface of triangles or quads");
-  command->footer(kExitCodes);
-  command->add_option("surface", options.surface, "Mesh file: .obj, .stl, .vtk, .vtu or .msh")
-      ->type_name("SURFACE")
-      ->required();
-  command->add_option("--cells", options.cells, "Number of cubes along the longest side of the surface's box")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1'000'000))
-      ->required();
-  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
-      ->type_name("FILE")
-      ->required();
-  command->add_flag("--allow-parts", options.allow_parts, "Accept a cage with unconnected parts");
-}
-
-constexpr const char* kMeshFormats = "File to write, .vtu, .msh or .inp; replaces an older one";
-constexpr int kMostAlong = 1'000'000;  // hexahedra along one direction
-
-/// What every command that makes hexahedra along three directions takes.
-CLI::App* add_shape(CLI::App& mesh, const char* name, const char* help, const char* directions,
-                    std::array<int, 3>& cells, std::filesystem::path& out) {
-  CLI::App* command = mesh.add_subcommand(name, help);
-  command->footer(kExitCodes);
-  command->add_option("--cells", cells, fmt::format("Number of hexahedra {}", directions))
-      ->type_name("N N N")
-      ->check(CLI::Range(1, kMostAlong))
-      ->required();
-  command->add_option("-o,--out", out, kMeshFormats)->type_name("FILE")->required();
-  return command;
-}
-
-/// A length that makes sense; CLI11's own check names the largest number there is.
-std::string refuse_length(const std::string& word) {
-  double length = 0;
-  const bool is_length = CLI::detail::lexical_cast(word, length) && length > 0 && std::isfinite(length);
-  return is_length ? "" : fmt::format("{}: must be a finite number greater than 0", word);
-}
-
-CLI::Option* add_length(CLI::App& command, const char* name, double& length, const char* help) {
-  return command.add_option(name, length, help)->type_name("M")->check(refuse_length)->required();
-}
-
-void add_mesh_grid(CLI::App& mesh, MeshGridOptions& options) {
-  CLI::App* command =
-      add_shape(mesh, "grid", "Make a box of hexahedra", "along x, y and z", options.cells, options.out);
-  command->add_option("--size", options.size, "Lengths along x, y and z [m]")
-      ->type_name("M M M")
-      ->check(refuse_length)
-      ->required();
-  command->add_option("--origin", options.origin, "Its lower corner [m]")->type_name("M M M")->capture_default_str();
-}
-
-void add_mesh_sheet(CLI::App& mesh, MeshSheetOptions& options) {
-  CLI::App* command = add_shape(mesh, "sheet", "Make a sheet, flat or bent, about the origin",
-                                "along x, along y and across", options.cells, options.out);
-  command->add_option("--size", options.size, "Lengths along x and y, of the middle [m]")
-      ->type_name("M M")
-      ->check(refuse_length)
-      ->required();
-  add_length(*command, "--thickness", options.thickness, "Thickness [m]");
-  command->add_option("--curvature", options.curvature, "One over the radius about y [1/m]; negative: ends upwards")
-      ->type_name("K")
-      ->capture_default_str();
-}
-
-void add_mesh_tube(CLI::App& mesh, MeshTubeOptions& options) {
-  CLI::App* command = add_shape(mesh, "tube", "Make a tube along z, along an arc or along a curve",
-                                "outward, around and along", options.cells, options.out);
-  add_length(*command, "--inner", options.inner, "Inner radius [m]");
-  add_length(*command, "--outer", options.outer, "Outer radius [m]");
-  CLI::Option* length = command->add_option("--length", options.length, "Length of a tube from the origin along z [m]")
-                            ->type_name("M")
-                            ->check(refuse_length);
-  command->add_option("--bend", options.bend, "Angle by which it is bent towards x on its way [deg]")
-      ->type_name("DEG")
-      ->check(CLI::Range(-359.0, 359.0))
-      ->needs(length);
-  command
-      ->add_option("--along", options.along,
-                   "Mesh file (.obj, ...) whose vertices, in their order, are points of a smooth centreline")
-      ->type_name("FILE")
-      ->excludes(length);
-}
-
-void add_mesh_sphere_patch(CLI::App& mesh, MeshSpherePatchOptions& options) {
-  CLI::App* command = add_shape(mesh, "sphere-patch", "Make a square patch of a spherical shell about the origin",
-                                "along x, along y and outward", options.cells, options.out);
-  add_length(*command, "--inner", options.inner, "Inner radius [m]");
-  add_length(*command, "--outer", options.outer, "Outer radius [m]");
-  command->add_option("--angle", options.angle, "Angle from side to side, seen from the centre [deg]")
-      ->type_name("DEG")
-      ->check(CLI::Range(1e-3, 179.0))
-      ->capture_default_str();
-}
-
-void add_mesh_offset(CLI::App& mesh, MeshOffsetOptions& options) {
-  CLI::App* command = mesh.add_subcommand("offset", "Grow a shell of hexahedra from a surface of quads");
-  command->footer(kExitCodes);
-  command->add_option("surface", options.surface, "Mesh file: .obj, .vtk, .vtu, .msh or .inp, with quads alone")
-      ->type_name("SURFACE")
-      ->required();
-  add_length(*command, "--thickness", options.thickness, "Thickness, measured normal to the quads [m]");
-  command->add_option("--layers", options.layers, "Number of hexahedra across it")
-      ->type_name("N")
-      ->check(CLI::Range(1, kMostAlong))
-      ->capture_default_str();
-  command
-      ->add_option("--direction", options.direction,
-                   "outward: on the side from which the quads run counter-clockwise; both: half to either side")
-      ->type_name("inward|outward|both")
-      ->check(CLI::IsMember({"inward", "outward", "both"}))
-      ->capture_default_str();
-  command->add_option("-o,--out", options.out, kMeshFormats)->type_name("FILE")->required();
-}
-
-void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
-  CLI::App* command = mesh.add_subcommand("voxels", "Make hexahedra of the labelled voxels of a segmented image");
-  command->footer(kExitCodes);
-  command
-      ->add_option("segmentation", options.segmentation, "Volume of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd")
-      ->type_name("SEGMENTATION")
-      ->required();
-  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
-      ->type_name("FILE")
-      ->required();
-  command->add_option("--labels", options.labels, "Labels that become hexahedra. Default: all but 0, the background")
-      ->type_name("L,L,...")
-      ->delimiter(',');
-  command
-      ->add_option(
-          "--coarsen", options.coarsening,
-          "One hexahedron for N x N x N voxels, if at least half of them have a label; it has the most frequent "
-          "one")
-      ->type_name("N")
-      ->check(CLI::Range(1, kMostCoarsening))
-      ->capture_default_str();
-  command->add_flag("--largest-part", options.largest_part,
-                    "Leave out hexahedra that are not connected by faces to the largest part");
-  command->add_flag("--ascii", options.ascii, "Write numbers as text, as SOFA's MeshVTKLoader reads them");
-  command->add_flag("--surfaces", options.surfaces,
-                    "Write a smooth surface around the hexahedra of each label, too: FILE_LABEL.obj");
-  command->add_option("--unit", options.unit, "Unit of the coordinates that are written")
-      ->type_name("m|cm|mm")
-      ->check(CLI::IsMember({"m", "cm", "mm"}))
-      ->capture_default_str();
-}
-
-void add_mesh_info(CLI::App& mesh, MeshInfoOptions& options) {
-  CLI::App* command = mesh.add_subcommand("info", "Print what a mesh file holds, its size, volume and shape");
-  command->footer(kExitCodes);
-  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj, .stl or .inp")
-      ->type_name("FILE")
-      ->required();
-  command->add_flag("--json", options.json, "As JSON");
-}
-
-void add_mesh_convert(CLI::App& mesh, MeshConvertOptions& options) {
-  CLI::App* command = mesh.add_subcommand("convert", "Write the cells of a mesh file in another format");
-  command->footer(kExitCodes);
-  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj, .stl or .inp")
-      ->type_name("FILE")
-      ->required();
-  command->add_option("-o,--out", options.out, kMeshFormats)->type_name("FILE")->required();
-}
-
-void add_mesh(CLI::App& app, MeshOptions& options) {
-  CLI::App* mesh = app.add_subcommand("mesh", "Make meshes, and write those of scenes");
-  mesh->require_subcommand(1);
-  add_mesh_export(*mesh, options.scene_export);
-  add_mesh_offset(*mesh, options.offset);
-  add_mesh_cage(*mesh, options.cage);
-  add_mesh_grid(*mesh, options.grid);
-  add_mesh_sheet(*mesh, options.sheet);
-  add_mesh_tube(*mesh, options.tube);
-  add_mesh_sphere_patch(*mesh, options.sphere_patch);
-  add_mesh_voxels(*mesh, options.voxels);
-  add_mesh_info(*mesh, options.info);
-  add_mesh_convert(*mesh, options.convert);
 }
 
 void add_view(CLI::App& app, ViewOptions& options) {
@@ -433,116 +170,12 @@ void add_bench(CLI::App& app, BenchOptions& options) {
   add_plugin_options(*bench, options.scene.plugins, options.scene.plugin_path);
 }
 
-int report(ExitCode code, const std::string& message) {
-  spdlog::error("{}", message);
-  return code;
-}
-
-/// The innermost subcommand that was recognised, or the command itself.
-const CLI::App& innermost(const CLI::App& app) {
-  const std::vector<CLI::App*> inner = app.get_subcommands();
-  return inner.empty() ? app : innermost(*inner.front());
-}
-
-/// "hexaplast mesh grid"
-std::string path_of(const CLI::App& command) {
-  return command.get_parent() ? path_of(*command.get_parent()) + " " + command.get_name() : command.get_name();
-}
-
-/// No argument makes sense without a letter, and the name of a file least of all.
-void refuse_empty_values(CLI::App& command) {
-  for (CLI::Option* option : command.get_options())
-    if (option->get_items_expected_max() > 0)
-      option->check([](const std::string& word) { return std::string(word.empty() ? "must not be empty" : ""); });
-  for (CLI::App* inner : command.get_subcommands({})) refuse_empty_values(*inner);
-}
-
-/// What is wrong with the command line, with the option or subcommand that was probably meant.
-std::string usage_message(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App& command = innermost(app);
-  std::vector<std::string> unknown = app.remaining(true);
-  // an option that is not known leaves its value behind, and that is no mistake of its own
-  std::stable_partition(unknown.begin(), unknown.end(), [](const std::string& word) { return word.starts_with('-'); });
-
-  // a wrong value may be the name of the next option, whose own value is then left over
-  const bool is_value_wrong = dynamic_cast<const CLI::ConversionError*>(&error) != nullptr ||
-                              dynamic_cast<const CLI::ValidationError*>(&error) != nullptr;
-  std::vector<std::string> known;
-  std::string text = error.what(), hint;
-  if (!unknown.empty() && unknown.front().starts_with('-')) {
-    const std::string option = unknown.front().substr(0, unknown.front().find('='));
-    for (const CLI::Option* other : command.get_options())
-      for (const std::string& name : other->get_lnames()) known.push_back("--" + name);
-    text = fmt::format("unknown option '{}'", option);
-    hint = scene::did_you_mean(option, {known.begin(), known.end()});
-  } else if (!unknown.empty() && !is_value_wrong) {
-    for (const CLI::App* other : command.get_subcommands({})) known.push_back(other->get_name());
-    text = fmt::format("{} '{}'", known.empty() ? "unexpected argument" : "unknown subcommand", unknown.front());
-    hint = scene::did_you_mean(unknown.front(), {known.begin(), known.end()});
-  }
-  return scene::format_error({path_of(command), 0}, text, hint) + "\nRun with --help for more information.";
-}
-
 /// A closed standard stream would give its number to the next file, which messages then corrupt. What is printed into
 /// a closed output is lost, and that is to be noticed: nothing can be written there.
 void open_standard_streams() {
   for (const auto& [stream, access] :
        {std::pair(STDIN_FILENO, O_RDONLY), {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_WRONLY}})
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", access) != stream) std::_Exit(kInputOutput);
-}
-
-/// Carries out a subcommand, which may return an exit code, and turns what it throws into a message about `subject` and
-/// an exit code.
-template <class Action>
-int report_errors(const std::string& subject, const Action& action) {
-  try {
-    int code = kOk;
-    if constexpr (std::is_void_v<decltype(action())>)
-      action();
-    else
-      code = action();
-    flush_standard_output();
-    return code;
-  } catch (const UsageError& error) {
-    return report(kUsage, scene::format_error({"hexaplast", 0}, error.what(), error.hint()));
-  } catch (const scene::OverrideError& error) {
-    return report(kUsage, error.what());
-  } catch (const scene::SceneError& error) {
-    return report(kScene, error.what());
-  } catch (const InputError& error) {
-    return report(kScene, scene::format_error({subject, 0}, error.what()));
-  } catch (const std::bad_alloc&) {
-    return report(kScene, scene::format_error({subject, 0}, "it does not fit into memory"));
-  } catch (const NumericalError& error) {
-    return report(kNumerical, scene::format_error({subject, 0}, error.what()));
-  } catch (const scene::FileError& error) {
-    return report(kInputOutput, error.what());
-  } catch (const output::OutputError& error) {
-    return report(kInputOutput, scene::format_error({"hexaplast", 0}, error.what()));
-  } catch (const std::filesystem::filesystem_error& error) {
-    return report(kInputOutput, scene::format_error({"hexaplast", 0}, error.what()));
-  } catch (const scene::PluginError& error) {
-    return report(kPlugin, error.what());
-  } catch (const std::exception& error) {  // what the system refuses: threads, locales, files
-    return report(kInputOutput, scene::format_error({"hexaplast", 0}, error.what()));
-  }
-}
-
-int run_mesh(const CLI::App& mesh, const MeshOptions& options) {
-  const std::string command = mesh.get_subcommands().front()->get_name();
-  const auto done = [&](const std::filesystem::path& subject, const auto& action, const auto& its_options) {
-    return report_errors(subject.string(), [&] { action(its_options); });
-  };
-  if (command == "offset") return done(options.offset.surface, make_shell, options.offset);
-  if (command == "cage") return done(options.cage.surface, make_cage, options.cage);
-  if (command == "grid") return done("hexaplast mesh grid", make_grid, options.grid);
-  if (command == "sheet") return done("hexaplast mesh sheet", make_sheet, options.sheet);
-  if (command == "tube") return done("hexaplast mesh tube", make_tube, options.tube);
-  if (command == "sphere-patch") return done("hexaplast mesh sphere-patch", make_sphere_patch, options.sphere_patch);
-  if (command == "voxels") return done(options.voxels.segmentation, make_voxels, options.voxels);
-  if (command == "info") return done(options.info.file, print_info, options.info);
-  if (command == "convert") return done(options.convert.file, convert, options.convert);
-  return done(options.scene_export.scene.file, export_mesh, options.scene_export);
 }
 
 }  // namespace

@@ -38,9 +38,9 @@ void Diagnostics::add(Message message) {
     return;
   }
   is_scene_at_fault_ |= message.fault == Fault::kScene;
-  if (++num_errors_ <= kMostErrors) {
+  if (++num_errors_ <= kMaxErrors) {
     errors_.push_back(std::move(message));
-  } else if (num_errors_ >= kMostCounted) {
+  } else if (num_errors_ >= kMaxCounted) {
     throw_errors();
   }
 }
@@ -53,9 +53,9 @@ void Diagnostics::throw_errors() const {
     if (!all.empty()) all += '\n';
     all += format(error);
   }
-  if (num_errors_ > kMostErrors)
-    all += fmt::format("\n{}{} further errors are not shown", num_errors_ >= kMostCounted ? "at least " : "",
-                       num_errors_ - kMostErrors);
+  if (num_errors_ > kMaxErrors)
+    all += fmt::format("\n{}{} further errors are not shown", num_errors_ >= kMaxCounted ? "at least " : "",
+                       num_errors_ - kMaxErrors);
   if (!is_scene_at_fault_) throw FileError(all);
   throw SceneError(all);
 }

@@ -46,10 +46,10 @@ class FileError : public std::runtime_error {
 /// Collects what is wrong with a scene, so that all of it is reported at once.
 class Diagnostics {
  public:
-  static constexpr int kMostErrors = 20;    ///< errors kept; the others are counted
-  static constexpr int kMostCounted = 100;  ///< then enough is known of the scene
+  static constexpr int kMaxErrors = 20;    ///< errors kept; the others are counted
+  static constexpr int kMaxCounted = 100;  ///< then enough is known of the scene
 
-  /// Throws like throw_errors when this is error number kMostCounted.
+  /// Throws like throw_errors when this is error number kMaxCounted.
   void add(Message message);
   void add(Severity severity, Place place, std::string text, std::string hint = {}) {
     add({severity, std::move(place), std::move(text), std::move(hint)});

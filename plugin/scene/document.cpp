@@ -99,10 +99,10 @@ class Importer {
     const auto is_same = [&](const OpenFile& open) { return open.canonical == canonical; };
     if (std::ranges::any_of(open_files_, is_same))
       return refuse(href->place, fmt::format("'{}' includes itself", href->value));
-    if (open_files_.size() > kMostIncludeLevels)
-      return refuse(href->place, fmt::format("more than {} levels of includes", kMostIncludeLevels));
-    if (++num_includes_ > kMostIncludes) {
-      if (num_includes_ == kMostIncludes + 1) refuse(href->place, fmt::format("more than {} includes", kMostIncludes));
+    if (open_files_.size() > kMaxIncludeLevels)
+      return refuse(href->place, fmt::format("more than {} levels of includes", kMaxIncludeLevels));
+    if (++num_includes_ > kMaxIncludes) {
+      if (num_includes_ == kMaxIncludes + 1) refuse(href->place, fmt::format("more than {} includes", kMaxIncludes));
       return;
     }
 

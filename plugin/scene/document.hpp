@@ -37,8 +37,8 @@ bool is_switched_off(std::string_view attribute);
 
 inline constexpr std::uintmax_t kLargestSceneFile = 64 * 1024 * 1024;  // [byte]; larger meshes belong into mesh files
 inline constexpr XmlLimits kXmlOfScenes{.elements = 10'000, .attributes_of_one = 1000, .attributes = 100'000};
-inline constexpr int kMostIncludeLevels = 16;
-inline constexpr int kMostIncludes = 1000;  // in all: files that include one another twice would double at each level
+inline constexpr int kMaxIncludeLevels = 16;
+inline constexpr int kMaxIncludes = 1000;  // in all: files that include one another twice would double at each level
 
 /// The text of a scene file. Throws InputError saying why it cannot be read.
 std::string read_scene_file(const std::filesystem::path& file);

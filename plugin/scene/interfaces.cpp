@@ -12,7 +12,7 @@ namespace hexaplast::scene {
 namespace {
 
 // Engines that ask one another, each on the stack of the one before.
-constexpr int kMostEngines = 100;
+constexpr int kMaxEngines = 100;
 thread_local int num_asking = 0;
 
 }  // namespace
@@ -85,7 +85,7 @@ Eigen::Quaterniond RigidState::orientation_at(int frame, ConstPoints x) {
   return turned(orientations()[frame], x.row(2 * frame + 1).transpose());
 }
 
-void RigidState::settle() {
+void RigidState::accept() {
   PointArray& x = positions();
   for (int frame = 0; frame < num_frames(); ++frame) {
     if (x.row(2 * frame + 1).isZero(0)) continue;
@@ -96,8 +96,8 @@ void RigidState::settle() {
 
 void Engine::provide(Data& output) {
   if (is_computing_) reject(output.attribute().name, "depends on itself through links");
-  if (num_asking >= kMostEngines)
-    reject(output.attribute().name, "more than " + std::to_string(kMostEngines) + " components follow one another");
+  if (num_asking >= kMaxEngines)
+    reject(output.attribute().name, "more than " + std::to_string(kMaxEngines) + " components follow one another");
   if (stage() == Stage::kFailed) throw DependencyFailure();
 
   // Reset on every way out, a refusal of the scene included.

@@ -43,7 +43,7 @@ class Topology : public Component {
   /// Which nothing deforms by: for what is made of them.
   virtual const std::vector<Tetrahedron>& tetrahedra();
 
-  /// Factor of the stiffness of each hexahedron > 0, mostly its share of matter; empty: all are full.
+  /// Factor of the stiffness of each hexahedron > 0, mostly its fraction of matter; empty: all are full.
   virtual std::span<const double> fill() { return {}; }
   /// The like for the mass of elements that are their own mass.
   virtual std::span<const double> mass_fill() { return fill(); }
@@ -62,10 +62,10 @@ class State : public Component {
 
   int num_nodes() { return static_cast<int>(positions().rows()); }
 
-  /// Of frames, one each; empty for nodes. They change in settle alone, which takes over what an integrator or a
+  /// Of frames, one each; empty for nodes. They change in accept alone, which takes over what an integrator or a
   /// constraint has made of the positions.
   virtual std::span<Eigen::Quaterniond> orientations() { return {}; }
-  virtual void settle() {}
+  virtual void accept() {}
 };
 
 class MechanicalState : public State {
@@ -76,7 +76,7 @@ class MechanicalState : public State {
 };
 
 /// Rigid frames. The first row of a frame belongs to its centre [m, m/s, N], the second to its rotation: among
-/// positions the vector by which it has turned since its orientation was settled, which is 0 between steps; then
+/// positions the vector by which it has turned since its orientation was accepted, which is 0 between steps; then
 /// angular velocity [rad/s] and moment [Nm], all in the axes of the world.
 class RigidState : public State {
  public:
@@ -84,10 +84,10 @@ class RigidState : public State {
 
   int num_frames() { return num_nodes() / 2; }
 
-  /// At some positions: the settled orientation, turned.
+  /// At some positions: the accepted orientation, turned.
   Eigen::Quaterniond orientation_at(int frame, ConstPoints x);
 
-  void settle() override;
+  void accept() override;
 };
 
 /// An orientation, turned by a rotation vector [rad] in the axes of the world.

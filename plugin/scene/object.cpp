@@ -48,7 +48,7 @@ void Data::read(std::string_view text, Place place) {
   }
 }
 
-void Data::give(Value value, Place place) {
+void Data::set(Value value, Place place) {
   if (attribute_.access == Access::kOutput) throw InputError("is computed, and cannot be set");
   check_value(attribute_, value);
   place_ = std::move(place);

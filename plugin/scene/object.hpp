@@ -34,7 +34,7 @@ class Data {
 
   /// Takes a value that does not come from text: from a host that keeps its own. Throws InputError like read_value;
   /// then nothing has changed.
-  void give(Value value, Place place);
+  void set(Value value, Place place);
 
   /// As if it had never been given: the value is the default one again.
   void unset();

@@ -50,10 +50,10 @@ void require_room(const fs::path& file) {
   while (!is_there(folder)) folder = folder.parent_path();
   std::error_code unknown;
   if (!fs::is_directory(folder, unknown)) refuse(fmt::format("'{}' is no directory", folder.string()));
-  const long most = ::pathconf(folder.c_str(), _PC_NAME_MAX);  // -1: unknown
+  const long max = ::pathconf(folder.c_str(), _PC_NAME_MAX);  // -1: unknown
   for (const fs::path& word : part_of(file).lexically_relative(folder))
-    if (most > 0 && word.native().size() > static_cast<std::size_t>(most))
-      refuse(fmt::format("'{}' is too long a name: with all suffixes, at most {} bytes", word.string(), most));
+    if (max > 0 && word.native().size() > static_cast<std::size_t>(max))
+      refuse(fmt::format("'{}' is too long a name: with all suffixes, at most {} bytes", word.string(), max));
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     refuse(fmt::format("'{}' cannot be written: {}", folder.string(), std::strerror(errno)), {}, Fault::kFiles);
 }

@@ -13,8 +13,8 @@ class Supports {
   /// Keeps them from now on. It changes nothing in the motion, and costs a step about two products.
   virtual void keep_support_forces() = 0;
 
-  /// [N] on each node of an independent state that it moves, in the latest step: by which constraints held nodes or led
-  /// them; zero on free degrees of freedom. No rows before the first step.
+  /// [N] on each node of an independent state that it moves, in the latest step: by which constraints held nodes or
+  /// prescribed them; zero on free degrees of freedom. No rows before the first step.
   virtual PointArray support_forces(const MechanicalState& state) = 0;
 };
 

@@ -16,7 +16,7 @@ class VisualModel : public Component {
   static constexpr std::string_view kCategory = "VisualModel";
   using Component::Component;
 
-  virtual const PointArray& points() const = 0;  ///< [m] original positions
+  virtual const PointArray& points() const = 0;  ///< [m] initial positions
   virtual const std::vector<Triangle>& triangles() const = 0;
   virtual const std::vector<Quad>& quads() const = 0;
 

@@ -88,7 +88,7 @@ void Figure::update(const Snapshot& snapshot, const Look& look, const Strongest&
   shows_embedded_surfaces_ = look.shows_embedded_surfaces && has_embedded_surfaces() && !cut_;
 
   if (look.ghost != Ghost::kNone) {
-    const ConstPoints nodes = look.ghost == Ghost::kOriginal ? mesh_.positions() : snapshot.material;
+    const ConstPoints nodes = look.ghost == Ghost::kInitial ? mesh_.positions() : snapshot.plastic_rest;
     if (!shows_embedded_surfaces_) draw_ghost(body_, nodes);
     for (Sheet& embedded : embedded_surfaces_)
       if (shows_embedded_surfaces_) draw_ghost(embedded, nodes);
@@ -128,7 +128,7 @@ void Figure::update(const Snapshot& snapshot, const Look& look, const Strongest&
   box_.setEmpty();
   extend(box_, mesh_.positions());
   extend(box_, snapshot.positions);
-  extend(box_, snapshot.material);
+  extend(box_, snapshot.plastic_rest);
 }
 
 // Every quad is drawn as four triangles around its middle, so that a warped one shows no preferred diagonal.
@@ -279,14 +279,14 @@ std::optional<Figure::Seen> Figure::hit_below(const Plane& cut, const Ray& ray) 
 /// By the middles of those that are left.
 int Figure::nearest_hexahedron(const Vec3& place) const {
   int nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int e = 0; e < mesh_.num_elements(); ++e) {
     if (!alive_[static_cast<std::size_t>(e)]) continue;
     Vec3 middle = Vec3::Zero();
     for (const int node : mesh_.hexahedra()[static_cast<std::size_t>(e)])
       middle += body_.points.row(node).transpose() / kCorners;
-    if (const double distance = (middle - place).squaredNorm(); distance < least) {
-      least = distance;
+    if (const double distance = (middle - place).squaredNorm(); distance < min) {
+      min = distance;
       nearest = e;
     }
   }

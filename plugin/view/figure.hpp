@@ -17,13 +17,13 @@
 namespace hexaplast::view {
 
 /// Which shape stands behind the body.
-enum class Ghost { kNone, kOriginal, kMaterial };
+enum class Ghost { kNone, kInitial, kPlasticRest };
 
 /// What is drawn of the body.
 struct Look {
   bool shows_embedded_surfaces = true;  ///< where the scene has some; otherwise the faces of the hexahedra
   bool shows_edges = true;              ///< of the hexahedra
-  Ghost ghost = Ghost::kOriginal;
+  Ghost ghost = Ghost::kInitial;
   bool shows_instruments = true;
   std::optional<Plane> cut = {};  ///< what lies above it is left out; hexahedra are shown then, surfaces have no inside
 };
@@ -82,7 +82,7 @@ class Figure {
   const std::vector<Eigen::Vector3f>& cut_edges() const { return cut_edges_; }  ///< inside its border
   const std::vector<Eigen::Vector3f>& cut_outline() const { return cut_outline_; }
 
-  /// Least and largest value shown; empty where the quantity has none (yield stress of what never yields).
+  /// Smallest and largest value shown; empty where the quantity has none (yield stress of what never yields).
   const Eigen::AlignedBox1d& range() const { return range_; }
 
   /// What a ray first meets of what is shown.

@@ -36,8 +36,8 @@ std::vector<int> surface_nodes(const Body& body) {
   return nodes;
 }
 
-void give(scene::Component& component, std::string_view attribute, scene::Value value) {
-  component.find_data(attribute)->give(std::move(value), kWindow);
+void set(scene::Component& component, std::string_view attribute, scene::Value value) {
+  component.find_data(attribute)->set(std::move(value), kWindow);
 }
 
 std::vector<double> numbers_of(std::initializer_list<Vec3> places) {
@@ -74,32 +74,32 @@ scene::VisualModel* embedded_surface(scene::Scene& scene, const scene::SceneBody
 }
 
 /// The surface that is seen is the one that is touched.
-void give_skin(scene::Component& tool, scene::VisualModel& model) {
+void link_embedded_surface(scene::Component& tool, scene::VisualModel& model) {
   scene::Data *points = model.find_data("position"), *triangles = model.find_data("triangles");
   const auto* given = std::get_if<std::vector<double>>(&points->value());
   const bool has_own = given && static_cast<Eigen::Index>(given->size()) == model.points().size();
   if (has_own && model.quads().empty()) {
     const std::string path = model.node().path();
     const std::string link = fmt::format("@{}{}{}.", path, path == "/" ? "" : "/", model.name());
-    tool.find_data("skinPositions")->follow(*points, link + "position");
-    tool.find_data("skinTriangles")->follow(*triangles, link + "triangles");
+    tool.find_data("embeddedPositions")->follow(*points, link + "position");
+    tool.find_data("embeddedTriangles")->follow(*triangles, link + "triangles");
     return;
   }
   std::vector<std::int64_t> corners;
   for (const Triangle& face : model.triangles()) corners.insert(corners.end(), face.begin(), face.end());
   for (const auto& [a, b, c, d] : model.quads()) corners.insert(corners.end(), {a, b, c, a, c, d});
-  give(tool, "skinPositions",
-       std::vector<double>(model.points().data(), model.points().data() + model.points().size()));
-  give(tool, "skinTriangles", std::move(corners));
+  set(tool, "embeddedPositions",
+      std::vector<double>(model.points().data(), model.points().data() + model.points().size()));
+  set(tool, "embeddedTriangles", std::move(corners));
 }
 
 /// Everything but the path.
 void shape(scene::Component& tool, const HandSettings& settings) {
-  give(tool, "shape", std::string(kToolNames[static_cast<std::size_t>(settings.tool)]));
-  give(tool, "radius", settings.size / 2);
-  give(tool, "length", kCapsuleLength * settings.size);
-  give(tool, "size", std::vector<double>(3, settings.size));
-  give(tool, "friction", settings.friction);
+  set(tool, "shape", std::string(kToolNames[static_cast<std::size_t>(settings.tool)]));
+  set(tool, "radius", settings.size / 2);
+  set(tool, "length", kCapsuleLength * settings.size);
+  set(tool, "size", std::vector<double>(3, settings.size));
+  set(tool, "friction", settings.friction);
 }
 
 bool is_of_path(std::string_view attribute) {
@@ -122,7 +122,7 @@ bool change(scene::Component& component, std::string_view attribute, std::option
   scene::Data& data = *component.find_data(attribute);
   const auto put = [&](std::optional<scene::Value> one) {
     if (one)
-      data.give(std::move(*one), kWindow);
+      data.set(std::move(*one), kWindow);
     else
       data.unset();
   };
@@ -148,10 +148,10 @@ Hand::Hand(scene::Scene& scene, std::vector<scene::SceneBody> bodies, MakeCompon
     : scene_(scene), bodies_(std::move(bodies)), make_(std::move(make)), reach_(reach) {
   for (const scene::SceneBody& body : bodies_) {
     std::unique_ptr<scene::Component> grip = make_(kGripClass);
-    give(*grip, "graspTime", kNever);
-    give(*grip, "keyTimes", std::vector<double>{0});
-    give(*grip, "positions", std::vector<double>{0, 0, 0});
-    give(*grip, "radius", kGripReach * reach_);
+    set(*grip, "graspTime", kNever);
+    set(*grip, "keyTimes", std::vector<double>{0});
+    set(*grip, "positions", std::vector<double>{0, 0, 0});
+    set(*grip, "radius", kGripReach * reach_);
     grips_.push_back(grip.get());
     scene_.add(body.state->node(), std::move(grip), "hand");
     if (touch_refusal_.empty()) touch_refusal_ = why_untouchable(scene_, body);
@@ -162,11 +162,11 @@ void Hand::add_tools(const HandSettings& settings) {
   if (!tools_.empty()) return;
   for (const scene::SceneBody& body : bodies_) {
     std::unique_ptr<scene::Component> tool = make_(kToolClass);
-    give(*tool, "keyTimes", std::vector<double>{0});
-    give(*tool, "positions", numbers_of({away_}));
+    set(*tool, "keyTimes", std::vector<double>{0});
+    set(*tool, "positions", numbers_of({away_}));
     shape(*tool, settings);
-    give(*tool, "orientations", std::vector<double>(turn_.begin(), turn_.end()));
-    if (scene::VisualModel* skin = embedded_surface(scene_, body)) give_skin(*tool, *skin);
+    set(*tool, "orientations", std::vector<double>(turn_.begin(), turn_.end()));
+    if (scene::VisualModel* surface = embedded_surface(scene_, body)) link_embedded_surface(*tool, *surface);
     tools_.push_back(tool.get());
     try {
       scene_.add(body.state->node(), std::move(tool), "tool");
@@ -183,10 +183,10 @@ void Hand::grab(const Touch& touch, const HandSettings& settings) {
   if (state_ == State::kLeaving)
     request_ = {touch, settings, {}};
   else
-    hold(touch, settings);
+    begin_grab(touch, settings);
 }
 
-void Hand::hold(const Touch& touch, const HandSettings& settings) {
+void Hand::begin_grab(const Touch& touch, const HandSettings& settings) {
   if (settings.tool == Tool::kGrip) return close_grip(touch.place, settings);
   if (!touch_refusal_.empty()) return messages_.push_back("nothing can be touched: " + touch_refusal_);
   bring_tool(touch, settings);
@@ -194,19 +194,19 @@ void Hand::hold(const Touch& touch, const HandSettings& settings) {
 
 void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
   std::size_t nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const PointArray& x = bodies_[k].state->positions();
     for (const int node : nearest_nodes(x, surface_nodes(*bodies_[k].field->body()), place, 0, 1))
-      if (const double distance = (x.row(node).transpose() - place).norm(); distance < least) {
-        least = distance;
+      if (const double distance = (x.row(node).transpose() - place).norm(); distance < min) {
+        min = distance;
         nearest = k;
       }
   }
   const std::vector<int> held = nearest_nodes(
       bodies_[nearest].state->positions(), surface_nodes(*bodies_[nearest].field->body()), place, settings.radius, 1);
   if (held.empty()) return;  // nothing is left of the bodies
-  about_to_hold();
+  before_grab();
 
   scene::Component& grip = *grips_[nearest];
   held_body_ = static_cast<int>(nearest);
@@ -223,7 +223,7 @@ void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
   change(grip, "graspTime", time, messages_);
   grip.begin_step();  // it closes here, and not where the mouse will be when the next step begins
   state_ = State::kHolding;
-  begin_holds();
+  begin_motions();
 }
 
 void Hand::bring_tool(const Touch& touch, const HandSettings& settings) {
@@ -236,7 +236,7 @@ void Hand::bring_tool(const Touch& touch, const HandSettings& settings) {
   turn_ = {turn.x(), turn.y(), turn.z(), turn.w()};
   away_ = away;
   add_tools(settings);
-  about_to_hold();
+  before_grab();
 
   active_ = tools_;
   is_tool_ = is_coming_ = true;
@@ -247,7 +247,7 @@ void Hand::bring_tool(const Touch& touch, const HandSettings& settings) {
   put_path({scene_.time()}, {at_});
   for (scene::Component* tool : tools_) tool->follow_inputs();
   state_ = State::kHolding;
-  begin_holds();
+  begin_motions();
 }
 
 void Hand::drag(const Vec3& place) {
@@ -262,16 +262,16 @@ void Hand::release() {
     target_ = away_;
     is_coming_ = true;
     state_ = State::kLeaving;
-    forget_holds_of_no_step();
-    if (num_open_holds_ == 0) state_ = State::kIdle;  // it has not come yet
+    drop_motions_without_step();
+    if (num_open_motions_ == 0) state_ = State::kIdle;  // it has not come yet
     return;
   }
   scene::Component& grip = *active_.front();
   change(grip, "graspTime", kNever, messages_);
   grip.reset();
-  forget_holds_of_no_step();
-  if (num_open_holds_ > 0) holds_.back().attributes.emplace_back("releaseTime", fmt::format("{}", scene_.time()));
-  num_open_holds_ = 0;
+  drop_motions_without_step();
+  if (num_open_motions_ > 0) motions_.back().attributes.emplace_back("releaseTime", fmt::format("{}", scene_.time()));
+  num_open_motions_ = 0;
   state_ = State::kIdle;
 }
 
@@ -290,9 +290,9 @@ void Hand::end_step() {
   is_coming_ = false;
   if (state_ != State::kLeaving) return;
   state_ = State::kIdle;
-  num_open_holds_ = 0;
+  num_open_motions_ = 0;
   if (const std::optional<Request> request = std::exchange(request_, {})) {
-    hold(request->touch, request->settings);
+    begin_grab(request->touch, request->settings);
     if (request->place) drag(*request->place);
   }
 }
@@ -307,8 +307,8 @@ void Hand::reset() {
   request_.reset();
   if (state_ == State::kHolding) release();
   state_ = State::kIdle;
-  holds_.clear();
-  num_open_holds_ = 0;
+  motions_.clear();
+  num_open_motions_ = 0;
   at_ = away_;
   if (!tools_.empty()) {
     active_ = tools_;
@@ -336,46 +336,47 @@ bool Hand::is_idle(const scene::Component& component) const {
 
 void Hand::put_path(std::initializer_list<double> times, std::initializer_list<Vec3> places) {
   for (scene::Component* component : active_) {
-    give(*component, "keyTimes", std::vector<double>(times));
-    give(*component, "positions", numbers_of(places));
+    set(*component, "keyTimes", std::vector<double>(times));
+    set(*component, "positions", numbers_of(places));
     if (!component->find_data("orientations")) continue;
     std::vector<double> turns;
     for (std::size_t k = 0; k < times.size(); ++k) turns.insert(turns.end(), turn_.begin(), turn_.end());
-    give(*component, "orientations", std::move(turns));
+    set(*component, "orientations", std::move(turns));
   }
 }
 
-void Hand::begin_holds() {
-  num_open_holds_ = active_.size();
+void Hand::begin_motions() {
+  num_open_motions_ = active_.size();
   for (scene::Component* component : active_) {
-    Hold& hold = holds_.emplace_back();
-    hold.node = &component->node();
-    hold.class_name = component->class_name();
+    InstrumentMotion& motion = motions_.emplace_back();
+    motion.node = &component->node();
+    motion.class_name = component->class_name();
     for_each_given(*component, [&](scene::Data& data) {
-      hold.attributes.emplace_back(data.attribute().name,
-                                   data.link().empty() ? scene::write_value(data.value()) : data.link());
+      motion.attributes.emplace_back(data.attribute().name,
+                                     data.link().empty() ? scene::write_value(data.value()) : data.link());
     });
   }
   add_key(scene_.time(), at_);
 }
 
 void Hand::add_key(double time, const Vec3& place) {
-  for (auto hold = holds_.end() - static_cast<std::ptrdiff_t>(num_open_holds_); hold != holds_.end(); ++hold) {
-    hold->key_times.push_back(time);
-    hold->positions.insert(hold->positions.end(), place.begin(), place.end());
-    if (is_tool_) hold->orientations.insert(hold->orientations.end(), turn_.begin(), turn_.end());
+  for (auto motion = motions_.end() - static_cast<std::ptrdiff_t>(num_open_motions_); motion != motions_.end();
+       ++motion) {
+    motion->key_times.push_back(time);
+    motion->positions.insert(motion->positions.end(), place.begin(), place.end());
+    if (is_tool_) motion->orientations.insert(motion->orientations.end(), turn_.begin(), turn_.end());
   }
 }
 
-void Hand::forget_holds_of_no_step() {
-  while (num_open_holds_ > 0 && holds_.back().key_times.size() < 2) {
-    holds_.pop_back();
-    --num_open_holds_;
+void Hand::drop_motions_without_step() {
+  while (num_open_motions_ > 0 && motions_.back().key_times.size() < 2) {
+    motions_.pop_back();
+    --num_open_motions_;
   }
 }
 
 Hand::Saved Hand::save() const {
-  Saved saved{.values = {}, .num_holds = holds_.size() - num_open_holds_};
+  Saved saved{.values = {}, .num_motions = motions_.size() - num_open_motions_};
   for (scene::Component* tool : tools_)
     for (const auto& data : tool->all_data())
       if (data->is_given() && data->link().empty()) saved.values.push_back(data->value());
@@ -387,12 +388,12 @@ void Hand::restore(const Saved& saved) {
   release();
   state_ = State::kIdle;
   request_.reset();
-  holds_.resize(saved.num_holds);
-  num_open_holds_ = 0;
+  motions_.resize(saved.num_motions);
+  num_open_motions_ = 0;
   auto value = saved.values.begin();
   for (scene::Component* tool : tools_) {
     for (const auto& data : tool->all_data())
-      if (data->is_given() && data->link().empty()) data->give(*value++, kWindow);
+      if (data->is_given() && data->link().empty()) data->set(*value++, kWindow);
     tool->follow_inputs();
   }
 }

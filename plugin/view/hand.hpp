@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "scene/parts.hpp"
-#include "view/deeds.hpp"
+#include "view/user_actions.hpp"
 
 namespace hexaplast::view {
 
@@ -62,8 +62,8 @@ class Hand {
   /// Why no body can be touched, for people; empty: all can.
   const std::string& touch_refusal() const { return touch_refusal_; }
 
-  /// Called when something is to be taken hold of, and nothing has changed yet.
-  std::function<void()> about_to_hold = [] {};
+  /// Called before a grab, when nothing has changed yet.
+  std::function<void()> before_grab = [] {};
 
   /// Called when components have been added to the scene: states that were saved before do not fit.
   std::function<void()> has_grown = [] {};
@@ -98,26 +98,26 @@ class Hand {
   // for a state that is saved and restored: the hand is empty in it
   struct Saved {
     std::vector<scene::Value> values;  // of the attributes of what touches
-    std::size_t num_holds = 0;
+    std::size_t num_motions = 0;
   };
   Saved save() const;
   void restore(const Saved& saved);  ///< before the components are restored
 
   /// All since the beginning; the last ones may go on.
-  const std::vector<Hold>& holds() const { return holds_; }
+  const std::vector<InstrumentMotion>& motions() const { return motions_; }
 
  private:
   enum class State { kIdle, kHolding, kLeaving };
 
-  void hold(const Touch& touch, const HandSettings& settings);
+  void begin_grab(const Touch& touch, const HandSettings& settings);
   void close_grip(const Vec3& place, const HandSettings& settings);
   void bring_tool(const Touch& touch, const HandSettings& settings);
   void add_tools(const HandSettings& settings);
   void require_whole() const;
   void put_path(std::initializer_list<double> times, std::initializer_list<Vec3> places);
-  void begin_holds();
+  void begin_motions();
   void add_key(double time, const Vec3& place);
-  void forget_holds_of_no_step();
+  void drop_motions_without_step();
 
   scene::Scene& scene_;
   std::vector<scene::SceneBody> bodies_;
@@ -145,8 +145,8 @@ class Hand {
   };
   std::optional<Request> request_;  // for when the instrument has gone
 
-  std::vector<Hold> holds_;
-  std::size_t num_open_holds_ = 0;  // the last ones, of what is active
+  std::vector<InstrumentMotion> motions_;
+  std::size_t num_open_motions_ = 0;  // the last ones, of what is active
 };
 
 }  // namespace hexaplast::view

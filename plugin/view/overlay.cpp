@@ -83,22 +83,22 @@ void draw_name(const WindowState& window, ImDrawList* draw) {
 void draw_colour_bar(const WindowState& window, ImDrawList* draw) {
   const float bar = std::min(380.0f, window.width - 80), left = window.left + (window.width - bar) / 2,
               top = window.height - 54;
-  const auto [least, most] = window.scale().value_or(std::pair(0.0, 0.0));
-  const std::string words = !window.scale() ? fmt::format("{}: it never yields", window.colouring().name)
-                            : most > least  ? fmt::format("{} [{}]", window.colouring().name, window.colouring().unit)
-                                            : fmt::format("{} [{}]: {:.4g} everywhere", window.colouring().name,
-                                                          window.colouring().unit, most);
+  const auto [min, max] = window.scale().value_or(std::pair(0.0, 0.0));
+  const std::string words =
+      !window.scale() ? fmt::format("{}: it never yields", window.colouring().name)
+      : max > min     ? fmt::format("{} [{}]", window.colouring().name, window.colouring().unit)
+                  : fmt::format("{} [{}]: {:.4g} everywhere", window.colouring().name, window.colouring().unit, max);
   draw->AddText({window.left + (window.width - text_size(words).x) / 2, top - 22}, kInk, words.c_str());
-  if (!(most > least)) return;
+  if (!(max > min)) return;
   for (int k = 0; k < static_cast<int>(bar); ++k) {
     const output::Colour colour = output::colour_of((k + 0.5) / bar);
     const float x = left + static_cast<float>(k);
     draw->AddRectFilled({x, top}, {x + 1, top + 13},
                         ImGui::ColorConvertFloat4ToU32({colour.red, colour.green, colour.blue, 1}));
   }
-  const output::Ticks ticks = output::ticks_within(least, most, 5);
+  const output::Ticks ticks = output::ticks_within(min, max, 5);
   for (const double value : ticks.values) {
-    const float x = left + bar * static_cast<float>((value - least) / (most - least));
+    const float x = left + bar * static_cast<float>((value - min) / (max - min));
     draw->AddLine({x, top + 13}, {x, top + 18}, kInk);
     const std::string label = ticks.label(value);
     draw->AddText({x - text_size(label).x / 2, top + 20}, kInk, label.c_str());

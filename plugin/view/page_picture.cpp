@@ -24,7 +24,7 @@ output::Drawing page_picture(const Source& source, const Snapshot& snapshot, con
   page.shows_hexahedra = look.shows_edges || page.embedded_surfaces.empty();
   page.shows_edges = look.shows_edges;
   page.shows_loads = look.shows_instruments;
-  page.ghost = look.ghost == Ghost::kNone ? "" : look.ghost == Ghost::kOriginal ? "initial shape" : "rest shape";
+  page.ghost = look.ghost == Ghost::kNone ? "" : look.ghost == Ghost::kInitial ? "initial shape" : "rest shape";
 
   output::BoundaryConditions shown;
   if (look.shows_instruments) shown = snapshot.conditions;
@@ -33,7 +33,7 @@ output::Drawing page_picture(const Source& source, const Snapshot& snapshot, con
                           std::move(page));
   gallery.add(snapshot.step, snapshot.sample.time, snapshot.positions,
               snapshot.of_hexahedra.empty() ? snapshot.values : snapshot.of_hexahedra, snapshot.alive, shown,
-              look.ghost == Ghost::kMaterial ? &snapshot.material : nullptr);
+              look.ghost == Ghost::kPlasticRest ? &snapshot.plastic_rest : nullptr);
   output::Drawing picture;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) { picture = drawing; });
   return picture;

@@ -37,23 +37,23 @@ layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float value;
 uniform mat4 clip, view, light;
-uniform vec2 scale;  // least, 1 / (most - least)
+uniform vec2 scale;  // min, 1 / (max - min)
 uniform vec4 cut;    // what lies above is left out: normal, offset
 out vec3 eye_place, eye_normal, in_light;
-out float share;
+out float fraction;
 void main() {
   gl_Position = clip * vec4(place, 1);
   gl_ClipDistance[0] = cut.w - dot(cut.xyz, place);
   eye_place = (view * vec4(place, 1)).xyz;
   eye_normal = mat3(view) * normal;
   in_light = (light * vec4(place, 1)).xyz * 0.5 + 0.5;
-  share = (value - scale.x) * scale.y;
+  fraction = (value - scale.x) * scale.y;
 })";
 
 // The light of the pictures (picture/ink.hpp), with one lamp that casts soft shadows.
 constexpr const char* kSurfaceFragment = R"(
 in vec3 eye_place, eye_normal, in_light;
-in float share;
+in float fraction;
 uniform sampler2D colours;
 uniform sampler2DShadow shadow;
 uniform vec3 lamp;   // towards it, seen from the eye
@@ -75,7 +75,7 @@ float arriving(vec3 normal) {
 void main() {
   vec3 towards = normalize(-eye_place), normal = normalize(eye_normal);
   if (dot(normal, towards) < 0) normal = -normal;
-  vec3 base = mix(texture(colours, vec2(clamp(share, 0.002, 0.998), 0.5)).rgb, paint.rgb, paint.a);
+  vec3 base = mix(texture(colours, vec2(clamp(fraction, 0.002, 0.998), 0.5)).rgb, paint.rgb, paint.a);
   if (lighting == 1) base = lit_tissue(base, normal, towards, arriving(normal));
   if (lighting == 2) base = lit_thing(base, normal);
   colour = vec4(base, 1);
@@ -219,7 +219,7 @@ Painter::~Painter() {
   for (const unsigned program : {surface_, flat_}) glDeleteProgram(program);
 }
 
-void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double least, double most) {
+void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double min, double max) {
   const Matrix4f view = camera.view().cast<float>(), clip = camera.clip(figure.box()).cast<float>();
   const Vector3f lamp = output::kMainLamp.of(Vector3f::UnitX(), Vector3f::UnitY(), Vector3f::UnitZ());  // from the eye
   const Vec3 towards = (camera.eye() - camera.target()).normalized();
@@ -272,8 +272,8 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   set(surface_, "light", light);
   set_cut(surface_, cut);
   glUniform3fv(place_of(surface_, "lamp"), 1, lamp.data());
-  glUniform2f(place_of(surface_, "scale"), static_cast<float>(least),
-              most > least ? static_cast<float>(1 / (most - least)) : 0);
+  glUniform2f(place_of(surface_, "scale"), static_cast<float>(min),
+              max > min ? static_cast<float>(1 / (max - min)) : 0);
   glUniform1i(place_of(surface_, "colours"), 0);
   glUniform1i(place_of(surface_, "shadow"), 1);
   glActiveTexture(GL_TEXTURE1);

@@ -22,8 +22,8 @@ class Painter {
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// Fills the viewport. least, most: the values at the ends of the colour scale.
-  void draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double least, double most);
+  /// Fills the viewport. min, max: the values at the ends of the colour scale.
+  void draw(const Figure& figure, const Camera& camera, const Viewport& viewport, double min, double max);
 
   /// What the whole window shows now.
   static output::Image picture(int width, int height);

@@ -126,8 +126,8 @@ void draw_view(WindowState& window) {
   if (choose("cut", cut, kCuts)) window.cut_axis = cut - 1;
   explain("X, Y, Z: leaves out what lies before a plane across this axis");
   if (window.cut_axis >= 0) {
-    const double least = 0, most = 1;
-    ImGui::SliderScalar("place of the cut", ImGuiDataType_Double, &window.cut_place, &least, &most,
+    const double min = 0, max = 1;
+    ImGui::SliderScalar("place of the cut", ImGuiDataType_Double, &window.cut_place, &min, &max,
                         fmt::format("{:.4g} m", std::abs(window.look.cut ? window.look.cut->offset : 0)).c_str());
   }
   ImGui::Checkbox(window.figure.has_embedded_surfaces() ? "cage" : "edges", &window.look.shows_edges);
@@ -161,8 +161,8 @@ void draw_hand(WindowState& window) {
     if (!window.session->touch_refusal().empty()) return tell(kRust, window.session->touch_refusal());
     slider("size", "m", window.hand.size, usual.size / 10, usual.size * 4,
            "Diameter of the sphere and the capsule, edge of the box");
-    const double none = 0, most = 2;
-    ImGui::SliderScalar("friction", ImGuiDataType_Double, &window.hand.friction, &none, &most, "%.3g");
+    const double none = 0, max = 2;
+    ImGui::SliderScalar("friction", ImGuiDataType_Double, &window.hand.friction, &none, &max, "%.3g");
     explain("Coefficient of friction between instrument and tissue");
     return;
   }

@@ -54,13 +54,14 @@ void rename_files(scene::Scene& scene, const scene::Object& object, Element& ele
   }
 }
 
-Element element_of(const Hold& hold, int number, const scene::Place& place) {
-  Element element{.tag = hold.class_name, .place = place, .attributes = {}, .children = {}};
+Element element_of(const InstrumentMotion& motion, int number, const scene::Place& place) {
+  Element element{.tag = motion.class_name, .place = place, .attributes = {}, .children = {}};
   set(element, "name", fmt::format("hand_{}", number));
-  for (const auto& [name, value] : hold.attributes) set(element, name, value);
-  set(element, "keyTimes", fmt::format("{}", fmt::join(hold.key_times, " ")));
-  set(element, "positions", fmt::format("{}", fmt::join(hold.positions, " ")));
-  if (!hold.orientations.empty()) set(element, "orientations", fmt::format("{}", fmt::join(hold.orientations, " ")));
+  for (const auto& [name, value] : motion.attributes) set(element, name, value);
+  set(element, "keyTimes", fmt::format("{}", fmt::join(motion.key_times, " ")));
+  set(element, "positions", fmt::format("{}", fmt::join(motion.positions, " ")));
+  if (!motion.orientations.empty())
+    set(element, "orientations", fmt::format("{}", fmt::join(motion.orientations, " ")));
   return element;
 }
 
@@ -93,7 +94,7 @@ std::vector<Element> elements_of(std::span<const Change> changes, const scene::P
 }  // namespace
 
 std::string recorded_scene(scene::Scene& scene, Element document, std::span<const std::string> overrides,
-                           const Deeds& deeds, const fs::path& folder) {
+                           const UserActions& actions, const fs::path& folder) {
   bool has_settings = false;
   scene::for_each_element(scene, document, [&](scene::Object& object, Element& element) {
     for (const std::string& assignment : overrides) {
@@ -107,24 +108,24 @@ std::string recorded_scene(scene::Scene& scene, Element document, std::span<cons
     rename_files(scene, object, element, folder);
     if (object.class_name() == attributes::kRunSettings.class_name) {
       has_settings = true;
-      set(element, "steps", fmt::format("{}", deeds.num_steps));
+      set(element, "steps", fmt::format("{}", actions.num_steps));
     }
 
     int number = 0;
-    for (const Hold& hold : deeds.holds) {
+    for (const InstrumentMotion& motion : actions.motions) {
       ++number;
-      if (hold.node == &object) element.children.push_back(element_of(hold, number, element.place));
+      if (motion.node == &object) element.children.push_back(element_of(motion, number, element.place));
     }
     if (&object != &scene.root()) return;
 
     // before everything else: what changes is there when the others begin a step
-    std::vector<Element> first = elements_of(deeds.changes, element.place);
+    std::vector<Element> first = elements_of(actions.changes, element.place);
     if (!has_settings) {
       first.push_back({.tag = std::string(attributes::kRunSettings.class_name),
                        .place = element.place,
                        .attributes = {},
                        .children = {}});
-      set(first.back(), "steps", fmt::format("{}", deeds.num_steps));
+      set(first.back(), "steps", fmt::format("{}", actions.num_steps));
     }
     element.children.insert(element.children.begin(), first.begin(), first.end());
   });

@@ -83,7 +83,7 @@ bool Replay::take(Snapshot& snapshot) {
     snapshot.of_hexahedra = is_of_nodes ? std::vector<double>() : state.values;
     snapshot.values = is_of_nodes ? std::move(state.values) : nodal_means(mesh(), state.values, state.alive);
     snapshot.positions = std::move(state.positions);
-    snapshot.material = std::move(state.material);
+    snapshot.plastic_rest = std::move(state.plastic_rest);
     snapshot.alive = std::move(state.alive);
     snapshot.conditions = std::move(state.conditions);
     snapshot.failure.clear();
@@ -92,7 +92,7 @@ bool Replay::take(Snapshot& snapshot) {
     snapshot.is_running = is_running_ = false;
     if (snapshot.positions.rows() == mesh().num_nodes()) return true;
     // nothing has been shown yet
-    snapshot.positions = snapshot.material = mesh().positions();
+    snapshot.positions = snapshot.plastic_rest = mesh().positions();
     snapshot.alive.assign(static_cast<std::size_t>(mesh().num_elements()), 1);
     snapshot.values.assign(static_cast<std::size_t>(mesh().num_nodes()), 0);
   }

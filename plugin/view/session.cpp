@@ -27,7 +27,7 @@ constexpr double kSliderReach = 100;  // a slider reaches from a hundredth of it
 constexpr double kHandDelay = 0.05;   // [s] within which the hand's dashpot lets tissue follow its spring
 constexpr double kToolSize = 0.12;    // diameter of what touches, in sizes of the bodies
 constexpr auto kSlowestFrame = std::chrono::milliseconds(200);  // a snapshot comes so often, however late steps are
-constexpr auto kPatience = std::chrono::milliseconds(100);  // by which real time may run ahead before it is given up
+constexpr auto kMaxDelay = std::chrono::milliseconds(100);  // by which real time may run ahead before it is given up
 
 const scene::Place kSliders{.file = "window"};
 
@@ -174,7 +174,7 @@ Session::Session(Subject subject, MakeComponent make)
                      .max_force = young * size * size / 2,
                      .damping = kHandDelay * young * size,
                      .size = kToolSize * size_of(mesh())};
-  hand_.about_to_hold = [this] { save(); };
+  hand_.before_grab = [this] { save(); };
   hand_.has_grown = [this] { saved_.clear(); };
   first_parameters_ = given_parameters();
   step_lasts_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt_));
@@ -375,7 +375,7 @@ void Session::step() {
   has_changed_ = true;
 
   due_ += step_lasts_;
-  if (const Clock::time_point now = Clock::now(); due_ + kPatience < now) due_ = now;
+  if (const Clock::time_point now = Clock::now(); due_ + kMaxDelay < now) due_ = now;
 }
 
 std::vector<Session::Given> Session::given_parameters() const {
@@ -400,7 +400,7 @@ void Session::save() {
   saved.hand = hand_.save();
   saved.parameters = given_parameters();
   saved.changes = changes_;
-  if (saved_.size() > kMostUndo) saved_.pop_front();
+  if (saved_.size() > kMaxUndo) saved_.pop_front();
 }
 
 void Session::restore(const Saved& saved) {
@@ -417,7 +417,7 @@ void Session::restore(const Saved& saved) {
 void Session::put(const Parameter& parameter, const Given& given) {
   scene::Data& data = *parameter.component->find_data(parameter.attribute->name);
   if (given.value)
-    data.give(*given.value, kSliders);
+    data.set(*given.value, kSliders);
   else
     data.unset();
   if (given.source) data.follow(*given.source, given.link);
@@ -483,7 +483,7 @@ void Session::publish() {
   for (const std::string& message : hand_.take_messages()) messages_.push_back(message);
   back_.messages = std::exchange(messages_, {});
   back_.positions = x;
-  back_.material = shown_.plastic_rest_positions();
+  back_.plastic_rest = shown_.plastic_rest_positions();
   const std::span<const unsigned char> alive = shown_.alive();
   back_.alive.assign(alive.begin(), alive.end());
   publish_values(fields);

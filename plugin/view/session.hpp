@@ -50,7 +50,7 @@ struct Parameter {
 /// take effect between two steps, in their order. The scene belongs to the session until `stop`.
 class Session final : public Source {
  public:
-  static constexpr std::size_t kMostUndo = 8;  ///< states that are kept
+  static constexpr std::size_t kMaxUndo = 8;  ///< states that are kept
 
   /// make: makes the instruments of the hand (Hand). Throws SceneError.
   Session(Subject subject, MakeComponent make);
@@ -71,7 +71,7 @@ class Session final : public Source {
   void release();
 
   /// Back to the state before the hand took hold last, material included; what came since is as if it had not been.
-  /// May be repeated up to kMostUndo times.
+  /// May be repeated up to kMaxUndo times.
   void undo();
 
   /// Changes a parameter by its name, or the factor of one that each hexahedron has for
@@ -87,7 +87,7 @@ class Session final : public Source {
   const std::string& failure() const { return failure_; }
 
   /// What was done to the scene since the beginning. After `stop`.
-  Deeds deeds() const { return {latest_.step, hand_.holds(), changes_}; }
+  UserActions actions() const { return {latest_.step, hand_.motions(), changes_}; }
 
   // what does not change while it runs
   const std::string& title() const override { return subject_.title; }

@@ -39,7 +39,7 @@ struct Snapshot {
   std::string failure;                ///< why it cannot go on before a reset; empty: it can
   std::vector<std::string> messages;  ///< that came since the last snapshot
   PointArray positions;               ///< [m]
-  PointArray material;                ///< [m] what the body would be without forces
+  PointArray plastic_rest;            ///< [m] what the body would be without forces
   std::vector<unsigned char> alive;   ///< per hexahedron
   Quantity quantity = Quantity::kPlasticStrain;
   std::vector<double> values;        ///< of the quantity, per node; infinite for the yield stress of what never yields

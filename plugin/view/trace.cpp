@@ -26,18 +26,18 @@ double Trace::at(double abscissa) const {
   return after == points_.begin() ? points_.front().value : std::prev(after)->value;
 }
 
-void Trace::extend_range(double begin, double& least, double& most) const {
+void Trace::extend_range(double begin, double& min, double& max) const {
   for_each_since(begin, [&](double, double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
+    min = std::min(min, value);
+    max = std::max(max, value);
   });
 }
 
-double Trace::quantile(double share) const {
+double Trace::quantile(double fraction) const {
   if (points_.empty()) return 0;
   std::vector<double> values;
   for (const Point& point : points_) values.push_back(point.value);
-  const auto rank = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto rank = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), rank, values.end());
   return *rank;
 }

@@ -22,11 +22,11 @@ class Trace {
   double at(double abscissa) const;  ///< the last value that is not after it; the first one where all are
   double latest_time() const { return points_.back().at; }
 
-  /// Widens [least, most] by the values at and after `begin`.
-  void extend_range(double begin, double& least, double& most) const;
+  /// Widens [min, max] by the values at and after `begin`.
+  void extend_range(double begin, double& min, double& max) const;
 
-  /// Value that a share of all values does not exceed; 0 where there are none.
-  double quantile(double share) const;
+  /// Value that a fraction of all values does not exceed; 0 where there are none.
+  double quantile(double fraction) const;
 
   template <class Visit>
   void for_each_since(double begin, const Visit& visit) const {

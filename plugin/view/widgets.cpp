@@ -41,9 +41,9 @@ void tell(ImU32 colour, const std::string& words) {
   ImGui::PopStyleColor();
 }
 
-bool slider(const char* name, const char* unit, double& value, double least, double most, const std::string& help) {
+bool slider(const char* name, const char* unit, double& value, double min, double max, const std::string& help) {
   const bool has_moved =
-      ImGui::SliderScalar(name, ImGuiDataType_Double, &value, &least, &most, fmt::format("%.4g {}", unit).c_str(),
+      ImGui::SliderScalar(name, ImGuiDataType_Double, &value, &min, &max, fmt::format("%.4g {}", unit).c_str(),
                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoRoundToFormat);
   explain(help);
   return has_moved;
@@ -70,15 +70,15 @@ void plot(const char* title, const char* unit, std::initializer_list<Curve> curv
   ImGui::Dummy(size);
   draw->AddRectFilled(corner, opposite, IM_COL32_WHITE, 4);
 
-  double least = 0, most = 0;
-  for (const Curve& curve : curves) curve.trace.extend_range(begin, least, most);
-  if (!(most > least)) most = least + 1e-12;
-  const double room = 0.08 * (most - least);
+  double min = 0, max = 0;
+  for (const Curve& curve : curves) curve.trace.extend_range(begin, min, max);
+  if (!(max > min)) max = min + 1e-12;
+  const double room = 0.08 * (max - min);
   const auto place = [&](double time, double value) {
     return ImVec2(corner.x + size.x * static_cast<float>((time - begin) / (end - begin)),
-                  opposite.y - size.y * static_cast<float>((value - least + room) / (most - least + 2 * room)));
+                  opposite.y - size.y * static_cast<float>((value - min + room) / (max - min + 2 * room)));
   };
-  const output::Ticks ticks = output::ticks_within(least, most, 3);
+  const output::Ticks ticks = output::ticks_within(min, max, 3);
   for (const double value : ticks.values) {
     const float y = place(begin, value).y;
     draw->AddLine({corner.x, y}, {opposite.x, y}, kRule);
@@ -90,7 +90,7 @@ void plot(const char* title, const char* unit, std::initializer_list<Curve> curv
     curve.trace.for_each_since(begin, [&](double time, double value) { line.push_back(place(time, value)); });
     draw->AddPolyline(line.data(), static_cast<int>(line.size()), curve.colour, 0, 1.8f);
   }
-  if (cursor) draw->AddLine(place(*cursor, most + room), place(*cursor, least - room), kFaint);
+  if (cursor) draw->AddLine(place(*cursor, max + room), place(*cursor, min - room), kFaint);
   draw->PopClipRect();
   draw->AddRect(corner, opposite, kRule, 4);
 }

@@ -15,7 +15,7 @@ namespace hexaplast::view {
 
 /// An ink of the pictures.
 constexpr ImU32 ink(const output::Colour& colour) {
-  const auto byte = [](float share) { return static_cast<int>(255 * share + 0.5f); };
+  const auto byte = [](float fraction) { return static_cast<int>(255 * fraction + 0.5f); };
   return IM_COL32(byte(colour.red), byte(colour.green), byte(colour.blue), 255);
 }
 
@@ -35,7 +35,7 @@ void tell(ImU32 colour, const std::string& words);  ///< a paragraph
 ImVec2 text_size(const std::string& words);         ///< [pixels]
 
 /// Moves a positive number by equal factors. Returns whether it has moved.
-bool slider(const char* name, const char* unit, double& value, double least, double most, const std::string& help);
+bool slider(const char* name, const char* unit, double& value, double min, double max, const std::string& help);
 
 /// One curve of a plot.
 struct Curve {

@@ -118,7 +118,7 @@ class Window {
         look.shows_edges = !look.shows_edges;
         return;
       case GLFW_KEY_G:
-        look.ghost = look.ghost == Ghost::kNone ? Ghost::kOriginal : Ghost::kNone;
+        look.ghost = look.ghost == Ghost::kNone ? Ghost::kInitial : Ghost::kNone;
         return;
       case GLFW_KEY_Q:
         glfwSetWindowShouldClose(screen_.window(), GLFW_TRUE);
@@ -152,10 +152,10 @@ class Window {
     int pixels_across = 0, pixels_down = 0;
     glfwGetFramebufferSize(screen_.window(), &pixels_across, &pixels_down);
     const float density = size.x > 0 ? static_cast<float>(pixels_across) / size.x : 1;
-    const auto [least, most] = state_.scale().value_or(std::pair(0.0, 0.0));
+    const auto [min, max] = state_.scale().value_or(std::pair(0.0, 0.0));
     const Viewport viewport{static_cast<int>(state_.left * density), 0, static_cast<int>(state_.width * density),
                             pixels_down, density};
-    painter_.draw(state_.figure, state_.camera, viewport, least, most);
+    painter_.draw(state_.figure, state_.camera, viewport, min, max);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }
 

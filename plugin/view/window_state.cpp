@@ -67,8 +67,8 @@ void WindowState::take(double clock) {
 void WindowState::place_cut() {
   look.cut.reset();
   if (cut_axis < 0) return;
-  const auto [least, most] = extent_along(Vec3::Unit(cut_axis), source.mesh().positions(), source.mesh().hexahedra());
-  const double offset = least + cut_place * (most - least);
+  const auto [min, max] = extent_along(Vec3::Unit(cut_axis), source.mesh().positions(), source.mesh().hexahedra());
+  const double offset = min + cut_place * (max - min);
   const double side = camera.eye()[cut_axis] >= offset ? 1 : -1;
   look.cut = Plane{side * Vec3::Unit(cut_axis), side * offset};
 }

@@ -55,7 +55,7 @@ struct WindowState {
   HandSettings hand;
   Names names;
   int cut_axis = -1;                       ///< what lies before a plane across this axis is cut off; -1: nothing is
-  double cut_place = 0.5;                  ///< of the plane: share of the way through the original shape
+  double cut_place = 0.5;                  ///< of the plane: fraction of the way through the initial shape
   std::optional<Figure::Seen> pointed_at;  ///< under the mouse
   Figure::Strongest strongest;             ///< of what was shown since the beginning
   std::optional<Vec3> grabbed;             ///< [m] where the mouse took hold of the tissue; none: it holds nothing

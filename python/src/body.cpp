@@ -108,11 +108,11 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
              for (const auto& [key, value] : given) {
                const auto* row = find_row(rows, std::string(py::str(key)), Names::kMembers);
                if (!row) throw py::type_error(fmt::format("{}() has no argument {}", name, std::string(py::str(key))));
-               if (row->alias == std::string(py::str(key))) {
+               if (row->old_member == std::string(py::str(key))) {
                  if (given.contains(row->member.data()))
                    throw py::type_error(fmt::format("{}() got {} twice, the other time by its older name {}", name,
-                                                    row->member, row->alias));
-                 warn_deprecated(row->alias.data(), row->member.data());
+                                                    row->member, row->old_member));
+                 warn_deprecated(row->old_member.data(), row->member.data());
                }
                assign(*row, value, options);
              }
@@ -123,15 +123,15 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
     type.def_property(
         row.member.data(), [&row](const Options& options) { return value_of(row, options); },
         [&row](Options& options, py::handle value) { assign(row, value, options); }, help_of(row).c_str());
-    if (row.alias.empty()) continue;
+    if (row.old_member.empty()) continue;
     type.def_property(
-        row.alias.data(),
+        row.old_member.data(),
         [&row](const Options& options) {
-          warn_deprecated(row.alias.data(), row.member.data());
+          warn_deprecated(row.old_member.data(), row.member.data());
           return value_of(row, options);
         },
         [&row](Options& options, py::handle value) {
-          warn_deprecated(row.alias.data(), row.member.data());
+          warn_deprecated(row.old_member.data(), row.member.data());
           assign(row, value, options);
         },
         fmt::format("Deprecated: {}", row.member).c_str());

@@ -15,10 +15,10 @@ output::Bodies small_enough(std::vector<output::Bodies::Entry> entries) {
   if (entries.empty()) throw InputError("the scene has no body to show");
   output::Bodies bodies(std::move(entries));
   const int num_nodes = bodies.mesh().num_nodes();
-  if (num_nodes > output::ViewerStates::kMostNodes)
+  if (num_nodes > output::ViewerStates::kMaxNodes)
     throw InputError(fmt::format("the {} {} nodes: the viewer shows at most {}",
                                  bodies.is_one() ? "body has" : "bodies have", num_nodes,
-                                 output::ViewerStates::kMostNodes));
+                                 output::ViewerStates::kMaxNodes));
   return bodies;
 }
 
@@ -37,7 +37,7 @@ void MotionRecord::add(long step, ConstPoints positions, ConstPoints velocities,
                        const output::BoundaryConditions& conditions) {
   if (states_.has(step)) return;
   states_.add(step, static_cast<double>(step) * dt_, positions, velocities, conditions);
-  if (states_.num_states() <= states_.most_states()) return;
+  if (states_.num_states() <= states_.max_states()) return;
   states_.halve();
   stride_ *= 2;
 }

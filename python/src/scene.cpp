@@ -340,7 +340,7 @@ void add_scene(py::module_& module) {
                                        output::kViewerName));
         if (!data->has_states)
           throw InputError(fmt::format("{}: the bodies have more than {} nodes, which the viewer does not show",
-                                       directory.string(), output::ViewerStates::kMostNodes));
+                                       directory.string(), output::ViewerStates::kMaxNodes));
         return output::viewer_page(directory.filename().string(), data->markup);
       },
       py::arg("directory"));

@@ -126,7 +126,7 @@ void add_simulation(py::module_& module) {
                     "steps in which the linear solver, or that of the averaging, stopped before its tolerance")
       .def_property_readonly(
           "iterations", [](const RunReport& r) { return r.solve.iterations; },
-          "of the linear solver, most of a step; 1 for a direct one")
+          "of the linear solver, maximum of a step; 1 for a direct one")
       .def_property_readonly(
           "residual", [](const RunReport& r) { return r.solve.residual; },
           "[-] relative, the greatest that the linear solver left; 0 for a direct one")
@@ -144,7 +144,7 @@ void add_simulation(py::module_& module) {
       module, "Simulation",
       "A body in motion: lumped masses, gravity, nodal forces, fixed nodes and prescribed displacements. One step is "
       "one implicit\n"
-      "Euler step of the world and one plastic flow. positions and velocities are read-only views that follow it.")
+      "Euler step of the positions and one plastic flow. positions and velocities are read-only views that follow it.")
       .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
                        double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
                        int iterations) {

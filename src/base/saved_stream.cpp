@@ -38,7 +38,7 @@ void write_saved(std::ostream& out, const SavedKind& kind, std::uint64_t identit
   if (!out) throw InputError(fmt::format("the stream does not take a saved {}", kind.name));
 }
 
-std::vector<std::byte> read_saved(std::istream& in, const SavedKind& kind, std::uint64_t identity, std::size_t most) {
+std::vector<std::byte> read_saved(std::istream& in, const SavedKind& kind, std::uint64_t identity, std::size_t max) {
   std::array<std::byte, sizeof kind.magic + sizeof kind.version + 2 * sizeof(std::uint64_t)> header;
   read_exactly(in, kind, header.data(), header.size());
   SavedKind found = kind;
@@ -50,7 +50,7 @@ std::vector<std::byte> read_saved(std::istream& in, const SavedKind& kind, std::
     throw InputError(
         fmt::format("the saved {} has format version {}, must be {}", kind.name, found.version, kind.version));
   if (of != identity) throw InputError(fmt::format("the saved {} has another mesh or other settings", kind.name));
-  if (size > most) throw InputError(fmt::format("the saved {} is damaged: {} bytes are announced", kind.name, size));
+  if (size > max) throw InputError(fmt::format("the saved {} is damaged: {} bytes are announced", kind.name, size));
 
   std::vector<std::byte> bytes(size);
   read_exactly(in, kind, bytes.data(), bytes.size());

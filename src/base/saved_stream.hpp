@@ -31,8 +31,8 @@ struct SavedKind {
 void write_saved(std::ostream& out, const SavedKind& kind, std::uint64_t identity,
                  const std::function<void(Archive&)>& contents);
 
-/// The contents; reads no byte beyond. Throws InputError for what is damaged, of more than `most` bytes, or of another
+/// The contents; reads no byte beyond. Throws InputError for what is damaged, of more than `max` bytes, or of another
 /// kind, version or identity.
-std::vector<std::byte> read_saved(std::istream& in, const SavedKind& kind, std::uint64_t identity, std::size_t most);
+std::vector<std::byte> read_saved(std::istream& in, const SavedKind& kind, std::uint64_t identity, std::size_t max);
 
 }  // namespace hexaplast

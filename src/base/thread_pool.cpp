@@ -15,7 +15,7 @@ constexpr int kPartsOfAShare = 16;  // small enough that nobody waits long for a
 
 // A loop with help that took this much longer than alone had a thread stopped by other programs, not a late one.
 constexpr std::chrono::microseconds kLoss(50);
-constexpr std::chrono::milliseconds kMostLoss(25);  // of one loop that counts: the program itself may have been stopped
+constexpr std::chrono::milliseconds kMaxLoss(25);  // of one loop that counts: the program itself may have been stopped
 constexpr int kAlonePerLoss = 4;
 
 thread_local bool is_of_a_pool = false;
@@ -77,13 +77,13 @@ bool Patience::spin_until(const Arrived& arrived) {
   do {
     for (int k = 0; k < kBetweenLooksAtTheClock; ++k) {
       if (arrived()) {
-        limit_ = std::min(2 * limit_, kMost);
+        limit_ = std::min(2 * limit_, kMax);
         return true;
       }
       pause();
     }
   } while (Clock::now() - begin < limit_);
-  limit_ = std::max(limit_ / 2, kLeast);
+  limit_ = std::max(limit_ / 2, kMin);
   return false;
 }
 
@@ -128,7 +128,7 @@ void ThreadPool::run(int count, Range range, const void* body) {
   const Clock::time_point end = Clock::now();
   const auto alone = (own_end - begin) * (static_cast<double>(count) / done);  // what the loop would have taken
   if (const auto loss = std::chrono::duration_cast<Clock::duration>(end - begin - alone); loss > kLoss)
-    alone_until_ = end + kAlonePerLoss * std::min<Clock::duration>(loss, kMostLoss);
+    alone_until_ = end + kAlonePerLoss * std::min<Clock::duration>(loss, kMaxLoss);
 }
 
 void ThreadPool::wait_for_those_inside() {

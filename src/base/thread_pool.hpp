@@ -19,8 +19,8 @@ class Patience {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr Clock::duration kLeast = std::chrono::microseconds(2), kMost = std::chrono::microseconds(50);
-  Clock::duration limit_ = kMost;
+  static constexpr Clock::duration kMin = std::chrono::microseconds(2), kMax = std::chrono::microseconds(50);
+  Clock::duration limit_ = kMax;
 };
 
 /// Threads that run one loop at a time together with the thread that calls.

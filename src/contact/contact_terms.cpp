@@ -12,7 +12,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kWrongFriction = 0.01;    // of mu N, from which the friction of a contact is corrected
-constexpr double kMostGrowth = 2;          // of normal forces in a step
+constexpr double kMaxGrowth = 2;           // of normal forces in a step
 constexpr double kSteady = 0.05;           // growth that is none: what is expected is no better than what was
 constexpr double kAllWrongFriction = 0.1;  // of all mu N, from which the step is solved again for it
 
@@ -102,7 +102,7 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
   });
 }
 
-// Each contact has about its share of the normal force that it had, and all together about the one that is expected:
+// Each contact has about its part of the normal force that it had, and all together about the one that is expected:
 // bodies that land press more from step to step.
 void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
   const auto pressing = [&](const ContactTerm& term) {
@@ -114,7 +114,7 @@ void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
     before += term.normal_before;
     now += pressing(term);
   }
-  double growth = before > 0 ? std::clamp(now / before, 1 / kMostGrowth, kMostGrowth) : 1;
+  double growth = before > 0 ? std::clamp(now / before, 1 / kMaxGrowth, kMaxGrowth) : 1;
   if (std::abs(growth - 1) < kSteady) growth = 1;
   for (ContactTerm& term : terms)
     if (term.friction > 0)

@@ -13,9 +13,9 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kFarthestPerLook = 0.5;  // of the smallest radius that a sample may move against the instrument
-constexpr int kMostLooks = 64;            // within a step
-constexpr double kOnTheSameSide = 0.7;    // cosine, from which a surface that turned is the one that was touched
+constexpr double kFarthestPerCheck = 0.5;  // of the smallest radius that a sample may move against the instrument
+constexpr int kMaxChecks = 64;             // within a step
+constexpr double kOnTheSameSide = 0.7;     // cosine, from which a surface that turned is the one that was touched
 
 }  // namespace
 
@@ -57,21 +57,21 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     const double way = (to - from).norm();
     if (!(std::min(from.norm(), to.norm()) <= near + way)) return;
 
-    // the first look that finds it within: it cannot be past the middle of the instrument yet
-    const int looks = static_cast<int>(
-        std::clamp(std::ceil(way / (kFarthestPerLook * solid_.smallest_radius())), 1.0, double{kMostLooks}));
+    // the first check that finds it within: it cannot be past the middle of the instrument yet
+    const int num_checks = static_cast<int>(
+        std::clamp(std::ceil(way / (kFarthestPerCheck * solid_.smallest_radius())), 1.0, double{kMaxChecks}));
     const SignedDistance at_begin = solid_.distance(from);
     double before = at_begin.value;
     const bool touched = before < distance;
-    for (int k = 1; k <= looks; ++k) {
-      const Vec3 at = from + static_cast<double>(k) / looks * (to - from);
+    for (int k = 1; k <= num_checks; ++k) {
+      const Vec3 at = from + static_cast<double>(k) / num_checks * (to - from);
       const SignedDistance now = solid_.distance(at);
       // what touched stays a contact until it would pull, unless it slid over an edge
       if (now.value >= distance && !(touched && now.normal.dot(at_begin.normal) > kOnTheSameSide)) {
         before = now.value;
         continue;
       }
-      const double since = !touched ? (distance - now.value) / (before - now.value) / looks : 0;
+      const double since = !touched ? (distance - now.value) / (before - now.value) / num_checks : 0;
       found_[i] = {.touches = true,
                    .place = at - now.value * now.normal,
                    .normal = now.normal,

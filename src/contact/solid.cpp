@@ -101,15 +101,15 @@ class SurfaceShape final : public Solid::Shape {
       : triangles_(corners_of(positions, triangles)), tree_(boxes_of(triangles_)) {
     require_closed(triangles);
     find_normals(positions, triangles);
-    Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
+    Vec3 min = Vec3::Constant(std::numeric_limits<double>::infinity()), max = -min;
     for (const Triangle& triangle : triangles)
       for (const int node : triangle) {
         const Vec3 p = positions.row(node).transpose();
-        least = least.cwiseMin(p);
-        most = most.cwiseMax(p);
+        min = min.cwiseMin(p);
+        max = max.cwiseMax(p);
         reach_ = std::max(reach_, p.norm());
       }
-    smallest_radius_ = (most - least).minCoeff() / 2;
+    smallest_radius_ = (max - min).minCoeff() / 2;
   }
 
   SignedDistance distance(const Vec3& point) const override {

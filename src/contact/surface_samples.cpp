@@ -27,34 +27,35 @@ struct Patch {
   }
 };
 
-void check(double wanted, int most) {
+void check(double wanted, int max_parts) {
   if (!(wanted > 0)) throw InputError(fmt::format("SurfaceSamples: spacing {} must be positive", wanted));
-  if (most < 1) throw InputError(fmt::format("SurfaceSamples: {} parts of an edge must be at least 1", most));
+  if (max_parts < 1) throw InputError(fmt::format("SurfaceSamples: {} parts of an edge must be at least 1", max_parts));
 }
 
 constexpr double kRounding = 1e-9;  // of a part: an edge of exactly two parts is not three
 
-int parts_of(double longest_edge, double wanted, int most) {
-  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRounding), 1e9)), 1, most);
+int parts_of(double longest_edge, double wanted, int max_parts) {
+  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRounding), 1e9)), 1, max_parts);
 }
 
-/// A point of a face by its nodes and the shares that it has of them, in parts of the edges, ascending: the same
-/// whichever of the faces names it. Shares of 0 do not count.
+/// A point of a face by its nodes and the fractions that it has of them, in parts of the edges, ascending: the same
+/// whichever of the faces names it. Fractions of 0 do not count.
 template <std::size_t N>
-using Shares = std::array<std::pair<int, int>, N>;
+using FaceWeights = std::array<std::pair<int, int>, N>;
 
 template <std::size_t N>
-Shares<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>& shares) {
-  Shares<N> key;
-  for (std::size_t a = 0; a < N; ++a) key[a] = shares[a] > 0 ? std::pair(nodes[a], shares[a]) : std::pair(-1, 0);
+FaceWeights<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>& weights) {
+  FaceWeights<N> key;
+  for (std::size_t a = 0; a < N; ++a) key[a] = weights[a] > 0 ? std::pair(nodes[a], weights[a]) : std::pair(-1, 0);
   std::ranges::sort(key);
   return key;
 }
 
 }  // namespace
 
-SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int most) {
-  check(wanted, most);
+SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted,
+                                  int max_parts) {
+  check(wanted, max_parts);
   const std::vector<Quad> faces = mesh.boundary_faces(alive);
   std::vector<Patch> patches;
   for (const Quad& face : faces) {
@@ -67,11 +68,11 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
     for (const auto& [a, b] : kEdges)
       longest = std::max(longest, (mesh.positions().row(nodes[a]) - mesh.positions().row(nodes[b])).norm());
   // the same on every face, so that neighbours have their points in common
-  const int parts = parts_of(longest, wanted, most);
+  const int parts = parts_of(longest, wanted, max_parts);
 
   SurfaceSamples found;
   found.spacing = longest / parts;
-  std::map<Shares<4>, std::size_t> known;
+  std::map<FaceWeights<4>, std::size_t> known;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (int j = 0; j <= parts; ++j)
       for (int i = 0; i <= parts; ++i) {
@@ -82,14 +83,14 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
             if (i + di >= 0 && i + di < parts && j + dj >= 0 && j + dj < parts)
               area += patches[f].area((i + di) * step, (j + dj) * step, step, step) / 4;
 
-        const std::array<int, 4> shares = {(parts - i) * (parts - j), i * (parts - j), i * j, (parts - i) * j};
-        const auto [at, is_new] = known.emplace(key_of(faces[f], shares), found.samples.size());
+        const std::array<int, 4> weights = {(parts - i) * (parts - j), i * (parts - j), i * j, (parts - i) * j};
+        const auto [at, is_new] = known.emplace(key_of(faces[f], weights), found.samples.size());
         if (is_new) {
           SurfaceSamples::Sample& sample = found.samples.emplace_back();
           for (int a = 0; a < 4; ++a) {
-            if (shares[a] == 0) continue;
+            if (weights[a] == 0) continue;
             sample.nodes[sample.num_nodes] = faces[f][a];
-            sample.weights[sample.num_nodes++] = shares[a] / (1.0 * parts * parts);
+            sample.weights[sample.num_nodes++] = weights[a] / (1.0 * parts * parts);
           }
         }
         found.samples[at->second].area += area;
@@ -98,34 +99,35 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
   return found;
 }
 
-SurfaceSamples SurfaceSamples::on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
-                                       const std::vector<Triangle>& triangles, double wanted, int most) {
-  check(wanted, most);
+SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const unsigned char> alive,
+                                           ConstPoints surface, const std::vector<Triangle>& triangles, double wanted,
+                                           int max_parts) {
+  check(wanted, max_parts);
   double longest = 0;
   for (const Triangle& triangle : triangles) {
-    require_nodes("SurfaceSamples", triangle, skin.rows());
+    require_nodes("SurfaceSamples", triangle, surface.rows());
     for (int a = 0; a < 3; ++a)
-      longest = std::max(longest, (skin.row(triangle[a]) - skin.row(triangle[(a + 1) % 3])).norm());
+      longest = std::max(longest, (surface.row(triangle[a]) - surface.row(triangle[(a + 1) % 3])).norm());
   }
-  const int parts = parts_of(longest, wanted, most);
+  const int parts = parts_of(longest, wanted, max_parts);
 
   SurfaceSamples found;
   found.spacing = longest / parts;
-  std::map<Shares<3>, std::size_t> known;
+  std::map<FaceWeights<3>, std::size_t> known;
   std::vector<Vec3> points;
   std::vector<std::pair<std::size_t, double>> of_triangle;  // its points and their areas, triangle by triangle
   for (const Triangle& triangle : triangles) {
-    const auto corner = [&](int a) { return Vec3(skin.row(triangle[a]).transpose()); };
+    const auto corner = [&](int a) { return Vec3(surface.row(triangle[a]).transpose()); };
     const double area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
     for (int j = 0; j <= parts; ++j)
       for (int i = 0; i + j <= parts; ++i) {
-        const std::array<int, 3> shares = {parts - i - j, i, j};
-        const auto [at, is_new] = known.emplace(key_of(triangle, shares), points.size());
+        const std::array<int, 3> weights = {parts - i - j, i, j};
+        const auto [at, is_new] = known.emplace(key_of(triangle, weights), points.size());
         if (is_new) {
-          points.push_back((shares[0] * corner(0) + shares[1] * corner(1) + shares[2] * corner(2)) / parts);
+          points.push_back((weights[0] * corner(0) + weights[1] * corner(1) + weights[2] * corner(2)) / parts);
         }
         // thirds of the small triangles around it: one at a corner, three on an edge, six inside
-        const auto num_corners = std::ranges::count(shares, 0);
+        const auto num_corners = std::ranges::count(weights, 0);
         const int around = num_corners == 2 ? 1 : num_corners == 1 ? 3 : 6;
         of_triangle.emplace_back(at->second, area * around / (3.0 * parts * parts));
       }

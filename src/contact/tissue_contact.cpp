@@ -15,11 +15,11 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kEdgesPerLook = 0.5;  // of an edge that bodies may move against each other between two looks
-constexpr int kMostTissueLooks = 16;   // within a step
-constexpr double kKept = 0.5;          // of an edge that what touched may be expected in front of the surface
-constexpr double kShare = 0.5;         // of the stiffness, for each of the two sides
-constexpr double kPerEdge = 0.5;       // distance of samples, in edges of the other body
+constexpr double kEdgesPerCheck = 0.5;  // of an edge that bodies may move against each other between two checks
+constexpr int kMaxTissueChecks = 16;    // within a step
+constexpr double kKept = 0.5;           // of an edge that what touched may be expected in front of the surface
+constexpr double kFraction = 0.5;       // of the stiffness, for each of the two sides
+constexpr double kPerEdge = 0.5;        // distance of samples, in edges of the other body
 
 /// What stays of a sample from step to step.
 struct SampleState {
@@ -68,14 +68,14 @@ struct TissueContact::Side {
   }
 };
 
-TissueContact::TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int most_parts)
-    : meshes_{&first, &second}, most_parts_(most_parts) {
+TissueContact::TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int max_parts)
+    : meshes_{&first, &second}, max_parts_(max_parts) {
   set_settings(settings);
   set_alive({}, {});
 }
 
-TissueContact::TissueContact(const HexMesh& body, ContactSettings settings, int most_parts)
-    : TissueContact(body, body, settings, most_parts) {}
+TissueContact::TissueContact(const HexMesh& body, ContactSettings settings, int max_parts)
+    : TissueContact(body, body, settings, max_parts) {}
 
 TissueContact::~TissueContact() = default;
 TissueContact::TissueContact(TissueContact&&) noexcept = default;
@@ -95,7 +95,7 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
     TissueSurface surface(*meshes_[to], alive[to], with_itself);
     // as at first, so that samples stay the same when hexahedra go; without hexahedra nothing touches
     if (sides_.empty()) wanted_[from] = surface.mean_edge() > 0 ? kPerEdge * surface.mean_edge() : 1;
-    SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted_[from], most_parts_);
+    SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted_[from], max_parts_);
     auto side = std::make_unique<Side>(Side{from, to, std::move(samples), std::move(surface), {}, {}});
     side->states.resize(side->samples.samples.size());
     if (!sides_.empty()) {
@@ -128,16 +128,16 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   const Vec3 mean = (v.first.colwise().sum() + v.second.colwise().sum()).transpose() /
                     static_cast<double>(v.first.rows() + v.second.rows());
   const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean));
-  const int looks =
+  const int num_checks =
       !settings_.is_active ? 0
       : edge > 0 && way > 0
-          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerLook * edge)), 1.0, double{kMostTissueLooks}))
+          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerCheck * edge)), 1.0, double{kMaxTissueChecks}))
           : 1;
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
-  for (int look = 1; look <= looks; ++look) {
-    const double share = static_cast<double>(look) / looks;
-    for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + share * h * *vs[body];
+  for (int check = 1; check <= num_checks; ++check) {
+    const double fraction = static_cast<double>(check) / num_checks;
+    for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + fraction * h * *vs[body];
     for (const auto& of : sides_) {
       Side& side = *of;
       const PointArray &own = expected_[side.from], &others = expected_[with_itself ? 0 : side.to];
@@ -160,8 +160,8 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
           found.displacement = p - point_of(others, mesh.hexahedra()[state.hexahedron], state.anchor);
           return;
         }
-        // it stuck from when it touched, in this look at the earliest
-        const Vec3 change = h / looks *
+        // it stuck from when it touched, in this check at the earliest
+        const Vec3 change = h / num_checks *
                             (sample.at(*vs[side.from]) -
                              point_of(*vs[side.to], mesh.hexahedra()[found.place->hexahedron], found.place->weights));
         const double depth = settings_.distance - found.place->distance, approach = -found.place->normal.dot(change);
@@ -205,15 +205,15 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
       term.normal = sign * found.place->normal;
       const Vec3 r = sign * found.difference;
       term.place = r - (found.place->distance - settings_.distance) * term.normal;
-      term.stiffness = kShare * settings_.stiffness * sample.area;
-      term.damping = kShare * settings_.damping * sample.area;
+      term.stiffness = kFraction * settings_.stiffness * sample.area;
+      term.damping = kFraction * settings_.damping * sample.area;
       if (state.normal_force == 0) {
         state.hexahedron = found.place->hexahedron;
         state.anchor = found.place->weights;
       }
       state.face = found.place->face;
       term.anchor = r - sign * found.displacement;
-      term.stick = kShare * settings_.tangential_stiffness * sample.area;
+      term.stick = kFraction * settings_.tangential_stiffness * sample.area;
       term.friction = settings_.friction;
       term.normal_before = state.normal_force;
     }
@@ -240,7 +240,7 @@ void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
     SampleState& state = side.states[i];
     const SurfaceSamples::Sample& sample = side.samples.samples[i];
     state.normal_force = N;
-    const double stiffness = kShare * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
+    const double stiffness = kFraction * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
                  size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
 

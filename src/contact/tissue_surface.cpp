@@ -16,8 +16,8 @@ constexpr double kSameSide = 0.7;      // cosine, from which a surface that turn
 constexpr double kCurved = 0.05;       // of an edge: what the triangles of a face differ from it at most
 constexpr double kAsNear = 1e-9;       // of a distance, or an edge: rounding must not decide which place is nearer
 constexpr int kNearCells = 2;          // a body does not touch itself within
-constexpr int kMostCells = 128;        // of the grid along an axis
-constexpr int kMostWalks = 200;
+constexpr int kMaxCells = 128;         // of the grid along an axis
+constexpr int kMaxWalks = 200;
 
 Eigen::AlignedBox3d box_of(ConstPoints x, std::span<const int> nodes) {
   Eigen::AlignedBox3d box;
@@ -120,7 +120,7 @@ void TissueSurface::look_at(ConstPoints x, const Eigen::AlignedBox3d& region, do
     extent += box.sizes().maxCoeff();
   }
   if (counted_.empty()) return;
-  cell_ = std::max(extent / static_cast<double>(counted_.size()), box_.sizes().maxCoeff() / kMostCells);
+  cell_ = std::max(extent / static_cast<double>(counted_.size()), box_.sizes().maxCoeff() / kMaxCells);
   origin_ = box_.min();
   size_ = (box_.sizes().array() / cell_).cast<int>() + 1;
   const auto cells_of = [&](int i, const auto& visit) {
@@ -187,7 +187,7 @@ TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p) const {
 /// To the nearest place of the present surface, from face to face.
 TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p) const {
   Nearest nearest = nearest_on(*x_, faces_[face], face, p);
-  for (int walked = 0; walked < kMostWalks; ++walked) {
+  for (int walked = 0; walked < kMaxWalks; ++walked) {
     const int from = nearest.face;
     for (const int node : faces_[from])
       for (int k = first_of_node_[node]; k < first_of_node_[node + 1]; ++k) {

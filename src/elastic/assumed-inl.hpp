@@ -70,14 +70,14 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
 
   const ShapeModes<kStride, kGeneral, V> shape(coef + Places::kMean * kStride, coef + Places::kSkew * kStride);
   shape.apply(at);
-  const V share(static_cast<T>(kind.sampling.share));
-  const V fourth = fourth_share<kAssumed>(share);
+  const V corner_weight(static_cast<T>(kind.sampling.corner_weight));
+  const V fourth = fourth_weight<kAssumed>(corner_weight);
   const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
-  const AssumedLanes<V> how(j, share);
+  const AssumedLanes<V> how(j, corner_weight);
   V a[3][3];
   how.columns(at.at + 3, a);
   Mat<V> columns[kCorners];
-  columns_of_modes(at.at, at.at + 3, a, share, fourth, columns);
+  columns_of_modes(at.at, at.at + 3, a, corner_weight, fourth, columns);
   for (int i = 0; i < kCorners; ++i) {
     const Coef* const C = coef + (Places::kC + 9 * i) * kStride;
     if constexpr (kHasLaw) {
@@ -87,7 +87,7 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
       apply_sample<kStride>(C, mu, free, columns[i]);
     }
   }
-  modes_of_columns(columns, share, fourth, a, at.at, at.at + 3);
+  modes_of_columns(columns, corner_weight, fourth, a, at.at, at.at + 3);
   how.add_transpose(a, at.at + 3);
   shape.apply_transpose(at);
   if (has_volume) add_gradient<kStride>(along_volume, of_volume, at);

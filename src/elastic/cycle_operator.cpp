@@ -10,7 +10,7 @@ namespace hexaplast {
 
 namespace {
 
-constexpr double kLeastCorner = 0.5;  // of the volume over 8, that a corner's Jacobian of a simple element has
+constexpr double kMinCorner = 0.5;  // of the volume over 8, that a corner's Jacobian of a simple element has
 
 // Coefficients in half precision are up to 65504, and grow as an element becomes thinner by flow.
 constexpr double kGreatestCoefficient = 1e3;
@@ -25,20 +25,19 @@ bool is_thin(const Model& model, int block) {
     double longest = 0;  // squared
     for (int a = 0; a < kCorners; ++a)
       for (int b = 0; b < a; ++b) longest = std::max(longest, (x.row(a) - x.row(b)).squaredNorm());
-    const double least = std::ranges::min(model.corner_jacobian(e));
-    if (!(model.length * longest < kCorners * kGreatestCoefficient * least)) return true;
+    const double min = std::ranges::min(model.corner_jacobian(e));
+    if (!(model.length * longest < kCorners * kGreatestCoefficient * min)) return true;
   }
   return false;
 }
 
 /// Whether each element of a block is nearly a parallelepiped.
 bool is_well_shaped(const Linearization& at, int block) {
-  const float* least =
-      at.screen.data() +
-      (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinJacobian) * kBlock;
+  const float* min = at.screen.data() +
+                     (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinJacobian) * kBlock;
   const double* volume = at.volume.data() + static_cast<std::size_t>(block) * kBlock;
   for (int place = 0; place < kBlock; ++place)
-    if ((at.present[block] >> place & 1) && !(kCorners * least[place] > kLeastCorner * volume[place])) return false;
+    if ((at.present[block] >> place & 1) && !(kCorners * min[place] > kMinCorner * volume[place])) return false;
   return true;
 }
 
@@ -51,9 +50,10 @@ CycleOperator::CycleOperator(const Model& model)
       keeps_its_own_(model.partition->num_blocks),
       is_thin_(model.partition->num_blocks) {
   for (int block = 0; block < model.partition->num_blocks; ++block) is_thin_[block] = is_thin(model, block);
-  simple_.kind = {
-      .sampling = {.assumed = Assumed::kModes, .share = sampling_of(model.settings).share, .one_rotation = true},
-      .volumetric = model.settings.volumetric};
+  simple_.kind = {.sampling = {.assumed = Assumed::kModes,
+                               .corner_weight = sampling_of(model.settings).corner_weight,
+                               .one_rotation = true},
+                  .volumetric = model.settings.volumetric};
   simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));
 }
 
@@ -75,7 +75,7 @@ void CycleOperator::visit_others(const Visit& visit) const {
 }
 
 void CycleOperator::update(const Model& model, const Linearization& at) {
-  refer_to(at);
+  set_linearization(at);
   const Partition& partition = *model.partition;
   // parallelepipeds without assumed strain have a fast product of their own
   const bool always_gains =

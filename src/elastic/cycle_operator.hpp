@@ -21,7 +21,7 @@ class CycleOperator final : public ChunkedOperator<float> {
   /// Of the positions that `at` holds, to which it refers from then on.
   void update(const Model& model, const Linearization& at);
   /// A copy of the Linearization of the latest update.
-  void refer_to(const Linearization& at) { at_ = &at; }
+  void set_linearization(const Linearization& at) { at_ = &at; }
 
   const Partition& partition() const override { return simple_.partition(); }
   void add_product(int chunk, float factor, const float* p, float* Ap) const override;

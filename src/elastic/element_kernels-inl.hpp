@@ -48,7 +48,7 @@ class CoefficientWriter {
                             G(1, 2),
                             G(2, 0),
                             G(0, 1),
-                            tangent_guard(of.law, of.mooney_share, S, of.mu, k) / max(of.mu, V(1e-30))};
+                            tangent_guard(of.law, of.mooney_fraction, S, of.mu, k) / max(of.mu, V(1e-30))};
       for (int n = 0; n < 7; ++n) store_as(bounded<Coef>(numbers[n]), of_law_ + (7 * i + n) * kStride);
     } else if (has_mean_) {
       dilatations_.add_columns(i, C);
@@ -56,7 +56,7 @@ class CoefficientWriter {
     }
   }
 
-  /// of_volume: the gradient of the world volume, read for the volume ratio only.
+  /// of_volume: the gradient of the current volume, read for the volume ratio only.
   HWY_INLINE void finish(const ModeLanes<V>& of_volume) {
     const auto& rest = element_.rest;
     Coef* to = coef_;
@@ -76,7 +76,7 @@ class CoefficientWriter {
     }
     if (has_mean_) {
       CornerLanes<V> mean;
-      if constexpr (Places::kAssumes) dilatations_.take_assumed(rest, AssumedLanes<V>(element_.j, rest.share));
+      if constexpr (Places::kAssumes) dilatations_.take_assumed(rest, AssumedLanes<V>(element_.j, rest.corner_weight));
       dilatations_.finish(rest, nullptr, One(), mean);
       ModeLanes<V> mean_modes;
       modes(mean, mean_modes);
@@ -123,7 +123,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
   using T = typename V::Scalar;
   using Places = CoefficientPlaces<kGeneral, kAssumed>;
   RestLanes<kGeneral, kAssumed, V> rest;
-  rest.share = V(static_cast<T>(kind.sampling.share));
+  rest.corner_weight = V(static_cast<T>(kind.sampling.corner_weight));
   if constexpr (Places::kAtCorners) load_corners<kStride>(coef + Places::kShared * kStride, rest.h);
   if constexpr (Places::kHasMean) {
     load_corners<kStride>(coef + Places::kMean * kStride, rest.mean);
@@ -136,7 +136,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
   if constexpr (Places::kAssumes) j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
   const auto how = [&] {
     if constexpr (Places::kAssumes)
-      return AssumedLanes<V>(j, rest.share);
+      return AssumedLanes<V>(j, rest.corner_weight);
     else
       return nullptr;
   }();

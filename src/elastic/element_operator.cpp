@@ -61,7 +61,8 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
   using V = Lanes<T>;
   const Partition& partition = op.partition();
   const StiffnessKind& kind = op.kind;
-  const V share(static_cast<T>(kind.sampling.share)), quarter(static_cast<T>((1 - kind.sampling.share) / 4)), f(factor);
+  const V corner_weight(static_cast<T>(kind.sampling.corner_weight)),
+      quarter(static_cast<T>((1 - kind.sampling.corner_weight) / 4)), f(factor);
   const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     if (blocks && !blocks[block]) continue;
@@ -95,7 +96,7 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
           for (int d = 0; d < 3; ++d) {
             const bool same = kEdgeAt[a][d] == kEdgeAt[i][d];
             if (has_shared && !same) continue;
-            V along = same ? share : V(T(0));
+            V along = same ? corner_weight : V(T(0));
             if (!has_shared) along += quarter;
             if (kCornerSign[a][d] < 0) along = -along;
             for (int c = 0; c < 3; ++c) r[c] += along * C(d, c);

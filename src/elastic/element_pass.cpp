@@ -16,9 +16,9 @@ namespace hexaplast::HWY_NAMESPACE {
 /// Loads an element per lane; those that are not there become unit cubes.
 template <class V>
 HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, std::uint32_t present,
-                              const double* material, const double* world, CornerLanes<V>& x, CornerLanes<V>& u) {
-  gather(partition, block, lane, material, x);
-  gather(partition, block, lane, world, u);
+                              const double* plastic_rest, const double* current, CornerLanes<V>& x, CornerLanes<V>& u) {
+  gather(partition, block, lane, plastic_rest, x);
+  gather(partition, block, lane, current, u);
   replace_absent(present, x);
   replace_absent(present, u);
 }
@@ -26,9 +26,9 @@ HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, s
 /// Of the volume ratio.                                                                                        eq. E6
 template <class V>
 HWY_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes<V>& p, const ModeLanes<V>& of_volume,
-                                 V share, CornerLanes<V>& f) {
+                                 V corner_weight, CornerLanes<V>& f) {
   if (of.volumetric != Volumetric::kVolumeRatio) return;
-  const V pressure = of.of_volume() * p.excess * share;
+  const V pressure = of.of_volume() * p.excess * corner_weight;
   CornerLanes<V> gradient;
   modes_transpose(of_volume, gradient);
   for (int a = 0; a < kCorners; ++a)
@@ -43,7 +43,7 @@ HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, kAssumed, V>& elemen
   const auto& rest = element.rest;
   const V eighth = V(-1.0 / kCorners) * volume;
   if constexpr (kAssumed != Assumed::kNothing) {
-    acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.share));
+    acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.corner_weight));
     // samples with rotations of their own feel that of the mean by what is assumed alone
     V moment[3] = {V(0.0), V(0.0), V(0.0)};
     add_moment(1, element.columns.a, acting.a, moment);
@@ -111,14 +111,14 @@ HWY_INLINE void screen_turns(const Mat<V>& R_centre, const PolarLanes<V>* polar,
 template <class V, class T, class Coef>
 HWY_NOINLINE void screen_one_rotation(const ElementPass<T, Coef>& pass, const MaterialLanes<V>& of,
                                       const PressureLanes<V>& p, const Mat<V>* turned, float* screen) {
-  V least_det(1e300);
+  V min_det(1e300);
   for (int i = 0; i < kCorners; ++i) {
     const Sym<V> S = symmetric_part(turned[i]);
-    const Sym<V> yielding = stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(dilatation(of.law, S)));
+    const Sym<V> yielding = stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(dilatation(of.law, S)));
     store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
-    least_det = min(least_det, determinant(turned[i]));
+    min_det = min(min_det, determinant(turned[i]));
   }
-  store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
+  store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
 }
 
 /// Forces are those of the mean and of the modes; samples have a part in what may flow alone.                  eq. E29
@@ -127,7 +127,7 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
   using V = Lanes<double>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   CornerLanes<V> x, u, f;
-  gather_shapes(pass.partition, block, lane, present, pass.material, pass.world, x, u);
+  gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
   ElementLanes<kGeneral, Assumed::kModes, V> element;
   place_mean(x, u, pass.op.kind.sampling, element);
   const auto& rest = element.rest;
@@ -146,11 +146,11 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
     for (int first = 0; first < kCorners; first += kAtOnce) safe_polars<kAtOnce>(turned + first, polar + first);
     screen_turns(transposed_product(element.mean.R, safe_polar(centre_gradient(x, u)).R), polar, screen);
   }
-  store_as(rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  store_as(rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
   screen_folding(pass, element, block);
 
   const Mat<V> j = scaled(V(pass.length), element.j);
-  ModeStiffness<V> stiffness(j, rest.share, of.mu, of.free);
+  ModeStiffness<V> stiffness(j, rest.corner_weight, of.mu, of.free);
   V on_modes[4][3];
   apply(stiffness.of_two, element.columns.Q, on_modes);
   apply(stiffness.of_three, element.columns.Q + 3, on_modes + 3);
@@ -162,7 +162,7 @@ HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int b
 
   V moment[3] = {V(0.0), V(0.0), V(0.0)};
   add_moment(-1, element.columns.Q, on_modes, moment);
-  const Mat<V> P = element.mean.R * matrix(stress(of.law, of.mooney_share, element.mean.S, of.mu, p.at(theta)));
+  const Mat<V> P = element.mean.R * matrix(stress(of.law, of.mooney_fraction, element.mean.S, of.mu, p.at(theta)));
   const Mat<V> by_turning = turning(element.mean, dual_of(rest), moment),
                by_stress = product_transposed(dual_of(rest), P);
   Mat<V> on_mean;
@@ -180,7 +180,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   const StiffnessKind& kind = pass.op.kind;
   CornerLanes<V> x, u;
   ModeLanes<V> of_volume;
-  gather_shapes(pass.partition, block, lane, present, pass.material, pass.world, x, u);
+  gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
   ElementLanes<kGeneral, kAssumed, V> element;
   place_element(x, u, kind.sampling, element);
   decompose(kind.sampling, element);
@@ -191,28 +191,28 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
                                                                                        coefficients(pass, block, lane));
 
   float* const screen = screen_of(pass, block, lane);
-  V least_det(1e300);
+  V min_det(1e300);
   ColumnsTranspose<kGeneral, kAssumed, V> acting;
   for (int i = 0; i < kCorners; ++i) {
     const auto& [R, S, doubtful] = element.polar[i];
     const V theta = dilatation(of.law, S);
-    const Sym<V> sigma = stress(of.law, of.mooney_share, S, of.mu, p.at(theta));
+    const Sym<V> sigma = stress(of.law, of.mooney_fraction, S, of.mu, p.at(theta));
     const Mat<V> P = R * matrix(sigma);
     acting.add_columns(i, product_transposed(inverse_at(element.rest, i), P));
     if constexpr (RestLanes<kGeneral, kAssumed, V>::kAtCorners) acting.add_shared(i, P);
     writer.add_sample(i, of, p);
 
     const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
-                                ? stress(of.law, of.mooney_share, S, of.mu, p.in_stress_at(theta))
+                                ? stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(theta))
                                 : sigma;
     store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
     const Mat<V>& F = element.F[i];
     const Mat<V> cof = cofactor(F);
-    least_det = min(least_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
+    min_det = min(min_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
   }
   if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
-  store_as(least_det, screen + YieldScreen::kMinDet * kBlock);
-  store_as(element.rest.least_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
+  store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
+  store_as(element.rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
   screen_folding(pass, element, block);
   writer.finish(of_volume);
 
@@ -241,7 +241,7 @@ template <bool kGeneral, Assumed kAssumed>
 struct ExactCoefficients {
   using V = Lanes<double>;
   static constexpr int kStride = V::kCount;
-  static constexpr int kMost =
+  static constexpr int kMax =
       CoefficientPlaces<kGeneral, kAssumed>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
 
   HWY_NOINLINE ExactCoefficients(const Model& model, const Linearization& at, int block, int lane, double factor)
@@ -251,7 +251,7 @@ struct ExactCoefficients {
     const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
     CornerLanes<V> x, u;
     ModeLanes<V> of_volume;
-    gather_shapes(*model.partition, block, lane, present, at.material.data(), at.world.data(), x, u);
+    gather_shapes(*model.partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
     ElementLanes<kGeneral, kAssumed, V> element;
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
@@ -259,7 +259,7 @@ struct ExactCoefficients {
       if (kind.sampling.one_rotation) {
         place_mean(x, u, kind.sampling, element);
         pressures(of, dilatation(of.law, element.mean.S), element.volume, u, of_volume);
-        ModeStiffness<V> stiffness(element.j, element.rest.share, of.mu, of.free);
+        ModeStiffness<V> stiffness(element.j, element.rest.corner_weight, of.mu, of.free);
         store_one_rotation<kStride>(element.rest, element.j, stiffness, kind.has_volume() ? &of_volume : nullptr,
                                     V(1.0), coef);
       }
@@ -285,7 +285,7 @@ struct ExactCoefficients {
   }
 
   StiffnessKind kind;
-  alignas(64) double coef[kMost * kStride];
+  alignas(64) double coef[kMax * kStride];
   alignas(64) double weight[2 * kStride];
 };
 
@@ -326,16 +326,16 @@ void matrices_of(const Model& model, const Linearization& at, int block, double 
         });
 }
 
-void ratios_of(const Model& model, const double* material, const double* world, int block, double* ratios) {
+void ratios_of(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios) {
   using V = Lanes<double>;
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
     CornerLanes<V> x, u;
     EdgeLanes<V> before, now;
-    gather(*model.partition, block, lane, material, x);
-    gather(*model.partition, block, lane, world, u);
+    gather(*model.partition, block, lane, plastic_rest, x);
+    gather(*model.partition, block, lane, current, u);
     edges(x, before);
     edges(u, now);
-    V of_rest[kCorners], largest(0.0), least(std::numeric_limits<double>::infinity());
+    V of_rest[kCorners], largest(0.0), lowest(std::numeric_limits<double>::infinity());
     const auto det = [](const EdgeLanes<V>& e, int i) {
       const Mat<V> J = edges_at(e, i), cof = cofactor(J);
       return J(0, 0) * cof(0, 0) + J(0, 1) * cof(0, 1) + J(0, 2) * cof(0, 2);
@@ -346,20 +346,21 @@ void ratios_of(const Model& model, const double* material, const double* world, 
     }
     // of a corner that is nearly flat at rest: its change, over what is not small
     for (int i = 0; i < kCorners; ++i)
-      least = min(least, V(1.0) + (det(now, i) - of_rest[i]) / max(of_rest[i], V(0.1) * largest));
-    store(least, ratios + lane);
+      lowest = min(lowest, V(1.0) + (det(now, i) - of_rest[i]) / max(of_rest[i], V(0.1) * largest));
+    store(lowest, ratios + lane);
   }
 }
 
 /// Elastic energy.                                                                              eq. 18, E1, E5, E14
-double energy_of(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
+double energy_of(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
+                 int block) {
   using V = Lanes<double>;
   V sum(0.0);
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
     const std::uint32_t here = static_cast<std::uint32_t>(present) >> lane;
     CornerLanes<V> x, u;
     ModeLanes<V> gradient;
-    gather_shapes(*model.partition, block, lane, here, material, world, x, u);
+    gather_shapes(*model.partition, block, lane, here, plastic_rest, current, x, u);
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
     for_shape(true, sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() {
@@ -373,21 +374,21 @@ double energy_of(const Model& model, const double* material, const double* world
   return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
 }
 
-void linearize_coarse(const Partition& partition, const double* material, const double* world, double length, int chunk,
-                      ElementOperator<float, float>& op) {
+void linearize_coarse(const Partition& partition, const double* plastic_rest, const double* current, double length,
+                      int chunk, ElementOperator<float, float>& op) {
   using V = Lanes<double>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       std::uint32_t present = 0;
       for (int k = 0; k < V::kCount; ++k) present |= (partition.element(block, lane + k) >= 0 ? 1u : 0u) << k;
       CornerLanes<V> x, u;
-      gather(partition, block, lane, material, x);
-      gather(partition, block, lane, world, u);
+      gather(partition, block, lane, plastic_rest, x);
+      gather(partition, block, lane, current, u);
       // corners beyond the mesh may lie anywhere: cells that they invert do not help
       replace_absent(present, x);
       RestLanes<true, Assumed::kNothing, V> rest;
       rest_operator(x, op.kind.sampling, rest);
-      present &= bits<double>(rest.least_jacobian > V(0.0));
+      present &= bits<double>(rest.min_jacobian > V(0.0));
       replace_absent(present, x);
       replace_absent(present, u);
       float* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kCorners * kBlock + lane;
@@ -410,18 +411,18 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
   using V = Lanes<double>;
   const Partition& partition = *model.partition;
   const Sampling sampling = sampling_of(model.settings);
-  const double fourth_share = sampling.assumed == Assumed::kModes ? kFourthShare : sampling.share;
+  const double fourth_weight = sampling.assumed == Assumed::kModes ? kFourthWeight : sampling.corner_weight;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock && blocks[block]; lane += V::kCount) {
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       CornerLanes<V> x, u;
-      gather_shapes(partition, block, lane, present, at.material.data(), at.world.data(), x, u);
+      gather_shapes(partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
       ElementLanes<false, Assumed::kModes, V> element;
       place_mean(x, u, op.kind.sampling, element);
-      ModeLanes<V> world, of_volume;
+      ModeLanes<V> current, of_volume;
       if (op.kind.has_volume()) {
-        modes(u, world);
-        volume_of(world, of_volume);
+        modes(u, current);
+        volume_of(current, of_volume);
       }
       const std::size_t first = static_cast<std::size_t>(block) * 2 * kBlock + lane;
       const double* lame = model.lame_blocks.data() + first;
@@ -431,14 +432,15 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       store_as(per_sample * mu, op.weight.data() + first);
       store_as(per_sample * lambda, op.weight.data() + first + kBlock);
       const Mat<V> j = scaled(V(model.length), element.j);
-      ModeStiffness<V> stiffness(j, element.rest.share, mu, free_modulus(op.kind.volumetric, mu, lambda), fourth_share);
+      ModeStiffness<V> stiffness(j, element.rest.corner_weight, mu, free_modulus(op.kind.volumetric, mu, lambda),
+                                 fourth_weight);
       store_one_rotation<kBlock>(element.rest, j, stiffness, op.kind.has_volume() ? &of_volume : nullptr,
                                  V(model.length), const_cast<hwy::float16_t*>(stored(op, block)) + lane);
     }
 }
 
 /// A hexahedron is a parallelepiped when the edges of each direction agree to `alike` of the longest one.
-void find_general(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
+void find_general(const Partition& partition, const double* plastic_rest, const std::uint16_t* present, double alike,
                   int chunk, unsigned char* is_general) {
   using V = Lanes<double>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
@@ -446,7 +448,7 @@ void find_general(const Partition& partition, const double* material, const std:
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       CornerLanes<V> x;
       EdgeLanes<V> e;
-      gather(partition, block, lane, material, x);
+      gather(partition, block, lane, plastic_rest, x);
       replace_absent(static_cast<std::uint32_t>(present[block]) >> lane, x);
       edges(x, e);
       V longest(0.0), difference(0.0);
@@ -499,26 +501,27 @@ void add_exact_product(const Model& model, const Linearization& at, int chunk, d
                        double* Ap) {
   HWY_DYNAMIC_DISPATCH(exact_product)(model, at, chunk, factor, p, Ap);
 }
-double block_energy(const Model& model, const double* material, const double* world, std::uint16_t present, int block) {
-  return HWY_DYNAMIC_DISPATCH(energy_of)(model, material, world, present, block);
+double block_energy(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
+                    int block) {
+  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_rest, current, present, block);
 }
-void corner_ratios(const Model& model, const double* material, const double* world, int block, double* ratios) {
-  HWY_DYNAMIC_DISPATCH(ratios_of)(model, material, world, block, ratios);
+void corner_ratios(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios) {
+  HWY_DYNAMIC_DISPATCH(ratios_of)(model, plastic_rest, current, block, ratios);
 }
 void element_matrices(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices) {
   HWY_DYNAMIC_DISPATCH(matrices_of)(model, at, block, factor, matrices);
 }
-void linearize_cells(const Partition& partition, const double* material, const double* world, double length, int chunk,
-                     ElementOperator<float, float>& op) {
-  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, material, world, length, chunk, op);
+void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current, double length,
+                     int chunk, ElementOperator<float, float>& op) {
+  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, plastic_rest, current, length, chunk, op);
 }
 void linearize_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
                       ElementOperator<float, Half>& op) {
   HWY_DYNAMIC_DISPATCH(linearize_as_simple)(model, at, blocks, chunk, op);
 }
-void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
-                         int chunk, unsigned char* is_general) {
-  HWY_DYNAMIC_DISPATCH(find_general)(partition, material, present, alike, chunk, is_general);
+void find_general_blocks(const Partition& partition, const double* plastic_rest, const std::uint16_t* present,
+                         double alike, int chunk, unsigned char* is_general) {
+  HWY_DYNAMIC_DISPATCH(find_general)(partition, plastic_rest, present, alike, chunk, is_general);
 }
 
 }  // namespace hexaplast

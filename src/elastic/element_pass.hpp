@@ -5,12 +5,12 @@
 
 namespace hexaplast {
 
-/// One pass over the elements of a chunk at world positions: forces, and what is wanted beside them.
+/// One pass over the elements of a chunk at current positions: forces, and what is wanted beside them.
 template <class T, class Coef>
 struct ElementPass {
   const Partition& partition;
-  const double* material;           ///< [m] slots
-  const double* world;              ///< [m] slots
+  const double* plastic_rest;       ///< [m] slots
+  const double* current;            ///< [m] slots
   const double* lame;               ///< [Pa] [block][mu, lambda][element]
   const std::uint16_t* present;     ///< per block: a bit per element that is there and alive
   const unsigned char* is_general;  ///< per block
@@ -34,10 +34,11 @@ void add_exact_product(const Model& model, const Linearization& at, int chunk, d
 
 /// Smallest 1 + (det Jhat_i - det J_i) / max(det J_i, max_j det J_j / 10) of the elements of a block, [element of the
 /// block].                                                                                                 eq. E22
-void corner_ratios(const Model& model, const double* material, const double* world, int block, double* ratios);
+void corner_ratios(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios);
 
-/// Elastic energy [J] of the elements of a block that are present, at material and world positions [m] in slots.
-double block_energy(const Model& model, const double* material, const double* world, std::uint16_t present, int block);
+/// Elastic energy [J] of the elements of a block that are present, at plastic rest and current positions [m] in slots.
+double block_energy(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
+                    int block);
 
 using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
 
@@ -45,8 +46,8 @@ using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
 void element_matrices(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices);
 
 /// Coefficients of cells of a coarse mesh; the weights of `op` are there already.
-void linearize_cells(const Partition& partition, const double* material, const double* world, double length, int chunk,
-                     ElementOperator<float, float>& op);
+void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current, double length,
+                     int chunk, ElementOperator<float, float>& op);
 
 /// Coefficients with one rotation, as if elements were parallelepipeds, of the blocks of a chunk whose entry in
 /// `blocks` is not 0. `op` is of that kind.
@@ -55,7 +56,7 @@ void linearize_simple(const Model& model, const Linearization& at, const unsigne
 
 /// Marks the blocks of a chunk in which some element that is present is no parallelepiped: edges of one direction
 /// differ by more than `alike` of the longest.
-void find_general_blocks(const Partition& partition, const double* material, const std::uint16_t* present, double alike,
-                         int chunk, unsigned char* is_general);
+void find_general_blocks(const Partition& partition, const double* plastic_rest, const std::uint16_t* present,
+                         double alike, int chunk, unsigned char* is_general);
 
 }  // namespace hexaplast

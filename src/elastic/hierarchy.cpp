@@ -42,7 +42,9 @@ Sampling cell_sampling(const Settings& settings) {
 }  // namespace
 
 ElementHierarchy::Level::Level(const CoarseMesh& mesh)
-    : material(slot_vector<double>(*mesh.partition)), world(slot_vector<double>(*mesh.partition)), op(mesh.partition) {
+    : plastic_rest(slot_vector<double>(*mesh.partition)),
+      current(slot_vector<double>(*mesh.partition)),
+      op(mesh.partition) {
   op.per_sample = true;
   op.resize(std::vector<unsigned char>(mesh.partition->num_blocks, 1));
   std::fill(op.weight.begin(), op.weight.end(), 0.0f);  // of cells that are not there
@@ -57,28 +59,28 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
   const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
   operators_.clear();
   for (std::size_t k = 0; k < levels_.size(); ++k) operators_.push_back({&levels_[k].op, &meshes[k]});
-  if (cycle_) cycle_->refer_to(at);
+  if (cycle_) cycle_->set_linearization(at);
   if (revision_ == at.revision) return operators_;
   revision_ = at.revision;
   if (cycle_) cycle_->update(model, at);
 
-  const AlignedVector<double>*material = &at.material, *world = &at.world;
+  const AlignedVector<double>*plastic_rest = &at.plastic_rest, *current = &at.current;
   const ElementOperator<float, float>* finer = nullptr;
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const CoarseMesh& mesh = meshes[k];
     Level& level = levels_[k];
-    mesh.place(*material, level.material);
-    mesh.place(*world, level.world);
+    mesh.place(*plastic_rest, level.plastic_rest);
+    mesh.place(*current, level.current);
     if (finer)
       gather_weights(mesh.children, *finer, level.op);
     else
       std::visit([&](const auto& op) { gather_weights(mesh.children, op, level.op); }, at.op);
     level.op.kind.sampling = cell_sampling(model.settings);
     parallel_for(mesh.partition->num_chunks, [&](int chunk) {
-      linearize_cells(*mesh.partition, level.material.data(), level.world.data(), model.length, chunk, level.op);
+      linearize_cells(*mesh.partition, level.plastic_rest.data(), level.current.data(), model.length, chunk, level.op);
     });
-    material = &level.material;
-    world = &level.world;
+    plastic_rest = &level.plastic_rest;
+    current = &level.current;
     finer = &level.op;
   }
   return operators_;

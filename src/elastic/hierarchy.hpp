@@ -31,7 +31,7 @@ class ElementHierarchy {
   struct Level {
     explicit Level(const CoarseMesh& mesh);
 
-    AlignedVector<double> material, world;  // [m] slots
+    AlignedVector<double> plastic_rest, current;  // [m] slots
     ElementOperator<float, float> op;
   };
 

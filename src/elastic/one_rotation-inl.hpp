@@ -30,12 +30,12 @@ HWY_INLINE void factorize(LowerLanes<kSize, N>& A) {
   unrolled<kSize>([&](auto c) __attribute__((always_inline)) {
     N column[kSize - c];
     for (int n = 0; n < kSize - c; ++n) column[n] = A(c + n, c);
-    const N least = max(N(T(1e-14)) * column[0], N(T(1e-200)));  // also of elements that are not there
+    const N lowest = max(N(T(1e-14)) * column[0], N(T(1e-200)));  // also of elements that are not there
     unrolled<c>([&](auto k) __attribute__((always_inline)) {
       const N factor = A(c, k);
       for (int n = 0; n < kSize - c; ++n) column[n] -= A(c + n, k) * factor;
     });
-    A(c, c) = sqrt(max(column[0], least));
+    A(c, c) = sqrt(max(column[0], lowest));
     const N inverse = N(T(1)) / A(c, c);
     for (int n = 1; n < kSize - c; ++n) A(c + n, c) = inverse * column[n];
   });
@@ -73,16 +73,16 @@ HWY_INLINE void apply_factor(const Coef* from, V weight, V (*u)[3]) {
 /// The stiffness of the hourglass modes Q over mu + lambda_f, of all samples of an element together: constant but for
 /// the rotation that j has. In the plane across j_n, the strain that is linear in s_n is
 ///
-///   share sym(Q_l (x) p_l + Q_m (x) p_m),   p_l = j_m - al_nm j_n,   p_m = j_l - al_nl j_n                     eq. E29
+///   corner_weight sym(Q_l (x) p_l + Q_m (x) p_m),   p_l = j_m - al_nm j_n,   p_m = j_l - al_nl j_n eq. E29
 template <class N>
 struct ModeStiffness {
   LowerLanes<9, N> of_two;
   LowerLanes<3, N> of_three;
 
-  HWY_NOINLINE ModeStiffness(const Mat<N>& j, N share, N mu, N free, double fourth_share = kFourthShare) {
+  HWY_NOINLINE ModeStiffness(const Mat<N>& j, N corner_weight, N mu, N free, double fourth_weight = kFourthWeight) {
     using T = ScalarOf<N>;
     const N one(T(1)), whole = one / max(mu + free, N(T(1e-200)));  // nothing where nothing is
-    const N squared = share * share * whole, of_mu = squared * mu, of_free = squared * free;
+    const N squared = corner_weight * corner_weight * whole, of_mu = squared * mu, of_free = squared * free;
     N lengths(T(0));
     unrolled<3>([&](auto n) __attribute__((always_inline)) {
       constexpr int m = n == 0 ? 1 : 0, l = 3 - n - m;
@@ -113,7 +113,7 @@ struct ModeStiffness {
       }
       lengths += square;
     });
-    const N fourth(T(fourth_share * fourth_share)), of_lengths = fourth * whole * mu * lengths;
+    const N fourth(T(fourth_weight * fourth_weight)), of_lengths = fourth * whole * mu * lengths;
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k <= i; ++k) {
         const N sum = fourth * (j(0, i) * j(0, k) + j(1, i) * j(1, k) + j(2, i) * j(2, k));

@@ -48,8 +48,8 @@ std::uint16_t present(const Partition& partition, const History& history, int bl
 }
 
 /// The springs at positions whose slots are given; may_fold: per block, or nothing where that is not known.
-void find_recovery(const Model& model, const History& history, const AlignedVector<double>& material,
-                   const AlignedVector<double>& world, std::span<const unsigned char> may_fold, ConstPoints x,
+void find_recovery(const Model& model, const History& history, const AlignedVector<double>& plastic_rest,
+                   const AlignedVector<double>& current, std::span<const unsigned char> may_fold, ConstPoints x,
                    Recovery& recovery) {
   if (model.settings.recovery == RecoveryMode::kNone) return;
   const auto looks_at = [&](int block) { return may_fold.empty() || may_fold[block] != 0; };
@@ -60,11 +60,11 @@ void find_recovery(const Model& model, const History& history, const AlignedVect
   parallel_for(partition.num_blocks, [&](int block) {
     double* const of_block = ratios.data() + static_cast<std::size_t>(block) * kBlock;
     if (looks_at(block))
-      corner_ratios(model, material.data(), world.data(), block, of_block);
+      corner_ratios(model, plastic_rest.data(), current.data(), block, of_block);
     else
       std::fill_n(of_block, kBlock, 1.0);
   });
-  recovery.find(model, history.alive, history.material, x);
+  recovery.find(model, history.alive, history.plastic_rest_positions, x);
 }
 
 template <class T, class Coef>
@@ -84,14 +84,14 @@ void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints 
 }  // namespace
 
 void update_material(const Model& model, const History& history, Linearization& at) {
-  if (at.material_version == history.version) return;
+  if (at.plastic_rest_version == history.version) return;
   const Partition& partition = *model.partition;
-  to_slots(partition, history.material, at.material);
+  to_slots(partition, history.plastic_rest_positions, at.plastic_rest);
   for (int block = 0; block < partition.num_blocks; ++block) at.present[block] = present(partition, history, block);
-  // an original shape that is off by rounding is a box; what plastic flow made is taken as it is
-  const double alike = history.material == model.mesh.positions() ? 1e-12 : 1e-15;
+  // an initial shape that is off by rounding is a box; what plastic flow made is taken as it is
+  const double alike = history.plastic_rest_positions == model.mesh.positions() ? 1e-12 : 1e-15;
   parallel_for(partition.num_chunks, [&](int chunk) {
-    find_general_blocks(partition, at.material.data(), at.present.data(), alike, chunk, at.is_general.data());
+    find_general_blocks(partition, at.plastic_rest.data(), at.present.data(), alike, chunk, at.is_general.data());
   });
   std::visit(
       [&](auto& op) {
@@ -101,7 +101,7 @@ void update_material(const Model& model, const History& history, Linearization& 
         op.resize(at.is_general);
       },
       at.op);
-  at.material_version = history.version;
+  at.plastic_rest_version = history.version;
   at.is_current = false;
 }
 
@@ -110,7 +110,7 @@ void set_positions(const Model& model, const History& history, ConstPoints x, Li
   if (at.is_current && at.x == x) return;
   at.is_current = false;
   at.x = x;
-  to_slots(*model.partition, x, at.world);
+  to_slots(*model.partition, x, at.current);
 }
 
 //   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
@@ -123,8 +123,8 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
   std::visit(
       [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {
         const ElementPass<T, Coef> pass{.partition = partition,
-                                        .material = at.material.data(),
-                                        .world = at.world.data(),
+                                        .plastic_rest = at.plastic_rest.data(),
+                                        .current = at.current.data(),
                                         .lame = model.lame_blocks.data(),
                                         .present = at.present.data(),
                                         .is_general = at.is_general.data(),
@@ -141,7 +141,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
       },
       at.op);
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
-  find_recovery(model, history, at.material, at.world, at.may_fold, at.x, at.recovery);
+  find_recovery(model, history, at.plastic_rest, at.current, at.may_fold, at.x, at.recovery);
   at.is_current = true;
 }
 
@@ -189,14 +189,15 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
   if (work.version == history.version && work.x == x) return work.sum;
   const Partition& partition = *model.partition;
   slots.resize(partition);
-  AlignedVector<double>&material = slots.first, &world = slots.second;
-  to_slots(partition, history.material, material);
-  to_slots(partition, x, world);
+  AlignedVector<double>&plastic_rest = slots.first, &current = slots.second;
+  to_slots(partition, history.plastic_rest_positions, plastic_rest);
+  to_slots(partition, x, current);
   work.energy.resize(partition.num_blocks);
   parallel_for(partition.num_blocks, [&](int block) {
-    work.energy[block] = block_energy(model, material.data(), world.data(), present(partition, history, block), block);
+    work.energy[block] =
+        block_energy(model, plastic_rest.data(), current.data(), present(partition, history, block), block);
   });
-  find_recovery(model, history, material, world, {}, x, work.recovery);
+  find_recovery(model, history, plastic_rest, current, {}, x, work.recovery);
   work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
   work.x = x;
   work.version = history.version;

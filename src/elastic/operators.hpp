@@ -8,15 +8,15 @@ namespace hexaplast {
 
 /// Elasticity of a body at one set of positions: the element kernels, chunk by chunk.
 
-/// Brings what `at` holds of the material shape up to date with the history.
+/// Brings what `at` holds of the plastic rest shape up to date with the history.
 void update_material(const Model& model, const History& history, Linearization& at);
 
-/// World positions x (num_nodes x 3) [m] and the material shape alone: all that flow_elements of the plastic step
+/// Current positions x (num_nodes x 3) [m] and the plastic rest shape alone: all that flow_elements of the plastic step
 /// needs.
 void set_positions(const Model& model, const History& history, ConstPoints x, Linearization& at);
 
-/// Rotations, forces and the stiffness operator at world positions x (num_nodes x 3) [m]; nothing where `at` holds them
-/// already.                                                                                     theory.md eq. 15, 16
+/// Rotations, forces and the stiffness operator at current positions x (num_nodes x 3) [m]; nothing where `at` holds
+/// them already.                                                                                   theory.md eq. 15, 16
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at);
 
 /// f += elastic forces [N].

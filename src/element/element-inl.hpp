@@ -30,14 +30,14 @@ HWY_INLINE void for_shape(bool is_general, Assumed assumed, const F& f) {
   }
 }
 
-/// The samples of an element at world positions.
+/// The samples of an element at current positions.
 template <class N>
 struct SampleLanes {
   Mat<N> F[kCorners];
   PolarLanes<N> polar[kCorners];
   PolarLanes<N> mean;  ///< where something is assumed: R_m and S_m of the mean gradient
-  N volume;            ///< [m^3] of the material shape
-  N least_jacobian;    ///< [m^3] of the material shape at its corners
+  N volume;            ///< [m^3] of the plastic rest shape
+  N min_jacobian;      ///< [m^3] of the plastic rest shape at its corners
 };
 
 /// And how they follow from the corners.
@@ -61,8 +61,8 @@ HWY_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
     return rest.inverse[0];
 }
 
-/// What the samples follow from, at world positions u: the material shape and, where something is assumed, the mean
-/// gradient with its polar decomposition.
+/// What the samples follow from, at current positions u: the plastic rest shape and, where something is assumed, the
+/// mean gradient with its polar decomposition.
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
                            ElementLanes<kGeneral, kAssumed, N>& element) {
@@ -70,7 +70,7 @@ HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, con
   auto& columns = element.columns;
   rest_operator(x, sampling, rest);
   element.volume = rest.volume;
-  element.least_jacobian = rest.least_jacobian;
+  element.min_jacobian = rest.min_jacobian;
   begin_columns(rest, u, columns);
   if constexpr (kAssumed != Assumed::kNothing) {
     const Mat<N> F_m = transposed_product(columns.mean, dual_of(rest));
@@ -79,7 +79,7 @@ HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, con
   }
 }
 
-/// Gradients of the samples at world positions u; the polar decompositions are left to the caller.       eq. 7, E11
+/// Gradients of the samples at current positions u; the polar decompositions are left to the caller.       eq. 7, E11
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
                                 ElementLanes<kGeneral, kAssumed, N>& element) {
@@ -87,7 +87,7 @@ HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u
   auto& columns = element.columns;
   place_mean(x, u, sampling, element);
   if constexpr (kAssumed != Assumed::kNothing)
-    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.share), columns);
+    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.corner_weight), columns);
   else
     finish_columns(rest, u, nullptr, columns);
   for (int i = 0; i < kCorners; ++i) {
@@ -112,9 +112,9 @@ HWY_NOINLINE void turned_gradients(const ElementLanes<kGeneral, Assumed::kModes,
       const auto& mode = element.columns.Q[l];
       Q[l][i] = R(0, i) * mode[0] + R(1, i) * mode[1] + R(2, i) * mode[2];
     }
-  AssumedLanes<N>(dual, rest.share).columns(Q, a);
+  AssumedLanes<N>(dual, rest.corner_weight).columns(Q, a);
   for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) Q[l][i] *= l < 3 ? rest.share : N(ScalarOf<N>(kFourthShare));
+    for (int i = 0; i < 3; ++i) Q[l][i] *= l < 3 ? rest.corner_weight : N(ScalarOf<N>(kFourthWeight));
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {
       N of_one[3], of_two[3];
@@ -171,7 +171,7 @@ struct MaterialLanes {
   HWY_INLINE MaterialLanes(const Settings& settings, N mu_, N lambda_)
       : law(settings.law),
         volumetric(settings.volumetric),
-        mooney_share(settings.mooney_share),
+        mooney_fraction(settings.mooney_fraction),
         mu(mu_),
         lambda(lambda_),
         free(free_modulus(volumetric, mu_, lambda_)) {}
@@ -181,7 +181,7 @@ struct MaterialLanes {
 
   ElasticLaw law;
   Volumetric volumetric;
-  double mooney_share;
+  double mooney_fraction;
   N mu, lambda, free;  ///< [Pa]
 };
 
@@ -198,13 +198,13 @@ struct PressureLanes {
   HWY_INLINE N in_stress_at(N theta) const { return k0 + own * theta + in_stress; }
 };
 
-/// Of the mean of theta; gradient: of the world volume, filled for the volume ratio only.
+/// Of the mean of theta; gradient: of the current volume, filled for the volume ratio only.
 template <class N>
 HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilatation, N volume,
                                         const CornerLanes<N>& u, ModeLanes<N>& gradient) {
   using T = ScalarOf<N>;
   PressureLanes<N> p;
-  const LawConstants<N> law(of.law, of.mooney_share, of.mu);
+  const LawConstants<N> law(of.law, of.mooney_fraction, of.mu);
   p.k0 = law.k0;
   p.own = law.b0 + of.free;
   p.shared = p.in_stress = p.excess = N(T(0));
@@ -232,14 +232,14 @@ HWY_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLa
   return pressures(of, N(T(1.0 / kCorners)) * sum, element.volume, u, gradient);
 }
 
-/// Elastic energy over the volume of the material shape.                                     eq. E1, E5, E14
+/// Elastic energy over the volume of the plastic rest shape.                                     eq. E1, E5, E14
 template <class N>
 HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N>& element, const PressureLanes<N>& p) {
   using T = ScalarOf<N>;
   N sum(T(0));
   for (const PolarLanes<N>& polar : element.polar) {
     const N theta = dilatation(of.law, polar.S);
-    sum += shape_energy(of.law, of.mooney_share, polar.S, of.mu) + (p.k0 + N(T(0.5)) * p.own * theta) * theta;
+    sum += shape_energy(of.law, of.mooney_fraction, polar.S, of.mu) + (p.k0 + N(T(0.5)) * p.own * theta) * theta;
   }
   return N(T(1.0 / kCorners)) * sum + N(T(0.5)) * (p.shared * p.dilatation + (p.in_stress - p.shared) * p.excess);
 }
@@ -262,8 +262,8 @@ HWY_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& dual, const
   const Mat<N> K = matrix(Sym<N>{trace - S.xx, trace - S.yy, trace - S.zz, -S.yz, -S.zx, -S.xy});
   const Mat<N> cof = cofactor(K);
   const N det = K(0, 0) * cof(0, 0) + K(0, 1) * cof(0, 1) + K(0, 2) * cof(0, 2);
-  const N least = N(T(1e-9)) * (cof(0, 0) + cof(1, 1) + cof(2, 2));
-  const N inverse = N(T(1)) / max(max(det, least), N(T(1e-30)));
+  const N lowest = N(T(1e-9)) * (cof(0, 0) + cof(1, 1) + cof(2, 2));
+  const N inverse = N(T(1)) / max(max(det, lowest), N(T(1e-30)));
   N local[3], turned[3];
   for (int k = 0; k < 3; ++k) local[k] = R(0, k) * M[0] + R(1, k) * M[1] + R(2, k) * M[2];
   for (int k = 0; k < 3; ++k)

@@ -17,11 +17,11 @@ plain::CornerLanes<double> corners_of(const ElementPoints& x) {
 }
 
 template <Assumed kAssumed>
-ElementSamples samples(const ElementPoints& material, const ElementPoints& world, const Lame& lame,
+ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
                        const Settings& settings) {
   plain::ElementLanes<true, kAssumed, double> element;
-  const plain::CornerLanes<double> u = corners_of(world);
-  place_element(corners_of(material), u, sampling_of(settings), element);
+  const plain::CornerLanes<double> u = corners_of(current);
+  place_element(corners_of(plastic_rest), u, sampling_of(settings), element);
   decompose(sampling_of(settings), element);
   const plain::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
   plain::ModeLanes<double> volume_gradient;
@@ -35,25 +35,25 @@ ElementSamples samples(const ElementPoints& material, const ElementPoints& world
     found.polar[i] = {to_eigen(at.R), to_eigen(matrix(at.S))};
     // what flows by rotation is the rotation of the sample itself
     if (sampling_of(settings).one_rotation) found.polar[i].R = polar(found.F[i]).R;
-    found.stress[i] =
-        to_eigen(matrix(stress(of.law, of.mooney_share, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
+    found.stress[i] = to_eigen(
+        matrix(stress(of.law, of.mooney_fraction, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
   }
   return found;
 }
 
 }  // namespace
 
-ElementSamples element_samples(const ElementPoints& material, const ElementPoints& world, const Lame& lame,
+ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
                                const Settings& settings) {
   switch (sampling_of(settings).assumed) {
     case Assumed::kCorner:
-      return samples<Assumed::kCorner>(material, world, lame, settings);
+      return samples<Assumed::kCorner>(plastic_rest, current, lame, settings);
     case Assumed::kModes:
-      return samples<Assumed::kModes>(material, world, lame, settings);
+      return samples<Assumed::kModes>(plastic_rest, current, lame, settings);
     case Assumed::kNothing:
       break;
   }
-  return samples<Assumed::kNothing>(material, world, lame, settings);
+  return samples<Assumed::kNothing>(plastic_rest, current, lame, settings);
 }
 
 }  // namespace hexaplast

@@ -15,11 +15,11 @@ struct ElementSamples {
   std::array<Mat3, kCorners> F;       ///< deformation gradients                                       eq. 7, E11
   std::array<Polar, kCorners> polar;  ///< R, S of them                                                eq. 6
   std::array<Mat3, kCorners> stress;  ///< [Pa] sigma in the material frame              eq. 12, E3, E5, E15, E19
-  double volume = 0;                  ///< [m^3] of the material shape; each sample carries an eighth of it
+  double volume = 0;                  ///< [m^3] of the plastic rest shape; each sample carries an eighth of it
 };
 
-/// material, world: corners [m].
-ElementSamples element_samples(const ElementPoints& material, const ElementPoints& world, const Lame& lame,
+/// Corners [m].
+ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
                                const Settings& settings);
 
 }  // namespace hexaplast

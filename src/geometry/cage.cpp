@@ -49,10 +49,10 @@ class Cells {
     for_each_in({0, 0, 0}, {grid_.cells[0] - 1, grid_.cells[1] - 1, grid_.cells[2] - 1}, visit);
   }
   template <class Visit>
-  static void for_each_in(const GridCell& least, const GridCell& most, const Visit& visit) {
-    for (int k = least[2]; k <= most[2]; ++k)
-      for (int j = least[1]; j <= most[1]; ++j)
-        for (int i = least[0]; i <= most[0]; ++i) visit(GridCell{i, j, k});
+  static void for_each_in(const GridCell& min, const GridCell& max, const Visit& visit) {
+    for (int k = min[2]; k <= max[2]; ++k)
+      for (int j = min[1]; j <= max[1]; ++j)
+        for (int i = min[0]; i <= max[0]; ++i) visit(GridCell{i, j, k});
   }
 
   /// The six cells across the faces of one, where the grid has them.
@@ -97,9 +97,9 @@ bool touches(const std::array<Vec3, 3>& corners, const Vec3& half) {
 
 void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
   const Vec3 half = (0.5 + kTouch) * cells.width();
-  const Vec3 least = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
-             most = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]), reach = kTouch * cells.width();
-  Cells::for_each_in(cells.cell_at(least - reach), cells.cell_at(most + reach), [&](const GridCell& c) {
+  const Vec3 min = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
+             max = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]), reach = kTouch * cells.width();
+  Cells::for_each_in(cells.cell_at(min - reach), cells.cell_at(max + reach), [&](const GridCell& c) {
     if (cells.kind(c) == CageCell::kTouched) return;
     const Vec3 centre = cells.centre(c);
     if (touches({corners[0] - centre, corners[1] - centre, corners[2] - centre}, half))
@@ -148,17 +148,17 @@ void require_grid(const CageGrid& grid) {
           fmt::format("a cage from {} to {} in direction {}: the box is empty", grid.min[d], grid.max[d], d));
     count *= grid.cells[d];
   }
-  if (count > kMostCageCells)
+  if (count > kMaxCageCells)
     throw InputError(fmt::format("a cage cut out of {} x {} x {} cells: at most {:.10g} are possible", grid.cells[0],
-                                 grid.cells[1], grid.cells[2], kMostCageCells));
+                                 grid.cells[1], grid.cells[2], kMaxCageCells));
 }
 
 }  // namespace
 
 Eigen::AlignedBox3d box_around(ConstPoints points) {
-  const Vec3 least = points.colwise().minCoeff().transpose(), most = points.colwise().maxCoeff().transpose();
-  const Vec3 margin = kCageMargin * (most - least);
-  return {Vec3(least - margin), Vec3(most + margin)};
+  const Vec3 min = points.colwise().minCoeff().transpose(), max = points.colwise().maxCoeff().transpose();
+  const Vec3 margin = kCageMargin * (max - min);
+  return {Vec3(min - margin), Vec3(max + margin)};
 }
 
 CageGrid cubes_around(ConstPoints points, int cells) {

@@ -18,7 +18,7 @@ namespace {
 
 using Cell = std::array<int, 3>;  // ordered by x, then y, then z
 
-constexpr int kMostLevels = 10;
+constexpr int kMaxLevels = 10;
 
 /// Matter in a cell that deforms together.
 struct Part {
@@ -46,9 +46,9 @@ class Crossings {
     return std::ranges::any_of(edges_, [&](const auto& edge) {
       const auto& [from, to] = edge;
       if (from[d] == to[d]) return false;
-      const double share = (corner[d] - from[d]) / (to[d] - from[d]);
-      if (std::abs(share) > 1) return false;
-      const Vec3 point = from + share * (to - from);
+      const double fraction = (corner[d] - from[d]) / (to[d] - from[d]);
+      if (std::abs(fraction) > 1) return false;
+      const Vec3 point = from + fraction * (to - from);
       for (const int other : {(d + 1) % 3, (d + 2) % 3})
         if (point[other] < corner[other] || point[other] > corner[other] + size[other]) return false;
       return true;
@@ -220,12 +220,12 @@ HexMesh mesh_of(const std::vector<Part>& parts, const Vec3& min, const Vec3& spa
 }  // namespace
 
 CageGrid finer(CageGrid grid, int levels) {
-  if (levels < 0 || levels > kMostLevels)
-    throw InputError(fmt::format("{} levels, must lie in [0, {}]", levels, kMostLevels));
+  if (levels < 0 || levels > kMaxLevels)
+    throw InputError(fmt::format("{} levels, must lie in [0, {}]", levels, kMaxLevels));
   double count = 1;
   for (const int cells : grid.cells) count *= std::ldexp(cells, levels);
-  if (count > kMostCageCells)
-    throw InputError(fmt::format("{:g} cells of the finest grid, must be at most {:g}", count, kMostCageCells));
+  if (count > kMaxCageCells)
+    throw InputError(fmt::format("{:g} cells of the finest grid, must be at most {:g}", count, kMaxCageCells));
   for (int& cells : grid.cells) cells <<= levels;
   return grid;
 }

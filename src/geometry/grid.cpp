@@ -31,8 +31,8 @@ PointArray grid_points(std::array<int, 3> cells, const Vec3& min, const Vec3& sp
 
 namespace {
 
-/// Calls visit(first) with the least corner of every part of the grid that extends over one cell in each direction of
-/// `extent` and over none in the others.
+/// Calls visit(first) with the smallest corner of every part of the grid that extends over one cell in each direction
+/// of `extent` and over none in the others.
 template <class Visit>
 void for_each_part(const std::array<int, 3>& cells, const std::array<int, 3>& extent, const Visit& visit) {
   const auto end = [&](int d) { return cells[d] + 1 - extent[d]; };

@@ -13,9 +13,9 @@ namespace hexaplast {
 void NodeLattice::check() const {
   std::int64_t count = 1;
   for (int d = 0; d < 3; ++d) {
-    const int least = is_closed_around && d == 1 ? 3 : 1;
-    if (cells[d] < least)
-      throw InputError(fmt::format("a grid of {} cells in direction {}: at least {} needed", cells[d], d, least));
+    const int min = is_closed_around && d == 1 ? 3 : 1;
+    if (cells[d] < min)
+      throw InputError(fmt::format("a grid of {} cells in direction {}: at least {} needed", cells[d], d, min));
     // checked in each factor, so that the product of the three cannot overflow 64 bits
     count *= std::int64_t{cells[d]} + 1;
     if (count > std::numeric_limits<int>::max())

@@ -9,8 +9,8 @@ namespace hexaplast {
 namespace {
 
 constexpr double kExact = 1e-15;        // of its size, and in reference coordinates: as exact as doubles are
-constexpr double kShortestStep = 1e-6;  // share of a Gauss-Newton step
-constexpr int kMostIterations = 60;     // inside a sound hexahedron less than ten are needed
+constexpr double kShortestStep = 1e-6;  // fraction of a Gauss-Newton step
+constexpr int kMaxIterations = 60;      // inside a sound hexahedron less than ten are needed
 
 }  // namespace
 
@@ -28,7 +28,7 @@ CornerWeights shape_functions(const Vec3& s) {
 HexahedronPlace nearest_place(const ElementPoints& x, const Vec3& p, double size) {
   const auto gap_at = [&](const Vec3& s) -> Vec3 { return p - x.transpose() * shape_functions(s); };
   Vec3 s = Vec3::Zero(), gap = gap_at(s);
-  for (int iteration = 0; iteration < kMostIterations && gap.norm() > kExact * size; ++iteration) {
+  for (int iteration = 0; iteration < kMaxIterations && gap.norm() > kExact * size; ++iteration) {
     const Mat3 J = x.transpose() * shape_derivatives(s);
     const Vec3 descent = J.transpose() * gap;
     Mat3 A = J.transpose() * J;
@@ -46,8 +46,8 @@ HexahedronPlace nearest_place(const ElementPoints& x, const Vec3& p, double size
     if (!step.allFinite()) step = descent / J.squaredNorm();
 
     Vec3 next = s, next_gap = gap;
-    for (double share = 1; share > kShortestStep; share /= 2) {
-      next = (s + share * step).cwiseMin(1).cwiseMax(-1);
+    for (double fraction = 1; fraction > kShortestStep; fraction /= 2) {
+      next = (s + fraction * step).cwiseMin(1).cwiseMax(-1);
       next_gap = gap_at(next);
       if (next_gap.squaredNorm() < gap.squaredNorm()) break;
     }

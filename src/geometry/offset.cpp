@@ -17,9 +17,9 @@ namespace {
 // bends sharply: an edge of 25 degrees between two faces.
 constexpr double kSharp = 0.05;
 
-// Least cosine between the way of a vertex and the normals around it: at an edge of less than 12 degrees the mitre is
-// ten times as long as the surface moves.
-constexpr double kLeastCosine = 0.1;
+// Smallest cosine between the way of a vertex and the normals around it: at an edge of less than 12 degrees the mitre
+// is ten times as long as the surface moves.
+constexpr double kMinCosine = 0.1;
 
 constexpr std::size_t kWorstQuads = 5;
 
@@ -49,7 +49,7 @@ Vec3 direction_at(const std::vector<Corner>& corners) {
     cosine += corner.angle * corner.normal.dot(mean);
   }
   cosine /= sum;
-  if (!(cosine > kLeastCosine)) return Vec3::Zero();
+  if (!(cosine > kMinCosine)) return Vec3::Zero();
   Vec3 u = mean / cosine;
 
   // least squares in the directions in which the normals differ much
@@ -67,19 +67,19 @@ Vec3 direction_at(const std::vector<Corner>& corners) {
   }
 
   for (const Corner& corner : corners)
-    if (!(corner.normal.dot(u) > kLeastCosine * u.norm())) return Vec3::Zero();
+    if (!(corner.normal.dot(u) > kMinCosine * u.norm())) return Vec3::Zero();
   return u;
 }
 
 /// The interval around 0 in which a + b t + c t^2 stays positive, a > 0.
 struct Interval {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
 
-  bool contains(double t) const { return t > least && t < most; }
+  bool contains(double t) const { return t > min && t < max; }
   void end_at(double t) {
-    if (t > 0) most = std::min(most, t);
-    if (t < 0) least = std::max(least, t);
+    if (t > 0) max = std::min(max, t);
+    if (t < 0) min = std::max(min, t);
   }
   void stay_positive(double a, double b, double c) {
     const double discriminant = b * b - 4 * a * c;
@@ -117,10 +117,10 @@ void check(const QuadSurface& surface, const ShellThickness& thickness) {
     throw InputError(
         fmt::format("a thickness of {} inward and {} outward: must be finite, and their sum not 0", inward, outward));
   if (layers < 1) throw InputError(fmt::format("{} layers: at least 1 needed", layers));
-  const std::int64_t most = std::numeric_limits<int>::max();
-  if (surface.num_vertices() * (std::int64_t{layers} + 1) > most || surface.num_quads() * std::int64_t{layers} > most)
+  const std::int64_t max = std::numeric_limits<int>::max();
+  if (surface.num_vertices() * (std::int64_t{layers} + 1) > max || surface.num_quads() * std::int64_t{layers} > max)
     throw InputError(fmt::format("{} layers over {} quads make more nodes than can be counted ({})", layers,
-                                 surface.num_quads(), most));
+                                 surface.num_quads(), max));
 }
 
 PointArray positions_of(const QuadSurface& surface, const PointArray& directions, const ShellThickness& thickness) {
@@ -128,9 +128,9 @@ PointArray positions_of(const QuadSurface& surface, const PointArray& directions
   PointArray x(Eigen::Index{surface.num_vertices()} * (layers + 1), 3);
   for (int n = 0; n < surface.num_vertices(); ++n)
     for (int l = 0; l <= layers; ++l) {
-      const double share = static_cast<double>(l) / layers;
+      const double fraction = static_cast<double>(l) / layers;
       x.row(Eigen::Index{n} * (layers + 1) + l) =
-          surface.positions().row(n) + (share * outward - (1 - share) * inward) * directions.row(n);
+          surface.positions().row(n) + (fraction * outward - (1 - fraction) * inward) * directions.row(n);
     }
   return x;
 }
@@ -175,12 +175,12 @@ OffsetLimits offset_limits(const QuadSurface& surface, const PointArray& directi
   OffsetLimits limits;
   for (int q = 0; q < surface.num_quads(); ++q) {
     const Interval range = range_of(surface, directions, q);
-    if (-range.least < limits.inward) {
-      limits.inward = -range.least;
+    if (-range.min < limits.inward) {
+      limits.inward = -range.min;
       limits.inward_quad = q;
     }
-    if (range.most < limits.outward) {
-      limits.outward = range.most;
+    if (range.max < limits.outward) {
+      limits.outward = range.max;
       limits.outward_quad = q;
     }
   }
@@ -194,10 +194,10 @@ Shell offset(const QuadSurface& surface, const ShellThickness& thickness) {
   PointArray x = positions_of(surface, directions, thickness);
   std::vector<Hexahedron> hexahedra = hexahedra_of(surface, thickness);
 
-  std::vector<double> shape(surface.num_quads(), std::numeric_limits<double>::infinity());  // least over the layers
+  std::vector<double> shape(surface.num_quads(), std::numeric_limits<double>::infinity());  // smallest over the layers
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
-    double& least = shape[e / thickness.layers];
-    least = std::min(least, scaled_jacobian(gather(x, hexahedra[e])));
+    double& min = shape[e / thickness.layers];
+    min = std::min(min, scaled_jacobian(gather(x, hexahedra[e])));
   }
   std::vector<int> order(shape.size());
   std::iota(order.begin(), order.end(), 0);

@@ -61,14 +61,14 @@ std::optional<Hit> first_hit(const Ray& ray, ConstPoints x, std::span<const Quad
 }
 
 std::vector<int> nearest_nodes(ConstPoints x, std::span<const int> candidates, const Vec3& place, double radius,
-                               int least) {
+                               int min_count) {
   require_nodes("nearest_nodes", candidates, x.rows());
   const auto squared_distance = [&](int node) { return (x.row(node).transpose() - place).squaredNorm(); };
   std::vector<int> nodes(candidates.begin(), candidates.end());
   std::ranges::stable_sort(nodes, {}, squared_distance);
   const auto beyond = std::ranges::find_if(nodes, [&](int n) { return squared_distance(n) > radius * radius; });
   const auto count =
-      std::max<std::ptrdiff_t>(beyond - nodes.begin(), std::min<std::ptrdiff_t>(least, std::ssize(nodes)));
+      std::max<std::ptrdiff_t>(beyond - nodes.begin(), std::min<std::ptrdiff_t>(min_count, std::ssize(nodes)));
   nodes.resize(static_cast<std::size_t>(count));
   std::ranges::sort(nodes);
   return nodes;

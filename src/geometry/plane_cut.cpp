@@ -35,8 +35,8 @@ std::vector<Cell> cells_of_hexahedron(int parts) {
           for (int a = 0; a < kCorners; ++a) {
             double& weight = cell.weights[c][a] = 1;
             for (int d = 0; d < 3; ++d) {
-              const double share = static_cast<double>(at[d] + (kCornerSign[c][d] > 0)) / parts;
-              weight *= kCornerSign[a][d] > 0 ? share : 1 - share;
+              const double fraction = static_cast<double>(at[d] + (kCornerSign[c][d] > 0)) / parts;
+              weight *= kCornerSign[a][d] > 0 ? fraction : 1 - fraction;
             }
             cell.weights[kMiddle][a] += weight / kCorners;
           }
@@ -54,8 +54,8 @@ std::vector<Cell> cells_of_hexahedron(int parts) {
   return cells;
 }
 
-/// Where the way from one height to another, of which one is negative, meets 0: the share of the second.
-double share_at_plane(double from, double to) { return from / (from - to); }
+/// Where the way from one height to another, of which one is negative, meets 0: the fraction of the second.
+double fraction_at_plane(double from, double to) { return from / (from - to); }
 
 /// A height, or 0 where it is one of rounding: neighbours must agree on which side a place lies that they share, though
 /// each of them comes to its height by another way.
@@ -79,9 +79,10 @@ class Crossings {
     if (p > q) std::swap(p, q);
     int& point = point_[p][q];
     if (point >= 0) return point;
-    const double share = share_at_plane(height_[p], height_[q]);
+    const double fraction = fraction_at_plane(height_[p], height_[q]);
     Weights weights;
-    for (int a = 0; a < kCorners; ++a) weights[a] = (1 - share) * cell_.weights[p][a] + share * cell_.weights[q][a];
+    for (int a = 0; a < kCorners; ++a)
+      weights[a] = (1 - fraction) * cell_.weights[p][a] + fraction * cell_.weights[q][a];
     return point = add(weights);
   }
 
@@ -169,8 +170,8 @@ PlaneCut::PlaneCut(ConstPoints x, std::span<const Hexahedron> hexahedra, const P
     for (int a = 0; a < kCorners; ++a) corner_height[a] = plane.height(x.row(corners[a]).transpose());
     for (double& height : corner_height)
       height = std::abs(height) < tolerance ? 0 : without_rounding(height, corner_height);
-    const auto [least, most] = std::ranges::minmax(corner_height);
-    if (least >= 0 || most < 0) continue;
+    const auto [min, max] = std::ranges::minmax(corner_height);
+    if (min >= 0 || max < 0) continue;
 
     std::array<std::vector<Edge>, kNumFaces> lines;
     for (const Cell& cell : cells) add_cell(cell, corners, corner_height, lines);
@@ -207,20 +208,20 @@ void PlaneCut::apply(ConstPoints nodes, Points points) const {
 std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::span<const Hexahedron> hexahedra,
                                        std::span<const unsigned char> alive) {
   if (!alive.empty()) require_count("extent_along", "alive", std::ssize(alive), std::ssize(hexahedra));
-  double least = std::numeric_limits<double>::infinity(), most = -least;
+  double min = std::numeric_limits<double>::infinity(), max = -min;
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
     if (!alive.empty() && !alive[e]) continue;
     require_nodes("extent_along", hexahedra[e], x.rows());
     for (const int node : hexahedra[e]) {
       const double along = normal.dot(x.row(node).transpose());
-      least = std::min(least, along);
-      most = std::max(most, along);
+      min = std::min(min, along);
+      max = std::max(max, along);
     }
   }
-  return least <= most ? std::pair(least, most) : std::pair(0.0, 0.0);
+  return min <= max ? std::pair(min, max) : std::pair(0.0, 0.0);
 }
 
-int part_above(const std::array<double, 3>& height, std::array<TriangleShares, 4>& part) {
+int part_above(const std::array<double, 3>& height, std::array<TriangleWeights, 4>& part) {
   int count = 0;
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
@@ -229,10 +230,10 @@ int part_above(const std::array<double, 3>& height, std::array<TriangleShares, 4
       part[count++][k] = 1;
     }
     if ((height[k] >= 0) == (height[next] >= 0)) continue;
-    const double share = share_at_plane(height[k], height[next]);
+    const double fraction = fraction_at_plane(height[k], height[next]);
     part[count] = {};
-    part[count][k] = 1 - share;
-    part[count++][next] = share;
+    part[count][k] = 1 - fraction;
+    part[count++][next] = fraction;
   }
   return count;
 }

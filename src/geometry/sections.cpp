@@ -21,7 +21,7 @@ double mean_coordinate(const std::vector<int>& nodes, int axis, ConstPoints at) 
   return sum / static_cast<double>(nodes.size());
 }
 
-/// The nodes grouped by equal original coordinate along the axis, in ascending order.
+/// The nodes grouped by equal initial coordinate along the axis, in ascending order.
 std::vector<std::vector<int>> layers_along(const HexMesh& mesh, const EndSections& ends) {
   const PointArray& X = mesh.positions();
   std::vector<int> order(mesh.num_nodes());
@@ -42,8 +42,8 @@ std::vector<std::vector<int>> layers_along(const HexMesh& mesh, const EndSection
 EndSections end_sections(const HexMesh& mesh) {
   const PointArray& X = mesh.positions();
   if (X.rows() == 0) throw InputError("a mesh without nodes has no end sections");
-  const Vec3 least = X.colwise().minCoeff(), most = X.colwise().maxCoeff();
-  const Vec3 extent = most - least;
+  const Vec3 min = X.colwise().minCoeff(), max = X.colwise().maxCoeff();
+  const Vec3 extent = max - min;
 
   // a direction counts as longer only beyond rounding, so that a cube is measured along x
   EndSections ends;
@@ -51,8 +51,8 @@ EndSections end_sections(const HexMesh& mesh) {
     if (extent[d] > extent[ends.axis] * (1 + kSameCoordinate)) ends.axis = d;
   ends.length = extent[ends.axis];
   for (int n = 0; n < mesh.num_nodes(); ++n) {
-    if (X(n, ends.axis) - least[ends.axis] <= kSameCoordinate * ends.length) ends.min.push_back(n);
-    if (most[ends.axis] - X(n, ends.axis) <= kSameCoordinate * ends.length) ends.max.push_back(n);
+    if (X(n, ends.axis) - min[ends.axis] <= kSameCoordinate * ends.length) ends.min.push_back(n);
+    if (max[ends.axis] - X(n, ends.axis) <= kSameCoordinate * ends.length) ends.max.push_back(n);
   }
   ends.layers = layers_along(mesh, ends);
   return ends;

@@ -48,7 +48,7 @@ double sine_over(double angle) { return angle == 0 ? 1 : std::sin(angle) / angle
 /// A vector normal to each tangent, turning as little as can be from point to point: reflected in the plane halfway
 /// between two points, and again so that tangent meets tangent (W. Wang et al., Computation of rotation minimizing
 /// frames, 2008).
-PointArray least_rotating_normals(const Centreline& curve) {
+PointArray rotation_minimizing_normals(const Centreline& curve) {
   const Vec3 begin = curve.tangents.row(0).transpose();
   Vec3 normal = std::abs(begin.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
   normal = (normal - normal.dot(begin) * begin).normalized();
@@ -161,9 +161,9 @@ Centreline curve_through(ConstPoints points, int num_points) {
     const double wanted = between(0, length.back(), k, num_points - 1);
     const auto above = std::upper_bound(length.begin() + 1, length.end() - 1, wanted);
     const auto piece = static_cast<int>(above - length.begin()) - 1;
-    const double share = (wanted - length[piece]) / (length[piece + 1] - length[piece]);
+    const double fraction = (wanted - length[piece]) / (length[piece + 1] - length[piece]);
     const int span = piece / kPiecesPerSpan;
-    const double t = (piece % kPiecesPerSpan + share) / kPiecesPerSpan;
+    const double t = (piece % kPiecesPerSpan + fraction) / kPiecesPerSpan;
     curve.points.row(k) = point(span, t).transpose();
     curve.tangents.row(k) = derivative(span, t).normalized().transpose();
   }
@@ -177,7 +177,7 @@ HexMesh tube(std::array<int, 3> cells, double inner, double outer, const Centrel
   if (along.points.rows() != cells[2] + 1 || along.tangents.rows() != along.points.rows())
     throw InputError(
         fmt::format("a tube of {} cells along a curve of {} points: must be one more", cells[2], along.points.rows()));
-  const PointArray normals = least_rotating_normals(along);
+  const PointArray normals = rotation_minimizing_normals(along);
   const auto node = [&](int i, int j, int k) -> Vec3 {
     const double angle = 2 * pi * j / cells[1], radius = between(inner, outer, i, cells[0]);
     const Vec3 normal = normals.row(k).transpose();

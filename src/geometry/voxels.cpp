@@ -151,14 +151,14 @@ struct Chosen {
 };
 
 void require_number(double count) {
-  if (count > kMostVoxelCells)
+  if (count > kMaxVoxelCells)
     throw InputError(
-        fmt::format("{:.10g} hexahedra or more, must be at most {:.10g}: coarsen them", count, kMostVoxelCells));
+        fmt::format("{:.10g} hexahedra or more, must be at most {:.10g}: coarsen them", count, kMaxVoxelCells));
 }
 
 Chosen choose(const LabelledVolume& volume, const VoxelCells& options) {
-  if (options.coarsening < 1 || options.coarsening > kMostCoarsening)
-    throw InputError(fmt::format("a coarsening of {}, must lie in [1, {}]", options.coarsening, kMostCoarsening));
+  if (options.coarsening < 1 || options.coarsening > kMaxCoarsening)
+    throw InputError(fmt::format("a coarsening of {}, must lie in [1, {}]", options.coarsening, kMaxCoarsening));
   const Places places = counted(volume, options.labels);
   if (volume.labels().empty()) throw InputError("no voxel has a label other than 0");
   require_feasible(volume, options);
@@ -243,9 +243,9 @@ LabelledVolume::LabelledVolume(const std::array<int, 3>& size, const Mat3& axes,
     if (n < 1) throw InputError(fmt::format("{} x {} x {} voxels: must be at least 1 each", size[0], size[1], size[2]));
     count *= n;
   }
-  if (count > kMostVoxels)
+  if (count > kMaxVoxels)
     throw InputError(
-        fmt::format("{} x {} x {} voxels: must be at most {:.10g} in all", size[0], size[1], size[2], kMostVoxels));
+        fmt::format("{} x {} x {} voxels: must be at most {:.10g} in all", size[0], size[1], size[2], kMaxVoxels));
   if (!axes.allFinite() || !origin.allFinite()) throw InputError("axes and origin of voxels must be finite numbers");
   for (int d = 0; d < 3; ++d) {
     const double length = axes.col(d).norm();
@@ -255,11 +255,11 @@ LabelledVolume::LabelledVolume(const std::array<int, 3>& size, const Mat3& axes,
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3;
     const double cosine = axes.col(d).normalized().dot(axes.col(e).normalized());
-    if (!(std::abs(cosine) <= kMostCosineOfAxes))
+    if (!(std::abs(cosine) <= kMaxCosineOfAxes))
       throw InputError(
           fmt::format("the axes {} and {} of the voxels are not perpendicular: their cosine is {:.3g}, must "
                       "be at most {}",
-                      std::min(d, e), std::max(d, e), std::abs(cosine), kMostCosineOfAxes));
+                      std::min(d, e), std::max(d, e), std::abs(cosine), kMaxCosineOfAxes));
   }
   num_voxels_ = static_cast<std::size_t>(count);
   // zeros that the system hands out only when they are changed: most of a volume is background

@@ -16,21 +16,21 @@ namespace hexaplast::HWY_NAMESPACE {
 /// The assumed part of the samples: a_n, which is added to column n of 2 Jhat at s_n = 1 and taken away at s_n = -1, of
 /// the hourglass modes Q; j: rows R_m J^n, of any length.                                                      eq. E10
 ///
-///   a_n = -share sum_(m, l) [ al_nm Q_l + be_nl (j_m - al_nm j_n) ],  al_nm = j_n . j_m / j_n . j_n,
+///   a_n = -corner_weight sum_(m, l) [ al_nm Q_l + be_nl (j_m - al_nm j_n) ],  al_nm = j_n . j_m / j_n . j_n,
 ///                                                                     be_nl = Q_l . j_n / j_n . j_n
 ///
 /// over the two (m, l) with n, m, l different.
 template <class N>
 class AssumedLanes {
  public:
-  HWY_INLINE AssumedLanes(const Mat<N>& rows, N share) : j_(rows) {  // which are to stay
+  HWY_INLINE AssumedLanes(const Mat<N>& rows, N corner_weight) : j_(rows) {  // which are to stay
     for (int n = 0; n < 3; ++n) {
       const N inverse = N(ScalarOf<N>(1)) / dot(j_.m[n], j_.m[n]);
-      inverse_[n] = -(share * inverse);
+      inverse_[n] = -(corner_weight * inverse);
       for (int k = 0; k < 2; ++k) {
         const int m = (n + 1 + k) % 3;
         const N al = dot(j_.m[n], j_.m[m]) * inverse;
-        al_[n][k] = -(share * al);
+        al_[n][k] = -(corner_weight * al);
         for (int i = 0; i < 3; ++i) across_[n][k][i] = j_(m, i) - al * j_(n, i);
       }
     }
@@ -60,18 +60,19 @@ class AssumedLanes {
 
  private:
   const Mat<N>& j_;
-  N inverse_[3], al_[3][2];  ///< -share / j_n . j_n, -share al_nm
+  N inverse_[3], al_[3][2];  ///< -corner_weight / j_n . j_n, -corner_weight al_nm
   N across_[3][2][3];        ///< j_m - al_nm j_n
 };
 
 /// Columns of the samples, from the mean, the hourglass modes and what is assumed: column n has
-/// mean_n + s_m Q_l + s_l Q_m + s_m s_l Q_3 + s_n a_n, with `share` of the first three modes and `fourth` of the last.
+/// mean_n + s_m Q_l + s_l Q_m + s_m s_l Q_3 + s_n a_n, with corner_weight of the first three modes and `fourth` of the
+/// last.
 template <class N>
-HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const N (&a)[3][3], N share, N fourth,
+HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const N (&a)[3][3], N corner_weight, N fourth,
                                  Mat<N>* columns) {
   N Q[4][3];
   for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) Q[l][i] = (l < 3 ? share : fourth) * modes[l][i];
+    for (int i = 0; i < 3; ++i) Q[l][i] = (l < 3 ? corner_weight : fourth) * modes[l][i];
   unrolled<3>([&](auto n) __attribute__((always_inline)) {
     constexpr int m = kOther[n][0], l = kOther[n][1];
     for (int i = 0; i < 3; ++i) {
@@ -87,7 +88,8 @@ HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const 
 }
 /// The transpose, of what acts on the columns.
 template <class N>
-HWY_INLINE void modes_of_columns(const Mat<N>* columns, N share, N fourth, N (&a)[3][3], N (*mean)[3], N (*modes)[3]) {
+HWY_INLINE void modes_of_columns(const Mat<N>* columns, N corner_weight, N fourth, N (&a)[3][3], N (*mean)[3],
+                                 N (*modes)[3]) {
   N Q[4][3];
   unrolled<3>([&](auto n) __attribute__((always_inline)) {
     constexpr int m = kOther[n][0], l = kOther[n][1];
@@ -109,15 +111,15 @@ HWY_INLINE void modes_of_columns(const Mat<N>* columns, N share, N fourth, N (&a
     }
   });
   for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) modes[l][i] = (l < 3 ? share : fourth) * Q[l][i];
+    for (int i = 0; i < 3; ++i) modes[l][i] = (l < 3 ? corner_weight : fourth) * Q[l][i];
 }
 
-/// Share of the mode s_0 s_1 s_2 in samples that are made of hourglass modes.
-inline constexpr double kFourthShare = 1.0 / 3.0;
+/// Fraction of the mode s_0 s_1 s_2 in samples that are made of hourglass modes.
+inline constexpr double kFourthWeight = 1.0 / 3.0;
 
 template <Assumed kAssumed, class N>
-HWY_INLINE N fourth_share(N share) {
-  return kAssumed == Assumed::kModes ? N(static_cast<ScalarOf<N>>(kFourthShare)) : share;
+HWY_INLINE N fourth_weight(N corner_weight) {
+  return kAssumed == Assumed::kModes ? N(static_cast<ScalarOf<N>>(kFourthWeight)) : corner_weight;
 }
 
 /// Columns of 2 Jhat at the samples, as far as they are linear in nodal values once the rotation of the mean is held.
@@ -173,16 +175,17 @@ HWY_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, con
   using Rest = RestLanes<kGeneral, kAssumed, N>;
   if constexpr (kAssumed != Assumed::kNothing) how.columns(at.Q, at.a);
   if constexpr (Rest::kByModes) {
-    columns_of_modes(at.mean.m, at.Q, at.a, rest.share, fourth_share<kAssumed>(rest.share), at.by_modes);
+    columns_of_modes(at.mean.m, at.Q, at.a, rest.corner_weight, fourth_weight<kAssumed>(rest.corner_weight),
+                     at.by_modes);
   } else if constexpr (Rest::kAtCorners) {
     at.H = outer_sum(u, rest.h);
-    scale(rest.share, at.e);
+    scale(rest.corner_weight, at.e);
     if constexpr (kAssumed != Assumed::kNothing)
       for (int n = 0; n < 3; ++n)
         for (int i = 0; i < 3; ++i)
           for (int k = 0; k < 3; ++k) at.turned[n](i, k) = at.a[n][i] * rest.dual(n, k);
   } else {
-    blend(rest.share, at.e);
+    blend(rest.corner_weight, at.e);
   }
 }
 
@@ -293,7 +296,8 @@ struct ColumnsTranspose {
         for (int n = 0; n < 3; ++n)
           for (int i = 0; i < 3; ++i) a[n][i] = dot(turned[n].m[i], rest.dual.m[n]);
       else
-        modes_of_columns(by_modes, rest.share, fourth_share<kAssumed>(rest.share), a, mean.m, on_modes);
+        modes_of_columns(by_modes, rest.corner_weight, fourth_weight<kAssumed>(rest.corner_weight), a, mean.m,
+                         on_modes);
       for (auto& mode : Q)
         for (N& entry : mode) entry = N(ScalarOf<N>(0));
       how.add_transpose(a, Q);
@@ -314,10 +318,10 @@ struct ColumnsTranspose {
         for (int c = 0; c < kCorners; ++c)
           for (int r = 0; r < 3; ++r)
             f.at[c][r] = factor * (H(r, 0) * rest.h.at[c][0] + H(r, 1) * rest.h.at[c][1] + H(r, 2) * rest.h.at[c][2]);
-        scale(factor * rest.share, e);
+        scale(factor * rest.corner_weight, e);
       } else {
         set_zero(f);
-        blend(rest.share, e);
+        blend(rest.corner_weight, e);
         if constexpr (!std::is_same_v<Factor, One>) scale(factor, e);
       }
       if constexpr (kAssumes) {

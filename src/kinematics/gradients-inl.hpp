@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A hexahedron by its twelve edges, for elements in lanes and for one element: its volume, its hourglass modes and the
-// constants of its material shape.                                                              theory.md sections
-// 2, 9.1
+// constants of its plastic rest shape.                                                        theory.md sections 2, 9.1
 #if defined(HEXAPLAST_KINEMATICS_GRADIENTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_KINEMATICS_GRADIENTS_INL
 #undef HEXAPLAST_KINEMATICS_GRADIENTS_INL
@@ -66,14 +65,14 @@ HWY_INLINE void add_edges_transpose(const EdgeLanes<N>& e, CornerLanes<N>& f) {
   });
 }
 
-/// share e + (1 - share) mean of the four edges of the same direction. It is its own transpose.
+/// corner_weight e + (1 - corner_weight) mean of the four edges of the same direction. It is its own transpose.
 template <class N>
-HWY_INLINE void blend(N share, EdgeLanes<N>& e) {
-  const N quarter = (N(ScalarOf<N>(1)) - share) * N(ScalarOf<N>(0.25));
+HWY_INLINE void blend(N corner_weight, EdgeLanes<N>& e) {
+  const N quarter = (N(ScalarOf<N>(1)) - corner_weight) * N(ScalarOf<N>(0.25));
   for (int d = 0; d < 3; ++d)
     for (int i = 0; i < 3; ++i) {
       const N mean = quarter * ((e.at[d][0][i] + e.at[d][1][i]) + (e.at[d][2][i] + e.at[d][3][i]));
-      for (int m = 0; m < 4; ++m) e.at[d][m][i] = share * e.at[d][m][i] + mean;
+      for (int m = 0; m < 4; ++m) e.at[d][m][i] = corner_weight * e.at[d][m][i] + mean;
     }
 }
 
@@ -187,8 +186,8 @@ HWY_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
   }
 }
 
-/// Constants of the material shape, for whole edges instead of half ones. Parallelepipeds, and samples that are made of
-/// hourglass modes, need one inverse.
+/// Constants of the plastic rest shape, for whole edges instead of half ones. Parallelepipeds, and samples that are
+/// made of hourglass modes, need one inverse.
 template <bool kGeneral, Assumed kAssumed, class N>
 struct RestLanes {
   static constexpr bool kAtCorners = kGeneral && kAssumed != Assumed::kModes;
@@ -200,10 +199,10 @@ struct RestLanes {
   CornerLanes<N> h;                           ///< where kAtCorners: what all samples share
   Mat<N> dual;                                ///< where kHasMean: J_o^-1 / 2
   CornerLanes<N> mean;                        ///< where kHasMean: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
-  N skew[kModes][3];  ///< where kHasMean: hourglass modes of the material shape, in its mean edges
+  N skew[kModes][3];  ///< where kHasMean: hourglass modes of the plastic rest shape, in its mean edges
   N volume;
-  N least_jacobian;  ///< smallest det J_i
-  N share;           ///< of the corner: Sampling::share
+  N min_jacobian;   ///< smallest det J_i
+  N corner_weight;  ///< of the corner: Sampling::corner_weight
 };
 
 template <bool kGeneral, Assumed kAssumed, class N>
@@ -211,20 +210,20 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
                               RestLanes<kGeneral, kAssumed, N>& rest) {
   using T = ScalarOf<N>;
   using Rest = RestLanes<kGeneral, kAssumed, N>;
-  rest.share = N(T(sampling.share));
+  rest.corner_weight = N(T(sampling.corner_weight));
   EdgeLanes<N> e;
   N det;
   edges(x, e);
   if constexpr (!kGeneral) {
     blend(N(T(0)), e);  // the mean: exactly what all corners share
     assign(reciprocal(edges_at(e, 0), rest.volume), rest.inverse[0]);
-    rest.least_jacobian = N(T(0.125)) * rest.volume;
+    rest.min_jacobian = N(T(0.125)) * rest.volume;
   } else {
-    rest.least_jacobian = N(T(1e30));
+    rest.min_jacobian = N(T(1e30));
     for (int i = 0; i < kCorners; ++i) {
       const Mat<N> inverse = reciprocal(edges_at(e, i), det);
       if constexpr (Rest::kAtCorners) rest.inverse[i] = inverse;
-      rest.least_jacobian = min(rest.least_jacobian, N(T(0.125)) * det);
+      rest.min_jacobian = min(rest.min_jacobian, N(T(0.125)) * det);
     }
     CornerLanes<N> Gm;
     volume_gradient(e, Gm, rest.volume);
@@ -244,8 +243,9 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
     }
     if constexpr (!Rest::kAtCorners) {
       rest.inverse[0] = centre;
-    } else if (!sampling.of_the_centre) {  // h = Gm - share mean g                                          eq. 8
-      if (sampling.share == 1) {           // corners alone
+    } else if (!sampling
+                    .of_the_centre) {  // h = Gm - corner_weight mean g                                          eq. 8
+      if (sampling.corner_weight == 1) {  // corners alone
         set_zero(rest.h);
       } else {
         rest.h = Gm;
@@ -253,7 +253,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
         for (int d = 0; d < 3; ++d)
           for (int m = 0; m < 4; ++m)
             for (int j = 0; j < 3; ++j)
-              mean.at[d][m][j] = N(T(-sampling.share / kCorners)) *
+              mean.at[d][m][j] = N(T(-sampling.corner_weight / kCorners)) *
                                  (rest.inverse[kEdgeFrom[d][m]](d, j) + rest.inverse[kEdgeTo[d][m]](d, j));
         add_edges_transpose(mean, rest.h);
       }
@@ -271,11 +271,11 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
 /// Deformation gradient at the centre.                                                                        eq. 1
 template <class N>
 HWY_INLINE Mat<N> centre_gradient(const CornerLanes<N>& x, const CornerLanes<N>& u) {
-  EdgeLanes<N> world, material;
+  EdgeLanes<N> current, plastic_rest;
   N det;
-  edges(u, world);
-  edges(x, material);
-  return transposed_product(mean_edges(world), reciprocal(mean_edges(material), det));
+  edges(u, current);
+  edges(x, plastic_rest);
+  return transposed_product(mean_edges(current), reciprocal(mean_edges(plastic_rest), det));
 }
 
 /// Corners of elements that are not there become those of the unit cube, so that everything computed of them is finite.

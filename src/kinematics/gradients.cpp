@@ -37,29 +37,29 @@ ElementPoints mean_gradient(const ElementPoints& x) {
   return sum / volume;
 }
 
-RestOperator rest_operator(const ElementPoints& material, const Sampling& sampling) {
+RestOperator rest_operator(const ElementPoints& plastic_rest, const Sampling& sampling) {
   RestOperator rest;
-  rest.corner_weight = sampling.share;
-  rest.volume = volume(material);
-  for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(material, j).inverse();
+  rest.corner_weight = sampling.corner_weight;
+  rest.volume = volume(plastic_rest);
+  for (int j = 0; j < kCorners; ++j) rest.inverse_jacobian[j] = corner_jacobian(plastic_rest, j).inverse();
 
   if (sampling.of_the_centre) {
-    rest.shared_gradient = shape_derivatives(Vec3::Zero()) * centre_jacobian(material).inverse();
-  } else if (sampling.share == 1) {
+    rest.shared_gradient = shape_derivatives(Vec3::Zero()) * centre_jacobian(plastic_rest).inverse();
+  } else if (sampling.corner_weight == 1) {
     rest.shared_gradient.setZero();
-  } else {  // h_a = Gm_a - share mean_j g_ja                                                                 eq. 8
-    rest.shared_gradient = mean_gradient(material);
+  } else {  // h_a = Gm_a - corner_weight mean_j g_ja eq. 8
+    rest.shared_gradient = mean_gradient(plastic_rest);
     for (int j = 0; j < kCorners; ++j)
-      add_corner_gradient(rest.inverse_jacobian[j], j, -sampling.share / kCorners, rest.shared_gradient);
+      add_corner_gradient(rest.inverse_jacobian[j], j, -sampling.corner_weight / kCorners, rest.shared_gradient);
   }
   return rest;
 }
 
-std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world) {
-  const Mat3 shared = world.transpose() * rest.shared_gradient;
+std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& current) {
+  const Mat3 shared = current.transpose() * rest.shared_gradient;
   std::array<Mat3, kCorners> F;
   for (int i = 0; i < kCorners; ++i)
-    F[i] = rest.corner_weight * corner_jacobian(world, i) * rest.inverse_jacobian[i] + shared;
+    F[i] = rest.corner_weight * corner_jacobian(current, i) * rest.inverse_jacobian[i] + shared;
   return F;
 }
 

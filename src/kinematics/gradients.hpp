@@ -13,9 +13,9 @@ namespace hexaplast {
 /// Gm_a = (1/V) int grad N_a dV, exactly; one row per corner [1/m].                           theory.md eq. 9
 ElementPoints mean_gradient(const ElementPoints& x);
 
-/// Deformation gradients at the eight blended samples of one element, as a linear map of its world corner positions.
+/// Deformation gradients at the eight blended samples of one element, as a linear map of its current corner positions.
 ///
-///   F_i  = Jhat_i J_i^-1                              at corner i, Jhat of the world positions     (theory.md eq. 1)
+///   F_i  = Jhat_i J_i^-1                              at corner i, Jhat of the current positions     (theory.md eq. 1)
 ///   F~_i = F_i / 2 + sum_a xh_a (x) h_a               blended and corrected                        (theory.md eq. 7)
 ///   h_a  = Gm_a - mean_j g_ja / 2
 ///
@@ -23,19 +23,19 @@ ElementPoints mean_gradient(const ElementPoints& x);
 /// (F_i + F_o)/2 + F_m - mean_j (F_j + F_o)/2: on parallelepipeds the blend of corner and centre, and on every
 /// hexahedron with the exact mean, without which the patch test fails.
 ///
-/// The other schemes have the same form: F_i = share F_i(corner) + sum_a xh_a (x) h_a, with share = 1 and h = 0 at the
-/// corners alone, share = 0 and h = the gradients at the centre there.
+/// The other schemes have the same form: F_i = corner_weight F_i(corner) + sum_a xh_a (x) h_a, with corner_weight = 1
+/// and h = 0 at the corners alone, corner_weight = 0 and h = the gradients at the centre there.
 struct RestOperator {
   std::array<Mat3, kCorners> inverse_jacobian;  ///< [1/m] J_i^-1
   ElementPoints shared_gradient;                ///< [1/m] h_a
-  double corner_weight = 0.5;                   ///< [-] of F_i: Sampling::share
+  double corner_weight = 0.5;                   ///< [-] of F_i: Sampling::corner_weight
   double volume = 0;                            ///< [m^3] each sample carries an eighth of it
 };
 
-RestOperator rest_operator(const ElementPoints& material, const Sampling& sampling = {});
+RestOperator rest_operator(const ElementPoints& plastic_rest, const Sampling& sampling = {});
 
 /// F~_i for all eight samples.
-std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& world);
+std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& current);
 
 /// g~_ia, one row per corner a: dF~_i = sum_a dxh_a (x) g~_ia.
 ElementPoints sample_gradient(const RestOperator& rest, int sample);

@@ -39,7 +39,7 @@ HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
   using T = typename V::Scalar;
   constexpr int kSteps = sizeof(T) == 8 ? 4 : 3;
   constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);  // entries are brought to 1, unless all are smaller
-  constexpr T kLeastDenominator = T(2e-3);                        // of I^3
+  constexpr T kMinDenominator = T(2e-3);                          // of I^3
   constexpr T kConverged = sizeof(T) == 8 ? T(1e-6) : T(1e-3);    // of I, in the last step: the one after cubes it
 
   struct Invariants {
@@ -78,14 +78,14 @@ HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
     const V cube = I * I * I;
     // written so that NaN is doubtful
     const auto fine =
-        hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kLeastDenominator) * cube, abs(step) < V(kConverged) * I));
+        hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kMinDenominator) * cube, abs(step) < V(kConverged) * I));
     out[m].doubtful = bits<T>(hn::Not(fine));
 
     const Mat<V> FtF = transposed_product(F[m], F[m]), FFtF = F[m] * FtF;
-    const V share = V(T(1)) / denominator, linear = I * I - II;
+    const V inverse = V(T(1)) / denominator, linear = I * I - II;
     Mat<V> R;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) R(i, j) = share * (I * cof[m](i, j) + linear * F[m](i, j) - FFtF(i, j));
+      for (int j = 0; j < 3; ++j) R(i, j) = inverse * (I * cof[m](i, j) + linear * F[m](i, j) - FFtF(i, j));
 
     // one Newton-Schulz step makes R orthogonal to rounding: R <- R + R (I - R^T R) / 2
     const Mat<V> RtR = transposed_product(R, R);

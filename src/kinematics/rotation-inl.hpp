@@ -68,14 +68,14 @@ HWY_INLINE void sine_and_cosine(Lanes<double> angle, Lanes<double>& sine, Lanes<
   cosine = hn::Cos(d, angle.raw());
 }
 
-/// exp(share w).                                                                                               eq. 26
+/// exp(fraction w).                                                                                              eq. 26
 template <class N>
-HWY_INLINE Mat<N> rotation_exp(const RotationVector<N>& w, N share) {
-  const N half = N(0.5) * share * w.angle, small(1e-8);
+HWY_INLINE Mat<N> rotation_exp(const RotationVector<N>& w, N fraction) {
+  const N half = N(0.5) * fraction * w.angle, small(1e-8);
   N sine, cosine;
   sine_and_cosine(half, sine, cosine);
   // q = (cos, axis sin): the axis is w / angle, and sin / half -> 1
-  const N ratio = N(0.5) * share * select(half > small, sine / max(half, small), N(1.0));
+  const N ratio = N(0.5) * fraction * select(half > small, sine / max(half, small), N(1.0));
   const N x = ratio * w.axis_angle[0], y = ratio * w.axis_angle[1], z = ratio * w.axis_angle[2];
   const N two(2.0), one(1.0);
   return {{{one - two * (y * y + z * z), two * (x * y - cosine * z), two * (x * z + cosine * y)},

@@ -16,34 +16,36 @@ enum class Assumed {
 /// How the eight samples of an element follow from its corners.
 struct Sampling {
   Assumed assumed = Assumed::kNothing;
-  double share = 0.5;          ///< [-] of the corner's gradient in that of its sample; the rest is the same in all
-  bool of_the_centre = false;  ///< share = 0, and what all have in common is the gradient at the centre
+  double corner_weight = 0.5;  ///< [-] of the corner's gradient in that of its sample; the rest is the same in all
+  bool of_the_centre = false;  ///< corner_weight = 0, and what all have in common is the gradient at the centre
   bool one_rotation =
       false;  ///< with kModes: samples have the rotation of the mean, and S_i = S_m + sym R_m^T (F_i - F_m)
 
   /// What of the difference of a sample's plastic increment from the mean of the eight goes into the rest shape:
-  /// samples of share 1/2 show as much of a mode in which the element bends as their corners move by, others 2 share of
-  /// it.
-  constexpr double increment_share() const { return assumed == Assumed::kNothing ? 1 : 1 / (2 * share); }  // eq. 27
+  /// samples of corner_weight 1/2 show as much of a mode in which the element bends as their corners move by, others 2
+  /// corner_weight of it.
+  constexpr double increment_weight() const {
+    return assumed == Assumed::kNothing ? 1 : 1 / (2 * corner_weight);
+  }  // eq. 27
 };
 
 constexpr Sampling sampling_of(const Settings& settings) {
   constexpr double kFullIntegration = 0.57735026918962576451;  // on parallelepipeds: the samples of 2 x 2 x 2 points
   switch (settings.bending) {
     case Bending::kAssumedCorner:
-      return {.assumed = Assumed::kCorner, .share = kFullIntegration};
+      return {.assumed = Assumed::kCorner, .corner_weight = kFullIntegration};
     case Bending::kAssumed:
-      return {.assumed = Assumed::kModes, .share = kFullIntegration};
+      return {.assumed = Assumed::kModes, .corner_weight = kFullIntegration};
     case Bending::kOneRotation:
-      return {.assumed = Assumed::kModes, .share = kFullIntegration, .one_rotation = true};
+      return {.assumed = Assumed::kModes, .corner_weight = kFullIntegration, .one_rotation = true};
     case Bending::kVertex:
-      return {.share = 1};
+      return {.corner_weight = 1};
     case Bending::kCentre:
-      return {.share = 0, .of_the_centre = true};
+      return {.corner_weight = 0, .of_the_centre = true};
     case Bending::kBlended:
       break;
   }
-  return {.share = settings.blend_share};
+  return {.corner_weight = settings.blend_weight};
 }
 
 }  // namespace hexaplast

@@ -15,7 +15,7 @@ namespace {
 using Lattice = std::array<int, 3>;
 
 constexpr int kFewestElements = 64;  // below, a few sweeps of smoothing solve the problem
-constexpr double kLeastGain = 2.5;   // fine elements per cell: less, and the lattice is not worth following
+constexpr double kMinGain = 2.5;     // fine elements per cell: less, and the lattice is not worth following
 
 /// Place of every element's corners on the lattice of its chart.
 struct Charts {
@@ -46,7 +46,7 @@ struct HashOfPlace {
 /// Looked up, never walked through: no order comes from it.
 using NumberAtPlace = std::unordered_map<ChartPlace, int, HashOfPlace>;
 
-Lattice least(const std::array<Lattice, kCorners>& corners) {
+Lattice low_corner(const std::array<Lattice, kCorners>& corners) {
   Lattice low = corners[0];
   for (const Lattice& at : corners)
     for (int d = 0; d < 3; ++d) low[d] = std::min(low[d], at[d]);
@@ -104,7 +104,7 @@ Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
           if (complete)
             for (int i = 0; i < 3; ++i) places[a][i] = places[from][i] + outward[i];
         }
-        if (!complete || !taken.emplace(ChartPlace{num_charts, least(places)}, other).second) continue;
+        if (!complete || !taken.emplace(ChartPlace{num_charts, low_corner(places)}, other).second) continue;
         charts.chart[other] = num_charts;
         charts.corners[other] = places;
         queue.push_back(other);
@@ -117,7 +117,7 @@ Charts find_charts(const std::vector<Hexahedron>& hexahedra) {
   std::vector<Lattice> low(num_charts, Lattice{1 << 20, 1 << 20, 1 << 20});
   for (std::size_t e = 0; e < hexahedra.size(); ++e)
     for (int d = 0; d < 3; ++d)
-      low[charts.chart[e]][d] = std::min(low[charts.chart[e]][d], least(charts.corners[e])[d]);
+      low[charts.chart[e]][d] = std::min(low[charts.chart[e]][d], low_corner(charts.corners[e])[d]);
   for (std::size_t e = 0; e < hexahedra.size(); ++e)
     for (Lattice& at : charts.corners[e])
       for (int d = 0; d < 3; ++d) at[d] -= low[charts.chart[e]][d];
@@ -145,7 +145,7 @@ Cells find_cells(const Charts& charts) {
   Cells cells;
   NumberAtPlace cell_at;
   for (std::size_t e = 0; e < charts.chart.size(); ++e) {
-    const Lattice low = least(charts.corners[e]);
+    const Lattice low = low_corner(charts.corners[e]);
     const Lattice place{low[0] / 2, low[1] / 2, low[2] / 2};
     const auto [found, is_new] = cell_at.emplace(ChartPlace{charts.chart[e], place}, cells.count());
     if (is_new) {
@@ -234,7 +234,7 @@ NodalMap affine(const std::vector<Hexahedron>& hexahedra, const Charts& charts, 
     } else {
       // s: the corner in the child's reference cube; x = mean of x_b (1 + s . s_b)
       const Nearest& from = nearest[node];
-      const Lattice low = least(charts.corners[from.child]);
+      const Lattice low = low_corner(charts.corners[from.child]);
       for (int b = 0; b < kCorners; ++b) {
         double weight = 1;
         for (int d = 0; d < 3; ++d) {
@@ -272,7 +272,7 @@ std::optional<Coarsening> coarsen(int num_nodes, const std::vector<Hexahedron>& 
   if (hexahedra.size() < kFewestElements) return std::nullopt;
   const Charts charts = find_charts(hexahedra);
   const Cells cells = find_cells(charts);
-  if (static_cast<double>(hexahedra.size()) < kLeastGain * cells.count()) return std::nullopt;
+  if (static_cast<double>(hexahedra.size()) < kMinGain * cells.count()) return std::nullopt;
 
   // coarse nodes: one per even place of a chart, merged where charts, or two ends of one, share a node of the mesh
   Coarsening out;

@@ -12,7 +12,7 @@ namespace hexaplast {
 namespace {
 
 // Small enough to keep several threads busy, large enough that ghost nodes stay a fraction of the nodes.
-constexpr int kElementsPerChunk = 512, kMostChunks = 16;
+constexpr int kElementsPerChunk = 512, kMaxChunks = 16;
 
 std::size_t corner_index(int place, int corner) {
   return (static_cast<std::size_t>(place / kBlock) * kCorners + corner) * kBlock + place % kBlock;
@@ -37,7 +37,7 @@ Partition::Partition(int count, const std::vector<Hexahedron>& hexahedra)
   for (std::size_t place = 0; place < element_of_place.size(); ++place)
     if (element_of_place[place] >= 0) place_of_element[element_of_place[place]] = static_cast<int>(place);
   num_blocks = static_cast<int>(element_of_place.size()) / kBlock;
-  num_chunks = std::clamp(num_elements / kElementsPerChunk, 1, kMostChunks);
+  num_chunks = std::clamp(num_elements / kElementsPerChunk, 1, kMaxChunks);
   first_block.resize(num_chunks + 1);
   for (int c = 0; c <= num_chunks; ++c)
     first_block[c] = static_cast<int>(static_cast<long>(num_blocks) * c / num_chunks);

@@ -78,11 +78,11 @@ struct LinesOfAxis {
 /// The axis along which the order of the mesh is kept best, of those that give not much fewer runs than any: what is
 /// stored by element lies together then.
 LinesOfAxis choose(std::array<LinesOfAxis, 3> axes) {
-  std::size_t most = 0;
-  for (const LinesOfAxis& each : axes) most = std::max(most, each.num_runs);
+  std::size_t max = 0;
+  for (const LinesOfAxis& each : axes) max = std::max(max, each.num_runs);
   LinesOfAxis* best = nullptr;
   for (LinesOfAxis& each : axes)
-    if (each.num_runs >= kEnoughRuns * static_cast<double>(most) && (!best || each.stride < best->stride)) best = &each;
+    if (each.num_runs >= kEnoughRuns * static_cast<double>(max) && (!best || each.stride < best->stride)) best = &each;
   return std::move(*best);
 }
 

@@ -3,10 +3,10 @@
 
 namespace hexaplast {
 
-Material filled(Material material, double share) {
-  material.young_modulus *= share;
-  material.yield_stress *= share;
-  material.fracture_stress *= share;
+Material filled(Material material, double fraction) {
+  material.young_modulus *= fraction;
+  material.yield_stress *= fraction;
+  material.fracture_stress *= fraction;
   return material;
 }
 

@@ -52,7 +52,7 @@ HWY_INLINE N dilatation(ElasticLaw law, const Sym<N>& S) {
 /// Constants k0 and b0 of a law that make it agree with Hooke's in the small.                    eq. E16, E17, E18
 template <class N>
 struct LawConstants {
-  HWY_INLINE LawConstants(ElasticLaw law, double mooney_share, N mu) : k0(ScalarOf<N>(0)), b0(ScalarOf<N>(0)) {
+  HWY_INLINE LawConstants(ElasticLaw law, double mooney_fraction, N mu) : k0(ScalarOf<N>(0)), b0(ScalarOf<N>(0)) {
     using T = ScalarOf<N>;
     switch (law) {
       case ElasticLaw::kCorotated:
@@ -64,7 +64,7 @@ struct LawConstants {
         k0 = -mu, b0 = N(T(5.0 / 6)) * mu;
         break;
       case ElasticLaw::kMooneyRivlin:
-        k0 = -(N(T(1 + mooney_share)) * mu), b0 = N(T(1 - mooney_share)) * mu;
+        k0 = -(N(T(1 + mooney_fraction)) * mu), b0 = N(T(1 - mooney_fraction)) * mu;
         break;
     }
   }
@@ -73,7 +73,7 @@ struct LawConstants {
 
 /// psi_s.                                                                                   eq. 11, E16, E17, E18
 template <class N>
-HWY_INLINE N shape_energy(ElasticLaw law, double mooney_share, const Sym<N>& S, N mu) {
+HWY_INLINE N shape_energy(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu) {
   using T = ScalarOf<N>;
   if (law == ElasticLaw::kCorotated) {
     const N one(T(1)), xx = S.xx - one, yy = S.yy - one, zz = S.zz - one;
@@ -83,12 +83,12 @@ HWY_INLINE N shape_energy(ElasticLaw law, double mooney_share, const Sym<N>& S, 
   if (law == ElasticLaw::kNeoHookean) return N(T(0.5)) * mu * excess;
   if (law == ElasticLaw::kStableNeoHookean) return N(T(2.0 / 3)) * mu * (excess - log((I + N(T(1))) * N(T(0.25))));
   const N of_cofactors = squared_norm(cofactor(S)) - N(T(3));
-  return N(T(0.5)) * mu * (N(T(1 - mooney_share)) * excess + N(T(mooney_share)) * of_cofactors);
+  return N(T(0.5)) * mu * (N(T(1 - mooney_fraction)) * excess + N(T(mooney_fraction)) * of_cofactors);
 }
 
 /// sigma; k: the sample's pressure.                                                              eq. 12, E15, E19
 template <class N>
-HWY_INLINE Sym<N> stress(ElasticLaw law, double mooney_share, const Sym<N>& S, N mu, N k) {
+HWY_INLINE Sym<N> stress(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu, N k) {
   using T = ScalarOf<N>;
   if (law == ElasticLaw::kCorotated) {
     const N twice = mu + mu, one(T(1));
@@ -105,13 +105,13 @@ HWY_INLINE Sym<N> stress(ElasticLaw law, double mooney_share, const Sym<N>& S, N
     const N one(T(1));
     factor = N(T(4.0 / 3)) * mu * (one - one / (squared_norm(S) + one));
   } else if (law == ElasticLaw::kMooneyRivlin) {
-    factor = N(T(1 - mooney_share)) * mu;
+    factor = N(T(1 - mooney_fraction)) * mu;
   }
   Sym<N> sigma = {factor * S.xx + k * cof.xx, factor * S.yy + k * cof.yy, factor * S.zz + k * cof.zz,
                   factor * S.yz + k * cof.yz, factor * S.zx + k * cof.zx, factor * S.xy + k * cof.xy};
   if (law == ElasticLaw::kMooneyRivlin) {  // m2 (I S - S^3)
     const Mat<N> M = matrix(S), cube = M * M * M;
-    const N second = N(T(mooney_share)) * mu, I = squared_norm(S);
+    const N second = N(T(mooney_fraction)) * mu, I = squared_norm(S);
     sigma.xx += second * (I * S.xx - cube(0, 0));
     sigma.yy += second * (I * S.yy - cube(1, 1));
     sigma.zz += second * (I * S.zz - cube(2, 2));
@@ -146,13 +146,13 @@ HWY_INLINE Mat<N> stress_increment(const Mat<N>& Z, N mu, N lambda) {
 /// beta [Pa]: what holds the other laws where a sample is strained or inverted badly. It is nothing at rest, where it
 /// would resist turns.                                                                                     eq. E21
 template <class N>
-HWY_INLINE N tangent_guard(ElasticLaw law, double mooney_share, const Sym<N>& S, N mu, N k) {
+HWY_INLINE N tangent_guard(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu, N k) {
   using T = ScalarOf<N>;
   const N none(T(0)), I = squared_norm(S);
-  const N more = N(T(std::numbers::sqrt3)) * (abs(LawConstants<N>(law, mooney_share, mu).k0) - mu);
+  const N more = N(T(std::numbers::sqrt3)) * (abs(LawConstants<N>(law, mooney_fraction, mu).k0) - mu);
   const N guard = max(none, abs(k) * sqrt(I) - (mu + mu + more));
   if (law != ElasticLaw::kMooneyRivlin) return guard;
-  return guard + N(T(mooney_share)) * mu * max(none, I - N(T(3)));
+  return guard + N(T(mooney_fraction)) * mu * max(none, I - N(T(3)));
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -30,10 +30,10 @@ void require_fracture_beyond_yield(const std::vector<Material>& materials, Names
     return std::isfinite(m.yield_stress) && m.yield_stress > m.fracture_stress;
   };
   if (materials.empty() || !std::ranges::all_of(materials, begins_beyond)) return;
-  const auto least = std::ranges::min_element(materials, {}, &Material::yield_stress);
-  refuse(called("fracture_stress", names), least->fracture_stress,
-         place_of(static_cast<std::size_t>(least - materials.begin()), materials),
-         fmt::format("lie in [{}, inf] Pa, from {} on", least->yield_stress, called("yield_stress", names)));
+  const auto min = std::ranges::min_element(materials, {}, &Material::yield_stress);
+  refuse(called("fracture_stress", names), min->fracture_stress,
+         place_of(static_cast<std::size_t>(min - materials.begin()), materials),
+         fmt::format("lie in [{}, inf] Pa, from {} on", min->yield_stress, called("yield_stress", names)));
 }
 
 /// The rates among the members: their largest products with the time step.
@@ -110,7 +110,7 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
                       coefficients * (settings.precision == Precision::kMixed ? 2 : sizeof(double)) +
                       (has_simple_cycles ? 2 * of_cycles + 2 * sizeof(float) + of_latest : 0) +
                       (settings.recovery != RecoveryMode::kNone ? 3 * sizeof(double) : 0);
-  if (settings.precision == Precision::kMixed) return more + (flows ? 4700 : kLeastBytesPerHexahedron);
+  if (settings.precision == Precision::kMixed) return more + (flows ? 4700 : kMinBytesPerHexahedron);
   return more + (flows ? 6200 : 3700);
 }
 

@@ -38,10 +38,10 @@ ConsistentMass::ConsistentMass(ConstPoints x, std::span<const Hexahedron> hexahe
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
     const Hexahedron& corners = hexahedra[e];
     require_nodes("ConsistentMass", corners, x.rows());
-    CornerMatrix share = products_of_shapes(gather(x, corners));
-    share *= masses[e] / share.sum();
+    CornerMatrix part = products_of_shapes(gather(x, corners));
+    part *= masses[e] / part.sum();
     for (int a = 0; a < kCorners; ++a)
-      for (int b = 0; b < kCorners; ++b) entries.emplace_back(corners[a], corners[b], share(a, b));
+      for (int b = 0; b < kCorners; ++b) entries.emplace_back(corners[a], corners[b], part(a, b));
   }
   M_.setFromTriplets(entries.begin(), entries.end());
   row_sums_ = M_ * Eigen::VectorXd::Ones(x.rows());

@@ -36,12 +36,12 @@ Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahed
 
 Eigen::VectorXd lumped_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses) {
   require_count("lumped_masses", "masses", std::ssize(masses), std::ssize(hexahedra));
-  Eigen::VectorXd share = Eigen::VectorXd::Zero(num_nodes);
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(num_nodes);
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
     require_nodes("lumped_masses", hexahedra[e], num_nodes);
-    for (const int node : hexahedra[e]) share[node] += masses[e] / kCorners;
+    for (const int node : hexahedra[e]) mass[node] += masses[e] / kCorners;
   }
-  return share;
+  return mass;
 }
 
 void add_gravity(const Eigen::VectorXd& masses, const Vec3& gravity, Points f) {

@@ -11,12 +11,12 @@
 namespace hexaplast {
 
 double scaled_jacobian(const ElementPoints& x) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int a = 0; a < kCorners; ++a) {
     const Mat3 J = corner_jacobian(x, a);
-    least = std::min(least, J.determinant() / J.colwise().norm().prod());
+    min = std::min(min, J.determinant() / J.colwise().norm().prod());
   }
-  return least;
+  return min;
 }
 
 MeshQuality quality(const HexMesh& mesh) {

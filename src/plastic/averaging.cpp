@@ -15,11 +15,11 @@ namespace hexaplast {
 
 namespace {
 
-constexpr double kFitted = 1e-26;  // E below this share of sum |t|^2 is rounding
+constexpr double kFitted = 1e-26;  // E below this fraction of sum |t|^2 is rounding
 
 // a linear field over the 2 x 2 x 2 children of a cell costs as much in them as in the cell, of twice their edges, with
 // weight 2
-constexpr float kShareOfChild = 0.25;
+constexpr float kFractionOfChild = 0.25;
 
 // H_k <= P_k <= I, and the diagonal of P_k is 7/8
 constexpr double kSpectralRadius = 8.0 / 7 * (1 + kRegularisation);
@@ -40,7 +40,7 @@ struct CoarseAveraging {
     parallel_for(static_cast<int>(weight.size()), [&](int cell) {
       weight[cell] = 0;
       for (const int child : mesh.children[cell])
-        if (child >= 0) weight[cell] += kShareOfChild * weight_of(child);
+        if (child >= 0) weight[cell] += kFractionOfChild * weight_of(child);
     });
   }
 
@@ -61,18 +61,18 @@ struct Averaging::Kernels {
     slots.resize(*model.partition);
   }
 
-  /// Best rotations of history.rest_shape at history.material into history.rotation_map, unless the maps are the
-  /// mode's own; returns E. With `prepares`: operator, gradient and size as well.
+  /// Best rotations of history.rest_shape at history.plastic_rest_positions into history.rotation_map, unless the maps
+  /// are the mode's own; returns E. With `prepares`: operator, gradient and size as well.
   double fit(const Model& model, History& history, bool prepares) {
     const Partition& partition = *model.partition;
     slots.resize(partition);
-    to_slots(partition, history.material, material());
+    to_slots(partition, history.plastic_rest_positions, plastic_rest());
     if (prepares) std::fill(gradient().begin(), gradient().end(), 0.0);
     const bool has_own_maps = model.maps_per_element() > 1;
     std::visit(
         [&]<class T>(AveragingOperator<T>& of) {
           const FitPass<T> pass{.partition = partition,
-                                .material = material().data(),
+                                .plastic_rest = plastic_rest().data(),
                                 .present = present.data(),
                                 .rest_shape = history.rest_shape.data(),
                                 .rotation_map = has_own_maps ? nullptr : history.rotation_map.data(),
@@ -91,7 +91,7 @@ struct Averaging::Kernels {
   }
 
   /// Takes the elements whose entry is not 0.
-  void refer_to(const Model& model, const std::vector<unsigned char>& elements) {
+  void setup(const Model& model, const std::vector<unsigned char>& elements) {
     const Partition& partition = *model.partition;
     std::visit(
         [&]<class T>(AveragingOperator<T>& of) {
@@ -143,7 +143,7 @@ struct Averaging::Kernels {
       gather_weights(model);
     }
     operators.clear();
-    const AlignedVector<double>* finer = &material();
+    const AlignedVector<double>* finer = &plastic_rest();
     for (std::size_t k = 0; k < coarse.size(); ++k) {
       CoarseAveraging& level = coarse[k];
       meshes[k].place(*finer, level.position);
@@ -164,8 +164,8 @@ struct Averaging::Kernels {
   std::vector<std::uint16_t> present;     // the same, per block a bit per element
   std::vector<CoarseAveraging> coarse;    // of Model::coarse_meshes, made when a solver first asks for them
   std::vector<CoarseOperator> operators;  // of `coarse`
-  AlignedVector<double>& material() { return slots.first; }   // [m] of the latest fit
-  AlignedVector<double>& gradient() { return slots.second; }  // [m] its own
+  AlignedVector<double>& plastic_rest() { return slots.first; }  // [m] of the latest fit
+  AlignedVector<double>& gradient() { return slots.second; }     // [m] its own
   SlotScratch slots;
   std::vector<double> misfit, size;  // [m^2] per block
 };
@@ -376,11 +376,11 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
       gradient_(n, i) = kernels_->gradient()[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
   });
   remove_translation(gradient_);  // they are rounding, and outside the range of H and P
-  before_ = history.material;
+  before_ = history.plastic_rest_positions;
   const auto move = [&](bool leaves_rotation) {
     remove_translation(increment_);
     if (leaves_rotation) remove_rotation(increment_, before_);
-    history.material = before_ + increment_;
+    history.plastic_rest_positions = before_ + increment_;
     ++history.version;
   };
   const auto solve = [&](const System& system) {
@@ -406,7 +406,7 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
     if (kernels_->fit(model, history, false) > E) {
       // far from the fit the projected step may overshoot; the local/global step never raises E
       report.fell_back = true;
-      history.material = before_;
+      history.plastic_rest_positions = before_;
       kernels_->fit(model, history, false);  // the maps that it starts from, and keeps
       solve(System(model, *this, false));
     }
@@ -427,7 +427,7 @@ void Averaging::choose_elements(const Model& model, History& history, std::span<
       if (parts_.part_of_node[n] < 0 || !part_moves_[parts_.part_of_node[n]])
         history.averaging_increment.row(n).setZero();
   }
-  if (kernels_->chosen != chosen_) kernels_->refer_to(model, chosen_);
+  if (kernels_->chosen != chosen_) kernels_->setup(model, chosen_);
 }
 
 AveragingReport Averaging::advance(const Model& model, LinearSolver& solver, History& history,

@@ -16,7 +16,7 @@ namespace hexaplast {
 inline constexpr int kAveragingIterations = 10000;  ///< of the linear solver, after which it gives up
 inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps turns of a connected part definite
 
-/// Rest-to-material averaging: the joined positions x that fit the isolated rest shapes y best (theory.md section 5.5).
+/// Rest-shape averaging: the joined positions x that fit the isolated rest shapes y best (theory.md section 5.5).
 ///
 ///   E(x) = sum_k min_Pi sum_i |Pi y_i - (x_i - c_k(x))|^2          c_k: mean of the element's corners      (eq. 30)
 ///
@@ -36,9 +36,9 @@ class Averaging {
   Averaging(Averaging&&) noexcept;
   Averaging& operator=(Averaging) noexcept;
 
-  /// Moves history.material by settings.averaging_steps steps. history.rotation_map becomes the best rotations at the
-  /// new positions; a local/global step keeps those that it started from. changed: per element, not 0 where the rest
-  /// shape is another than before; parts without such an element keep their bits. Empty: all parts move.
+  /// Moves history.plastic_rest_positions by settings.averaging_steps steps. history.rotation_map becomes the best
+  /// rotations at the new positions; a local/global step keeps those that it started from. changed: per element, not 0
+  /// where the rest shape is another than before; parts without such an element keep their bits. Empty: all parts move.
   AveragingReport advance(const Model& model, LinearSolver& solver, History& history,
                           std::span<const unsigned char> changed = {});
 

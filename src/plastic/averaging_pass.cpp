@@ -37,8 +37,8 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       const T* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
-      const V share = load(coef + Op::kWeight * kBlock), weight = V(factor) * share;
-      if (!bits<T>(share > V(T(0)))) continue;
+      const V element_weight = load(coef + Op::kWeight * kBlock), weight = V(factor) * element_weight;
+      if (!bits<T>(element_weight > V(T(0)))) continue;
       CornerLanes<V> u;
       gather(partition, block, lane, p, u);
       take_mean_out(u);
@@ -78,12 +78,12 @@ void add_diagonal(const AveragingOperator<T>& op, int chunk, T factor, T* diagon
   const Partition& partition = op.partition();
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      CornerLanes<V> share;
+      CornerLanes<V> part;
       const T* weight = op.coef.data() + (static_cast<std::size_t>(block) * Op::kComponents + Op::kWeight) * kBlock;
       const V one = V(factor * T(1 - 1.0 / kCorners)) * load(weight + lane);
-      for (auto& corner : share.at)
+      for (auto& corner : part.at)
         for (V& entry : corner) entry = one;
-      scatter_add(share, partition, block, lane, diagonal);
+      scatter_add(part, partition, block, lane, diagonal);
     }
 }
 
@@ -140,7 +140,7 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   const int* elements = pass.partition.element_of_place.data() + block * kBlock + lane;
   CornerLanes<V> x, t;
-  gather(pass.partition, block, lane, pass.material, x);
+  gather(pass.partition, block, lane, pass.plastic_rest, x);
   replace_absent(present, x);
   take_mean_out(x);
 

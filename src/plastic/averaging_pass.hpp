@@ -33,7 +33,7 @@ class AveragingOperator final : public ChunkedOperator<T> {
 template <class T>
 struct FitPass {
   const Partition& partition;
-  const double* material;           ///< [m] slots
+  const double* plastic_rest;       ///< [m] slots
   const std::uint16_t* present;     ///< per block
   const ElementPoints* rest_shape;  ///< y, per element
   Mat3* rotation_map;               ///< Pi, per element: written, unless null

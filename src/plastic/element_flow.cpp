@@ -21,17 +21,17 @@ void flow_stretch(const FlowInput& at, double dt, ElementStep& step) {
     flow = stretch_flow(at.samples.polar[i].S, at.samples.stress[i], at.settings.yield_norm, step.next.yield_stress[i],
                         at.material.flow_rate, dt, at.settings.law);
     if (!std::isfinite(flow.norm)) step.dissipated = flow.norm;  // an overflow, which whoever takes the step refuses
-    if (flow.share == 0) continue;
+    if (flow.fraction == 0) continue;
     step.yielded = true;
     step.dissipated += at.samples.volume / kCorners * flow.dissipated;
     step.next.plastic_strain[i] += flow.strain;
-    step.next.yield_stress[i] = hardened(step.next.yield_stress[i], at.material.hardening, flow.share, flow.norm);
+    step.next.yield_stress[i] = hardened(step.next.yield_stress[i], at.material.hardening, flow.fraction, flow.norm);
   }
 }
 
 /// Rotation at every corner, relative to the centre (objective) or to the frame (the paper's modes, eq. 33 and 34).
 void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
-  step.R_centre = polar(centre_jacobian(at.world) * centre_jacobian(at.x).inverse()).R;
+  step.R_centre = polar(centre_jacobian(at.current) * centre_jacobian(at.x).inverse()).R;
   const Mat3 pose = at.frame.transpose() * step.R_centre;
   const double pose_angle = rotation_log(pose).norm();
 
@@ -55,9 +55,9 @@ void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
       case RotationPlasticity::kNone:
         break;
     }
-    if (flow.share == 0) continue;
+    if (flow.fraction == 0) continue;
     step.yielded = true;
-    step.next.rotation_yield[i] = hardened(threshold, at.material.hardening, flow.share, flow.angle);
+    step.next.rotation_yield[i] = hardened(threshold, at.material.hardening, flow.fraction, flow.angle);
   }
 }
 
@@ -69,10 +69,10 @@ void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& ste
     increments[i] = step.stretch[i].increment;
     if (objective) increments[i] = step.rotation[i].increment * increments[i];
   }
-  if (const double share = sampling_of(at.settings).increment_share(); share != 1) {
+  if (const double fraction = sampling_of(at.settings).increment_weight(); fraction != 1) {
     Mat3 mean = Mat3::Zero();
     for (const Mat3& increment : increments) mean += increment / kCorners;
-    for (Mat3& increment : increments) increment = mean + share * (increment - mean);
+    for (Mat3& increment : increments) increment = mean + fraction * (increment - mean);
   }
   if (tracks_stretch)
     for (int i = 0; i < kCorners; ++i) {
@@ -87,26 +87,26 @@ void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& ste
 
 }  // namespace
 
-double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kCorners; ++i) least = std::min(least, corner_jacobian(x, i).determinant() / original[i]);
-  return least;
+double min_jacobian_ratio(const CornerValues& initial, const ElementPoints& x) {
+  double min = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kCorners; ++i) min = std::min(min, corner_jacobian(x, i).determinant() / initial[i]);
+  return min;
 }
 
 ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt) {
   ElementStep step;
   step.next = before;
 
-  // guard: nothing flows in an element that is inverted or nearly so, in the world or in the material
-  double least_det = std::numeric_limits<double>::infinity();
-  for (const Mat3& F : at.samples.F) least_det = std::min(least_det, F.determinant());
-  const double least_jacobian = least_jacobian_ratio(at.corner_jacobian, at.x);
-  step.inverted = least_det < 0;
+  // guard: nothing flows in an element that is inverted or nearly so, at its current or its plastic rest positions
+  double min_det = std::numeric_limits<double>::infinity();
+  for (const Mat3& F : at.samples.F) min_det = std::min(min_det, F.determinant());
+  const double min_jacobian = min_jacobian_ratio(at.corner_jacobian, at.x);
+  step.inverted = min_det < 0;
   if (at.settings.bending == Bending::kOneRotation)  // stretches may be negative though F is not inverted
     for (const Polar& polar : at.samples.polar)
-      least_det =
-          std::min(least_det, Eigen::SelfAdjointEigenSolver<Mat3>(polar.S, Eigen::EigenvaluesOnly).eigenvalues()[0]);
-  step.skipped = std::min(least_det, least_jacobian) < at.settings.inversion_threshold;
+      min_det =
+          std::min(min_det, Eigen::SelfAdjointEigenSolver<Mat3>(polar.S, Eigen::EigenvaluesOnly).eigenvalues()[0]);
+  step.skipped = std::min(min_det, min_jacobian) < at.settings.inversion_threshold;
 
   const bool stretches = can_stretch(at.material), rotates = can_rotate(at.material, at.settings);
   if (!step.skipped && (stretches || rotates)) {
@@ -115,8 +115,8 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
     if (step.yielded) apply_increments(at, std::isfinite(at.material.fracture_stretch), step);
   }
 
-  if (least_jacobian < at.settings.inversion_threshold) {
-    repair_rest_shape(at.original_shape, dt, step.next.rest_shape);
+  if (min_jacobian < at.settings.inversion_threshold) {
+    repair_rest_shape(at.initial_shape, dt, step.next.rest_shape);
     step.repaired = true;
   }
   step.volume_ratio = at.samples.volume / at.initial_volume;

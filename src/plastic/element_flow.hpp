@@ -13,13 +13,13 @@ namespace hexaplast {
 struct FlowInput {
   const Material& material;
   const Settings& settings;
-  ElementPoints original_shape;  ///< [m] corners of the original mesh about their mean
-  CornerValues corner_jacobian;  ///< [m^3] det J_i of the original mesh
+  ElementPoints initial_shape;   ///< [m] corners of the initial mesh about their mean
+  CornerValues corner_jacobian;  ///< [m^3] det J_i of the initial mesh
   double initial_volume;         ///< [m^3] V0
-  const ElementPoints& x;        ///< [m] material corners
+  const ElementPoints& x;        ///< [m] plastic rest corners
   const ElementSamples& samples;
-  const ElementPoints& world;  ///< [m] world corners
-  const Mat3& frame;           ///< B: what the paper's rotation modes are measured against
+  const ElementPoints& current;  ///< [m] world corners
+  const Mat3& frame;             ///< B: what the paper's rotation modes are measured against
 };
 
 /// One plastic step of one element, with every intermediate.                        theory.md sections 5.1 to 5.4
@@ -39,6 +39,6 @@ struct ElementStep {
 ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt);
 
 /// Smallest det J_i(x) / det J_i(X) of an element's corners.
-double least_jacobian_ratio(const CornerValues& original, const ElementPoints& x);
+double min_jacobian_ratio(const CornerValues& initial, const ElementPoints& x);
 
 }  // namespace hexaplast

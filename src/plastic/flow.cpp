@@ -20,27 +20,28 @@ namespace {
 
 constexpr double kCollapsedJacobian = 0.02;  // of the original: averaging may not press a corner below
 
-/// Rotation that best fits the material positions of each connected part to the world ones.
-void fit_frames(const ConnectedParts& parts, ConstPoints material, ConstPoints world, std::vector<PartFrame>& frames) {
+/// Rotation that best fits the plastic rest positions of each connected part to the current ones.
+void fit_frames(const ConnectedParts& parts, ConstPoints plastic_rest, ConstPoints current,
+                std::vector<PartFrame>& frames) {
   frames.assign(parts.count, PartFrame{});
-  for (int n = 0; n < material.rows(); ++n) {
+  for (int n = 0; n < plastic_rest.rows(); ++n) {
     if (parts.part_of_node[n] < 0) continue;
     PartFrame& frame = frames[parts.part_of_node[n]];
-    frame.material_sum += material.row(n).transpose();
-    frame.world_sum += world.row(n).transpose();
+    frame.rest_sum += plastic_rest.row(n).transpose();
+    frame.current_sum += current.row(n).transpose();
     ++frame.num_nodes;
   }
-  for (int n = 0; n < material.rows(); ++n) {
+  for (int n = 0; n < plastic_rest.rows(); ++n) {
     if (parts.part_of_node[n] < 0) continue;
     PartFrame& frame = frames[parts.part_of_node[n]];
-    const Vec3 from = material.row(n).transpose() - frame.material_sum / frame.num_nodes;
-    const Vec3 to = world.row(n).transpose() - frame.world_sum / frame.num_nodes;
+    const Vec3 from = plastic_rest.row(n).transpose() - frame.rest_sum / frame.num_nodes;
+    const Vec3 to = current.row(n).transpose() - frame.current_sum / frame.num_nodes;
     frame.rotation += to * from.transpose();
   }
   for (PartFrame& frame : frames) frame.rotation = polar(frame.rotation).R;
 }
 
-constexpr double kSinglePrecision = 1e-5;  // the screen may be wrong by this share
+constexpr double kSinglePrecision = 1e-5;  // the screen may be wrong by this fraction
 
 /// Whether the plastic step would leave an element as it is but for its volume, as far as single precision can tell.
 /// Errs on the safe side.
@@ -93,21 +94,21 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
 
   const bool needs_frames = model.maps_per_element() > 1 && model.settings.rotation_frame == RotationFrame::kBestFit;
   const ConnectedParts& parts = work.averaging.parts(model, history);
-  if (needs_frames) fit_frames(parts, history.material, at.x, work.frames);
+  if (needs_frames) fit_frames(parts, history.plastic_rest_positions, at.x, work.frames);
   const Mat3 axes = Mat3::Identity();
 
   const auto flow_alone = [&](int e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const ElementPoints material = gather(history.material, corners), world = gather(at.x, corners);
-    const ElementSamples samples = element_samples(material, world, model.lame[e], model.settings);
+    const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(at.x, corners);
+    const ElementSamples samples = element_samples(plastic_rest, current, model.lame[e], model.settings);
     const FlowInput input{.material = model.material(e),
                           .settings = model.settings,
-                          .original_shape = model.original_shape(e),
+                          .initial_shape = model.initial_shape(e),
                           .corner_jacobian = model.corner_jacobian(e),
                           .initial_volume = model.volume[e],
-                          .x = material,
+                          .x = plastic_rest,
                           .samples = samples,
-                          .world = world,
+                          .current = current,
                           .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
     const ElementStep step = flow_element(input, history.element(e), dt);
     // what has but its volume restored is the same whoever does it
@@ -164,10 +165,10 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
   return true;
 }
 
-/// Takes back the flow of one element: its present material shape becomes its rest shape.
+/// Takes back the flow of one element: its present plastic rest shape becomes its rest shape.
 void adopt_material_shape(const Model& model, int e, const History& history, FlowWorkspace& work) {
   ElementHistory element = history.element(e);
-  const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
+  const ElementPoints x = about_mean(gather(history.plastic_rest_positions, model.mesh.hexahedra()[e]));
   for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
   work.trial.set_element(e, element);
   work.differs[model.partition->place_of_element[e] / kBlock] = FlowWorkspace::kAll;
@@ -177,17 +178,17 @@ void adopt_material_shape(const Model& model, int e, const History& history, Flo
 
 /// Marks elements that the averaging pressed towards inversion; returns how many.
 int mark_collapsing(const Model& model, const History& history, FlowWorkspace& work) {
-  AlignedVector<double>& material = work.averaging.slots().first;
-  to_slots(*model.partition, work.trial.material, material);
+  AlignedVector<double>& plastic_rest = work.averaging.slots().first;
+  to_slots(*model.partition, work.trial.plastic_rest_positions, plastic_rest);
   const auto is_collapsing = [&](int e) {
     const auto ratio = [&](const History& of) {
-      return least_jacobian_ratio(model.corner_jacobian(e), gather(of.material, model.mesh.hexahedra()[e]));
+      return min_jacobian_ratio(model.corner_jacobian(e), gather(of.plastic_rest_positions, model.mesh.hexahedra()[e]));
     };
     const double now = ratio(work.trial);
     return now < kCollapsedJacobian && now < ratio(history);
   };
   parallel_for(model.partition->num_blocks, [&](int block) {
-    const std::uint32_t near = nearly_collapsed(model, material.data(), kCollapsedJacobian, block);
+    const std::uint32_t near = nearly_collapsed(model, plastic_rest.data(), kCollapsedJacobian, block);
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e >= 0) work.flows[e].collapsing = (near >> place & 1) && history.alive[e] && is_collapsing(e);
@@ -197,20 +198,20 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
       std::count_if(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.collapsing; }));
 }
 
-/// Rest-to-material averaging that never inverts an element.
+/// Rest-shape averaging that never inverts an element.
 AveragingReport average_safely(const Model& model, LinearSolver& solver, const History& history, FlowWorkspace& work) {
   AveragingReport report = work.averaging.advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     if (work.flows[e].collapsing) adopt_material_shape(model, e, history, work);
-  work.trial.material = history.material;
+  work.trial.plastic_rest_positions = history.plastic_rest_positions;
   report = work.averaging.advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     if (history.alive[e]) adopt_material_shape(model, e, history, work);
-  work.trial.material = history.material;
+  work.trial.plastic_rest_positions = history.plastic_rest_positions;
   return report;
 }
 
@@ -256,12 +257,12 @@ FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
 FlowReport count_inverted(const Model& model, const Linearization& at) {
   FlowReport report;
   for (int block = 0; block < model.partition->num_blocks; ++block) {
-    const float* least_det =
+    const float* min_det =
         at.screen.data() + (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinDet) * kBlock;
     for (int place = 0; place < kBlock; ++place) {
       if (!(at.present[block] >> place & 1)) continue;
-      report.inverted += least_det[place] < 0;
-      report.skipped += least_det[place] < model.settings.inversion_threshold;
+      report.inverted += min_det[place] < 0;
+      report.skipped += min_det[place] < model.settings.inversion_threshold;
     }
   }
   return report;
@@ -283,13 +284,13 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
   }
   if (report.yielded == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest) return report;
 
-  work.trial.material = history.material;
+  work.trial.plastic_rest_positions = history.plastic_rest_positions;
   work.trial.dissipated_energy = history.dissipated_energy;
   work.trial.alive = history.alive;
   work.trial.removed = history.removed;
   work.trial.averaging_increment = history.averaging_increment;
   report.averaging = average_safely(model, solver, history, work);
-  require_finite(work.trial.material, "material position");
+  require_finite(work.trial.plastic_rest_positions, "plastic rest position");
   report.removed = remove_broken(model, history, work);
   report.yielded = 0;  // averaging may have taken some back
   for (const ElementFlow& f : work.flows) {

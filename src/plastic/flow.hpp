@@ -17,15 +17,15 @@ struct ElementFlow {
   bool yielded = false, inverted = false, skipped = false, repaired = false;
   bool collapsing = false;  ///< the averaging pressed it towards inversion
   bool overflowed = false;  ///< some number of its history, or its dissipated energy, is not finite
-  double volume_error = 0;  ///< [-] |material volume / original volume - 1| before the step
+  double volume_error = 0;  ///< [-] |plastic volume / initial volume - 1| before the step
   double dissipated = 0;    ///< [J]
 };
 
 /// How a connected part lies in the world: B of theory.md eq. 33.
 struct PartFrame {
-  Vec3 material_sum = Vec3::Zero(), world_sum = Vec3::Zero();
+  Vec3 rest_sum = Vec3::Zero(), current_sum = Vec3::Zero();
   int num_nodes = 0;
-  Mat3 rotation = Mat3::Zero();  ///< best fit from the material to the world positions
+  Mat3 rotation = Mat3::Zero();  ///< best fit from the material to the current positions
 };
 
 /// Scratch arrays of flow, kept so that a step allocates nothing.
@@ -48,11 +48,11 @@ struct FlowWorkspace {
 /// nearly so at the positions that `at` holds, as its screen sees them in single precision.
 FlowReport count_inverted(const Model& model, const Linearization& at);
 
-/// One plastic step at the accepted world positions that `at` holds (theory.md section 5). Where `at` is current,
+/// One plastic step at the accepted current positions that `at` holds (theory.md section 5). Where `at` is current,
 /// elements that its screen finds at rest are passed over; without, all are looked at, to the same result: stretch and
-/// rotation flow at every corner, rest shapes, volume restitution, hardening, rest-to-material averaging. Throws
-/// NumericalError naming the element whose history, or the node whose material position, is not finite; the history is
-/// then as before.
+/// rotation flow at every corner, rest shapes, volume restitution, hardening, rest-shape averaging. Throws
+/// NumericalError naming the element whose history, or the node whose plastic rest position, is not finite; the history
+/// is then as before.
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
                 FlowWorkspace& work);
 

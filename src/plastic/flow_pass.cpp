@@ -53,8 +53,8 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const Settings& settings = model.settings;
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u;
-  gather(*model.partition, block, lane, at.material.data(), x);
-  gather(*model.partition, block, lane, at.world.data(), u);
+  gather(*model.partition, block, lane, at.plastic_rest.data(), x);
+  gather(*model.partition, block, lane, at.current.data(), u);
   replace_absent(present, x);
   replace_absent(present, u);
   SampleLanes<V> element;
@@ -85,9 +85,9 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const V rate = step * material(&Material::flow_rate), rotation_rate = step * material(&Material::rotation_flow_rate),
           hardening = material(&Material::hardening);
 
-  // near the guard of the material shape the exact ratios decide
+  // near the guard of the plastic rest shape the exact ratios decide
   const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
-  fails |= bits<double>(hn::Not(element.least_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
+  fails |= bits<double>(hn::Not(element.min_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
   Mat<V> R_centre;
   set_zero(R_centre);
   if (model.can_rotate) {
@@ -114,8 +114,8 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
 
   V dissipated(0.0), flowing(0.0);
   V y[kCorners][3], mean[3] = {V(0.0), V(0.0), V(0.0)};
-  const double increment_share = sampling_of(settings).increment_share();
-  const bool shares = increment_share != 1;
+  const double increment_weight = sampling_of(settings).increment_weight();
+  const bool is_weighted = increment_weight != 1;
   Mat<V> mean_increment;
   set_zero(mean_increment);
   for (int i = 0; i < kCorners; ++i) {
@@ -151,23 +151,23 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
     if (model.tracks_plastic_stretch) load_plastic_stretch(i, plastic_stretch);
     if (model.can_stretch) {
       const Sym<V> sigma =
-          stress(of.law, of.mooney_share, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
+          stress(of.law, of.mooney_fraction, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
       const V norm = stress_norm_bound(sigma, settings.yield_norm);
       fails |= bits<double>(hn::Not(norm < V(std::numeric_limits<double>::infinity())));
       const V tau = yield_stress[i];
-      const V share = flow_share(norm, tau, rate, norm);  // gamma
-      if (any_positive(share)) {
+      const V fraction = flow_fraction(norm, tau, rate, norm);  // gamma
+      if (any_positive(fraction)) {
         const Mat<V> Sp =
-            stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), share, plastic_strain[i], dissipated, fails);
+            stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), fraction, plastic_strain[i], dissipated, fails);
         turn(Sp, false);
-        if (shares) increment = Sp;
-        flowing = max(flowing, share);
-        yield_stress[i] = hardened(tau, hardening, share, norm);
+        if (is_weighted) increment = Sp;
+        flowing = max(flowing, fraction);
+        yield_stress[i] = hardened(tau, hardening, fraction, norm);
         if (model.tracks_plastic_stretch) {
           const Mat<V> next = transposed_product(Pi, Sp * (Pi * plastic_stretch));
           for (int k = 0; k < 9; ++k)
             plastic_stretch.m[k / 3][k % 3] =
-                select(share > V(0.0), next.m[k / 3][k % 3], plastic_stretch.m[k / 3][k % 3]);
+                select(fraction > V(0.0), next.m[k / 3][k % 3], plastic_stretch.m[k / 3][k % 3]);
         }
       }
     }
@@ -176,27 +176,27 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       const RotationVector<V> Q = rotation_log(transposed_product(R_centre, R[i]));
       fails |= Q.near_half_turn;
       const V tau = rotation_yield[i];
-      const V share = flow_share(Q.angle, tau, rotation_rate, Q.angle);  // eta
-      if (any_positive(share)) {
-        const Mat<V> Rp = rotation_exp(Q, share);  //                                                        eq. 26
+      const V fraction = flow_fraction(Q.angle, tau, rotation_rate, Q.angle);  // eta
+      if (any_positive(fraction)) {
+        const Mat<V> Rp = rotation_exp(Q, fraction);  //                                                        eq. 26
         turn(Rp, false);
-        if (shares) increment = Rp * increment;
-        flowing = max(flowing, share);
-        rotation_yield[i] = hardened(tau, hardening, share, Q.angle);
+        if (is_weighted) increment = Rp * increment;
+        flowing = max(flowing, fraction);
+        rotation_yield[i] = hardened(tau, hardening, fraction, Q.angle);
       }
     }
     turn(Pi, true);
     for (int a = 0; a < 3; ++a) y[i][a] = at_corner[a];
-    if (shares)
+    if (is_weighted)
       for (int k = 0; k < 9; ++k) mean_increment.m[k / 3][k % 3] += V(1.0 / kCorners) * increment.m[k / 3][k % 3];
   }
-  if (shares) {
+  if (is_weighted) {
     const Mat<V> of_all = transposed_product(Pi, mean_increment * Pi);
     for (int i = 0; i < kCorners; ++i)
       for (int a = 0; a < 3; ++a) {
         V alike(0.0);
         for (int b = 0; b < 3; ++b) alike += of_all(a, b) * rest_shape[b * kCorners + i];
-        y[i][a] = alike + V(increment_share) * (y[i][a] - alike);
+        y[i][a] = alike + V(increment_weight) * (y[i][a] - alike);
       }
   }
   for (int i = 0; i < kCorners; ++i)
@@ -271,8 +271,8 @@ void restore(const Model& model, const Linearization& at, double dt, const Histo
       volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
     } else {
       CornerLanes<V> x, u;
-      gather(*model.partition, block, lane, at.material.data(), x);
-      gather(*model.partition, block, lane, at.world.data(), u);
+      gather(*model.partition, block, lane, at.plastic_rest.data(), x);
+      gather(*model.partition, block, lane, at.current.data(), u);
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       replace_absent(present, x);
       replace_absent(present, u);
@@ -305,14 +305,14 @@ std::uint32_t collapsed(const Model& model, const double* positions, double rati
     gather(*model.partition, block, lane, positions, x);
     EdgeLanes<V> e;
     edges(x, e);
-    V least(std::numeric_limits<double>::infinity());
+    V lowest(std::numeric_limits<double>::infinity());
     for (int i = 0; i < kCorners; ++i) {
       V det;
       reciprocal(edges_at(e, i), det);
-      least = min(least, V(0.125) * det);
+      lowest = min(lowest, V(0.125) * det);
     }
     const V largest = gather_numbers(elements.number, [&](int n) { return model.largest_jacobian[n]; });
-    near |= bits<double>(hn::Not(least > V(ratio) * largest)) << lane;
+    near |= bits<double>(hn::Not(lowest > V(ratio) * largest)) << lane;
   }
   return near & present;
 }

@@ -15,7 +15,7 @@ void restore_block(const Model& model, const Linearization& at, double dt, const
 std::uint32_t flow_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
                          History& trial, ElementFlow* flows);
 
-/// Elements of a block (a bit each) of which some corner may have a det J below `ratio` of the original one, at nodal
+/// Elements of a block (a bit each) of which some corner may have a det J below `ratio` of the initial one, at nodal
 /// positions [m] in slots. Errs on the safe side.
 std::uint32_t nearly_collapsed(const Model& model, const double* positions, double ratio, int block);
 

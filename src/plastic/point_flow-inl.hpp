@@ -18,16 +18,16 @@ namespace hexaplast::HWY_NAMESPACE {
 
 /// clamp(rate dt (value - threshold) / size, 0, 1); 0 where value <= threshold.                         eq. 21, 25, 33
 template <class N>
-HWY_INLINE N flow_share(N value, N threshold, N rate_dt, N size) {
-  const N share = min(rate_dt * (value - threshold) / size, N(1.0));
-  return select(value > threshold, share, N(0.0));
+HWY_INLINE N flow_fraction(N value, N threshold, N rate_dt, N size) {
+  const N fraction = min(rate_dt * (value - threshold) / size, N(1.0));
+  return select(value > threshold, fraction, N(0.0));
 }
 
-/// max(0, threshold + hardening share value); the threshold itself where nothing flows.                     eq. 23, 25
+/// max(0, threshold + hardening fraction value); the threshold itself where nothing flows.                   eq. 23, 25
 template <class N>
-HWY_INLINE N hardened(N threshold, N hardening, N share, N value) {
-  // select: a threshold of infinity times a share of zero is no number
-  return select(share > N(0.0), max(N(0.0), threshold + hardening * share * value), threshold);
+HWY_INLINE N hardened(N threshold, N hardening, N fraction, N value) {
+  // select: a threshold of infinity times a fraction of zero is no number
+  return select(fraction > N(0.0), max(N(0.0), threshold + hardening * fraction * value), threshold);
 }
 
 /// How many terms of a power series leave out less than rounding, by the size of its argument.
@@ -97,10 +97,10 @@ HWY_INLINE Mat<V> exponential(const Mat<V>& M, std::uint32_t& fails) {
   const V d = M(0, 0) * cof(0, 0) + M(0, 1) * cof(0, 1) + M(0, 2) * cof(0, 2);
   V a(1.0), b(0.0), c(0.0);  // Horner: 1 + M (1 + M / 2 (1 + M / 3 (...)))
   for (int k = terms_for(size, kLengths); k >= 1; --k) {
-    const V share(1.0 / k), above = c;
-    c = share * b;
-    b = share * (a + above * j);
-    a = V(1.0) + share * above * d;
+    const V scale(1.0 / k), above = c;
+    c = scale * b;
+    b = scale * (a + above * j);
+    a = V(1.0) + scale * above * d;
   }
   const Mat<V> MM = M * M;
   Mat<V> E;
@@ -109,32 +109,32 @@ HWY_INLINE Mat<V> exponential(const Mat<V>& M, std::uint32_t& fails) {
   return E;
 }
 
-/// exp(share dev log S), and its logarithm. Lanes need another form, because the search for eigenvectors branches;
+/// exp(fraction dev log S), and its logarithm. Lanes need another form, because the search for eigenvectors branches;
 /// tests/elastic/kernels_test.cpp compares the two.                                                          eq. 22
 template <class V>
-HWY_INLINE Mat<V> stretch_power(const Sym<V>& S, V share, Mat<V>& log, std::uint32_t& fails) {
+HWY_INLINE Mat<V> stretch_power(const Sym<V>& S, V fraction, Mat<V>& log, std::uint32_t& fails) {
   log = deviatoric_log(S, fails);
-  for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= share;
+  for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= fraction;
   return exponential(log, fails);
 }
 template <std::same_as<double> N>
-HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N share, Mat<N>& log, std::uint32_t& /*fails*/) {
+HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::uint32_t& /*fails*/) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(to_eigen(matrix(S)));
   const Mat3& V = eigen.eigenvectors();
   const Vec3 log_stretch = eigen.eigenvalues().array().log();
-  const Vec3 flowed = share * (log_stretch.array() - log_stretch.mean());
+  const Vec3 flowed = fraction * (log_stretch.array() - log_stretch.mean());
   log = entries(V * flowed.asDiagonal() * V.transpose());
   return entries(V * Vec3(flowed.array().exp()).asDiagonal() * V.transpose());
 }
 
-/// S^p of a corner of stretch S and stress sigma, of which the fraction `share` flows. Adds the plastic strain [-],
-/// sqrt(2/3) share |dev log S|, and the dissipated energy [J/m^3], sigma : share dev log S. fails: bit per lane, the
-/// series does not suffice.                                                                        eq. 22, section 5.8
+/// S^p of a corner of stretch S and stress sigma, of which the given fraction flows. Adds the plastic strain [-],
+/// sqrt(2/3) fraction |dev log S|, and the dissipated energy [J/m^3], sigma : fraction dev log S. fails: bit per lane,
+/// the series does not suffice.                                                                     eq. 22, section 5.8
 template <class N>
-HWY_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, N share, N& strain, N& dissipated,
+HWY_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, N fraction, N& strain, N& dissipated,
                                     std::uint32_t& fails) {
   Mat<N> log;
-  const Mat<N> increment = stretch_power(S, share, log, fails);
+  const Mat<N> increment = stretch_power(S, fraction, log, fails);
   dissipated += dot(matrix(sigma), log);
   strain += N(std::sqrt(2.0 / 3.0)) * sqrt(dot(log, log));
   return increment;

@@ -17,26 +17,26 @@ double stress_norm(const Mat3& sigma, YieldNorm norm) {
   return plain::stress_norm_bound(plain::symmetric_entries(sigma), norm);
 }
 
-double flow_share(double value, double threshold, double rate, double dt, double offset) {
-  return plain::flow_share(value, threshold, rate * dt, value + offset);
+double flow_fraction(double value, double threshold, double rate, double dt, double offset) {
+  return plain::flow_fraction(value, threshold, rate * dt, value + offset);
 }
 
-double hardened(double threshold, double hardening, double share, double value) {
-  return plain::hardened(threshold, hardening, share, value);
+double hardened(double threshold, double hardening, double fraction, double value) {
+  return plain::hardened(threshold, hardening, fraction, value);
 }
 
 StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, double yield_stress, double rate, double dt,
                          ElasticLaw law) {
   StretchFlow flow;
   flow.norm = stress_norm(sigma, norm);
-  flow.share = flow_share(flow.norm, yield_stress, rate, dt);
-  if (flow.share == 0) return flow;
+  flow.fraction = flow_fraction(flow.norm, yield_stress, rate, dt);
+  if (flow.fraction == 0) return flow;
 
   std::uint32_t fails = 0;  // eigenvectors do not
   const auto stretch = plain::symmetric_entries(S);
   const auto working = plain::dissipating(law, stretch, plain::symmetric_entries(sigma));
   flow.increment =
-      to_eigen(plain::stretch_increment(stretch, working, flow.share, flow.strain, flow.dissipated, fails));
+      to_eigen(plain::stretch_increment(stretch, working, flow.fraction, flow.strain, flow.dissipated, fails));
   return flow;
 }
 
@@ -44,8 +44,8 @@ RotationFlow rotation_flow(const Mat3& rotation, double angle, double pose_angle
                            double dt) {
   RotationFlow flow;
   flow.angle = angle;
-  flow.share = flow_share(angle, rotation_yield, rate, dt, pose_angle);       // eq. 25
-  if (flow.share > 0) flow.increment = rotation_power(rotation, flow.share);  // eq. 26
+  flow.fraction = flow_fraction(angle, rotation_yield, rate, dt, pose_angle);       // eq. 25
+  if (flow.fraction > 0) flow.increment = rotation_power(rotation, flow.fraction);  // eq. 26
   return flow;
 }
 

@@ -18,7 +18,7 @@ namespace hexaplast::HWY_NAMESPACE {
 template <class N>
 HWY_INLINE N restitution_scale(N volume_ratio, N rate_dt) {
   const N one(1.0);
-  const N scale = min(max(one + rate_dt * (one - volume_ratio), N(kLeastScale)), N(kGreatestScale));
+  const N scale = min(max(one + rate_dt * (one - volume_ratio), N(kMinScale)), N(kGreatestScale));
   return select(abs(volume_ratio - one) < N(kVolumeAtRest), one, scale);
 }
 

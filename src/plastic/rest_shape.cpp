@@ -25,8 +25,8 @@ void deform_rest_shape(const std::array<Mat3, kCorners>& increments, const std::
   y = about_mean(y);
 }
 
-void repair_rest_shape(const ElementPoints& original, double dt, ElementPoints& y) {
-  const ElementPoints turned = original * fit_rotation(original, y).transpose();
+void repair_rest_shape(const ElementPoints& initial, double dt, ElementPoints& y) {
+  const ElementPoints turned = initial * fit_rotation(initial, y).transpose();
   y += std::min(1.0, kRepairRate * dt) * (turned - y);
 }
 

@@ -13,7 +13,7 @@
 namespace hexaplast {
 namespace {
 
-constexpr int kMostPerRow = 200;       // of one row
+constexpr int kMaxPerRow = 200;        // of one row
 constexpr double kRegularised = 1e-8;  // of the mean of the diagonal, for rows that depend on one another
 constexpr double kNegligible = 0.03;   // of the energy norm of a start, that a solution adds to it
 constexpr double kOfFarInverse = 0.2;  // of the error allowed, where M is far from A: it sees less of smooth errors
@@ -56,7 +56,7 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
       field_of(b_, j).row(node) += direction.transpose();
     }
   const int num_solvers = num_threads();
-  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMostPerRow, preconditioner_);
+  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMaxPerRow, preconditioner_);
   bool is_parallel = true, couples = false;
   double error = energy_error_;
   for (int k = 0; k < num_solvers && is_parallel; ++k) {
@@ -72,16 +72,16 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   const bool has_previous = x_.cols() > 0 && x_.rows() == size;
   std::swap(x_, previous_);
   for (Eigen::MatrixXd* columns : {&x_, &r_}) columns->resize(size, num_rows);
-  Eigen::MatrixXd shares;
+  Eigen::MatrixXd coefficients;
   if (has_previous) {
-    shares = Eigen::MatrixXd(previous_.cols(), num_rows);
+    coefficients = Eigen::MatrixXd(previous_.cols(), num_rows);
     parallel_for(num_rows, [&](int j) {
       Eigen::VectorXd known = Eigen::VectorXd::Zero(previous_.cols());
       for (const auto& [node, direction] : rows[j]) known += previous_.middleRows(3 * node, 3).transpose() * direction;
-      shares.col(j) = factor_.solve(known);
-      const double negligible = kNegligible * std::sqrt(std::max(known.dot(shares.col(j)), 0.0));
+      coefficients.col(j) = factor_.solve(known);
+      const double negligible = kNegligible * std::sqrt(std::max(known.dot(coefficients.col(j)), 0.0));
       for (int i = 0; i < static_cast<int>(known.size()); ++i)
-        if (std::abs(shares(i, j)) * std::sqrt(std::max(energy_[i], 0.0)) < negligible) shares(i, j) = 0;
+        if (std::abs(coefficients(i, j)) * std::sqrt(std::max(energy_[i], 0.0)) < negligible) coefficients(i, j) = 0;
     });
   }
 
@@ -93,8 +93,8 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
       x.setZero();
       bool has_start = false;
       for (int i = 0; has_previous && i < static_cast<int>(previous_.cols()); ++i) {
-        if (shares(i, j) == 0) continue;
-        x_.col(j) += shares(i, j) * previous_.col(i);
+        if (coefficients(i, j) == 0) continue;
+        x_.col(j) += coefficients(i, j) * previous_.col(i);
         has_start = true;
       }
       iterations[j] = solver.approximate(field_of(b_, j), error, has_start, x, field_of(r_, j));
@@ -144,9 +144,9 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
 void Compliance::factorise(const Eigen::MatrixXd& K) {
   energy_ = K.diagonal();
   const double mean = energy_.mean();
-  for (double share = kRegularised; share < 1e-2; share *= 10) {
+  for (double fraction = kRegularised; fraction < 1e-2; fraction *= 10) {
     Eigen::MatrixXd regularised = K;
-    regularised.diagonal().array() += mean > 0 ? share * mean : 1;
+    regularised.diagonal().array() += mean > 0 ? fraction * mean : 1;
     factor_.compute(regularised);
     if (factor_.info() == Eigen::Success) return;
   }

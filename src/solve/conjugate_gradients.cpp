@@ -91,13 +91,13 @@ void require_definite(double r_z) {
 constexpr auto kNoRule = [](double) { return false; };
 
 /// The loop of all conjugate gradients, on what `begin` has put into `space`; r_r: r.r of it. Returns r.r at the end.
-/// Ends after `most` iterations in all, where has_converged(r.r) before or has_converged_by(r.z) behind the
+/// Ends after `max` iterations in all, where has_converged(r.r) before or has_converged_by(r.z) behind the
 /// preconditioner, and where goes_on(r.z, p.Ap) is false.
 template <class Converged, class ConvergedBy, class GoesOn>
-double iterate(CgSpace& space, double r_r, int most, int& iterations, const Converged& has_converged,
+double iterate(CgSpace& space, double r_r, int max, int& iterations, const Converged& has_converged,
                const ConvergedBy& has_converged_by, const GoesOn& goes_on) {
   double rho_before = 0;
-  for (bool first = true; iterations < most && !has_converged(r_r); first = false) {
+  for (bool first = true; iterations < max && !has_converged(r_r); first = false) {
     const double rho = space.precondition();
     if (has_converged_by(rho)) break;
     const double p_Ap = space.product(first ? 0 : rho / rho_before);
@@ -211,7 +211,7 @@ double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
 /// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range. is_indefinite:
 /// where given, whether the preconditioner turned out not to be positive definite, which ends it too; else that throws.
 template <class Converged, class ConvergedBy>
-double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* start, double r_r, int most,
+double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* start, double r_r, int max,
                             int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by,
                             bool* is_indefinite = nullptr) {
   const int iterations_before = iterations;
@@ -223,7 +223,7 @@ double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* st
     if (!is_outside) require_definite(rho);
     return !is_outside;
   };
-  r_r = iterate(space, r_r, most, iterations, has_converged, has_converged_by, goes_on);
+  r_r = iterate(space, r_r, max, iterations, has_converged, has_converged_by, goes_on);
   // what has blown up is worse than none
   const bool begins_anew = is_outside && (iterations == iterations_before || r_r > hexaplast::dot(b, b));
   return begins_anew ? space.begin(b, start) : r_r;
@@ -497,7 +497,7 @@ namespace {
 constexpr double kSingleSuffices = 1e-3;
 constexpr double kCorrection = 3e-3;  // relative residual of each correction
 constexpr double kDoubt = 0.1;        // of the tolerance: rounding that may have hidden that it was not reached
-constexpr int kMostCorrections = 50;
+constexpr int kMaxCorrections = 50;
 
 // What coefficients in half precision, which enter a product twice, leave out of a residual: two rounding units in most
 // bodies, and a few times as much in some that are badly distorted.
@@ -505,7 +505,7 @@ constexpr double kHalfLeavesOut = 0x1p-10;
 
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`. is_indefinite:
 /// as in iterate_within_range.
-void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int most_iterations,
+void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int max_iterations,
          SolveReport& report, bool* is_indefinite = nullptr) {
   const auto relative = [&](double r_r) { return std::sqrt(r_r) / norm_b; };
   double r_r = space.begin(b, start);
@@ -514,7 +514,7 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
     r_r = space.begin(b, start);
   }
   r_r = iterate_within_range(
-      space, b, start, r_r, most_iterations, report.iterations, [&](double now) { return relative(now) <= enough; },
+      space, b, start, r_r, max_iterations, report.iterations, [&](double now) { return relative(now) <= enough; },
       kNoRule, is_indefinite);
   report.residual = relative(r_r);
   report.converged = report.residual <= enough;
@@ -631,7 +631,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
 
   // corrections to an answer in double, until its own residual is small
   correction.resize(b.rows(), 3);
-  for (int k = 0; k < kMostCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
+  for (int k = 0; k < kMaxCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
     const double of_correction = std::max(0.5 * enough * norm_b / norm_r, is_single ? kCorrection : 0);
     if (!run_on(r, nullptr, norm_r, of_correction, correction)) return report;
     correction += x;

@@ -19,8 +19,8 @@ Eigen::RowVector3d doubled_area(ConstPoints x, int a, int b, int c) {
 void add_pressure(const Triangle& face, double pressure, ConstPoints x, Points f) {
   require_nodes("add_pressure", face, x.rows());
   require_rows("add_pressure", "f", f, x.rows());
-  const Eigen::RowVector3d share = pressure / 6 * doubled_area(x, face[0], face[1], face[2]);
-  for (const int node : face) f.row(node) += share;
+  const Eigen::RowVector3d force = pressure / 6 * doubled_area(x, face[0], face[1], face[2]);
+  for (const int node : face) f.row(node) += force;
 }
 
 void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f) {

@@ -14,9 +14,9 @@ double stable_phase_per_step(const EulerSettings& settings, double dt) {
   constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   if (!settings.trapezoidal || settings.first_order) return kUnbounded;
   const double t = std::tanh(dt * settings.velocity_damping / 2);
-  const double stiffness_share = 1 - 2 * settings.rayleigh_stiffness * t / dt;
-  if (stiffness_share <= 0) return kUnbounded;
-  return std::sqrt((4 + 2 * dt * settings.rayleigh_mass * t) / stiffness_share);  //                           eq. 49
+  const double stiffness_fraction = 1 - 2 * settings.rayleigh_stiffness * t / dt;
+  if (stiffness_fraction <= 0) return kUnbounded;
+  return std::sqrt((4 + 2 * dt * settings.rayleigh_mass * t) / stiffness_fraction);  //                           eq. 49
 }
 
 SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x,
@@ -45,7 +45,7 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
                   : OperatorFactors{.mass = 1 + ah * rM, .damping = -ah, .stiffness = -ah * (ah + rK)};
   const ConstrainedOperator A(system, factors);
   SolveReport report = solver.solve_next(A, right_hand_side_, velocity_, memory_);
-  for (int k = 0; k < kMostReleases; ++k) {
+  for (int k = 0; k < kMaxReleases; ++k) {
     released_.setZero(x.rows(), 3);
     released_product_.setZero(x.rows(), 3);
     end_velocity_ = velocity_;

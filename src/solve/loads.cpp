@@ -61,8 +61,8 @@ void add_tangential_forces(std::span<const int> nodes, int group_size, const Vec
     const Vec3 direction = axis.cross(p - centre);
     if (!(direction.norm() > 0))
       throw NumericalError(fmt::format("a tangential force has no direction: its node {} lies on the axis", group[0]));
-    const Vec3 share = force / group_size * direction.normalized();
-    for (const int node : group) f.row(node) += share.transpose();
+    const Vec3 part = force / group_size * direction.normalized();
+    for (const int node : group) f.row(node) += part.transpose();
   }
 }
 

@@ -39,7 +39,7 @@ SolveReport MinimumResiduals::solve_next(const LinearSystem& A, ConstPoints b, P
   w_before_.setZero(b.rows(), 3);
   // the QR decomposition of Lanczos' tridiagonal matrix: one Givens rotation (c, s) per iteration
   double beta = norm_r, beta_before = 0, c = -1, s = 0, diagonal_left = 0, far = 0, residual = norm_r, squares = 0;
-  double greatest = 0, least = std::numeric_limits<double>::max();
+  double greatest = 0, min = std::numeric_limits<double>::max();
   report.converged = false;
   while (report.iterations < iterations_) {
     const bool is_first = report.iterations++ == 0;
@@ -79,10 +79,10 @@ SolveReport MinimumResiduals::solve_next(const LinearSystem& A, ConstPoints b, P
     }
     const double norm_A = std::sqrt(squares), norm_x = std::sqrt(hexaplast::dot(x, x));
     greatest = std::max(greatest, pivot);
-    least = std::min(least, pivot);
+    min = std::min(min, pivot);
     const double of_A = of_residual / norm_A;
     report.converged = residual <= tolerance_ * norm_A * norm_x || of_A <= tolerance_;
-    if (report.converged || greatest / least >= 0.1 / kRounding || norm_A * kRounding * norm_x >= norm_r) break;
+    if (report.converged || greatest / min >= 0.1 / kRounding || norm_A * kRounding * norm_x >= norm_r) break;
   }
   require_finite(x, "solution");
   memory.start = x;

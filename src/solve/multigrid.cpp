@@ -15,11 +15,11 @@ namespace hexaplast {
 
 namespace {
 
-constexpr int kSmoothing = 2;            // degree of the Chebyshev polynomial before and after a coarse correction
-constexpr double kSmoothedShare = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
-constexpr int kCoarsestDegree = 10;      // on the coarsest mesh, in place of a direct solution
-constexpr double kCoarsestShare = 0.02;
-constexpr int kLeastLanczosSteps = 6, kMostLanczosSteps = 14;
+constexpr int kSmoothing = 2;               // degree of the Chebyshev polynomial before and after a coarse correction
+constexpr double kSmoothedFraction = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
+constexpr int kCoarsestDegree = 10;         // on the coarsest mesh, in place of a direct solution
+constexpr double kCoarsestFraction = 0.02;
+constexpr int kMinLanczosSteps = 6, kMaxLanczosSteps = 14;
 constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step: with less, steps end
 constexpr double kIrregular = 8;     // eigenvalue of a mesh in which single elements stand out; regular ones: to 6.2
 constexpr double kRangeEnds = 1e-5;  // of a Lanczos vector: what is left is rounding
@@ -85,25 +85,25 @@ double dot(MultigridLevel<T>& level, const AlignedVector<T>& a, const AlignedVec
 
 /// What Lanczos has found of a matrix: tridiagonal, of a size that needs no allocation.
 struct Tridiagonal {
-  template <int kRows, int kMostRows>
-  using Column = Eigen::Matrix<double, kRows, 1, 0, kMostRows, 1>;
-  Column<kMostLanczosSteps, kMostLanczosSteps> diagonal = decltype(diagonal)::Zero(), beside = diagonal;
+  template <int kRows, int kMaxRows>
+  using Column = Eigen::Matrix<double, kRows, 1, 0, kMaxRows, 1>;
+  Column<kMaxLanczosSteps, kMaxLanczosSteps> diagonal = decltype(diagonal)::Zero(), beside = diagonal;
 
   /// Of the first `size` rows.
   double largest_eigenvalue(int size) const {
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostLanczosSteps, kMostLanczosSteps>;
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLanczosSteps, kMaxLanczosSteps>;
     Eigen::SelfAdjointEigenSolver<Matrix> solver(size);
-    solver.computeFromTridiagonal(Column<Eigen::Dynamic, kMostLanczosSteps>(diagonal.head(size)),
-                                  Column<Eigen::Dynamic, kMostLanczosSteps - 1>(beside.head(size - 1)),
+    solver.computeFromTridiagonal(Column<Eigen::Dynamic, kMaxLanczosSteps>(diagonal.head(size)),
+                                  Column<Eigen::Dynamic, kMaxLanczosSteps - 1>(beside.head(size - 1)),
                                   Eigen::EigenvaluesOnly);
     return solver.eigenvalues()[size - 1];
   }
 };
 
-/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, `least` steps and on until one finds
+/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, `min_steps` and on until one finds
 /// little more. Unlike the power method it finds what a single element stands out by.
 template <class T>
-double spectral_radius(MultigridLevel<T>& level, int least) {
+double spectral_radius(MultigridLevel<T>& level, int min_steps) {
   const Partition& partition = level.op->partition();
   for (AlignedVector<T>* vector : {&level.x, &level.Ad})
     if (vector->size() != level.d.size()) vector->assign(level.d.size(), T(0));
@@ -131,13 +131,13 @@ double spectral_radius(MultigridLevel<T>& level, int least) {
     for_each_number([&](std::size_t i) { level.x[i] = level.inverse[i] > 0 ? level.d[i] / level.inverse[i] : T(0); });
     const double norm = std::sqrt(dot(level, level.d, level.x));
     if (step > 0) beta[step - 1] = norm;
-    if (step == kMostLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
+    if (step == kMaxLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
 
     for_each_number([&](std::size_t i) { level.d[i] *= static_cast<T>(1 / norm); });
     apply(level);
     alpha[step] = dot(level, level.d, level.Ad);
     const double before_step = std::exchange(largest, found.largest_eigenvalue(step + 1));
-    if (step + 1 >= least && !(largest > kLanczosGrowth * before_step)) break;
+    if (step + 1 >= min_steps && !(largest > kLanczosGrowth * before_step)) break;
     const T along = static_cast<T>(alpha[step]), before = static_cast<T>(step > 0 ? norm : 0);
     for_each_number(
         [&](std::size_t i) { level.r[i] = level.inverse[i] * level.Ad[i] - along * level.d[i] - before * level.r[i]; });
@@ -263,10 +263,10 @@ void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, Spe
   }
   if (!are_of_this || are_radii_known_) {
     place(own_diagonal, rest.free, {});
-    fine_.radius = kSafety * spectral_radius(fine_, kLeastLanczosSteps);
+    fine_.radius = kSafety * spectral_radius(fine_, kMinLanczosSteps);
     // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
-    const int least = fine_.radius > kSafety * kIrregular ? kMostLanczosSteps : kLeastLanczosSteps;
-    for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level, least);
+    const int min_steps = fine_.radius > kSafety * kIrregular ? kMaxLanczosSteps : kMinLanczosSteps;
+    for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level, min_steps);
     are_radii_known_ = false;
   }
   if (!known || of_system.num_levels > SpectralRadii::kMaxLevels) return;
@@ -302,7 +302,7 @@ void Multigrid<T>::place(const PointArray& diagonal, const NodeMask& free, std::
     level.fixed.find(cells, [&](int slot, int axis) {
       return mesh.finer_slot[slot] >= 0 && finer_is_fixed(mesh.finer_slot[slot], axis);
     });
-    // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its share of the stiffness
+    // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its fraction of the stiffness
     parallel_for(cells.num_nodes, [&](int slot) {
       for (int axis = 0; axis < 3; ++axis) {
         double sum = 0;
@@ -341,9 +341,9 @@ void Multigrid<T>::place(const PointArray& diagonal, const NodeMask& free, std::
 /// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
 template <class T>
 template <class U>
-void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double least_share, bool leaves_residual) {
+void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double min_fraction, bool leaves_residual) {
   const Partition& partition = level.op->partition();
-  const double theta = level.radius * (1 + least_share) / 2, delta = level.radius * (1 - least_share) / 2;
+  const double theta = level.radius * (1 + min_fraction) / 2, delta = level.radius * (1 - min_fraction) / 2;
   const double sigma = theta / delta;
   double rho = 1 / sigma;
   for (int step = 0; step < degree; ++step) {
@@ -407,14 +407,14 @@ template <class T>
 void Multigrid<T>::cycle(int coarse) {
   MultigridLevel<float>& level = coarse_[coarse];
   if (coarse + 1 == static_cast<int>(coarse_.size())) {
-    smooth(level, kCoarsestDegree, kCoarsestShare, false);
+    smooth(level, kCoarsestDegree, kCoarsestFraction, false);
     return;
   }
-  smooth(level, kSmoothing, kSmoothedShare, true);
+  smooth(level, kSmoothing, kSmoothedFraction, true);
   restrict_to(level, coarse + 1);
   cycle(coarse + 1);
   prolong_from(coarse + 1, level);
-  smooth(level, kSmoothing, kSmoothedShare, false);
+  smooth(level, kSmoothing, kSmoothedFraction, false);
 }
 
 template <class T>
@@ -426,13 +426,13 @@ void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
   });
   fine_.x.swap(z);
   if (coarse_.empty()) {
-    smooth(fine_, kCoarsestDegree, kCoarsestShare, false);
+    smooth(fine_, kCoarsestDegree, kCoarsestFraction, false);
   } else {
-    smooth(fine_, kSmoothing, kSmoothedShare, true);
+    smooth(fine_, kSmoothing, kSmoothedFraction, true);
     restrict_to(fine_, 0);
     cycle(0);
     prolong_from(0, fine_);
-    smooth(fine_, kSmoothing, kSmoothedShare, false);
+    smooth(fine_, kSmoothing, kSmoothedFraction, false);
   }
   fine_.x.swap(z);
   if (!fine_.blocks.empty())

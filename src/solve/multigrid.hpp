@@ -54,7 +54,7 @@ class Multigrid final : public SlotPreconditioner<T> {
   template <class Finer>
   void restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMesh& mesh, MultigridLevel<float>& level);
   template <class U>
-  void smooth(MultigridLevel<U>& level, int degree, double least_share, bool leaves_residual);
+  void smooth(MultigridLevel<U>& level, int degree, double min_fraction, bool leaves_residual);
   template <class Finer>
   void restrict_to(MultigridLevel<Finer>& finer, int coarse);
   template <class Finer>

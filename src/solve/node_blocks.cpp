@@ -16,7 +16,7 @@ Mat3 without_negative_part(const Mat3& block) {
 }
 
 // D where there is none, of the trace of the block
-constexpr double kShareOfBlock = 1e-3;
+constexpr double kFractionOfBlock = 1e-3;
 
 // From here on a direction is rigid: a cycle and rigid directions beside it are then as good as both at once to about a
 // hundredth, and the rounding of single precision is less than a thousandth of D.
@@ -28,7 +28,7 @@ constexpr double kRigid = 1e4;
 BlockAxes::BlockAxes(const Vec3& D, const Mat3& block) {
   Vec3 root, counts;
   for (int i = 0; i < 3; ++i) {
-    root[i] = std::sqrt(D[i] > 0 ? D[i] : kShareOfBlock * block.trace());
+    root[i] = std::sqrt(D[i] > 0 ? D[i] : kFractionOfBlock * block.trace());
     is_coupled[i] = !block.row(i).isZero(0);
     counts[i] = is_coupled[i] ? 1 : 0;
   }
@@ -92,8 +92,8 @@ void SlotBlocks<T>::complete(const Partition& partition, AlignedVector<T>& inver
     Vec3 D;
     for (int i = 0; i < 3; ++i) D[i] = of_node[i] > T(0) ? 1 / static_cast<double>(of_node[i]) : 0;
     const BlockAxes along(D, entry.block);
-    const Vec3 compliance = along.compliance(), share = Vec3::Ones() - compliance;
-    entry.goes_down = along.dual * share.asDiagonal() * along.dual.transpose();
+    const Vec3 compliance = along.compliance(), fraction = Vec3::Ones() - compliance;
+    entry.goes_down = along.dual * fraction.asDiagonal() * along.dual.transpose();
     entry.axes = along.axes.template cast<T>();
     entry.dual = along.dual.template cast<T>();
     for (int i = 0; i < 3; ++i) {
@@ -101,7 +101,7 @@ void SlotBlocks<T>::complete(const Partition& partition, AlignedVector<T>& inver
       entry.stiffness[i] = is_rigid ? T(0) : static_cast<T>(along.stiffness[i]);
       entry.inverse[i] = is_rigid ? T(0) : static_cast<T>(compliance[i]);
       entry.rigid[i] = is_rigid ? static_cast<T>(compliance[i]) : T(0);
-      entry.kept[i] = is_rigid ? T(1) : static_cast<T>(share[i]);
+      entry.kept[i] = is_rigid ? T(1) : static_cast<T>(fraction[i]);
       if (along.is_coupled[i]) of_node[i] = T(0);
     }
   }

@@ -26,7 +26,7 @@ struct NodalPart {
 };
 
 /// A block B beside a diagonal D, along the three directions a that both have in common: a.D a' = 0 = a.B a', a.D a =
-/// 1, a.B a = stiffness. Where D is 0, as without elements and mass, a share of the block takes its place.
+/// 1, a.B a = stiffness. Where D is 0, as without elements and mass, a fraction of the block takes its place.
 struct BlockAxes {
   BlockAxes(const Vec3& D, const Mat3& block);
   Mat3 axes;                       ///< a, in columns; 0 in the rows in which the block is
@@ -47,8 +47,8 @@ struct NodeGroup {
 
 /// What stands for the terms beside the bodies in a preconditioner: their rows, summed over the free nodes. That is the
 /// same where they tie nodes to the ground, as obstacles and grips do; it is the lumped mass of a consistent one, the
-/// share of each node in what points tie that follow the nodes, and nothing of a spring between two free nodes, which
-/// does not resist where they move together.
+/// fraction of each node in what points tie that follow the nodes, and nothing of a spring between two free nodes,
+/// which does not resist where they move together.
 ///
 /// Where terms tie groups of nodes to each other, the rows of a group are summed over the nodes of this group and of
 /// those before it: springs to a group behind it are as springs to the ground.

@@ -115,11 +115,11 @@ void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system,
       const int own = node - part.first_node;
       if (own >= 0 && own < num_nodes && part.weight[own] > 0) part.blocks.push_back({own, part.weight[own] * block});
     }
-    const NodalPart share{.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks};
+    const NodalPart nodal{.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks};
     if (part.is_single)
-      part.in_single.multigrid.setup(body, share);
+      part.in_single.multigrid.setup(body, nodal);
     else
-      part.in_double.multigrid.setup(body, share);
+      part.in_double.multigrid.setup(body, nodal);
   }
 
   blocks_.clear();

@@ -13,8 +13,8 @@ namespace hexaplast {
 ///   z = sum_i W_i B_i W_i r + W_0 D^-1 W_0 r        sum of all W = 1 at every node
 ///
 /// B_i is a V-cycle for body i with W_i of what stands on the nodes beside the bodies, D the nodes' own blocks of A.
-/// The weight W_i of a body at a node is its share in the diagonal of all bodies there: 1 at nodes of its own. W_0 is
-/// left to bodies without coarse meshes and to nodes of no body.
+/// The weight W_i of a body at a node is its fraction in the diagonal of all bodies there: 1 at nodes of its own. W_0
+/// is left to bodies without coarse meshes and to nodes of no body.
 ///
 /// Where other terms tie bodies to each other, as contact does, this is done group by group of nodes, each with a body
 /// of its own. With the blocks D_g of the groups and L of the terms between them below the diagonal, the preconditioner

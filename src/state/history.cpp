@@ -35,13 +35,13 @@ History::History(const Model& model)
       rotation_map(static_cast<std::size_t>(model.mesh.num_elements()) * model.maps_per_element(), Mat3::Identity()),
       yield_stress(model.mesh.num_elements()),
       rotation_yield(model.can_rotate ? model.mesh.num_elements() : 0),
-      material(model.mesh.positions()),
+      plastic_rest_positions(model.mesh.positions()),
       plastic_strain(model.mesh.num_elements(), CornerValues{}),
       plastic_stretch(model.tracks_plastic_stretch ? model.mesh.num_elements() : 0, identities()),
       alive(model.mesh.num_elements(), 1) {
   averaging_increment.setZero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    rest_shape[e] = model.original_shape(e);
+    rest_shape[e] = model.initial_shape(e);
     yield_stress[e].fill(model.material(e).yield_stress);
     if (model.can_rotate) rotation_yield[e].fill(model.material(e).rotation_yield);
   }
@@ -82,8 +82,8 @@ bool History::is_finite(int e) const {
 }
 
 void History::serialize(Archive& archive) {
-  archive(rest_shape, rotation_map, yield_stress, rotation_yield, material, plastic_strain, plastic_stretch,
-          dissipated_energy, alive, removed, averaging_increment);
+  archive(rest_shape, rotation_map, yield_stress, rotation_yield, plastic_rest_positions, plastic_strain,
+          plastic_stretch, dissipated_energy, alive, removed, averaging_increment);
   if (archive.reads()) removed.reserve(alive.size());  // a step allocates nothing
 }
 
@@ -94,7 +94,7 @@ void validate(const Model& model, const History& history) {
   require(history.rest_shape.size() == num_elements && history.yield_stress.size() == num_elements &&
               history.plastic_strain.size() == num_elements && history.alive.size() == num_elements,
           "it is of another number of hexahedra");
-  require(history.material.rows() == num_nodes, "it is of another number of nodes");
+  require(history.plastic_rest_positions.rows() == num_nodes, "it is of another number of nodes");
   require(history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
               history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
               (history.rotation_yield.size() == num_elements || (history.rotation_yield.empty() && !model.can_rotate)),
@@ -103,7 +103,7 @@ void validate(const Model& model, const History& history) {
   const auto is_threshold = [](double value) { return value >= 0; };
   require(all_values(history.yield_stress, is_threshold) && all_values(history.rotation_yield, is_threshold),
           "a yield threshold is negative or no number");
-  require(history.material.allFinite() && history.averaging_increment.allFinite() &&
+  require(history.plastic_rest_positions.allFinite() && history.averaging_increment.allFinite() &&
               std::isfinite(history.dissipated_energy),
           "a value is not finite");
   for (int e = 0; e < model.mesh.num_elements(); ++e)

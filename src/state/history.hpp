@@ -17,7 +17,7 @@ struct History {
   std::vector<Mat3> rotation_map;              ///< Pi per element, or per element and corner (Model::maps_per_element)
   std::vector<CornerValues> yield_stress;      ///< [Pa] tau per element
   std::vector<CornerValues> rotation_yield;    ///< [rad] tau^R per element; empty until the model can rotate
-  PointArray material;                         ///< [m] x: joined rest shape, num_nodes x 3; all that elasticity sees
+  PointArray plastic_rest_positions;           ///< [m] x: joined rest shape, num_nodes x 3; all that elasticity sees
   std::vector<CornerValues> plastic_strain;    ///< [-] per element
   std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
   double dissipated_energy = 0;                ///< [J] accumulated plastic work
@@ -25,9 +25,10 @@ struct History {
   std::vector<int> removed;                    ///< removed elements in the order of their removal
   PointArray averaging_increment;  ///< [m] latest step of the averaging, from which the next one starts; num_nodes x 3
                                    ///< in mixed precision, otherwise empty
-  long version = 0;  ///< grows whenever `material` or `alive` changes, so that derived data know they are old
+  long version =
+      0;  ///< grows whenever `plastic_rest_positions` or `alive` changes, so that derived data know they are old
 
-  /// The initial state of a model: material = original positions.
+  /// The initial state of a model: plastic rest positions = initial positions.
   explicit History(const Model& model);
 
   ElementHistory element(int e) const;

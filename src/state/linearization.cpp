@@ -58,11 +58,11 @@ template class ElementOperator<float, Half>;
 template class ElementOperator<float, float>;
 
 Linearization::Linearization(const Model& model)
-    : material(slot_vector<double>(*model.partition)),
+    : plastic_rest(slot_vector<double>(*model.partition)),
       present(model.partition->num_blocks),
       is_general(model.partition->num_blocks),
       volume(per_element(model)),
-      world(slot_vector<double>(*model.partition)),
+      current(slot_vector<double>(*model.partition)),
       force(slot_vector<double>(*model.partition)),
       screen(per_element(model) * YieldScreen::kQuantities),
       may_fold(model.partition->num_blocks),

@@ -59,7 +59,7 @@ void Model::take_materials() {
   }
 }
 
-ElementPoints Model::original_shape(int element) const {
+ElementPoints Model::initial_shape(int element) const {
   const ElementPoints X = gather(mesh.positions(), mesh.hexahedra()[element]);
   return X.rowwise() - X.colwise().mean();
 }

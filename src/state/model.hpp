@@ -18,7 +18,7 @@ struct Model {
   std::vector<Material> materials;  ///< one, or one per element
   Settings settings;
   std::vector<Lame> lame;                ///< [Pa] per element
-  std::vector<double> volume;            ///< [m^3] V0, original volume per element
+  std::vector<double> volume;            ///< [m^3] V0, initial volume per element
   std::vector<double> largest_jacobian;  ///< [m^3] largest det J_i(X) of the corners, per element
 
   std::shared_ptr<const Partition> partition;  ///< of the mesh, for the kernels
@@ -46,7 +46,7 @@ struct Model {
 
   bool can_flow() const { return can_stretch || can_rotate; }
 
-  ElementPoints original_shape(int element) const;                  ///< [m] corners about their mean
+  ElementPoints initial_shape(int element) const;                   ///< [m] corners about their mean
   std::array<double, kCorners> corner_jacobian(int element) const;  ///< [m^3] det J_i(X)
 
   const Material& material(int element) const { return materials[materials.size() == 1 ? 0 : element]; }

@@ -22,8 +22,8 @@ double pull_of(double corner_ratio, const Settings& settings) {
 /// a line do not feel turns about it.
 Mat3 pseudo_inverse(const Mat3& A) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(A);
-  const double least = 1e-9 * eigen.eigenvalues()[2];
-  const auto inverse = [&](double value) { return value > least ? 1 / value : 0; };
+  const double min = 1e-9 * eigen.eigenvalues()[2];
+  const auto inverse = [&](double value) { return value > min ? 1 / value : 0; };
   const Vec3 values = eigen.eigenvalues().unaryExpr(inverse);
   return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
 }
@@ -36,7 +36,8 @@ void Recovery::clear() {
   energy_ = 0;
 }
 
-void Recovery::find(const Model& model, std::span<const unsigned char> alive, ConstPoints material, ConstPoints world) {
+void Recovery::find(const Model& model, std::span<const unsigned char> alive, ConstPoints plastic_rest,
+                    ConstPoints current) {
   clear();
   const std::vector<Hexahedron>& hexahedra = model.mesh.hexahedra();
   const auto own_pull = [&](int e) {
@@ -92,12 +93,12 @@ void Recovery::find(const Model& model, std::span<const unsigned char> alive, Co
 
   for (Cluster& cluster : clusters_) {
     for (const Spring& spring : springs_of(cluster)) cluster.weight += spring.weight;
-    const auto [rest_centre, centre, R] = placement(cluster, material, world);
+    const auto [rest_centre, centre, R] = placement(cluster, plastic_rest, current);
     Mat3 inertia = Mat3::Zero();
     for (int k = cluster.first; k < cluster.last; ++k) {
       Spring& spring = springs_[k];
-      spring.arm = world.row(spring.node).transpose() - centre;
-      spring.residual = spring.arm - R * (material.row(spring.node).transpose() - rest_centre);
+      spring.arm = current.row(spring.node).transpose() - centre;
+      spring.residual = spring.arm - R * (plastic_rest.row(spring.node).transpose() - rest_centre);
       energy_ += spring.weight / 2 * spring.residual.squaredNorm();
       inertia += spring.weight * (spring.arm.squaredNorm() * Mat3::Identity() - spring.arm * spring.arm.transpose());
     }
@@ -105,28 +106,28 @@ void Recovery::find(const Model& model, std::span<const unsigned char> alive, Co
   }
 }
 
-Recovery::Placement Recovery::placement(const Cluster& cluster, ConstPoints material, ConstPoints world) const {
+Recovery::Placement Recovery::placement(const Cluster& cluster, ConstPoints plastic_rest, ConstPoints current) const {
   Placement found{.rest_centre = Vec3::Zero(), .centre = Vec3::Zero(), .R = Mat3::Identity()};
   for (const Spring& spring : springs_of(cluster)) {
-    found.rest_centre += spring.weight / cluster.weight * material.row(spring.node).transpose();
-    found.centre += spring.weight / cluster.weight * world.row(spring.node).transpose();
+    found.rest_centre += spring.weight / cluster.weight * plastic_rest.row(spring.node).transpose();
+    found.centre += spring.weight / cluster.weight * current.row(spring.node).transpose();
   }
   Mat3 moments = Mat3::Zero();
   for (const Spring& spring : springs_of(cluster))
-    moments += spring.weight * (world.row(spring.node).transpose() - found.centre) *
-               (material.row(spring.node) - found.rest_centre.transpose());
+    moments += spring.weight * (current.row(spring.node).transpose() - found.centre) *
+               (plastic_rest.row(spring.node) - found.rest_centre.transpose());
   found.R = polar(moments).R;
   return found;
 }
 
-double Recovery::energy_at(ConstPoints material, ConstPoints world) const {
+double Recovery::energy_at(ConstPoints plastic_rest, ConstPoints current) const {
   double energy = 0;
   for (const Cluster& cluster : clusters_) {
-    const Placement at = placement(cluster, material, world);
+    const Placement at = placement(cluster, plastic_rest, current);
     for (const Spring& spring : springs_of(cluster))
       energy += spring.weight / 2 *
-                (world.row(spring.node).transpose() - at.centre -
-                 at.R * (material.row(spring.node).transpose() - at.rest_centre))
+                (current.row(spring.node).transpose() - at.centre -
+                 at.R * (plastic_rest.row(spring.node).transpose() - at.rest_centre))
                     .squaredNorm();
   }
   return energy;

@@ -11,21 +11,21 @@
 
 namespace hexaplast {
 
-/// Cluster springs: what leads folded elements back.                                         theory.md section 3.3
+/// Cluster springs, which unfold folded elements.                                             theory.md section 3.3
 ///
-///   d_e = min_i det Jhat_i / det J_i of an element, world against material shape                        (eq. E22)
+///   d_e = min_i det Jhat_i / det J_i of an element, current against plastic rest                         (eq. E22)
 ///   s_e = (d1 - d_e) / (d1 - d0) within [0, 1], and of the elements beside the largest that touches      (eq. E27)
 ///   E_C = sum_n w_n |r_n|^2 / 2,  w_n = sum_e s_e strength mu V_e^1/3 / 2 of a node's elements      (eq. E23, E25)
 ///
-/// with r the deviation from the best rigid placement of the material shape, one placement for each connected cluster
-/// of elements with s > 0. Forces and moments of a cluster sum to zero. Nothing happens while all d_e >= d1. s is held
-/// in the gradient, so that the sum of E_C and the elastic energy is not kept while s changes.
+/// with r the deviation from the best rigid placement of the plastic rest shape, one placement for each connected
+/// cluster of elements with s > 0. Forces and moments of a cluster sum to zero. Nothing happens while all d_e >= d1. s
+/// is held in the gradient, so that the sum of E_C and the elastic energy is not kept while s changes.
 class Recovery {
  public:
   AlignedVector<double> corner_ratios;  ///< [-] d_e: what `find` is to be given, [block][element]
 
-  /// material, world: nodes x 3 [m].
-  void find(const Model& model, std::span<const unsigned char> alive, ConstPoints material, ConstPoints world);
+  /// nodes x 3 [m].
+  void find(const Model& model, std::span<const unsigned char> alive, ConstPoints plastic_rest, ConstPoints current);
 
   void clear();
 
@@ -33,7 +33,7 @@ class Recovery {
   double energy() const { return energy_; }  ///< [J]
 
   /// [J] of these springs, as strong as they are, at other positions.
-  double energy_at(ConstPoints material, ConstPoints world) const;
+  double energy_at(ConstPoints plastic_rest, ConstPoints current) const;
 
   /// f += forces of the springs [N].
   void add_force(Points f) const;
@@ -51,7 +51,7 @@ class Recovery {
   struct Spring {
     int node;
     double weight;  // [N/m]
-    Vec3 arm;       // [m] world position less the cluster's centre
+    Vec3 arm;       // [m] current position less the cluster's centre
     Vec3 residual;  // [m] r
   };
   struct Cluster {
@@ -59,7 +59,7 @@ class Recovery {
     double weight = 0;
     Mat3 inverse_inertia = Mat3::Zero();  // of the springs about the centre; without those axes that turn nothing
   };
-  /// The best rigid placement of the material shape: world = centre + R (material - rest_centre).
+  /// The best rigid placement of the plastic rest shape: current = centre + R (plastic rest - rest_centre).
   struct Placement {
     Vec3 rest_centre, centre;
     Mat3 R;
@@ -68,7 +68,7 @@ class Recovery {
   std::span<const Spring> springs_of(const Cluster& cluster) const {
     return {springs_.data() + cluster.first, springs_.data() + cluster.last};
   }
-  Placement placement(const Cluster& cluster, ConstPoints material, ConstPoints world) const;
+  Placement placement(const Cluster& cluster, ConstPoints plastic_rest, ConstPoints current) const;
 
   std::vector<Spring> springs_;  // by clusters
   std::vector<Cluster> clusters_;

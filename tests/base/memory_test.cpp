@@ -40,8 +40,8 @@ TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
   EXPECT_LT(bytes_per_hexahedron({yields}, mixed), bytes_per_hexahedron({yields}, in_double));
   Settings centre = mixed;  // cycles of multigrid take its own stiffness, not a simpler one beside it
   centre.bending = Bending::kCentre;
-  EXPECT_EQ(bytes_per_hexahedron({elastic}, centre), kLeastBytesPerHexahedron);
-  EXPECT_GT(bytes_per_hexahedron({elastic}, mixed), kLeastBytesPerHexahedron);
+  EXPECT_EQ(bytes_per_hexahedron({elastic}, centre), kMinBytesPerHexahedron);
+  EXPECT_GT(bytes_per_hexahedron({elastic}, mixed), kMinBytesPerHexahedron);
 }
 
 // Eight tensors of 72 bytes for each stretch that is tracked, seven more where each corner turns by itself; in the

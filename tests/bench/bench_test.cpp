@@ -107,7 +107,7 @@ TEST(BenchTimes, AreLeastMedianAndHundredth) {
   std::vector<double> ms(200);
   for (int k = 0; k < 200; ++k) ms[k] = 200 - k;
   const StepTimes times(ms);
-  EXPECT_EQ(times.least, 1);
+  EXPECT_EQ(times.min, 1);
   EXPECT_EQ(times.p50, 100);
   EXPECT_EQ(times.p99, 198);
 }

@@ -52,7 +52,7 @@ Body make_body(Precision precision = Precision::kDouble, std::array<int, 3> cell
   return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking()}, {.precision = precision});
 }
 
-/// Several plastic steps at positions that wander away from the original ones.
+/// Several plastic steps at positions that wander away from the initial ones.
 void flow(Body& body, int first, int last) {
   for (int step = first; step < last; ++step) {
     support::Random random(100 + step);
@@ -168,7 +168,7 @@ TEST(SavedBody, KeepsTheBytesOfItsFormat) {
   PointArray positions = body.mesh().positions();
   std::vector<Hexahedron> hexahedra = body.mesh().hexahedra();
   Settings s = settings;
-  archive(positions, hexahedra, s.bending, s.blend_share, s.volumetric, s.law, s.mooney_share, s.recovery,
+  archive(positions, hexahedra, s.bending, s.blend_weight, s.volumetric, s.law, s.mooney_fraction, s.recovery,
           s.recovery_strength, s.recovery_from, s.recovery_full, s.yield_norm, s.rotation_plasticity, s.rotation_frame,
           s.averaging, s.averaging_steps, s.averaging_tolerance, s.precision, s.volume_restitution,
           s.inversion_threshold);

@@ -26,18 +26,18 @@ using support::Random;
 
 const Material kYielding = support::yielding(100, 0.01);
 
-/// A distorted block that has yielded already, and world positions at which it goes on yielding.
+/// A distorted block that has yielded already, and current positions at which it goes on yielding.
 class YieldingBody : public testing::Test {
  protected:
-  YieldingBody() { body.flow(world, kStep); }
+  YieldingBody() { body.flow(current, kStep); }
 
   PointArray force() const {
-    PointArray f = PointArray::Zero(world.rows(), 3);
+    PointArray f = PointArray::Zero(current.rows(), 3);
     body.add_force(f);
     return f;
   }
   PointArray product(const PointArray& dx) const {
-    PointArray df = PointArray::Zero(world.rows(), 3);
+    PointArray df = PointArray::Zero(current.rows(), 3);
     body.add_stiffness_product(-1, dx, df);
     return df;
   }
@@ -45,15 +45,15 @@ class YieldingBody : public testing::Test {
 
   Random random{161};
   Body body{support::distorted_block({2, 2, 3}, kEdge, 0.15, 162), {kYielding}};
-  PointArray world = body.mesh().positions() + random.field(36, 0.2 * kEdge);
+  PointArray current = body.mesh().positions() + random.field(36, 0.2 * kEdge);
   PointArray elsewhere = body.mesh().positions() + random.field(36, 0.5 * kEdge);
 };
 
 TEST_F(YieldingBody, IsNotChangedByEvaluation) {
   const std::string before = history_hash();
-  body.linearize(world);
+  body.linearize(current);
   const PointArray f = force(), df = product(elsewhere);
-  const double energy = body.energy(world);
+  const double energy = body.energy(current);
 
   body.linearize(elsewhere);
   force();
@@ -61,14 +61,14 @@ TEST_F(YieldingBody, IsNotChangedByEvaluation) {
   body.energy(elsewhere);
   EXPECT_EQ(history_hash(), before);
 
-  body.linearize(world);
+  body.linearize(current);
   EXPECT_EQ(force(), f);
   EXPECT_EQ(product(elsewhere), df);
-  EXPECT_EQ(body.energy(world), energy);
+  EXPECT_EQ(body.energy(current), energy);
 }
 
 TEST_F(YieldingBody, KeepsItsLinearizationWhileEnergyAndFieldsAreAsked) {
-  body.linearize(world);
+  body.linearize(current);
   const PointArray f = force(), df = product(elsewhere);
   body.energy(elsewhere);
   body.fields(elsewhere);
@@ -77,7 +77,7 @@ TEST_F(YieldingBody, KeepsItsLinearizationWhileEnergyAndFieldsAreAsked) {
 }
 
 TEST_F(YieldingBody, AddsToWhatIsThere) {
-  body.linearize(world);
+  body.linearize(current);
   PointArray f = elsewhere;
   body.add_force(f);
   EXPECT_LE(support::max_abs(f - elsewhere - force()), 1e-12 * support::max_abs(force()));
@@ -86,18 +86,20 @@ TEST_F(YieldingBody, AddsToWhatIsThere) {
 TEST_F(YieldingBody, FlowsAtTheGivenPositionsWhateverWasLinearizedBefore) {
   Body other = body;
   body.linearize(elsewhere);
-  body.flow(world, kStep);
-  other.linearize(world);
-  other.flow(world, kStep);
+  body.flow(current, kStep);
+  other.linearize(current);
+  other.flow(current, kStep);
   StateHash a, b;
   body.add_to(a);
   other.add_to(b);
   EXPECT_EQ(a.text(), b.text());
 }
 
-TEST_F(YieldingBody, IsVirginAgainAfterReset) {
+TEST_F(YieldingBody, IsInItsInitialStateAfterReset) {
   Body initial(body.mesh(), {kYielding});
-  EXPECT_GT(support::max_abs(body.state().history.material - initial.state().history.material), 1e-6);
+  EXPECT_GT(
+      support::max_abs(body.state().history.plastic_rest_positions - initial.state().history.plastic_rest_positions),
+      1e-6);
   body.reset();
   StateHash a, b;
   body.add_to(a);
@@ -105,40 +107,40 @@ TEST_F(YieldingBody, IsVirginAgainAfterReset) {
   EXPECT_EQ(a.text(), b.text());
 
   PointArray expected = PointArray::Zero(36, 3);
-  initial.linearize(world);
+  initial.linearize(current);
   initial.add_force(expected);
-  body.linearize(world);
+  body.linearize(current);
   EXPECT_EQ(force(), expected);
 }
 
 TEST_F(YieldingBody, RefusesPositionsThatAreNotNumbersAndKeepsItsHistory) {
   const std::string before = history_hash();
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    PointArray spoiled = world;
+    PointArray spoiled = current;
     spoiled(7, 2) = bad;
     EXPECT_TRUE(support::refuses<NumericalError>([&] { body.flow(spoiled, kStep); }, {"node 7"}));
     EXPECT_EQ(history_hash(), before);
   }
-  EXPECT_NO_THROW(body.flow(world, kStep));
+  EXPECT_NO_THROW(body.flow(current, kStep));
 }
 
 TEST_F(YieldingBody, RefusesATimeStepBeyondTheLimits) {
   const std::string before = history_hash();
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(world, 0.5); }, {"flow_rate", "dt"}));
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, 0.5); }, {"flow_rate", "dt"}));
   EXPECT_EQ(history_hash(), before);
 }
 
 TEST_F(YieldingBody, RefusesATimeStepThatIsNoneAndKeepsItsHistory) {
   const std::string before = history_hash();
   for (const double dt : {0.0, -0.01, -1e300, double(NAN), double(INFINITY)})
-    EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(world, dt); }, {"dt = ", "(0, inf)"})) << dt;
+    EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, dt); }, {"dt = ", "(0, inf)"})) << dt;
   EXPECT_EQ(history_hash(), before);
 
   Body fresh(body.mesh(), body.materials(), body.settings());
-  EXPECT_THROW(fresh.flow(world, 0), InputError) << "also as the first";
-  fresh.flow(world, kStep);
+  EXPECT_THROW(fresh.flow(current, 0), InputError) << "also as the first";
+  fresh.flow(current, kStep);
   fresh.set_materials(body.materials());
-  EXPECT_THROW(fresh.flow(world, 0), InputError);
+  EXPECT_THROW(fresh.flow(current, 0), InputError);
 }
 
 TEST_F(YieldingBody, KeepsTheArraysOfItsMeshWhereTheyAre) {
@@ -165,31 +167,32 @@ TEST_F(YieldingBody, RefusesHexahedraThatAreNotThere) {
 TEST_F(YieldingBody, RefusesAnOverflowAndKeepsItsHistory) {
   const std::string before = history_hash();
   for (const double scale : {1e155, 1e200, 1e300})
-    EXPECT_TRUE(support::refuses<NumericalError>([&] { body.flow(scale * world, kStep); }, {"not finite"})) << scale;
+    EXPECT_TRUE(support::refuses<NumericalError>([&] { body.flow(scale * current, kStep); }, {"not finite"})) << scale;
   EXPECT_EQ(history_hash(), before);
-  EXPECT_GT(body.flow(world, kStep).yielded, 0) << "it goes on as if nothing had been";
+  EXPECT_GT(body.flow(current, kStep).yielded, 0) << "it goes on as if nothing had been";
 }
 
 TEST_F(YieldingBody, LosesNoEnergyIntoNothing) {
   // what the elastic energy loses in a plastic step at held positions is dissipated, to first order in the flow
-  const double energy = body.energy(world), dissipated = body.state().history.dissipated_energy;
-  body.flow(world, kStep / 100);
+  const double energy = body.energy(current), dissipated = body.state().history.dissipated_energy;
+  body.flow(current, kStep / 100);
   EXPECT_GT(body.state().history.dissipated_energy, dissipated);
-  EXPECT_LT(body.energy(world), energy);
+  EXPECT_LT(body.energy(current), energy);
 }
 
 TEST_F(YieldingBody, ShowsWhatItIs) {
-  const ElementFields fields = body.fields(world);
+  const ElementFields fields = body.fields(current);
   for (int e = 0; e < body.mesh().num_elements(); ++e) {
     const Hexahedron& corners = body.mesh().hexahedra()[e];
     EXPECT_NEAR(fields.volume_ratio[e],
-                volume(gather(body.state().history.material, corners)) / body.state().model.volume[e], 1e-13);
-    double most = 0, mean = 0;
+                volume(gather(body.state().history.plastic_rest_positions, corners)) / body.state().model.volume[e],
+                1e-13);
+    double max = 0, mean = 0;
     for (int a = 0; a < kCorners; ++a) {
-      most = std::max(most, body.state().history.yield_stress[e][a]);
+      max = std::max(max, body.state().history.yield_stress[e][a]);
       mean += body.state().history.plastic_strain[e][a] / 8;
     }
-    EXPECT_EQ(fields.yield_stress[e], most);
+    EXPECT_EQ(fields.yield_stress[e], max);
     EXPECT_NEAR(fields.plastic_strain[e], mean, 1e-15);
     EXPECT_GT(fields.stress_norm[e], 100);
     EXPECT_GT(fields.strain[e], 0);
@@ -233,7 +236,7 @@ TEST(Body, RunsTwiceToTheSameBits) {
   EXPECT_EQ(run(), run());
 }
 
-TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
+TEST(Body, WithoutElementsOrWithUnsupportedNodesIsHarmless) {
   Body none(HexMesh(PointArray::Zero(3, 3), {}), {kYielding});
   PointArray f = PointArray::Zero(3, 3);
   none.linearize(f);
@@ -243,10 +246,10 @@ TEST(Body, WithoutElementsOrWithLooseNodesIsHarmless) {
 
   PointArray positions(9, 3);
   positions << PointArray(support::cube(1)), 5, 5, 5;
-  Body loose(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {kYielding});
-  PointArray world = support::mapped(positions, Vec3(1.1, 1, 1).asDiagonal());
-  EXPECT_EQ(loose.flow(world, kStep).yielded, 1);
-  EXPECT_EQ(loose.state().history.material.row(8), positions.row(8));
+  Body unsupported(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {kYielding});
+  PointArray current = support::mapped(positions, Vec3(1.1, 1, 1).asDiagonal());
+  EXPECT_EQ(unsupported.flow(current, kStep).yielded, 1);
+  EXPECT_EQ(unsupported.state().history.plastic_rest_positions.row(8), positions.row(8));
 }
 
 TEST(Body, WithoutPlasticityReportsInvertedElementsAndKeepsItsHistory) {
@@ -261,7 +264,7 @@ TEST(Body, WithoutPlasticityReportsInvertedElementsAndKeepsItsHistory) {
   EXPECT_EQ(report.skipped, 1);
   EXPECT_EQ(report.yielded, 0);
   EXPECT_EQ(body.state().history.version, version);
-  EXPECT_EQ(body.state().history.material, body.mesh().positions());
+  EXPECT_EQ(body.state().history.plastic_rest_positions, body.mesh().positions());
 }
 
 TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
@@ -286,7 +289,7 @@ TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
   body.add_force(f);
   smaller.linearize(x);
   smaller.add_force(expected);
-  EXPECT_GT(support::max_abs(body.state().history.material - whole.positions()), 1e-4);
+  EXPECT_GT(support::max_abs(body.state().history.plastic_rest_positions - whole.positions()), 1e-4);
   EXPECT_LE(support::max_abs(f - expected), 1e-10 * support::max_abs(expected));
   EXPECT_NEAR(body.volume(x), smaller.volume(x), 1e-15);
 }
@@ -310,7 +313,7 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   body.linearize(x);
   body.add_force(f_hard);
   EXPECT_LE(support::max_abs(f_hard - 3 * f), 1e-9 * support::max_abs(f_hard)) << "the force is linear in E";
-  EXPECT_EQ(body.state().history.material, before.material);
+  EXPECT_EQ(body.state().history.plastic_rest_positions, before.plastic_rest_positions);
   EXPECT_EQ(body.state().history.plastic_strain, before.plastic_strain);
   for (int e = 0; e < mesh.num_elements(); ++e)
     for (int i = 0; i < kCorners; ++i)
@@ -319,9 +322,9 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   hard.yield_stress = std::numeric_limits<double>::infinity();
   hard.rotation_flow_rate = 0;
   body.set_materials({hard});
-  const PointArray shape = body.state().history.material;
+  const PointArray shape = body.state().history.plastic_rest_positions;
   body.flow(x, support::kStep);
-  EXPECT_EQ(body.state().history.material, shape) << "an elastic body does not flow";
+  EXPECT_EQ(body.state().history.plastic_rest_positions, shape) << "an elastic body does not flow";
 
   body.set_materials({soft});
   EXPECT_EQ(body.state().history.yield_stress[0][0], soft.yield_stress);
@@ -330,7 +333,7 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   Body fresh(mesh, {soft});
   fresh.flow(x, support::kStep);
   body.flow(x, support::kStep);
-  EXPECT_EQ(body.state().history.material, fresh.state().history.material);
+  EXPECT_EQ(body.state().history.plastic_rest_positions, fresh.state().history.plastic_rest_positions);
 }
 
 TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {

@@ -48,9 +48,9 @@ constexpr double kWidth = 0.01;  // [m] of the beams' square section
 double deflection(double poisson_ratio, int cells_across, double force, int load_steps) {
   const HexMesh mesh = support::block({5 * cells_across, cells_across, cells_across}, kWidth / cells_across);
   const std::vector<int> tip = support::nodes_at(mesh, 0, 5 * kWidth);
-  const std::vector<double> share = support::face_shares(mesh, tip);
+  const std::vector<double> weight = support::face_weights(mesh, tip);
   PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
-  for (const int n : tip) loads(n, 2) = force * share[n];
+  for (const int n : tip) loads(n, 2) = force * weight[n];
   Body body(mesh, {elastic(poisson_ratio)});
   const PointArray x = support::elastic_equilibrium(body, support::nodes_at(mesh, 0, 0), loads, load_steps);
   double sum = 0;
@@ -88,16 +88,16 @@ TEST(CalculixCantilever, LargeDeflectionLiesBetweenC3D8AndC3D20R) {
 double twist_rate(int cells_across, double torque) {
   const int slices = 10 * cells_across;
   const double length = 10 * kWidth;
-  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, length);
-  const HexMesh mesh = regular_grid({cells_across, cells_across, slices}, least, most);
+  const Vec3 min(-kWidth / 2, -kWidth / 2, 0), max(kWidth / 2, kWidth / 2, length);
+  const HexMesh mesh = regular_grid({cells_across, cells_across, slices}, min, max);
   const std::vector<int> end = support::nodes_at(mesh, 2, length);
-  const std::vector<double> share = support::face_shares(mesh, end);
+  const std::vector<double> weight = support::face_weights(mesh, end);
   PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
   double moment = 0;
-  for (const int n : end) moment += share[n] * mesh.positions().row(n).head<2>().squaredNorm();
+  for (const int n : end) moment += weight[n] * mesh.positions().row(n).head<2>().squaredNorm();
   for (const int n : end) {
-    loads(n, 0) = -torque / moment * share[n] * mesh.positions()(n, 1);
-    loads(n, 1) = torque / moment * share[n] * mesh.positions()(n, 0);
+    loads(n, 0) = -torque / moment * weight[n] * mesh.positions()(n, 1);
+    loads(n, 1) = torque / moment * weight[n] * mesh.positions()(n, 0);
   }
   Body body(mesh, {elastic(0.3)}, published_element());
   const PointArray x = support::elastic_equilibrium(body, support::nodes_at(mesh, 2, 0), loads, 1);

@@ -25,7 +25,7 @@ using support::matrix;
 
 constexpr double kTolerance = 1e-10;
 
-/// One golden hexahedron: its model, the stated history, and its world positions.
+/// One golden hexahedron: its model, the stated history, and its current positions.
 struct GoldenHexahedron {
   GoldenHexahedron(const std::string& state, const std::string& mode)
       : data(golden(state)),
@@ -33,7 +33,7 @@ struct GoldenHexahedron {
         model(support::single_element(matrix(data["X0"])), {support::material(data["params"])},
               support::settings(data["params"], mode, RotationFrame::kWorld)),
         history(model),
-        world(matrix(data["xh"])),
+        current(matrix(data["xh"])),
         dt(data["params"]["dt"]) {
     ElementHistory element = history.element(0);
     element.rest_shape = matrix(data["y"]);
@@ -43,15 +43,15 @@ struct GoldenHexahedron {
       element.rotation_yield[a] = data["tauR"][a];
     }
     history.set_element(0, element);
-    history.material = matrix(data["x"]);
+    history.plastic_rest_positions = matrix(data["x"]);
     ++history.version;
-    linearize(model, history, world, at);
-    rest = rest_operator(material(), sampling_of(model.settings));
-    samples = element_samples(material(), element_world(), model.lame[0], model.settings);
+    linearize(model, history, current, at);
+    rest = rest_operator(plastic_rest(), sampling_of(model.settings));
+    samples = element_samples(plastic_rest(), element_current(), model.lame[0], model.settings);
   }
 
-  ElementPoints element_world() const { return world; }
-  ElementPoints material() const { return history.material; }
+  ElementPoints element_current() const { return current; }
+  ElementPoints plastic_rest() const { return history.plastic_rest_positions; }
 
   Json data;
   Model model;
@@ -59,7 +59,7 @@ struct GoldenHexahedron {
   Linearization at{model};
   RestOperator rest;
   ElementSamples samples;
-  PointArray world;
+  PointArray current;
   double dt;
 };
 
@@ -77,16 +77,16 @@ TEST_P(GoldenHex, Geometry) {
   EXPECT_TRUE(agrees(hex.model.volume[0], hex.data["V0"].get<double>(), kTolerance));
   for (int a = 0; a < kCorners; ++a) {
     EXPECT_TRUE(agrees(hex.model.corner_jacobian(0)[a], hex.data["detJ0"][a].get<double>(), kTolerance));
-    EXPECT_TRUE(agrees(corner_jacobian(hex.material(), a), matrix(elastic["J_i"][a]), kTolerance));
+    EXPECT_TRUE(agrees(corner_jacobian(hex.plastic_rest(), a), matrix(elastic["J_i"][a]), kTolerance));
     EXPECT_TRUE(agrees(sample_gradient(hex.rest, a), matrix(elastic["G_quadrature"][a]), kTolerance));
     EXPECT_TRUE(agrees(hex.rest.volume / 8, elastic["w"][a].get<double>(), kTolerance));
   }
-  EXPECT_TRUE(agrees(centre_jacobian(hex.material()), matrix(elastic["J_o"]), kTolerance));
-  EXPECT_TRUE(agrees(volume(hex.material()), elastic["volume_x"].get<double>(), kTolerance));
+  EXPECT_TRUE(agrees(centre_jacobian(hex.plastic_rest()), matrix(elastic["J_o"]), kTolerance));
+  EXPECT_TRUE(agrees(volume(hex.plastic_rest()), elastic["volume_x"].get<double>(), kTolerance));
 }
 
 TEST_P(GoldenHex, DeformationGradientsAndRotations) {
-  const ElementPoints x = hex.material(), xh = hex.element_world();
+  const ElementPoints x = hex.plastic_rest(), xh = hex.element_current();
   const Mat3 F_o = centre_jacobian(xh) * centre_jacobian(x).inverse();
   EXPECT_TRUE(agrees(F_o, matrix(plastic["F_o"]), kTolerance));
   EXPECT_TRUE(agrees(polar(F_o).R, matrix(plastic["R_o"]), kTolerance));
@@ -103,7 +103,7 @@ TEST_P(GoldenHex, DeformationGradientsAndRotations) {
 }
 
 TEST_P(GoldenHex, EnergyForceAndStiffness) {
-  EXPECT_TRUE(agrees(energy(hex.model, hex.history, hex.world), elastic["energy"].get<double>(), kTolerance));
+  EXPECT_TRUE(agrees(energy(hex.model, hex.history, hex.current), elastic["energy"].get<double>(), kTolerance));
 
   PointArray f = PointArray::Zero(kCorners, 3);
   add_force(hex.model, hex.at, f);
@@ -115,16 +115,16 @@ TEST_P(GoldenHex, EnergyForceAndStiffness) {
 }
 
 TEST_P(GoldenHex, ElementStep) {
-  const ElementPoints x = hex.material(), world = hex.element_world();
+  const ElementPoints x = hex.plastic_rest(), current = hex.element_current();
   const Mat3 axes = Mat3::Identity();
   const ElementStep step = flow_element({.material = hex.model.material(0),
                                          .settings = hex.model.settings,
-                                         .original_shape = hex.model.original_shape(0),
+                                         .initial_shape = hex.model.initial_shape(0),
                                          .corner_jacobian = hex.model.corner_jacobian(0),
                                          .initial_volume = hex.model.volume[0],
                                          .x = x,
                                          .samples = hex.samples,
-                                         .world = world,
+                                         .current = current,
                                          .frame = axes},
                                         hex.history.element(0), hex.dt);
   EXPECT_EQ(step.skipped, plastic["plasticity_off"].get<bool>());
@@ -139,10 +139,10 @@ TEST_P(GoldenHex, ElementStep) {
     EXPECT_TRUE(agrees(hex.samples.stress[a], matrix(plastic["sigma"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.R_centre.transpose() * hex.samples.polar[a].R, matrix(plastic["Q"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.stretch[a].norm, plastic["sigma_norm"][a].get<double>(), kTolerance));
-    EXPECT_TRUE(agrees(step.stretch[a].share, plastic["gamma"][a].get<double>(), kTolerance));
+    EXPECT_TRUE(agrees(step.stretch[a].fraction, plastic["gamma"][a].get<double>(), kTolerance));
     EXPECT_TRUE(agrees(step.stretch[a].increment, matrix(plastic["Sp"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.rotation[a].angle, plastic["phi"][a].get<double>(), kTolerance));
-    EXPECT_TRUE(agrees(step.rotation[a].share, plastic["eta"][a].get<double>(), kTolerance));
+    EXPECT_TRUE(agrees(step.rotation[a].fraction, plastic["eta"][a].get<double>(), kTolerance));
     EXPECT_TRUE(agrees(step.rotation[a].increment, matrix(plastic["Rp"][a]), kTolerance));
     EXPECT_TRUE(agrees(step.next.yield_stress[a], plastic["tau_new"][a].get<double>(), kTolerance));
     EXPECT_TRUE(agrees(step.next.rotation_yield[a], plastic["tauR_new"][a].get<double>(), kTolerance));
@@ -158,7 +158,7 @@ TEST_P(GoldenHex, OnePlasticStep) {
   EXPECT_EQ(report.skipped, 0);
 
   const ElementHistory element = hex.history.element(0);
-  const ElementPoints x = hex.material(), x_golden = matrix(plastic["x_new"]);
+  const ElementPoints x = hex.plastic_rest(), x_golden = matrix(plastic["x_new"]);
   EXPECT_TRUE(agrees(element.rest_shape, matrix(plastic["y_new"]), kTolerance));
   EXPECT_TRUE(agrees(volume(element.rest_shape), plastic["volume_y_new"].get<double>(), kTolerance));
   EXPECT_TRUE(agrees(volume(x), plastic["volume_x_new"].get<double>(), kTolerance));

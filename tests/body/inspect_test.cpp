@@ -21,7 +21,7 @@ const Material kFlowing = support::yielding(100, 0.001);
 /// A distorted hexahedron whose corners have been moved by up to a tenth of its edge.
 HexahedronState deformed(const Material& material) {
   HexahedronState state = initial_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 411), material);
-  state.world += support::Random(412).field(kCorners, 0.1 * kEdge);
+  state.current += support::Random(412).field(kCorners, 0.1 * kEdge);
   return state;
 }
 
@@ -29,7 +29,7 @@ TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceW
   HexahedronState state = initial_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 413), kFlowing);
   const auto at = [&](int corner, int axis, double h) {
     HexahedronState moved = state;
-    moved.world(corner, axis) += h;
+    moved.current(corner, axis) += h;
     return inspect_elasticity(moved, kFlowing, {});
   };
   // at rest S = I: the part of the derivative that turns the rotations does no work
@@ -61,15 +61,15 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
     const HexahedronState state = deformed(kFlowing);
     const HexahedronStep step = inspect_step(state, kFlowing, settings, 0.01);
 
-    Body body(support::single_element(state.original), {kFlowing}, settings);
-    body.flow(state.world, 0.01);
+    Body body(support::single_element(state.initial), {kFlowing}, settings);
+    body.flow(state.current, 0.01);
     const ElementHistory expected = body.state().history.element(0);
-    EXPECT_EQ(step.material, ElementPoints(body.state().history.material));
+    EXPECT_EQ(step.plastic_rest, ElementPoints(body.state().history.plastic_rest_positions));
     EXPECT_EQ(step.history.rest_shape, expected.rest_shape);
     EXPECT_EQ(step.history.rotation_map, expected.rotation_map);
     EXPECT_EQ(step.history.yield_stress, expected.yield_stress);
     EXPECT_EQ(step.history.rotation_yield, expected.rotation_yield);
-    EXPECT_NE(step.material, state.material);
+    EXPECT_NE(step.plastic_rest, state.plastic_rest);
   }
 }
 
@@ -90,7 +90,7 @@ TEST(HexahedronStep, WhatFlowsFollowsFromTheIntermediatesThatAreShown) {
 
 TEST(HexahedronStep, ShowsTheDeformationOfAGuardedHexahedronThatDoesNotFlow) {
   HexahedronState state = deformed(kFlowing);
-  state.world.col(0) *= -1;
+  state.current.col(0) *= -1;
   const HexahedronStep step = inspect_step(state, kFlowing, {}, 0.01);
   EXPECT_TRUE(step.skipped);
   for (int i = 0; i < kCorners; ++i) {
@@ -98,7 +98,7 @@ TEST(HexahedronStep, ShowsTheDeformationOfAGuardedHexahedronThatDoesNotFlow) {
     EXPECT_GT(step.stress_norm[i], 100);
     EXPECT_EQ(step.stretch_flow_fraction[i], 0);
   }
-  EXPECT_EQ(step.material, state.material);
+  EXPECT_EQ(step.plastic_rest, state.plastic_rest);
 }
 
 TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
@@ -126,7 +126,7 @@ TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
 TEST(HexahedronStep, IsExactWhateverThePrecisionOfABody) {
   const HexahedronState state = deformed(kFlowing);
   const HexahedronStep step = inspect_step(state, kFlowing, {.precision = Precision::kMixed}, .01);
-  EXPECT_EQ(step.material, inspect_step(state, kFlowing, {}, .01).material);
+  EXPECT_EQ(step.plastic_rest, inspect_step(state, kFlowing, {}, .01).plastic_rest);
 }
 
 TEST(HexahedronStep, RefusesTimeStepsThatAreNone) {
@@ -136,11 +136,11 @@ TEST(HexahedronStep, RefusesTimeStepsThatAreNone) {
        {0., -.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_TRUE(support::refuses<InputError>([&] { inspect_step(state, {}, {}, dt); }, {"dt = ", "(0, inf)"})) << dt;
     EXPECT_TRUE(support::refuses<InputError>(
-        [&] { follow_path(state.original, {}, {}, dt, path, [](const PathResponse&) {}); }, {"dt = ", "(0, inf)"}))
+        [&] { follow_path(state.initial, {}, {}, dt, path, [](const PathResponse&) {}); }, {"dt = ", "(0, inf)"}))
         << dt;
   }
   EXPECT_TRUE(support::refuses<InputError>(
-      [&] { follow_path(state.original, {}, {}, 1e-300, path, [](const PathResponse&) {}); },
+      [&] { follow_path(state.initial, {}, {}, 1e-300, path, [](const PathResponse&) {}); },
       {"dt = 1e-300", "steps of the path"}));
 }
 

@@ -22,7 +22,7 @@ using support::Random;
 
 constexpr int kSteps = 120;
 
-/// A soft bar of that mesh at those original positions.
+/// A soft bar of that mesh at those initial positions.
 Body yielding_bar(const PointArray& positions, const HexMesh& mesh) {
   return Body(HexMesh(positions, mesh.hexahedra()), {support::yielding(100, 0.01)});
 }
@@ -38,13 +38,15 @@ class DrivenBar {
   template <class Pose>
   void drive(Body& body, const Pose& posed) const {
     for (int k = 1; k <= kSteps; ++k) {
-      const double share = std::min(1.0, k / 80.0);
-      body.flow(posed(k, support::stretched_and_twisted(mesh_, 1 + 0.3 * share, 1.5 * share)), kStep);
+      const double fraction = std::min(1.0, k / 80.0);
+      body.flow(posed(k, support::stretched_and_twisted(mesh_, 1 + 0.3 * fraction, 1.5 * fraction)), kStep);
     }
   }
 
   void expect_equal_history(const Body& body, double tolerance) const {
-    EXPECT_LE(support::incongruence(body.state().history.material, reference_.state().history.material), tolerance);
+    EXPECT_LE(support::incongruence(body.state().history.plastic_rest_positions,
+                                    reference_.state().history.plastic_rest_positions),
+              tolerance);
     double shape_error = 0, threshold_error = 0;
     for (int e = 0; e < mesh_.num_elements(); ++e) {
       const ElementHistory actual = body.state().history.element(e), expected = reference_.state().history.element(e);
@@ -59,7 +61,7 @@ class DrivenBar {
   }
 
   const HexMesh& mesh() const { return mesh_; }
-  const PointArray& reference_material() const { return reference_.state().history.material; }
+  const PointArray& reference_material() const { return reference_.state().history.plastic_rest_positions; }
 
  private:
   HexMesh mesh_;
@@ -96,7 +98,8 @@ TEST_F(Objectivity, TurningTheWholeSceneTurnsTheResult) {
   const Mat3 R = random.rotation();
   Body body = yielding_bar(mapped(mesh.positions(), R), mesh);
   bar.drive(body, [&](int, const PointArray& x) { return mapped(x, R); });
-  EXPECT_LE(support::incongruence(body.state().history.material, bar.reference_material()), 1e-10 * kEdge);
+  EXPECT_LE(support::incongruence(body.state().history.plastic_rest_positions, bar.reference_material()),
+            1e-10 * kEdge);
 }
 
 TEST_F(Objectivity, MovingTheWholeSceneMovesTheResult) {
@@ -104,7 +107,8 @@ TEST_F(Objectivity, MovingTheWholeSceneMovesTheResult) {
     const Vec3 shift(far, -0.5 * far, 0.3 * far);
     Body body = yielding_bar(mapped(mesh.positions(), Mat3::Identity(), shift), mesh);
     bar.drive(body, [&](int, const PointArray& x) { return mapped(x, Mat3::Identity(), shift); });
-    EXPECT_LE(support::incongruence(body.state().history.material, bar.reference_material()), far > 1 ? 1e-7 : 1e-10);
+    EXPECT_LE(support::incongruence(body.state().history.plastic_rest_positions, bar.reference_material()),
+              far > 1 ? 1e-7 : 1e-10);
   }
 }
 
@@ -117,7 +121,9 @@ TEST_F(Objectivity, TheMirroredSceneHasTheMirroredResult) {
   const HexMesh mirrored(mapped(mesh.positions(), mirror), hexahedra);
   Body body = yielding_bar(mirrored.positions(), mirrored);
   bar.drive(body, [&](int, const PointArray& x) { return mapped(x, mirror); });
-  EXPECT_LE(support::incongruence(mapped(body.state().history.material, mirror), bar.reference_material()), 1e-10);
+  EXPECT_LE(
+      support::incongruence(mapped(body.state().history.plastic_rest_positions, mirror), bar.reference_material()),
+      1e-10);
 }
 
 TEST(ObjectivityOfDistortedCells, ThePoseInTheWorldDoesNotMatter) {
@@ -129,7 +135,7 @@ TEST(ObjectivityOfDistortedCells, ThePoseInTheWorldDoesNotMatter) {
   bar.expect_equal_history(body, 1e-9);
 }
 
-/// World positions of a loaded, yielding bar after some steps, the whole scene turned and moved; given back in the
+/// Current positions of a loaded, yielding bar after some steps, the whole scene turned and moved; given back in the
 /// unmoved frame.
 PointArray loaded_bar(const Mat3& R, const Vec3& shift) {
   const HexMesh mesh = support::block({2, 2, 5}, kEdge);

@@ -28,11 +28,12 @@ Permanent permanent_shape(int cells_across, double dt, AveragingMethod averaging
   Body body(mesh, {m}, settings);
   const int steps = static_cast<int>(std::lround(1.2 / dt));
   for (int k = 1; k <= steps; ++k) {
-    const double share = std::min(1.0, 2.0 * k / steps);
-    body.flow(support::stretched_and_twisted(mesh, 1 + 0.3 * share, 2 * share), dt);
+    const double fraction = std::min(1.0, 2.0 * k / steps);
+    body.flow(support::stretched_and_twisted(mesh, 1 + 0.3 * fraction, 2 * fraction), dt);
   }
   const EndSections ends = end_sections(mesh);
-  return {elongation(ends, body.state().history.material), twist(mesh, ends, body.state().history.material)};
+  return {elongation(ends, body.state().history.plastic_rest_positions),
+          twist(mesh, ends, body.state().history.plastic_rest_positions)};
 }
 
 TEST(PlasticResult, DoesNotDependMuchOnTheMesh) {

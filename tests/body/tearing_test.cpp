@@ -59,28 +59,28 @@ bool is_closed(const SurfaceFaces& surface) {
 }
 
 /// The greatest number of hexahedra that have the same face.
-int most_hexahedra_on_a_face(const HexMesh& mesh, std::span<const unsigned char> alive) {
+int max_hexahedra_on_a_face(const HexMesh& mesh, std::span<const unsigned char> alive) {
   std::map<Quad, int> hexahedra_on;
-  int most = 0;
+  int max = 0;
   for (int e = 0; e < mesh.num_elements(); ++e) {
     if (!alive[e]) continue;
     for (const auto& local : kFaces) {
       Quad face{};
       for (int k = 0; k < 4; ++k) face[k] = mesh.hexahedra()[e][local[k]];
       std::ranges::sort(face);
-      most = std::max(most, ++hexahedra_on[face]);
+      max = std::max(max, ++hexahedra_on[face]);
     }
   }
-  return most;
+  return max;
 }
 
 // Many small bodies, each until nothing is left of it: scripts/soak repeats it with memory and arithmetic watched.
 TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
   Random random(301);
   const HexMesh mesh = support::distorted_block({3, 3, 2}, support::kEdge, 0.1, 302);
-  const PointArray world = support::stretched_and_twisted(mesh, 1.4, 0.5);
+  const PointArray current = support::stretched_and_twisted(mesh, 1.4, 0.5);
   std::vector<double> volume_of(mesh.num_elements());
-  for (int e = 0; e < mesh.num_elements(); ++e) volume_of[e] = volume(gather(world, mesh.hexahedra()[e]));
+  for (int e = 0; e < mesh.num_elements(); ++e) volume_of[e] = volume(gather(current, mesh.hexahedra()[e]));
 
   std::size_t total = 0;
   while (total < 10000) {
@@ -99,7 +99,7 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
         taken = history.alive[e];
         body.remove(std::array{e});
       }
-      const FlowReport report = body.flow(world, kStep);
+      const FlowReport report = body.flow(current, kStep);
       ASSERT_EQ(history.removed.size(), before + taken + report.removed);
       if (taken + report.removed == 0) continue;
 
@@ -108,16 +108,16 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
         ASSERT_EQ(std::ranges::count(history.removed, e), history.alive[e] ? 0 : 1);
         if (history.alive[e]) expected += volume_of[e];
       }
-      ASSERT_LE(most_hexahedra_on_a_face(mesh, history.alive), 2);
+      ASSERT_LE(max_hexahedra_on_a_face(mesh, history.alive), 2);
       const SurfaceFaces surface = mesh.boundary_faces(history.alive);
       ASSERT_TRUE(is_closed(surface));
-      ASSERT_NEAR(enclosed_volume(surface, world), expected, 1e-15);
-      ASSERT_NEAR(body.volume(world), expected, 1e-15);
+      ASSERT_NEAR(enclosed_volume(surface, current), expected, 1e-15);
+      ASSERT_NEAR(body.volume(current), expected, 1e-15);
 
       // one implicit step of what is left: forces in balance, no momentum, nothing singular, nothing blown away
       LoadedBody system(body, mass, {}, {});
-      PointArray x = world, v = PointArray::Zero(mesh.num_nodes(), 3), f = v;
-      body.linearize(world);
+      PointArray x = current, v = PointArray::Zero(mesh.num_nodes(), 3), f = v;
+      body.linearize(current);
       body.add_force(f);
       ASSERT_LE(f.colwise().sum().norm(), 1e-12 * std::max(1.0, f.cwiseAbs().sum()));
       ImplicitEuler({}).step(system, solver, 0, kStep, x, v);
@@ -129,8 +129,8 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
         ASSERT_EQ(v.row(n).norm() + f.row(n).norm(), 0) << "node " << n;
       }
       ASSERT_LE(momentum.norm(), 1e-10);
-      ASSERT_LE(support::max_abs(x - world), 0.5 * support::kEdge);
-      ASSERT_TRUE(history.material.allFinite());
+      ASSERT_LE(support::max_abs(x - current), 0.5 * support::kEdge);
+      ASSERT_TRUE(history.plastic_rest_positions.allFinite());
     }
     ASSERT_EQ(history.removed.size(), volume_of.size());
     total += history.removed.size();
@@ -142,9 +142,9 @@ constexpr double kCell = 0.01;                  // [m]
 constexpr int kMiddle = 6;                      // column of hexahedra in which the sheet is notched
 constexpr int kNotch = 3;                       // rows that the notch takes
 
-/// A sheet notched from one side to three eighths of its width; every node moved by up to `share` of an edge.
-HexMesh notched_sheet(double share) {
-  const HexMesh whole = support::distorted_block(kSheet, kCell, share, 303);
+/// A sheet notched from one side to three eighths of its width; every node moved by up to `fraction` of an edge.
+HexMesh notched_sheet(double fraction) {
+  const HexMesh whole = support::distorted_block(kSheet, kCell, fraction, 303);
   std::vector<Hexahedron> hexahedra;
   for (int e = 0; e < whole.num_elements(); ++e)
     if (e % kSheet[0] != kMiddle || e / kSheet[0] >= kNotch) hexahedra.push_back(whole.hexahedra()[e]);
@@ -159,9 +159,9 @@ support::Simulation pulled_sheet(const HexMesh& mesh, double pull, const bool& i
   setup.euler = {.rayleigh_mass = 0, .rayleigh_stiffness = 0.02};
   setup.load = [=, &is_pulled](double time, ConstPoints, Points f) {
     if (!is_pulled) return;
-    const double share = pull * std::min(1.0, time / 0.2) / static_cast<double>(lower.size());
-    for (const int n : lower) f(n, 0) -= share;
-    for (const int n : upper) f(n, 0) += share;
+    const double fraction = pull * std::min(1.0, time / 0.2) / static_cast<double>(lower.size());
+    for (const int n : lower) f(n, 0) -= fraction;
+    for (const int n : upper) f(n, 0) += fraction;
   };
   return {Body(mesh, {tearing(320)}, published_element()), std::move(setup)};
 }
@@ -169,8 +169,8 @@ support::Simulation pulled_sheet(const HexMesh& mesh, double pull, const bool& i
 using Crack = std::set<std::array<int, 2>>;  // hexahedra by column and row
 
 /// The removed hexahedra once the sheet is in two pieces; empty if it holds.
-Crack crack_of(double share, double pull) {
-  const HexMesh mesh = notched_sheet(share);
+Crack crack_of(double fraction, double pull) {
+  const HexMesh mesh = notched_sheet(fraction);
   bool is_pulled = true;
   support::Simulation sheet = pulled_sheet(mesh, pull, is_pulled);
   const History& history = sheet.body.state().history;
@@ -178,7 +178,7 @@ Crack crack_of(double share, double pull) {
     if (sheet.step().removed == 0 || connected_parts(mesh, history.alive).count == 1) continue;
     Crack crack;
     for (const int e : history.removed) {
-      const int first = mesh.hexahedra()[e][0];  // the least corner: node (column, row, 0) of the grid
+      const int first = mesh.hexahedra()[e][0];  // the smallest corner: node (column, row, 0) of the grid
       crack.insert({first % (kSheet[0] + 1), first / (kSheet[0] + 1)});
     }
     return crack;

@@ -24,7 +24,7 @@ PointArray random_field(const HexMesh& mesh, unsigned seed, double size) {
   return field;
 }
 
-TEST(SurfaceSamples, ShareTheSurfaceAmongThem) {
+TEST(SurfaceSamples, FractionTheSurfaceAmongThem) {
   const HexMesh mesh = block();
   for (const int parts : {1, 2, 3, 7}) {
     const SurfaceSamples found = SurfaceSamples::on(mesh, {}, 0.1 / parts, 64);
@@ -46,14 +46,14 @@ TEST(SurfaceSamples, ShareTheSurfaceAmongThem) {
 }
 
 // A triangulated sheet within hexahedra has its own area, and its points lie where they did.
-TEST(SurfaceSamples, OfAnEmbeddedSkin) {
+TEST(SurfaceSamples, OfAnEmbeddedSurface) {
   const HexMesh mesh = block();
-  PointArray skin(4, 3);
-  skin << 0.03, 0.02, 0.08, 0.17, 0.02, 0.08, 0.17, 0.16, 0.06, 0.03, 0.16, 0.06;
+  PointArray surface(4, 3);
+  surface << 0.03, 0.02, 0.08, 0.17, 0.02, 0.08, 0.17, 0.16, 0.06, 0.03, 0.16, 0.06;
   const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 3}};
   const double area = 0.14 * std::hypot(0.14, 0.02);
   for (const int parts : {1, 3, 8}) {
-    const SurfaceSamples found = SurfaceSamples::on_skin(mesh, {}, skin, triangles, 1e-9, parts);
+    const SurfaceSamples found = SurfaceSamples::on_embedded(mesh, {}, surface, triangles, 1e-9, parts);
     EXPECT_EQ(found.samples.size(), static_cast<std::size_t>((parts + 1) * (parts + 1)));
     double sum = 0;
     for (const SurfaceSamples::Sample& sample : found.samples) {
@@ -65,24 +65,24 @@ TEST(SurfaceSamples, OfAnEmbeddedSkin) {
   }
   std::vector<unsigned char> alive(4, 1);
   alive[0] = 0;  // [0, .1] x [0, .1], in which both triangles begin
-  EXPECT_TRUE(SurfaceSamples::on_skin(mesh, alive, skin, triangles, 1, 1).samples.empty());
-  EXPECT_THROW(SurfaceSamples::on_skin(mesh, {}, skin, {{0, 1, 4}}, 1, 1), InputError);
+  EXPECT_TRUE(SurfaceSamples::on_embedded(mesh, alive, surface, triangles, 1, 1).samples.empty());
+  EXPECT_THROW(SurfaceSamples::on_embedded(mesh, {}, surface, {{0, 1, 4}}, 1, 1), InputError);
 }
 
 // An even pressure on samples of flat faces is a quarter of each face's on its nodes, however many samples there are.
 TEST(SurfaceSamples, CarryPressureAsFacesDo) {
   const HexMesh mesh = block();
-  const auto share = [](double at) { return at < 1e-9 || at > 0.2 - 1e-9 ? 0.5 : 1.0; };
+  const auto fraction = [](double at) { return at < 1e-9 || at > 0.2 - 1e-9 ? 0.5 : 1.0; };
   const auto is_on_top = [](const Vec3& p) { return p.z() > 0.0999; };
   PointArray expected = PointArray::Zero(mesh.num_nodes(), 3), by_samples = expected;
   for (int n = 0; n < mesh.num_nodes(); ++n) {
     const Vec3 p = mesh.positions().row(n).transpose();
-    if (is_on_top(p)) expected(n, 2) = 7 * 0.01 * share(p.x()) * share(p.y());
+    if (is_on_top(p)) expected(n, 2) = 7 * 0.01 * fraction(p.x()) * fraction(p.y());
   }
   for (const SurfaceSamples::Sample& sample : SurfaceSamples::on(mesh, {}, 0.025, 64).samples) {
     const Vec3 p = sample.at(mesh.positions());
     // those on the rim have area of the sides too
-    if (is_on_top(p)) sample.add({0, 0, 7 * 0.025 * 0.025 * share(p.x()) * share(p.y())}, by_samples);
+    if (is_on_top(p)) sample.add({0, 0, 7 * 0.025 * 0.025 * fraction(p.x()) * fraction(p.y())}, by_samples);
   }
   EXPECT_TRUE(support::agrees(by_samples, expected, 1e-12));
 }

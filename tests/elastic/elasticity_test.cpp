@@ -32,12 +32,12 @@ Body elastic_body(HexMesh mesh) {
   return Body(std::move(mesh), {m}, published_element());
 }
 
-/// True when no sample of the body comes near a gradient at which its rotation jumps (the two least stretches
+/// True when no sample of the body comes near a gradient at which its rotation jumps (the two smallest stretches
 /// opposite).
 bool is_smooth_at(const Body& body, const PointArray& x) {
   for (const Hexahedron& corners : body.mesh().hexahedra()) {
-    for (const Mat3& F :
-         deformation_gradients(rest_operator(gather(body.state().history.material, corners)), gather(x, corners))) {
+    for (const Mat3& F : deformation_gradients(
+             rest_operator(gather(body.state().history.plastic_rest_positions, corners)), gather(x, corners))) {
       const Vec3 d = signed_svd(F).d;
       if (d[1] + d[2] < 0.02) return false;
     }
@@ -48,8 +48,8 @@ bool is_smooth_at(const Body& body, const PointArray& x) {
 int count_inverted(const Body& body, const PointArray& x) {
   int count = 0;
   for (const Hexahedron& corners : body.mesh().hexahedra()) {
-    for (const Mat3& F :
-         deformation_gradients(rest_operator(gather(body.state().history.material, corners)), gather(x, corners))) {
+    for (const Mat3& F : deformation_gradients(
+             rest_operator(gather(body.state().history.plastic_rest_positions, corners)), gather(x, corners))) {
       count += F.determinant() < 0;
     }
   }
@@ -185,8 +185,8 @@ TEST(Stiffness, IsSymmetricAndNotNegative) {
 
 TEST(Stiffness, HasSixZeroModesUnderARigidMotion) {
   Random random(95);
-  for (const double share : {0.0, 0.15}) {
-    Body body = elastic_body(support::single_element(support::distorted_hexahedron(kEdge, share, 96)));
+  for (const double fraction : {0.0, 0.15}) {
+    Body body = elastic_body(support::single_element(support::distorted_hexahedron(kEdge, fraction, 96)));
     const Eigen::MatrixXd K = stiffness_at(body, mapped(body.mesh().positions(), random.rotation(), random.vector(1)));
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
     for (int i = 0; i < 6; ++i) EXPECT_LE(std::abs(values[i]), 1e-10 * values[23]);

@@ -109,8 +109,8 @@ TEST_P(EveryForm, PassesThePatchTest) {
   const PointArray f = force_at(body, support::mapped(mesh.positions(), F));
   double inside = 0, boundary = 0;
   for (int n = 0; n < mesh.num_nodes(); ++n) {
-    double& most = on_boundary[n] ? boundary : inside;
-    most = std::max(most, f.row(n).norm());
+    double& max = on_boundary[n] ? boundary : inside;
+    max = std::max(max, f.row(n).norm());
   }
   EXPECT_LE(inside, 1e-10 * boundary);
 }
@@ -405,13 +405,13 @@ TEST(Recovery, DoesNothingToABodyThatIsNotFolded) {
   EXPECT_EQ(with_springs.energy(x), without_springs.energy(x));
 }
 
-double least_corner_ratio(const HexMesh& mesh, const PointArray& x) {
-  double least = 1e300;
+double min_corner_ratio(const HexMesh& mesh, const PointArray& x) {
+  double min = 1e300;
   for (const Hexahedron& corners : mesh.hexahedra())
     for (int a = 0; a < kCorners; ++a)
-      least = std::min(least, corner_jacobian(gather(x, corners), a).determinant() /
-                                  corner_jacobian(gather(mesh.positions(), corners), a).determinant());
-  return least;
+      min = std::min(min, corner_jacobian(gather(x, corners), a).determinant() /
+                              corner_jacobian(gather(mesh.positions(), corners), a).determinant());
+  return min;
 }
 
 // Elements that cannot be folded are passed over: that must miss none.
@@ -428,17 +428,17 @@ TEST(Recovery, ActsAsSoonAsACornerIsThin) {
     const PointArray way =
         random.field(mesh.num_nodes(), kEdge) + support::mapped(cubes.positions(), Mat3(random.field(3, 1)));
     double thick = 0, thin = 1;  // of the way
-    while (least_corner_ratio(mesh, mesh.positions() + thin * way) >= settings.recovery_from) thin *= 2;
+    while (min_corner_ratio(mesh, mesh.positions() + thin * way) >= settings.recovery_from) thin *= 2;
     while (thin - thick > 1e-9) {
       const double middle = (thin + thick) / 2;
-      (least_corner_ratio(mesh, mesh.positions() + middle * way) < settings.recovery_from ? thin : thick) = middle;
+      (min_corner_ratio(mesh, mesh.positions() + middle * way) < settings.recovery_from ? thin : thick) = middle;
     }
     Body body(mesh, {Material{}}, settings);
     const Linearization& at = body.state().at;
-    for (const double share : {0.05 * thick, 0.3 * thick, 0.6 * thick, 0.9 * thick, thick, thin, 2 * thin}) {
-      const PointArray x = mesh.positions() + share * way;
+    for (const double fraction : {0.05 * thick, 0.3 * thick, 0.6 * thick, 0.9 * thick, thick, thin, 2 * thin}) {
+      const PointArray x = mesh.positions() + fraction * way;
       force_at(body, x);
-      EXPECT_EQ(at.recovery.acts(), least_corner_ratio(mesh, x) < settings.recovery_from) << round << " " << share;
+      EXPECT_EQ(at.recovery.acts(), min_corner_ratio(mesh, x) < settings.recovery_from) << round << " " << fraction;
       passed_over += at.may_fold[0] == 0;
     }
   }

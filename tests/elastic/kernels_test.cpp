@@ -166,17 +166,17 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
       const Mat3 axes = Mat3::Identity();
       for (int e = 0; e < body.mesh().num_elements(); ++e) {
         const Hexahedron& corners = body.mesh().hexahedra()[e];
-        const ElementPoints material = gather(X, corners), world = gather(x, corners);
+        const ElementPoints material = gather(X, corners), current = gather(x, corners);
         const ElementSamples samples =
-            element_samples(material, world, body.state().model.lame[e], body.state().model.settings);
+            element_samples(material, current, body.state().model.lame[e], body.state().model.settings);
         const ElementStep step = flow_element({.material = body.state().model.material(e),
                                                .settings = body.state().model.settings,
-                                               .original_shape = body.state().model.original_shape(e),
+                                               .initial_shape = body.state().model.initial_shape(e),
                                                .corner_jacobian = body.state().model.corner_jacobian(e),
                                                .initial_volume = body.state().model.volume[e],
                                                .x = material,
                                                .samples = samples,
-                                               .world = world,
+                                               .current = current,
                                                .frame = axes},
                                               initial.element(e), 0.01);
         ASSERT_TRUE(step.yielded);
@@ -212,17 +212,17 @@ bool flows_in_lanes(double stretch) {
 
   for (int e = 0; e < mesh.num_elements(); ++e) {
     const ElementPoints material = gather(mesh.positions(), mesh.hexahedra()[e]),
-                        world = gather(x, mesh.hexahedra()[e]);
-    const ElementSamples samples = element_samples(material, world, model.lame[e], settings);
+                        current = gather(x, mesh.hexahedra()[e]);
+    const ElementSamples samples = element_samples(material, current, model.lame[e], settings);
     const Mat3 axes = Mat3::Identity();
     const ElementStep step = flow_element({.material = model.material(e),
                                            .settings = settings,
-                                           .original_shape = model.original_shape(e),
+                                           .initial_shape = model.initial_shape(e),
                                            .corner_jacobian = model.corner_jacobian(e),
                                            .initial_volume = model.volume[e],
                                            .x = material,
                                            .samples = samples,
-                                           .world = world,
+                                           .current = current,
                                            .frame = axes},
                                           history.element(e), 0.01);
     const ElementHistory found = trial.element(e);

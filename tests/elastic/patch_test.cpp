@@ -61,7 +61,7 @@ void relax(Body& body, const std::vector<bool>& is_fixed, PointArray& x) {
 }
 
 /// Greatest force on an interior node, relative to the greatest on the boundary.
-double interior_share(const PointArray& f, const std::vector<bool>& on_boundary) {
+double interior_fraction(const PointArray& f, const std::vector<bool>& on_boundary) {
   double interior = 0, boundary = 0;
   for (int n = 0; n < f.rows(); ++n) {
     double& greatest = on_boundary[n] ? boundary : interior;
@@ -77,14 +77,14 @@ class DistortedPatch : public testing::Test {
   std::vector<bool> on_boundary = support::is_on_boundary(mesh);
   support::Random random{112};
   Mat3 affine = random.rotation() * (Mat3::Identity() + random.matrix(0.2));
-  PointArray world = mapped(mesh.positions(), affine, Vec3(0.3, -0.1, 0.2));
+  PointArray current = mapped(mesh.positions(), affine, Vec3(0.3, -0.1, 0.2));
 };
 
 TEST_F(DistortedPatch, IsInEquilibriumUnderAnAffineMotion) {
   PointArray f = PointArray::Zero(mesh.num_nodes(), 3);
-  body.linearize(world);
+  body.linearize(current);
   body.add_force(f);
-  EXPECT_LE(interior_share(f, on_boundary), 1e-10);
+  EXPECT_LE(interior_fraction(f, on_boundary), 1e-10);
 }
 
 // The power of the test: with the plain mean of corner and centre gradients the same patch is far from equilibrium.
@@ -107,16 +107,16 @@ TEST_F(DistortedPatch, FailsWithoutTheCorrectionOfTheMean) {
       for (int a = 0; a < kCorners; ++a) f.row(corners[a]) += force.row(a);
     }
   }
-  EXPECT_GE(interior_share(f, on_boundary), 1e-3);
+  EXPECT_GE(interior_fraction(f, on_boundary), 1e-3);
 }
 
 TEST_F(DistortedPatch, FindsTheAffineMotionFromItsBoundary) {
-  PointArray x = world;
+  PointArray x = current;
   for (int n = 0; n < x.rows(); ++n) {
     if (!on_boundary[n]) x.row(n) += random.vector(0.01).transpose();
   }
   relax(body, on_boundary, x);
-  EXPECT_LE(support::max_abs(x - world), 1e-9 * 0.1);
+  EXPECT_LE(support::max_abs(x - current), 1e-9 * 0.1);
 }
 
 /// MacNeal and Harder's solid patch: a unit cube around a distorted hexahedron, seven elements in all. One corner of

@@ -41,8 +41,8 @@ Surface sphere(const Vec3& centre, double radius, int count) {
 }
 
 /// The six faces of a box.
-Surface box(const Vec3& least, const Vec3& most) {
-  const HexMesh mesh = regular_grid({1, 1, 1}, least, most);
+Surface box(const Vec3& min, const Vec3& max) {
+  const HexMesh mesh = regular_grid({1, 1, 1}, min, max);
   return {mesh.positions(), {}, faces_of(mesh.hexahedra())};
 }
 
@@ -189,9 +189,7 @@ TEST(Cage, CubesCoverTheBoxAroundTheSurface) {
 TEST(Cage, CountsPartsAndHinges) {
   const CageGrid grid{.cells = {5, 5, 5}, .min = Vec3::Zero(), .max = Vec3::Constant(5)};
   const Surface first = box(Vec3(0.2, 0.2, 0.2), Vec3(1.8, 1.8, 1.8));
-  const auto with = [&](const Vec3& least) {
-    return cage_of(joined(first, box(least, least + Vec3::Constant(0.6))), grid);
-  };
+  const auto with = [&](const Vec3& min) { return cage_of(joined(first, box(min, min + Vec3::Constant(0.6))), grid); };
   EXPECT_EQ(with(Vec3(3.2, 3.2, 3.2)).num_parts, 2);  // far away
   EXPECT_EQ(with(Vec3(3.2, 3.2, 3.2)).num_hinges, 0);
   EXPECT_EQ(with(Vec3(2.2, 2.2, 0.2)).num_parts, 2);  // at an edge, which has two nodes

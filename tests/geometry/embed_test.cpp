@@ -116,7 +116,7 @@ TEST(Embedding, ContinuesFromTheNearestPlace) {
   }
 }
 
-// A skin of many points over many hexahedra, half of them outside: looking at all hexahedra for each would take
+// A surface of many points over many hexahedra, half of them outside: looking at all hexahedra for each would take
 // minutes.
 TEST(Embedding, ManyPointsAreFoundQuickly) {
   const HexMesh mesh = support::distorted_block({24, 24, 24}, 0.1, 0.15, 65);
@@ -242,7 +242,7 @@ TEST(Embedding, CellsGoWithTheirHexahedra) {
   EXPECT_LT(num_gone, 250);
 }
 
-// A skin whose points are the nodes: a face of the surface is left as long as its hexahedron is, and what was inside
+// A surface whose points are the nodes: a face of the surface is left as long as its hexahedron is, and what was inside
 // and is bare now is left as well.
 TEST(Embedding, CellsOnNodesGoWithTheHexahedraThatHaveThem) {
   const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), kMesh.positions());

@@ -23,15 +23,15 @@ QuadSurface bent_sheet() {
   return support::patch(3, 2, [](double u, double v) { return Vec3(3 * u, 2 * v, 0); });
 }
 
-/// Least and greatest distance from the origin (or, axes = 2, from the z axis) of the nodes of a layer.
+/// Smallest and greatest distance from the origin (or, axes = 2, from the z axis) of the nodes of a layer.
 std::pair<double, double> radii(const Shell& shell, int layers, int layer, int axes) {
-  double least = kInfinity, most = 0;
+  double min = kInfinity, max = 0;
   for (int n = layer; n < shell.mesh.num_nodes(); n += layers + 1) {
     const double r = shell.mesh.positions().row(n).head(axes).norm();
-    least = std::min(least, r);
-    most = std::max(most, r);
+    min = std::min(min, r);
+    max = std::max(max, r);
   }
-  return {least, most};
+  return {min, max};
 }
 
 /// Every face belongs to one hexahedron or to two that see it from either side; returns how many belong to one.
@@ -83,9 +83,9 @@ TEST(Offset, OfAPrismKeepsItsThicknessExactly) {
     const double apothem = radius * std::cos(pi / around);  // distance of the sides from the axis
     const auto section = [&](double a) { return around * a * a * std::tan(pi / around); };
     EXPECT_NEAR(shell.quality.volume, length * (section(apothem + thickness) - section(apothem)), 1e-13);
-    const auto [least, most] = radii(shell, 2, 2, 2);
-    EXPECT_NEAR(least, (apothem + thickness) / std::cos(pi / around), 1e-14);
-    EXPECT_NEAR(most, least, 1e-14);
+    const auto [min, max] = radii(shell, 2, 2, 2);
+    EXPECT_NEAR(min, (apothem + thickness) / std::cos(pi / around), 1e-14);
+    EXPECT_NEAR(max, min, 1e-14);
     EXPECT_EQ(num_free_faces(shell.mesh), 2 * around * 3 + 2 * around * 2);
   }
 }
@@ -111,8 +111,8 @@ TEST(Offset, ConvergesToCylindersAndSpheres) {
   }
   // the nodes' distance from the centre, also at the eight corners of three quads
   const auto thickness_error = [](int n) {
-    const auto [least, most] = radii(offset(support::sphere(n, 1), {0, 0.3, 1}), 1, 1, 3);
-    return std::max(std::abs(least - 1.3), std::abs(most - 1.3));
+    const auto [min, max] = radii(offset(support::sphere(n, 1), {0, 0.3, 1}), 1, 1, 3);
+    return std::max(std::abs(min - 1.3), std::abs(max - 1.3));
   };
   EXPECT_LT(thickness_error(16), 0.005);
   EXPECT_GT(thickness_error(8) / thickness_error(16), 3);
@@ -142,9 +142,9 @@ TEST(Offset, OfAPatchOfASphereApproachesItsVolume) {
   const double solid_angle = 4 * std::asin(sine_squared);  // of a pyramid whose faces open by the angle 2 half
   const auto error = [&](int n) {
     const Shell shell = offset(support::patch(n, n, on_sphere), {0, 0.25, 3});
-    const auto [least, most] = radii(shell, 3, 3, 3);
-    EXPECT_NEAR(least, 1.25, 0.3 / (n * n));
-    EXPECT_NEAR(most, 1.25, 0.3 / (n * n));
+    const auto [min, max] = radii(shell, 3, 3, 3);
+    EXPECT_NEAR(min, 1.25, 0.3 / (n * n));
+    EXPECT_NEAR(max, 1.25, 0.3 / (n * n));
     return std::abs(shell.quality.volume / (solid_angle * (std::pow(1.25, 3) - 1) / 3) - 1);
   };
   EXPECT_LT(error(16), 0.015);

@@ -88,8 +88,8 @@ TEST(Pick, TakesWhatIsNearAndAtLeastSoMany) {
   const HexMesh mesh = support::block({4, 1, 1}, 1);
   std::vector<int> lower;  // the five nodes of an edge, from the far end
   for (int i = 4; i >= 0; --i) lower.push_back(i);
-  const auto nodes = [&](double radius, int least) {
-    return nearest_nodes(mesh.positions(), lower, Vec3(2.2, 0, 0), radius, least);
+  const auto nodes = [&](double radius, int min) {
+    return nearest_nodes(mesh.positions(), lower, Vec3(2.2, 0, 0), radius, min);
   };
   EXPECT_EQ(nodes(1.25, 1), (std::vector<int>{1, 2, 3}));
   EXPECT_EQ(nodes(1.15, 1), (std::vector<int>{2, 3}));

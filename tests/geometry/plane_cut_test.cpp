@@ -80,7 +80,7 @@ TEST(PlaneCut, AreasOfAWarpedHexahedronAddUpToItsExactVolume) {
   double sum = 0;
   for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
     const double from = heights[k], width = heights[k + 1] - from;
-    const auto area = [&](double share) { return cut(mesh, {normal, from + share * width}).area(); };
+    const auto area = [&](double fraction) { return cut(mesh, {normal, from + fraction * width}).area(); };
     // at a height itself nothing jumps
     sum += width * (area(1e-12) + 4 * area(0.5) + area(1 - 1e-12)) / 6;
   }
@@ -213,9 +213,9 @@ TEST(PlaneCut, LeavesOutWhatIsRemoved) {
 TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
   const HexMesh mesh = support::block({2, 1, 1}, 1);
   const Vec3 normal = Vec3(3, 0, -4) / 5;
-  const auto [least, most] = extent_along(normal, mesh.positions(), mesh.hexahedra());
-  EXPECT_DOUBLE_EQ(least, -0.8);
-  EXPECT_DOUBLE_EQ(most, 1.2);
+  const auto [min, max] = extent_along(normal, mesh.positions(), mesh.hexahedra());
+  EXPECT_DOUBLE_EQ(min, -0.8);
+  EXPECT_DOUBLE_EQ(max, 1.2);
   EXPECT_EQ(extent_along(normal, mesh.positions(), mesh.hexahedra(), std::vector<unsigned char>{1, 0}).second, 0.6);
   EXPECT_EQ(extent_along(normal, mesh.positions(), {}), std::pair(0.0, 0.0));
   EXPECT_EQ(cut(mesh, {normal, -0.81}).area(), 0);
@@ -225,7 +225,7 @@ TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
 TEST(PartAbove, OfATriangleHasTheShareOfItsAreaThatItsHeightsSay) {
   const std::array<Vec3, 3> corner{Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 2, 0)};
   const auto area_above = [&](const std::array<double, 3>& height) {
-    std::array<TriangleShares, 4> part;
+    std::array<TriangleWeights, 4> part;
     const int count = part_above(height, part);
     std::vector<Vec3> places;
     for (int k = 0; k < count; ++k)

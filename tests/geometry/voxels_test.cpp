@@ -195,13 +195,13 @@ TEST(VoxelSurface, SmoothsAwayStepsAndKeepsVolume) {
   expect_closed(surface);
   EXPECT_EQ(euler_number(surface), 2);
   EXPECT_NEAR(volume_of(surface), 0.5 * count, 0.02 * 0.5 * count);
-  double least = 100, most = 0;
+  double min = 100, max = 0;
   for (const auto& x : surface.positions.rowwise()) {
-    least = std::min(least, x.norm());
-    most = std::max(most, x.norm());
+    min = std::min(min, x.norm());
+    max = std::max(max, x.norm());
   }
-  EXPECT_GT(least, 9.55);
-  EXPECT_LT(most, 10.45);
+  EXPECT_GT(min, 9.55);
+  EXPECT_LT(max, 10.45);
 }
 
 // Two cubes of a label that share an edge alone have surfaces of their own; a vertex moves by half a voxel at most.

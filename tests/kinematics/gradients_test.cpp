@@ -84,12 +84,13 @@ TEST(DeformationGradient, OfAnAffineMotionIsExactEverywhere) {
 TEST(DeformationGradient, DoesNotFeelTranslations) {
   Random random(25);
   const ElementPoints x = support::distorted_hexahedron(0.1, 0.2, 26),
-                      world = support::distorted_hexahedron(0.1, 0.3, 27);
+                      current = support::distorted_hexahedron(0.1, 0.3, 27);
   const Vec3 shift = random.vector(3);
-  const auto F = deformation_gradients(rest_operator(x), world);
+  const auto F = deformation_gradients(rest_operator(x), current);
   const auto with_world_moved =
-      deformation_gradients(rest_operator(x), support::mapped(world, Mat3::Identity(), shift));
-  const auto with_rest_moved = deformation_gradients(rest_operator(support::mapped(x, Mat3::Identity(), shift)), world);
+      deformation_gradients(rest_operator(x), support::mapped(current, Mat3::Identity(), shift));
+  const auto with_rest_moved =
+      deformation_gradients(rest_operator(support::mapped(x, Mat3::Identity(), shift)), current);
   for (int a = 0; a < kCorners; ++a) {
     EXPECT_LE((with_world_moved[a] - F[a]).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_LE((with_rest_moved[a] - F[a]).cwiseAbs().maxCoeff(), 1e-12);
@@ -99,11 +100,11 @@ TEST(DeformationGradient, DoesNotFeelTranslations) {
 TEST(DeformationGradient, OnParallelepipedsIsTheMeanOfCornerAndCentre) {
   Random random(28);
   const ElementPoints x = parallelepiped(0.1 * (Mat3::Identity() + random.matrix(0.3)));
-  const ElementPoints world = support::distorted_hexahedron(0.1, 0.4, 29);
-  const auto F = deformation_gradients(rest_operator(x), world);
-  const Mat3 centre = centre_jacobian(world) * centre_jacobian(x).inverse();
+  const ElementPoints current = support::distorted_hexahedron(0.1, 0.4, 29);
+  const auto F = deformation_gradients(rest_operator(x), current);
+  const Mat3 centre = centre_jacobian(current) * centre_jacobian(x).inverse();
   for (int a = 0; a < kCorners; ++a) {
-    const Mat3 corner = corner_jacobian(world, a) * corner_jacobian(x, a).inverse();
+    const Mat3 corner = corner_jacobian(current, a) * corner_jacobian(x, a).inverse();
     EXPECT_LE((F[a] - 0.5 * (corner + centre)).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
@@ -111,16 +112,16 @@ TEST(DeformationGradient, OnParallelepipedsIsTheMeanOfCornerAndCentre) {
 // The correction that makes the patch test pass: the samples have the exact mean on every hexahedron.
 TEST(DeformationGradient, HasTheExactMean) {
   const ElementPoints x = support::distorted_hexahedron(0.1, 0.2, 30),
-                      world = support::distorted_hexahedron(0.1, 0.4, 31);
+                      current = support::distorted_hexahedron(0.1, 0.4, 31);
   Mat3 integral = Mat3::Zero();
   double volume_of_x = 0;
   for_gauss_points([&](const Vec3& s, double weight) {
     const Mat3 J = jacobian(x, s);
-    integral += weight * J.determinant() * jacobian(world, s) * J.inverse();
+    integral += weight * J.determinant() * jacobian(current, s) * J.inverse();
     volume_of_x += weight * J.determinant();
   });
   Mat3 mean = Mat3::Zero();
-  for (const Mat3& F : deformation_gradients(rest_operator(x), world)) mean += F / 8;
+  for (const Mat3& F : deformation_gradients(rest_operator(x), current)) mean += F / 8;
   EXPECT_LE((mean - integral / volume_of_x).cwiseAbs().maxCoeff(), 1e-12);
 }
 
@@ -129,24 +130,24 @@ TEST(DeformationGradient, ReproducesQuadraticMotionsOfParallelepipeds) {
   Random random(32);
   const Mat3 edges = Mat3::Identity() + random.matrix(0.3);
   const ElementPoints s = support::cube(2), x = parallelepiped(edges);
-  ElementPoints world = support::mapped(x, Mat3::Identity() + random.matrix(0.3));
+  ElementPoints current = support::mapped(x, Mat3::Identity() + random.matrix(0.3));
   const Vec3 xy = random.vector(1), yz = random.vector(1), zx = random.vector(1);
   for (int a = 0; a < kCorners; ++a) {
-    world.row(a) += (s(a, 0) * s(a, 1) * xy + s(a, 1) * s(a, 2) * yz + s(a, 2) * s(a, 0) * zx).transpose();
+    current.row(a) += (s(a, 0) * s(a, 1) * xy + s(a, 1) * s(a, 2) * yz + s(a, 2) * s(a, 0) * zx).transpose();
   }
-  const auto F = deformation_gradients(rest_operator(x), world);
-  const Vec3 centre = world.colwise().mean().transpose();
+  const auto F = deformation_gradients(rest_operator(x), current);
+  const Vec3 centre = current.colwise().mean().transpose();
   for (int a = 0; a < kCorners; ++a) {
-    EXPECT_LE((F[a] * x.row(a).transpose() - (world.row(a).transpose() - centre)).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_LE((F[a] * x.row(a).transpose() - (current.row(a).transpose() - centre)).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 
 TEST(SampleGradient, BuildsTheDeformationGradient) {
   const RestOperator rest = rest_operator(support::distorted_hexahedron(0.1, 0.2, 33));
-  const ElementPoints world = support::distorted_hexahedron(0.1, 0.4, 34);
-  const auto F = deformation_gradients(rest, world);
+  const ElementPoints current = support::distorted_hexahedron(0.1, 0.4, 34);
+  const auto F = deformation_gradients(rest, current);
   for (int q = 0; q < kCorners; ++q)
-    EXPECT_TRUE(support::agrees(world.transpose() * sample_gradient(rest, q), F[q], 1e-12));
+    EXPECT_TRUE(support::agrees(current.transpose() * sample_gradient(rest, q), F[q], 1e-12));
 }
 
 }  // namespace

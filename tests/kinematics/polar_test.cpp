@@ -121,7 +121,7 @@ TEST(Polar, HoldsForAMillionGradientsAndIsEigensWhereItIsUnique) {
     ASSERT_GT(R.determinant(), 0) << F;
     ASSERT_LE((svd.U * svd.d.asDiagonal() * svd.V.transpose() - F).cwiseAbs().maxCoeff(), 4e-12 * scale) << F;
 
-    // unique where the two least stretches are not opposite
+    // unique where the two smallest stretches are not opposite
     if (svd.d[1] + svd.d[2] < 1e-3 * scale) continue;
     ++num_unique;
     const Eigen::JacobiSVD<Mat3> eigen(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -162,11 +162,11 @@ TEST(RotationPower, MakesOneRotationOfTwoPartsUpToHalfATurn) {
   Random random(18);
   for (int k = 0; k < 2000; ++k) {
     const Vec3 axis = random.direction();
-    const double share = random.uniform(0, 1);
+    const double fraction = random.uniform(0, 1);
     for (const double gap : {1.0, 1e-3, 1e-6, 1e-9, 1e-12, 0.0}) {
       const Mat3 R = rotation_exp((kPi - gap) * axis);
       const double tolerance = gap > 1e-6 ? 1e-12 : 1e-8;
-      ASSERT_LE((rotation_power(R, share) * rotation_power(R, 1 - share) - R).cwiseAbs().maxCoeff(), tolerance);
+      ASSERT_LE((rotation_power(R, fraction) * rotation_power(R, 1 - fraction) - R).cwiseAbs().maxCoeff(), tolerance);
       ASSERT_LE((rotation_exp(rotation_log(R)) - R).cwiseAbs().maxCoeff(), tolerance) << "gap " << gap;
     }
   }

@@ -24,10 +24,10 @@ TEST(LumpedMass, ABoxGivesEachCornerAnEighth) {
 
 TEST(LumpedMass, SharedNodesAddTheirHexahedra) {
   const HexMesh grid = regular_grid({2, 3, 4}, Vec3::Zero(), Vec3(2, 3, 4));
-  const Eigen::VectorXd share = nodal_volumes(grid.positions(), grid.hexahedra());
-  EXPECT_NEAR(share.sum(), 24, 1e-12);
-  EXPECT_DOUBLE_EQ(share[0], 0.125);                // a corner of the grid
-  EXPECT_DOUBLE_EQ(share[1 + 3 * (1 + 4 * 1)], 1);  // an inner node: eight eighths
+  const Eigen::VectorXd volume = nodal_volumes(grid.positions(), grid.hexahedra());
+  EXPECT_NEAR(volume.sum(), 24, 1e-12);
+  EXPECT_DOUBLE_EQ(volume[0], 0.125);                // a corner of the grid
+  EXPECT_DOUBLE_EQ(volume[1 + 3 * (1 + 4 * 1)], 1);  // an inner node: eight eighths
 }
 
 // An affine map multiplies every volume by its determinant: here 2 * 3 * 0.5, sheared.

@@ -148,8 +148,8 @@ TEST(RegularGrid, RefusesEmptyAndUncountableGrids) {
   EXPECT_TRUE(refuses<InputError>([&] { regular_grid({1, 0, 1}, zero, one); }, {"0 cells"}));
   EXPECT_TRUE(refuses<InputError>([&] { regular_grid({1, 1, 1}, zero, Vec3(1, 0, 1)); }, {"empty"}));
   EXPECT_TRUE(refuses<InputError>([&] { regular_grid({100000, 100000, 100000}, zero, one); }, {"100000 x 100000"}));
-  const int most = std::numeric_limits<int>::max();
-  EXPECT_TRUE(refuses<InputError>([&] { regular_grid({most, most, most}, zero, one); }, {"more nodes"}));
+  const int max = std::numeric_limits<int>::max();
+  EXPECT_TRUE(refuses<InputError>([&] { regular_grid({max, max, max}, zero, one); }, {"more nodes"}));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(regular_grid({1, 1, 1}, zero, Vec3(1, nan, 1)), InputError);
 }

@@ -37,7 +37,7 @@ Heights heights_of(const Panel& panel, const PanelFrame& frame) {
 // The scale ends at a round number above the limit, and stays even up to it.
 TEST(Chart, AnUpperLimitCutsCurvesAndLeavesTheScaleEven) {
   const PanelFrame frame{50, 40, 400, 300};
-  Panel panel{.quantity = "time per step", .unit = "ms", .least_span = 1e-3};
+  Panel panel{.quantity = "time per step", .unit = "ms", .min_span = 1e-3};
   panel.series = {{.steps = {0, 1, 2, 3}, .x = {0, 1, 2, 3}, .curves = {{.colour = "red", .values = {1, 2, 50, 1}}}}};
   panel.highest = 4.5;
   const Heights heights = heights_of(panel, frame);
@@ -105,7 +105,7 @@ TEST(PanelGrids, SmallPlotsHaveTheSameAxes) {
   std::filesystem::remove(file);
 }
 
-// A fall of a fiftieth of the least span stands at the upper edge of a scale that reaches downwards.
+// A fall of a fiftieth of the smallest span stands at the upper edge of a scale that reaches downwards.
 TEST(PanelGrids, ASmallFallIsShownOnTheLeastSpan) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "panel_grids_fall.svg";
   const PanelGrid grid{"y", {panel_of("red", {0, 1, 2}, {0, -0.02, -0.01}), panel_of("blue", {0, 1, 2}, {0, 0, 0})}};
@@ -140,10 +140,10 @@ TEST(Ticks, AreTwoAtLeast) {
   expect(ticks_within(0, 10, 2), {0, 5, 10});
   expect(ticks_logarithmic(150, 2500, 3), {200, 500, 1000, 2000});  // the powers of ten would be 1000 alone
   expect(ticks_logarithmic(2.2, 4.5, 3), {3, 4});                   // no 1, 2 or 5 is there
-  for (double least = 0.01; least < 1000; least *= 1.37)
-    for (double most = least * 1.2; most < 1e5; most *= 1.83) {
-      EXPECT_GE(ticks_within(least, most, 3).values.size(), 2u) << least << " to " << most;
-      EXPECT_GE(ticks_logarithmic(least, most, 3).values.size(), 2u) << least << " to " << most;
+  for (double min = 0.01; min < 1000; min *= 1.37)
+    for (double max = min * 1.2; max < 1e5; max *= 1.83) {
+      EXPECT_GE(ticks_within(min, max, 3).values.size(), 2u) << min << " to " << max;
+      EXPECT_GE(ticks_logarithmic(min, max, 3).values.size(), 2u) << min << " to " << max;
     }
 }
 

@@ -111,9 +111,9 @@ TEST(Report, HasTheNumbersOfTheHistory) {
     double scale, shift;
   };
   const std::string page = content(scratch / "run/report.html");
-  for (const Expected& expected : {Expected{"elongation", "world", "world_elongation", 100, 0},
+  for (const Expected& expected : {Expected{"elongation", "current", "world_elongation", 100, 0},
                                    {"elongation", "plastic", "plastic_elongation", 100, 0},
-                                   {"volume error", "world", "world_volume_ratio", 100, -1},
+                                   {"volume error", "current", "world_volume_ratio", 100, -1},
                                    {"volume error", "plastic", "material_volume_ratio", 100, -1},
                                    {"energy", "elastic", "elastic_energy", 1, 0},
                                    {"energy", "dissipated by flow", "dissipated_energy", 1, 0},

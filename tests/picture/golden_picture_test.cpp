@@ -26,15 +26,15 @@ constexpr int kWidth = 320, kHeight = 180;
 /// Pixels may differ by this much, which is less than a step of the colour map; and so many may differ by more, at the
 /// borders of what is drawn.
 constexpr int kTolerance = 8;
-constexpr int kMostDifferent = 60;
+constexpr int kMaxDifferent = 60;
 
 int num_different(const Image& a, const Image& b) {
   if (a.pixels.size() != b.pixels.size() || a.width != b.width) return a.width * a.height;
   int count = 0;
   for (std::size_t k = 0; k < a.pixels.size(); k += 3) {
-    int most = 0;
-    for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a.pixels[k + c] - b.pixels[k + c]));
-    count += most > kTolerance;
+    int max = 0;
+    for (std::size_t c = 0; c < 3; ++c) max = std::max(max, std::abs(a.pixels[k + c] - b.pixels[k + c]));
+    count += max > kTolerance;
   }
   return count;
 }
@@ -46,7 +46,7 @@ Image golden(const std::string& name) {
 void expect_golden(const std::string& name, const Drawing& drawing) {
   const Image image = output::load_renderer()->render(drawing);
   const int count = num_different(image, golden(name));
-  if (count <= kMostDifferent) return;
+  if (count <= kMaxDifferent) return;
   const fs::path actual = fs::current_path() / (name + "_actual.png");
   output::write_png(actual, image);
   ADD_FAILURE() << count << " pixels differ from tests/data/pictures/" << name << ".png; see " << actual;
@@ -61,9 +61,9 @@ const HexMesh& bar() {
 PointArray bent_bar(double twist = 80) {
   PointArray x = bar().positions();
   for (Eigen::Index n = 0; n < x.rows(); ++n) {
-    const double share = x(n, 2) / 0.7, angle = twist * share * std::numbers::pi / 180;
+    const double fraction = x(n, 2) / 0.7, angle = twist * fraction * std::numbers::pi / 180;
     const Vec3 across(x(n, 0) - 0.1, x(n, 1) - 0.15, 0);
-    x.row(n) = Eigen::AngleAxisd(angle, Vec3::UnitZ()) * across + Vec3(0.1, 0.15 + 0.1 * share * share, x(n, 2));
+    x.row(n) = Eigen::AngleAxisd(angle, Vec3::UnitZ()) * across + Vec3(0.1, 0.15 + 0.1 * fraction * fraction, x(n, 2));
   }
   return x;
 }
@@ -170,7 +170,7 @@ TEST(GoldenPicture, OfSprings) {
   output::BoundaryConditions without = tied();
   for (output::SpringLine& spring : without.springs) spring.to = spring.from;
   const auto image = [](const Drawing& one) { return output::load_renderer()->render(one); };
-  EXPECT_GT(num_different(image(drawing), image(picture(small(), some_values(), {}, without))), 4 * kMostDifferent);
+  EXPECT_GT(num_different(image(drawing), image(picture(small(), some_values(), {}, without))), 4 * kMaxDifferent);
 }
 
 // The middle plane of the bar as a surface, in the cage of its edges.
@@ -204,7 +204,7 @@ TEST(GoldenPicture, DiffersFromOneOfAnotherCamera) {
   Staging staging = small();
   const Vec3 towards = output::beside(2).towards;
   staging.viewpoint = output::Viewpoint{Eigen::AngleAxisd(0.05, Vec3::UnitY()) * towards, {}};
-  EXPECT_GT(num_different(output::load_renderer()->render(picture(staging)), golden("body")), 10 * kMostDifferent);
+  EXPECT_GT(num_different(output::load_renderer()->render(picture(staging)), golden("body")), 10 * kMaxDifferent);
 }
 
 TEST(GoldenPicture, DiffersFromOneWithoutLight) {
@@ -213,7 +213,7 @@ TEST(GoldenPicture, DiffersFromOneWithoutLight) {
     for (Drawing::Vertex& corner : triangle.corner)
       if (corner.depth > 0.1f && corner.depth < 0.9f)
         for (float* part : {&corner.colour.red, &corner.colour.green, &corner.colour.blue}) *part *= 0.8f;
-  EXPECT_GT(num_different(output::load_renderer()->render(drawing), golden("body")), 10 * kMostDifferent);
+  EXPECT_GT(num_different(output::load_renderer()->render(drawing), golden("body")), 10 * kMaxDifferent);
 }
 
 /// Null where the machine has no EGL.
@@ -241,7 +241,7 @@ TEST(Backends, DrawTheSame) {
   if (!egl) GTEST_SKIP() << "no EGL here";
   const Drawing drawing = picture({});
   EXPECT_LE(num_different(egl->render(drawing), output::load_renderer(output::Backend::kOsmesa)->render(drawing)),
-            kMostDifferent);
+            kMaxDifferent);
   EXPECT_EQ(egl->render(drawing).pixels, egl->render(drawing).pixels);
 }
 

@@ -109,20 +109,20 @@ TEST(Picture, FillsThePageOverTheWholeRun) {
 
 TEST(Picture, ShowsTheScaleFromZeroToTheGreatestValue) {
   const Image image = pictures_of(bar_at_rest_and_stretched())[0];
-  for (const double share : {0.01, 0.25, 0.5, 0.75, 0.99}) {
-    const int x = 410 + static_cast<int>(share * 460);
-    EXPECT_LE(difference(pixel(image, x, 655), bytes(output::colour_of(share))), 2) << share;
+  for (const double fraction : {0.01, 0.25, 0.5, 0.75, 0.99}) {
+    const int x = 410 + static_cast<int>(fraction * 460);
+    EXPECT_LE(difference(pixel(image, x, 655), bytes(output::colour_of(fraction))), 2) << fraction;
   }
 }
 
-/// The share of the scale whose colour, under some light, is nearest to a pixel.
-double share_at(const Rgb& pixel) {
-  double best = 0, least = 1e9;
+/// The fraction of the scale whose colour, under some light, is nearest to a pixel.
+double fraction_at(const Rgb& pixel) {
+  double best = 0, min = 1e9;
   for (int k = 0; k <= 100; ++k) {
     const Colour base = output::colour_of(k / 100.0);
     const Vec3 scale(base.red, base.green, base.blue), seen(pixel[0] / 255.0, pixel[1] / 255.0, pixel[2] / 255.0);
     const double error = (seen - scale * seen.dot(scale) / scale.squaredNorm()).norm();
-    if (error < least) std::tie(least, best) = std::pair(error, k / 100.0);
+    if (error < min) std::tie(min, best) = std::pair(error, k / 100.0);
   }
   return best;
 }
@@ -146,10 +146,11 @@ TEST(Picture, BlendsTheStrainOfNeighbours) {
     if (y > 600 || std::ranges::max(own) - std::ranges::min(own) < 22 || difference(at, own) > 3) continue;
     ++num_seen;
     const double section = 4.0 * (x - first) / (last - first);
-    static constexpr std::array kShare{0.0, 1.0 / 6, 0.5, 5.0 / 6, 1.0, 1.0};
+    static constexpr std::array kFraction{0.0, 1.0 / 6, 0.5, 5.0 / 6, 1.0, 1.0};
     const int from = std::clamp(static_cast<int>(section), 0, 4);
-    const double expected = kShare[from] + (section - from) * (kShare[from + 1] - kShare[from]);
-    EXPECT_NEAR(share_at(at), expected, 0.13) << "at " << x << ", " << y;  // the sections stand aslant in the picture
+    const double expected = kFraction[from] + (section - from) * (kFraction[from + 1] - kFraction[from]);
+    EXPECT_NEAR(fraction_at(at), expected, 0.13)
+        << "at " << x << ", " << y;  // the sections stand aslant in the picture
   }
   EXPECT_GT(num_seen, 100);
 }
@@ -213,10 +214,10 @@ TEST(EmbeddedSurface, BlendsStrainByItsPlaceInTheHexahedra) {
   // from the middle of the first hexahedron, 1/12 of 0.3, to that of the last one, 11/12, which is the greatest shown
   const Image image = pictures_of(gallery)[0];
   const auto [first, last] = coloured_columns(image);
-  const std::array ends{share_at(pixel(image, first + 4, 340)), share_at(pixel(image, last - 4, 340))};
+  const std::array ends{fraction_at(pixel(image, first + 4, 340)), fraction_at(pixel(image, last - 4, 340))};
   EXPECT_NEAR(std::min(ends[0], ends[1]), 1.0 / 11, 0.04);
   EXPECT_NEAR(std::max(ends[0], ends[1]), 1, 0.04);
-  EXPECT_NEAR(share_at(pixel(image, (first + last) / 2, 340)), 6.0 / 11, 0.04);
+  EXPECT_NEAR(fraction_at(pixel(image, (first + last) / 2, 340)), 6.0 / 11, 0.04);
 }
 
 TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {
@@ -253,7 +254,7 @@ TEST(Marks, StandWhereNodesAreFixedAndInstrumentsHold) {
   EXPECT_GE(blue, 2) << "the ring about (640, 342), cut across";
 }
 
-/// Least and greatest x and y of the pixels in the colour of loads, above the keys; none: an empty box.
+/// Smallest and greatest x and y of the pixels in the colour of loads, above the keys; none: an empty box.
 Eigen::AlignedBox2i extent_of_loads(const Image& image) {
   Eigen::AlignedBox2i box;
   for (int y = 60; y < 600; ++y)
@@ -539,15 +540,15 @@ Vec3 lab(const Colour& colour) {
 
 TEST(ColourMap, TakesEqualStepsAndGetsDarkerAllTheWay) {
   constexpr int kSteps = 32;
-  double least = 1e9, most = 0;
+  double min = 1e9, max = 0;
   for (int k = 0; k < kSteps; ++k) {
     const Vec3 from = lab(output::colour_of(static_cast<double>(k) / kSteps));
     const Vec3 to = lab(output::colour_of((k + 1.0) / kSteps));
     EXPECT_GT(from[0], to[0] + 0.5);
-    least = std::min(least, (to - from).norm());
-    most = std::max(most, (to - from).norm());
+    min = std::min(min, (to - from).norm());
+    max = std::max(max, (to - from).norm());
   }
-  EXPECT_LT(most, 1.05 * least);
+  EXPECT_LT(max, 1.05 * min);
   EXPECT_EQ(bytes(output::colour_of(-1)), bytes(output::colour_of(0)));
   EXPECT_EQ(bytes(output::colour_of(2)), bytes(output::colour_of(1)));
 }

@@ -41,7 +41,7 @@ History stretched_rest_shapes(const Model& model) {
 double misfit(const Model& model, const History& history) {
   double sum = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    const ElementPoints x = about_mean(gather(history.material, model.mesh.hexahedra()[e]));
+    const ElementPoints x = about_mean(gather(history.plastic_rest_positions, model.mesh.hexahedra()[e]));
     sum += (mapped(history.rest_shape[e], fit_rotation(history.rest_shape[e], x)) - x).squaredNorm();
   }
   return sum;
@@ -58,9 +58,10 @@ TEST(Averaging, JoinsStretchedElementsIntoAStretchedBarOfAnyLength) {
       CholeskySolver cholesky;
       LinearSolver& solver = direct ? static_cast<LinearSolver&>(cholesky) : iterative;
       averaging.advance(model, solver, history);
-      EXPECT_NEAR(elongation(ends, history.material), 0.5, 1e-6);  // one step leaves its regularisation, 1e-7
+      EXPECT_NEAR(elongation(ends, history.plastic_rest_positions), 0.5,
+                  1e-6);  // one step leaves its regularisation, 1e-7
       averaging.advance(model, solver, history);
-      EXPECT_NEAR(elongation(ends, history.material), 0.5, 1e-9) << slices << " slices";
+      EXPECT_NEAR(elongation(ends, history.plastic_rest_positions), 0.5, 1e-9) << slices << " slices";
     }
   }
 }
@@ -72,7 +73,7 @@ TEST(Averaging, ByOneSweepOfNodeMeansWouldFallShort) {
   PointArray joined = PointArray::Zero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const Eigen::RowVector3d centre = gather(history.material, corners).colwise().mean();
+    const Eigen::RowVector3d centre = gather(history.plastic_rest_positions, corners).colwise().mean();
     for (int a = 0; a < kCorners; ++a) {
       joined.row(corners[a]) += (history.rest_shape[e].row(a) + centre) / model.mesh.incident(corners[a]).size();
     }
@@ -107,10 +108,10 @@ TEST(Averaging, KeepsTheMeanOfEveryConnectedPart) {
   EXPECT_FALSE(averaging.advance(model, solver, history).skipped);
   for (const int first : {0, one.num_nodes()}) {
     const Vec3 before = positions.middleRows(first, one.num_nodes()).colwise().mean();
-    const Vec3 after = history.material.middleRows(first, one.num_nodes()).colwise().mean();
+    const Vec3 after = history.plastic_rest_positions.middleRows(first, one.num_nodes()).colwise().mean();
     EXPECT_LE((after - before).norm(), 1e-12);
   }
-  EXPECT_GT(support::max_abs(history.material - positions), 1e-3);
+  EXPECT_GT(support::max_abs(history.plastic_rest_positions - positions), 1e-3);
 }
 
 TEST(Averaging, NeverRaisesTheMisfitAndArrives) {
@@ -132,9 +133,9 @@ TEST(Averaging, NeverRaisesTheMisfitAndArrives) {
       before = after;
     }
     // at the minimum one more step changes nothing
-    const PointArray arrived = history.material;
+    const PointArray arrived = history.plastic_rest_positions;
     averaging.advance(model, solver, history);
-    EXPECT_LE(support::max_abs(history.material - arrived), 1e-6 * kEdge);
+    EXPECT_LE(support::max_abs(history.plastic_rest_positions - arrived), 1e-6 * kEdge);
   }
 }
 
@@ -167,8 +168,8 @@ TEST(Averaging, ByMultigridJoinsPiecesOfATwistedBarInAFewIterationsWhateverTheSi
         }
       }
       const EndSections ends = end_sections(model.mesh);
-      EXPECT_NEAR(elongation(ends, history.material), 0.2, 1e-6);
-      EXPECT_NEAR(twist(model.mesh, ends, history.material), 1.0, 1e-6) << "refine " << refine;
+      EXPECT_NEAR(elongation(ends, history.plastic_rest_positions), 0.2, 1e-6);
+      EXPECT_NEAR(twist(model.mesh, ends, history.plastic_rest_positions), 1.0, 1e-6) << "refine " << refine;
     }
 }
 
@@ -187,14 +188,15 @@ TEST(Averaging, LeavesConnectedPartsThatDoNotFlowBitForBit) {
     Body body(mesh, materials, settings), alone(one, {soft}, settings);
     for (int k = 1; k <= 10; ++k) {
       const PointArray bent = support::stretched_and_twisted(one, 1 + 0.02 * k, 0.1 * k);
-      PointArray world(mesh.num_nodes(), 3);
-      world << bent, mapped(bent, Mat3::Identity(), Vec3(1, 0, 0));
-      EXPECT_GT(body.flow(world, 0.01).yielded, 0);
+      PointArray current(mesh.num_nodes(), 3);
+      current << bent, mapped(bent, Mat3::Identity(), Vec3(1, 0, 0));
+      EXPECT_GT(body.flow(current, 0.01).yielded, 0);
       alone.flow(bent, 0.01);
     }
-    EXPECT_EQ(body.state().history.material.bottomRows(one.num_nodes()), mesh.positions().bottomRows(one.num_nodes()));
-    const PointArray flowed = body.state().history.material.topRows(one.num_nodes());
-    EXPECT_LE(support::max_abs(flowed - alone.state().history.material), 1e-6 * kEdge);
+    EXPECT_EQ(body.state().history.plastic_rest_positions.bottomRows(one.num_nodes()),
+              mesh.positions().bottomRows(one.num_nodes()));
+    const PointArray flowed = body.state().history.plastic_rest_positions.topRows(one.num_nodes());
+    EXPECT_LE(support::max_abs(flowed - alone.state().history.plastic_rest_positions), 1e-6 * kEdge);
     EXPECT_GT(support::max_abs(flowed - one.positions()), 1e-2 * kEdge);
   }
 }
@@ -217,8 +219,8 @@ TEST(Averaging, ByMultigridAgreesWithTheDirectSolverOnTornBodies) {
   CholeskySolver cholesky;
   Averaging(model).advance(model, multigrid, iterated);
   Averaging(model).advance(model, cholesky, exact);
-  EXPECT_GT(support::max_abs(exact.material - torn.material), 1e-2 * kEdge);
-  EXPECT_LE(support::max_abs(iterated.material - exact.material), 1e-6 * kEdge);
+  EXPECT_GT(support::max_abs(exact.plastic_rest_positions - torn.plastic_rest_positions), 1e-2 * kEdge);
+  EXPECT_LE(support::max_abs(iterated.plastic_rest_positions - exact.plastic_rest_positions), 1e-6 * kEdge);
 }
 
 TEST(Averaging, LeavesShapesThatFitUntouched) {
@@ -229,7 +231,7 @@ TEST(Averaging, LeavesShapesThatFitUntouched) {
   Averaging averaging(model);
   PreconditionedConjugateGradients solver(1e-12, 10000);
   EXPECT_TRUE(averaging.advance(model, solver, history).skipped);
-  EXPECT_EQ(history.material, model.mesh.positions());
+  EXPECT_EQ(history.plastic_rest_positions, model.mesh.positions());
 }
 
 /// Flows in stretch and rotation at the strains of a bar twisted by hand.
@@ -248,11 +250,11 @@ double permanent_twist(int averaging_steps) {
   settings.averaging_steps = averaging_steps;
   Body body(support::block({2, 2, 10}, kEdge), {twistable(0.005)}, settings);
   for (int k = 1; k <= 60; ++k) {
-    const double share = std::min(1.0, k / 40.0);
-    const PointArray world = support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 2 * share);
-    body.flow(world, 0.01);
+    const double fraction = std::min(1.0, k / 40.0);
+    const PointArray current = support::stretched_and_twisted(body.mesh(), 1 + 0.3 * fraction, 2 * fraction);
+    body.flow(current, 0.01);
   }
-  return twist(body.mesh(), end_sections(body.mesh()), body.state().history.material);
+  return twist(body.mesh(), end_sections(body.mesh()), body.state().history.plastic_rest_positions);
 }
 
 // What is left of one step is taken up by the next, and nothing grows; on a mesh without symmetry, of which no solver
@@ -265,13 +267,14 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
   FlowWorkspace work(model, history);
   PreconditionedConjugateGradients exact(1e-12, 10000);
   for (int k = 1; k <= 100; ++k) {
-    const double share = std::min(1.0, k / 40.0);
-    const PointArray world = support::stretched_and_twisted(model.mesh, 1 + 0.3 * share, 2 * share);
-    body.flow(world, 0.01);
-    linearize(model, history, world, at);
+    const double fraction = std::min(1.0, k / 40.0);
+    const PointArray current = support::stretched_and_twisted(model.mesh, 1 + 0.3 * fraction, 2 * fraction);
+    body.flow(current, 0.01);
+    linearize(model, history, current, at);
     flow(model, at, 0.01, exact, history, work);
   }
-  EXPECT_LE(support::max_abs(body.state().history.material - history.material), 1e-6 * kEdge);
+  EXPECT_LE(support::max_abs(body.state().history.plastic_rest_positions - history.plastic_rest_positions),
+            1e-6 * kEdge);
 }
 
 /// What is left of a bar of this many hexahedra that is bent to an arc of six radians in forty steps.
@@ -290,7 +293,7 @@ PointArray bent(const std::array<int, 3>& cells, const Settings& settings) {
     const FlowReport report = body.flow(x, .01);
     EXPECT_TRUE(std::isfinite(report.averaging.residual)) << k;
   }
-  return body.state().history.material;
+  return body.state().history.plastic_rest_positions;
 }
 
 // Their systems are so ill-conditioned that single precision does not reach these tolerances, and rounding may have
@@ -309,16 +312,16 @@ TEST(Averaging, OfSlenderBodiesInMixedPrecisionStaysNearThatInDouble) {
   }
 }
 
-/// Angle between the original and the material shape of a distorted bar after it was stretched and twisted [rad].
+/// Angle between the original and the plastic rest shape of a distorted bar after it was stretched and twisted [rad].
 double tilt_after_a_twist(AveragingMethod method) {
   Settings settings;
   settings.averaging = method;
   Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)}, settings);
   for (int k = 1; k <= 60; ++k) {
-    const double share = std::min(1.0, k / 40.0);
-    body.flow(support::stretched_and_twisted(body.mesh(), 1 + 0.3 * share, 1.5 * share), 0.01);
+    const double fraction = std::min(1.0, k / 40.0);
+    body.flow(support::stretched_and_twisted(body.mesh(), 1 + 0.3 * fraction, 1.5 * fraction), 0.01);
   }
-  const PointArray before = body.mesh().positions(), after = body.state().history.material;
+  const PointArray before = body.mesh().positions(), after = body.state().history.plastic_rest_positions;
   const Mat3 covariance =
       (after.rowwise() - after.colwise().mean()).transpose() * (before.rowwise() - before.colwise().mean());
   return rotation_log(polar(covariance).R).norm();

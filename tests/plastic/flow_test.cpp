@@ -39,9 +39,9 @@ TEST(Flow, ChangesNothingBelowYield) {
   Body body(support::distorted_block({2, 2, 3}, kEdge, 0.15, 152), {m});
   const std::string before = hash_of(body);
   for (int k = 0; k < 20; ++k) {
-    const PointArray world =
+    const PointArray current =
         mapped(PointArray(body.mesh().positions() + random.field(36, 0.1 * kEdge)), random.rotation());
-    EXPECT_EQ(body.flow(world, kStep).yielded, 0);
+    EXPECT_EQ(body.flow(current, kStep).yielded, 0);
   }
   EXPECT_EQ(hash_of(body), before);
 }
@@ -54,7 +54,7 @@ TEST(Flow, ChangesNothingAtRest) {
   const PointArray rest = body.mesh().positions();
   for (int k = 0; k < 1000; ++k) body.flow(rest, kStep);
   // without any threshold rounding itself may flow, but it must not add up
-  EXPECT_LE(support::max_abs(body.state().history.material - rest), 1e-15);
+  EXPECT_LE(support::max_abs(body.state().history.plastic_rest_positions - rest), 1e-15);
 }
 
 TEST(Flow, OfRigidMotionsIsNothing) {
@@ -80,7 +80,7 @@ TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
                     Vec3(std::exp(-log_stretch / 2), std::exp(-log_stretch / 2), std::exp(log_stretch)).asDiagonal() *
                     Q.transpose());
       };
-      const PointArray world = mapped(PointArray(X), random.rotation() * uniaxial(std::log(stretch)));
+      const PointArray current = mapped(PointArray(X), random.rotation() * uniaxial(std::log(stretch)));
       const Lame k = lame(kSoft.young_modulus, kSoft.poisson_ratio);
 
       double elastic = std::log(stretch), tau = kSoft.yield_stress;  // along the axis
@@ -91,15 +91,15 @@ TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
         const double gamma = std::max(0.0, kSoft.flow_rate * dt * (n - tau) / n);
         elastic *= 1 - gamma;
         tau += kSoft.hardening * gamma * n;
-        body.flow(world, dt);
+        body.flow(current, dt);
 
         for (const double actual : body.state().history.yield_stress[0])
           ASSERT_NEAR(actual, tau, 1e-9 * tau) << "step " << step;
-        // the material shape is free to turn, so compare Fp^T Fp
+        // the plastic rest shape is free to turn, so compare Fp^T Fp
         const Mat3 U = uniaxial(std::log(stretch) - elastic);
         for (int a = 0; a < kCorners; ++a) {
-          const Mat3 Fp =
-              corner_jacobian(ElementPoints(body.state().history.material), a) * corner_jacobian(X, a).inverse();
+          const Mat3 Fp = corner_jacobian(ElementPoints(body.state().history.plastic_rest_positions), a) *
+                          corner_jacobian(X, a).inverse();
           ASSERT_LE((Fp.transpose() * Fp - U * U).cwiseAbs().maxCoeff(), 1e-10) << "step " << step;
         }
       }
@@ -120,13 +120,13 @@ double error_of_small_strain(double dt) {
   const double settled = (m.hardening * initial + m.yield_stress) / (1 + m.hardening);
 
   Body body(support::block({1, 1, 1}, kEdge), {m});
-  const PointArray world = mapped(body.mesh().positions(),
-                                  Vec3(std::exp(-strain / 2), std::exp(-strain / 2), std::exp(strain)).asDiagonal());
+  const PointArray current = mapped(body.mesh().positions(),
+                                    Vec3(std::exp(-strain / 2), std::exp(-strain / 2), std::exp(strain)).asDiagonal());
   double worst = 0;
   for (int step = 1; step * dt <= 1 + 1e-9; ++step) {
-    body.flow(world, dt);
+    body.flow(current, dt);
     const double expected = settled + (initial - settled) * std::exp(-m.flow_rate * (1 + m.hardening) * step * dt);
-    worst = std::max(worst, std::abs(body.fields(world).stress_norm[0] - expected) / initial);
+    worst = std::max(worst, std::abs(body.fields(current).stress_norm[0] - expected) / initial);
   }
   return worst;
 }
@@ -146,9 +146,9 @@ TEST(Flow, OfAPureVolumeChangeMovesNothing) {
     Settings settings;
     settings.yield_norm = norm;
     Body body(support::distorted_block({2, 2, 2}, kEdge, 0.15, 157), {kSoft}, settings);
-    const PointArray X = body.mesh().positions(), world = mapped(X, 1.05 * Mat3::Identity());
-    for (int k = 0; k < 50; ++k) body.flow(world, kStep);
-    EXPECT_LE(support::max_abs(body.state().history.material - X), 1e-12);
+    const PointArray X = body.mesh().positions(), current = mapped(X, 1.05 * Mat3::Identity());
+    for (int k = 0; k < 50; ++k) body.flow(current, kStep);
+    EXPECT_LE(support::max_abs(body.state().history.plastic_rest_positions - X), 1e-12);
     for (const auto& corners : body.state().history.yield_stress) {
       for (const double tau : corners) {
         if (norm == YieldNorm::kVonMises) {
@@ -163,10 +163,10 @@ TEST(Flow, OfAPureVolumeChangeMovesNothing) {
 
 TEST(Flow, OfAVolumePreservingStretchKeepsTheVolume) {
   Body body(support::block({2, 2, 4}, kEdge), {kSoft});
-  const PointArray world = support::stretched_and_twisted(body.mesh(), 1.3, 0);
-  for (int k = 0; k < 200; ++k) body.flow(world, kStep);
-  EXPECT_GT(elongation(end_sections(body.mesh()), body.state().history.material), 0.1);
-  EXPECT_NEAR(body.volume(body.state().history.material) / body.initial_volume(), 1, 1e-10);
+  const PointArray current = support::stretched_and_twisted(body.mesh(), 1.3, 0);
+  for (int k = 0; k < 200; ++k) body.flow(current, kStep);
+  EXPECT_GT(elongation(end_sections(body.mesh()), body.state().history.plastic_rest_positions), 0.1);
+  EXPECT_NEAR(body.volume(body.state().history.plastic_rest_positions) / body.initial_volume(), 1, 1e-10);
 }
 
 /// The hash of a bar after steps in which its ends flow in turn, or both, or neither.
@@ -178,24 +178,24 @@ std::string hash_of_bar_whose_ends_flow(bool copies_it) {
   settings.volume_restitution = 0;
   Body body(support::block({16, 3, 3}, kEdge), {m}, settings);
   const PointArray rest = body.mesh().positions();
-  int most = 0, least = body.mesh().num_elements();
+  int max = 0, min = body.mesh().num_elements();
   for (int step = 0; step < 24; ++step) {
-    PointArray world = body.plastic_rest_positions();
+    PointArray current = body.plastic_rest_positions();
     for (int n = 0; n < rest.rows(); ++n) {
-      if (step % 4 != 1 && rest(n, 0) < 3.5 * kEdge) world(n, 0) -= 0.2 * (3.5 * kEdge - rest(n, 0));
-      if (step % 4 < 2 && rest(n, 0) > 12.5 * kEdge) world(n, 1) += 0.2 * (rest(n, 0) - 12.5 * kEdge);
+      if (step % 4 != 1 && rest(n, 0) < 3.5 * kEdge) current(n, 0) -= 0.2 * (3.5 * kEdge - rest(n, 0));
+      if (step % 4 < 2 && rest(n, 0) > 12.5 * kEdge) current(n, 1) += 0.2 * (rest(n, 0) - 12.5 * kEdge);
     }
-    if (step % 6 == 5) world = body.plastic_rest_positions();
-    const int yielded = body.flow(world, kStep).yielded;
-    most = std::max(most, yielded);
-    if (yielded > 0) least = std::min(least, yielded);
+    if (step % 6 == 5) current = body.plastic_rest_positions();
+    const int yielded = body.flow(current, kStep).yielded;
+    max = std::max(max, yielded);
+    if (yielded > 0) min = std::min(min, yielded);
     if (!copies_it) continue;
     std::stringstream saved;  // without what the plastic step keeps for itself
     body.save(saved);
     body.load(saved);
   }
-  EXPECT_GT(least, 0);
-  EXPECT_LT(most, body.mesh().num_elements() / 2);
+  EXPECT_GT(min, 0);
+  EXPECT_LT(max, body.mesh().num_elements() / 2);
   return hash_of(body);
 }
 
@@ -217,17 +217,17 @@ void expect_the_same_with_and_without_a_screen(YieldNorm norm) {
   PreconditionedConjugateGradients solver(1e-12, 10000);
   int restored = 0;
   for (int step = 0; step < 12; ++step) {
-    PointArray world = screened.material;
+    PointArray current = screened.plastic_rest_positions;
     const double end = (step < 8 ? 3.5 : 6.5) * kEdge;
-    for (int n = 0; n < world.rows(); ++n)
-      if (world(n, 0) < end) world(n, 0) -= 0.2 * (end - world(n, 0));
-    linearize(model, screened, world, at);
-    set_positions(model, all, world, positions);
+    for (int n = 0; n < current.rows(); ++n)
+      if (current(n, 0) < end) current(n, 0) -= 0.2 * (end - current(n, 0));
+    linearize(model, screened, current, at);
+    set_positions(model, all, current, positions);
     const FlowReport report = flow(model, at, kStep, solver, screened, of_screened);
     EXPECT_EQ(flow(model, positions, kStep, solver, all, of_all).yielded, report.yielded);
     EXPECT_GT(report.yielded, 0);
     for (const ElementFlow& f : of_screened.flows) restored += f.restores;
-    ASSERT_EQ(screened.material, all.material);
+    ASSERT_EQ(screened.plastic_rest_positions, all.plastic_rest_positions);
     for (int e = 0; e < model.mesh.num_elements(); ++e) {
       const ElementHistory one = screened.element(e), other = all.element(e);
       ASSERT_EQ(one.rest_shape, other.rest_shape) << e;
@@ -242,26 +242,26 @@ TEST(Flow, IsTheSameWithAndWithoutAScreen) {
   for (const YieldNorm norm : kNorms) expect_the_same_with_and_without_a_screen(norm);
 }
 
-/// Volume ratio of a body whose material shape starts 3 % too large, after some steps of volume restitution alone.
+/// Volume ratio of a body whose plastic rest shape starts 3 % too large, after some steps of volume restitution alone.
 double volume_ratio_after(int steps, double rate) {
   Settings settings;
   settings.volume_restitution = rate;
   const Model model(support::distorted_block({2, 2, 2}, kEdge, 0.15, 158), {kSoft}, settings);
   History history(model);
   const double scale = std::cbrt(1.03);
-  history.material *= scale;
+  history.plastic_rest_positions *= scale;
   for (ElementPoints& y : history.rest_shape) y *= scale;
   ++history.version;
   FlowWorkspace work(model, history);
   Linearization at(model);
   PreconditionedConjugateGradients solver(1e-12, 10000);
   for (int k = 0; k < steps; ++k) {
-    linearize(model, history, history.material, at);  // the world follows: nothing yields
+    linearize(model, history, history.plastic_rest_positions, at);  // the world follows: nothing yields
     flow(model, at, kStep, solver, history, work);
   }
   double volume_now = 0, volume_before = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    volume_now += volume(gather(history.material, model.mesh.hexahedra()[e]));
+    volume_now += volume(gather(history.plastic_rest_positions, model.mesh.hexahedra()[e]));
     volume_before += model.volume[e];
   }
   return volume_now / volume_before;
@@ -295,9 +295,9 @@ TEST(VolumeRestitution, RefusesUnstableRates) {
 TEST(Flow, OfAHeldShapeDoesNotDriftInTenThousandSteps) {
   Body body(support::block({1, 1, 3}, kEdge), {kSoft});
   const HexMesh& mesh = body.mesh();
-  const PointArray world = support::stretched_and_twisted(mesh, 1.3, 0);
-  for (int k = 0; k < 10000; ++k) body.flow(world, kStep);
-  const PointArray& x = body.state().history.material;
+  const PointArray current = support::stretched_and_twisted(mesh, 1.3, 0);
+  for (int k = 0; k < 10000; ++k) body.flow(current, kStep);
+  const PointArray& x = body.state().history.plastic_rest_positions;
   EXPECT_GT(elongation(end_sections(mesh), x), 0.1);
   EXPECT_LE((x.colwise().mean() - mesh.positions().colwise().mean()).norm(), 1e-10);
   EXPECT_NEAR(body.volume(x) / body.initial_volume(), 1, 1e-10);
@@ -315,11 +315,11 @@ TEST(Flow, KeepsPlasticTwistBelowTheTwistThatIsHeld) {
   settings.volume_restitution = 5;
   Body body(support::block({2, 2, 8}, kEdge), {m}, settings);
   const EndSections ends = end_sections(body.mesh());
-  const PointArray world = support::stretched_and_twisted(body.mesh(), 1, 2);
+  const PointArray current = support::stretched_and_twisted(body.mesh(), 1, 2);
   double before = 0;
   for (int k = 0; k < 300; ++k) {
-    body.flow(world, kStep);
-    const double now = twist(body.mesh(), ends, body.state().history.material);
+    body.flow(current, kStep);
+    const double now = twist(body.mesh(), ends, body.state().history.plastic_rest_positions);
     ASSERT_LE(now, 2) << "step " << k;
     ASSERT_GE(now, before - 1e-6) << "step " << k;
     before = now;
@@ -329,18 +329,18 @@ TEST(Flow, KeepsPlasticTwistBelowTheTwistThatIsHeld) {
 
 TEST(Guard, KeepsInvertedElementsElastic) {
   Body body(support::block({1, 1, 2}, kEdge), {kSoft});
-  PointArray world = body.mesh().positions();
-  world.bottomRows(4) = mapped(PointArray(world.bottomRows(4)), Mat3::Identity(),
-                               Vec3(0, 0, -1.6 * kEdge));  // the upper cube, inside out
-  const FlowReport report = body.flow(world, kStep);
+  PointArray current = body.mesh().positions();
+  current.bottomRows(4) = mapped(PointArray(current.bottomRows(4)), Mat3::Identity(),
+                                 Vec3(0, 0, -1.6 * kEdge));  // the upper cube, inside out
+  const FlowReport report = body.flow(current, kStep);
   EXPECT_EQ(report.inverted, 1);
   EXPECT_EQ(report.skipped, 1);
   for (const double tau : body.state().history.yield_stress[1]) EXPECT_EQ(tau, 300);
 
   // the same at a stretch below the threshold, though not inverted
-  world = mapped(body.mesh().positions(), Vec3(1, 1, 0.05).asDiagonal());
-  EXPECT_EQ(body.flow(world, kStep).skipped, 2);
-  EXPECT_EQ(body.fields(world).yield_stress[1], 300);
+  current = mapped(body.mesh().positions(), Vec3(1, 1, 0.05).asDiagonal());
+  EXPECT_EQ(body.flow(current, kStep).skipped, 2);
+  EXPECT_EQ(body.fields(current).yield_stress[1], 300);
 }
 
 TEST(Flow, FineBodiesAreAtRestInSpiteOfRounding) {

@@ -63,8 +63,8 @@ TEST(Bending, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
     body.add_force(f);
     double inside = 0, boundary = 0;
     for (int n = 0; n < mesh.num_nodes(); ++n) {
-      double& most = on_boundary[n] ? boundary : inside;
-      most = std::max(most, f.row(n).norm());
+      double& max = on_boundary[n] ? boundary : inside;
+      max = std::max(max, f.row(n).norm());
     }
     if (scheme == Bending::kBlended)
       EXPECT_LE(inside, 1e-10 * boundary);
@@ -73,10 +73,12 @@ TEST(Bending, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
   }
 }
 
-// ---- shares of stretch and rotation
+// ---- fractions of stretch and rotation
 
-/// Share of a small displacement u of a cube that one full step makes permanent, by stretch or rotation flow or both.
-double permanent_share(Bending bending, const ElementPoints& X, const ElementPoints& u, bool stretch, bool rotation) {
+/// Fraction of a small displacement u of a cube that one full step makes permanent, by stretch or rotation flow or
+/// both.
+double permanent_fraction(Bending bending, const ElementPoints& X, const ElementPoints& u, bool stretch,
+                          bool rotation) {
   Material m;
   m.yield_stress = 0;
   m.flow_rate = stretch ? 1 / kStep : 0;  // all of it at once
@@ -109,9 +111,9 @@ TEST(PlasticStep, SharesTwistBendAndStretchBetweenStretchAndRotation) {
     for (const auto& mode : modes) {
       const ElementPoints u = small * kEdge * mode.u;
       const double by_stretch = bending == Bending::kBlended ? mode.by_stretch : mode.by_stretch_where_shear_is_assumed;
-      EXPECT_NEAR(permanent_share(bending, X, u, true, false), by_stretch, 2 * small);
-      EXPECT_NEAR(permanent_share(bending, X, u, false, true), 1 - by_stretch, 2 * small);
-      EXPECT_NEAR(permanent_share(bending, X, u, true, true), 1, 2 * small);
+      EXPECT_NEAR(permanent_fraction(bending, X, u, true, false), by_stretch, 2 * small);
+      EXPECT_NEAR(permanent_fraction(bending, X, u, false, true), 1 - by_stretch, 2 * small);
+      EXPECT_NEAR(permanent_fraction(bending, X, u, true, true), 1, 2 * small);
     }
 }
 
@@ -131,11 +133,11 @@ Body yielding_bar(const HexMesh& mesh, const Settings& settings) {
 PointArray material_after(const HexMesh& mesh, const Settings& settings, const Mat3& R, const Vec3& spin) {
   Body body = yielding_bar(mesh, settings);
   for (int k = 1; k <= 120; ++k) {
-    const double share = std::min(1.0, k / 80.0);
+    const double fraction = std::min(1.0, k / 80.0);
     const Mat3 pose = rotation_exp(k * kStep * spin) * R;
-    body.flow(mapped(support::stretched_and_twisted(mesh, 1 + 0.3 * share, 1.5 * share), pose), kStep);
+    body.flow(mapped(support::stretched_and_twisted(mesh, 1 + 0.3 * fraction, 1.5 * fraction), pose), kStep);
   }
-  return body.state().history.material;
+  return body.state().history.plastic_rest_positions;
 }
 
 class PaperMode : public testing::TestWithParam<RotationPlasticity> {};

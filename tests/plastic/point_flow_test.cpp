@@ -49,12 +49,12 @@ TEST(StressNorm, OnlyVonMisesIgnoresPressure) {
 }
 
 TEST(FlowShare, IsTheRateTimesTheExcessAndStaysWithinZeroAndOne) {
-  EXPECT_DOUBLE_EQ(flow_share(400, 300, 2, 0.01), 0.02 * 0.25);
-  EXPECT_EQ(flow_share(300, 300, 2, 0.01), 0);
-  EXPECT_EQ(flow_share(200, 300, 2, 0.01), 0);
-  EXPECT_EQ(flow_share(0, 0, 2, 0.01), 0);
-  EXPECT_EQ(flow_share(400, std::numeric_limits<double>::infinity(), 2, 0.01), 0);
-  EXPECT_EQ(flow_share(400, 0, 1000, 0.01), 1);
+  EXPECT_DOUBLE_EQ(flow_fraction(400, 300, 2, 0.01), 0.02 * 0.25);
+  EXPECT_EQ(flow_fraction(300, 300, 2, 0.01), 0);
+  EXPECT_EQ(flow_fraction(200, 300, 2, 0.01), 0);
+  EXPECT_EQ(flow_fraction(0, 0, 2, 0.01), 0);
+  EXPECT_EQ(flow_fraction(400, std::numeric_limits<double>::infinity(), 2, 0.01), 0);
+  EXPECT_EQ(flow_fraction(400, 0, 1000, 0.01), 1);
 }
 
 TEST(Hardened, GrowsByWhatFlowsAndIsNeverNegative) {
@@ -93,15 +93,15 @@ TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
       logs.array() -= logs.mean();
 
       ASSERT_NEAR(flow.norm, stress_norm(stress(S, kSoftLame), norm), 1e-9);
-      ASSERT_DOUBLE_EQ(flow.share, flow_share(flow.norm, 100, 3, 0.01));
-      const Vec3 expected = (flow.share * logs).array().exp();
+      ASSERT_DOUBLE_EQ(flow.fraction, flow_fraction(flow.norm, 100, 3, 0.01));
+      const Vec3 expected = (flow.fraction * logs).array().exp();
       ASSERT_LE((flow.increment - eigen.eigenvectors() * expected.asDiagonal() * eigen.eigenvectors().transpose())
                     .cwiseAbs()
                     .maxCoeff(),
                 1e-12);
       ASSERT_NEAR(flow.increment.determinant(), 1, 1e-12);
-      ASSERT_NEAR(flow.strain, std::sqrt(2.0 / 3) * flow.share * logs.norm(), 1e-12);
-      const Mat3 flowed = eigen.eigenvectors() * (flow.share * logs).asDiagonal() * eigen.eigenvectors().transpose();
+      ASSERT_NEAR(flow.strain, std::sqrt(2.0 / 3) * flow.fraction * logs.norm(), 1e-12);
+      const Mat3 flowed = eigen.eigenvectors() * (flow.fraction * logs).asDiagonal() * eigen.eigenvectors().transpose();
       ASSERT_NEAR(flow.dissipated, stress(S, kSoftLame).cwiseProduct(flowed).sum(), 1e-9);
     }
   }
@@ -120,7 +120,7 @@ TEST(StretchFlow, IsExactlyNothingBelowYield) {
   Random random(55);
   const Mat3 S = random_stretch(random, 0.3);
   const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kFrobenius, 1e6, 3, 0.01);
-  EXPECT_EQ(flow.share, 0);
+  EXPECT_EQ(flow.fraction, 0);
   EXPECT_EQ(flow.strain, 0);
   EXPECT_EQ(flow.dissipated, 0);
   EXPECT_EQ(flow.increment, Mat3::Identity());
@@ -129,7 +129,7 @@ TEST(StretchFlow, IsExactlyNothingBelowYield) {
 TEST(StretchFlow, OfAPureVolumeChangeHasNoShape) {
   const Mat3 S = 1.05 * Mat3::Identity();
   const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kFrobenius, 300, 3, 0.01);
-  EXPECT_GT(flow.share, 0);
+  EXPECT_GT(flow.fraction, 0);
   EXPECT_LE((flow.increment - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-15);
 }
 
@@ -141,18 +141,18 @@ TEST(RotationFlow, IsAShareOfTheRotation) {
     const Mat3 Q = Eigen::AngleAxisd(angle, axis).matrix();
     const RotationFlow flow = rotation_flow(Q, angle, 0, 0.05, 2, 0.01);
     ASSERT_EQ(flow.angle, angle);
-    ASSERT_NEAR(flow.share, 0.02 * (angle - 0.05) / angle, 1e-15);
-    ASSERT_LE((flow.increment - Eigen::AngleAxisd(flow.share * angle, axis).matrix()).cwiseAbs().maxCoeff(), 1e-12);
+    ASSERT_NEAR(flow.fraction, 0.02 * (angle - 0.05) / angle, 1e-15);
+    ASSERT_LE((flow.increment - Eigen::AngleAxisd(flow.fraction * angle, axis).matrix()).cwiseAbs().maxCoeff(), 1e-12);
     ASSERT_NEAR(flow.increment.determinant(), 1, 1e-12);
     // the pose of the element slows the paper's modes down
-    ASSERT_NEAR(rotation_flow(Q, angle, 0.4, 0.05, 2, 0.01).share, 0.02 * (angle - 0.05) / (angle + 0.4), 1e-15);
+    ASSERT_NEAR(rotation_flow(Q, angle, 0.4, 0.05, 2, 0.01).fraction, 0.02 * (angle - 0.05) / (angle + 0.4), 1e-15);
   }
 }
 
 TEST(RotationFlow, IsExactlyNothingBelowYield) {
   Random random(57);
   const RotationFlow flow = rotation_flow(random.rotation_by(0.04), 0.04, 0, 0.05, 2, 0.01);
-  EXPECT_EQ(flow.share, 0);
+  EXPECT_EQ(flow.fraction, 0);
   EXPECT_EQ(flow.increment, Mat3::Identity());
   EXPECT_EQ(rotation_flow(Mat3::Identity(), 0, 0, 0, 2, 0.01).increment, Mat3::Identity());
 }

@@ -245,7 +245,7 @@ TEST(PlotFile, NamesTheCurvesOfEachPanelAndKeepsTitlesOnThePage) {
   for (const auto* text = document.RootElement()->FirstChildElement("text"); text;
        text = text->NextSiblingElement("text"))
     words.insert(text->GetText());
-  EXPECT_EQ(words.count("world"), 2u) << "elongation and volume error; it does not twist";
+  EXPECT_EQ(words.count("current"), 2u) << "elongation and volume error; it does not twist";
   EXPECT_EQ(words.count("plastic"), 2u);
   EXPECT_EQ(words.count("kinetic"), 1u) << "energy has the place of twist";
   EXPECT_EQ(words.count("yielded"), 1u);
@@ -270,8 +270,8 @@ TEST(Ticks, AreRoundAndInside) {
   EXPECT_EQ(within.label(within.values[3]), "0.3");
   EXPECT_EQ(within.label(within.values[0]), "0");
   const output::Ticks around = output::ticks_around(-0.031, 0.17, 5);
-  EXPECT_NEAR(around.least, -0.05, 1e-15);
-  EXPECT_NEAR(around.most, 0.2, 1e-15);
+  EXPECT_NEAR(around.min, -0.05, 1e-15);
+  EXPECT_NEAR(around.max, 0.2, 1e-15);
   EXPECT_EQ(around.label(around.values.back()), "0.20");
   EXPECT_EQ(output::ticks_within(0, 3e-7, 3).label(2e-7), "2e-07");
 }

@@ -36,7 +36,7 @@ TEST_F(Command, CheckSaysWhatASceneMeans) {
   EXPECT_NEAR(found["load"][0], 6, 1e-9);  // two nodes at the greatest force, t = 0.5 s
   EXPECT_NEAR(found["load_time"], 0.5, 1e-9);
   EXPECT_EQ(found["steps"], 100);
-  EXPECT_EQ(found["advice"], Json::array());
+  EXPECT_EQ(found["warnings"], Json::array());
   EXPECT_GT(found["memory_bytes"], 1e6);
   const Json& body = found["body"];
   EXPECT_NEAR(body["mass"], 2, 1e-12);
@@ -92,7 +92,7 @@ TEST_F(Command, CheckAndRunWarnOfCornersThatAreInsideOut) {
   EXPECT_EQ(count(content(directory_ / "bent/report.html")), 1);
   const Json found = Json::parse(hexaplast("check bent.scn --json").out);
   EXPECT_EQ(found["body"]["inside_out"], 1);
-  EXPECT_EQ(found["advice"].size(), 1u);
+  EXPECT_EQ(found["warnings"].size(), 1u);
   EXPECT_LT(Json::parse(content(directory_ / "sum"))["least_scaled_jacobian"], 0);
 }
 
@@ -126,9 +126,9 @@ TEST_F(Command, CheckTakesNoStep) {
 
 TEST_F(Command, CheckWarnsOfUnwiseChoices) {
   write("bar.scn", bar(""));
-  const Outcome loose = hexaplast("check bar.scn");
-  EXPECT_EQ(loose.code, 0);
-  EXPECT_EQ(loose.err, "bar.scn: warning: no node is fixed, and the loads do not balance: the body moves away\n");
+  const Outcome unsupported = hexaplast("check bar.scn");
+  EXPECT_EQ(unsupported.code, 0);
+  EXPECT_EQ(unsupported.err, "bar.scn: warning: no node is fixed, and the loads do not balance: the body moves away\n");
   // what hangs on another state may stay
   const auto weight = [](const std::string& name) {
     return "<Node name='" + name + "'><MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/>";

@@ -88,8 +88,8 @@ TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
   // positions against the last states in JSON, which is written and read by others
   const Json state_a = Json::parse(content(directory_ / "a.json")),
              state_b = Json::parse(content(directory_ / "b.json"));
-  for (const auto& [label, array] :
-       {std::pair<std::string, const char*>{"positions", "positions"}, {"material positions", "material_positions"}}) {
+  for (const auto& [label, array] : {std::pair<std::string, const char*>{"positions", "positions"},
+                                     {"plastic rest positions", "material_positions"}}) {
     double farthest = 0;
     std::size_t node = 0;
     for (std::size_t n = 0; n < state_a.at(array).size(); ++n) {

@@ -151,7 +151,7 @@ TEST(Confidence, WhatCurvesDoNotDetermineIsNamed) {
   EXPECT_FALSE(confidence_of(J.topRows(2), r.head(2), two_rows, two, 10).has_noise);
 }
 
-/// y = a exp(-b t), in shares of [0, 4] for both.
+/// y = a exp(-b t), in fractions of [0, 4] for both.
 Residuals decay() {
   return [](const std::vector<Point>& points) {
     std::vector<std::optional<std::vector<double>>> found;
@@ -192,7 +192,7 @@ TEST(Calibration, StaysWithinTheBoxAndFindsTheBestOfItsLimit) {
 }
 
 TEST(Calibration, EndsWhereEvaluationsDo) {
-  const Calibration found = calibrate(decay(), {0.9, 0.9}, {.most_evaluations = 7}, [](int, double) {});
+  const Calibration found = calibrate(decay(), {0.9, 0.9}, {.max_evaluations = 7}, [](int, double) {});
   EXPECT_FALSE(found.is_converged);
   EXPECT_LE(found.num_evaluations, 7);
 }

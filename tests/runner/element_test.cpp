@@ -65,7 +65,7 @@ TEST_F(ElementCommand, AnswersReferenceFilesWithTheirOwnKeysAndNumbers) {
   }
 }
 
-const std::string kCube = R"("original": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]])";
+const std::string kCube = R"("initial": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]])";
 
 TEST_F(ElementCommand, NeedsNothingButTheHexahedronAndReadsStandardInput) {
   const Outcome outcome = element("", "{" + kCube + "}");
@@ -76,6 +76,9 @@ TEST_F(ElementCommand, NeedsNothingButTheHexahedronAndReadsStandardInput) {
   EXPECT_LE(difference(answer["elastic"]["force"], Json(std::vector(8, std::vector(3, 0.0)))), 1e-12 * 5000);
   EXPECT_TRUE(answer.contains("objective"));
   EXPECT_EQ(element("-", "{" + kCube + "}").out, outcome.out);
+  std::string older = "{" + kCube + "}";
+  older.replace(older.find("initial"), 7, "original");
+  EXPECT_EQ(element("-", older).out, outcome.out);
 }
 
 TEST_F(ElementCommand, AnswersForTheModeThatIsAskedFor) {
@@ -98,12 +101,13 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
            {"", {"error"}},
            {"{", {"error"}},
            {"[1]", {"one JSON object"}},
-           {"{}", {"original", "missing"}},
-           {R"({"original": 3})", {"original", "3", "eight rows of three numbers"}},
-           {R"({"original": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,"x"]]})", {"original", "x"}},
+           {"{}", {"initial", "missing"}},
+           {R"({"initial": 3})", {"initial", "3", "eight rows of three numbers"}},
+           {R"({"initial": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,"x"]]})", {"initial", "x"}},
            // left-handed
-           {R"({"original": [[0,0,1],[1,0,1],[1,1,1],[0,1,1],[0,0,0],[1,0,0],[1,1,0],[0,1,0]]})", {"inverted"}},
+           {R"({"initial": [[0,0,1],[1,0,1],[1,1,1],[0,1,1],[0,0,0],[1,0,0],[1,1,0],[0,1,0]]})", {"inverted"}},
            {"{" + kCube + R"(, "worlds": 1})", {"worlds"}},
+           {"{" + kCube + R"(, "plasticRest": 1, "material": 1})", {"material", "twice", "another name"}},
            {"{" + kCube + R"(, "rotationMap": [[1,0,0],[0,1,0],[0,0,2]]})", {"rotationMap", "a rotation matrix"}},
            {"{" + kCube + R"(, "yieldStress": [1,2]})", {"yieldStress", "one per corner"}},
            {"{" + kCube + R"(, "parameters": 5})", {"parameters", "an object"}},

@@ -23,16 +23,16 @@ class FitConfidence : public Command {
     ASSERT_EQ(hexaplast("run bar.scn --quiet --steps 40 --frames 0 --out truth " + set).code, 0);
   }
 
-  /// time and elongations of the truth; noise as shares of the largest value, of which the next row keeps a part.
+  /// time and elongations of the truth; noise as fractions of the largest value, of which the next row keeps a part.
   void write_noisy(int seed, double noise, double kept, double plastic_noise) {
     hexaplast::output::HistoryTable table(directory_ / "truth/history.csv");
     std::mt19937 random(static_cast<unsigned>(seed));
     std::normal_distribution<double> normal;
     std::string curve = "time,elongation,plastic_elongation\n";
-    const int world = table.find("world_elongation"), plastic = table.find("plastic_elongation");
+    const int current = table.find("world_elongation"), plastic = table.find("plastic_elongation");
     double present = normal(random);
     for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) {
-      curve += std::to_string(row[1]) + "," + std::to_string(row[static_cast<std::size_t>(world)] + noise * present) +
+      curve += std::to_string(row[1]) + "," + std::to_string(row[static_cast<std::size_t>(current)] + noise * present) +
                "," + std::to_string(row[static_cast<std::size_t>(plastic)] + plastic_noise * normal(random)) + "\n";
       present = kept * present + std::sqrt(1 - kept * kept) * normal(random);
     }
@@ -122,10 +122,10 @@ TEST_F(FitConfidence, LimitsAndCombinationsThatAreNotDeterminedAreNamed) {
   // as many rows as values: any noise could be part of them
   run_truth("--set body.yieldStress=110 --set body.plasticFlowRate=1.3");
   hexaplast::output::HistoryTable table(directory_ / "truth/history.csv");
-  const auto world = static_cast<std::size_t>(table.find("world_elongation"));
+  const auto current = static_cast<std::size_t>(table.find("world_elongation"));
   std::string curve = "time,elongation\n";
   for (std::span<const double> row = table.next(); !row.empty(); row = table.next())
-    if (row[0] == 12 || row[0] == 25) curve += std::to_string(row[1]) + "," + std::to_string(row[world]) + "\n";
+    if (row[0] == 12 || row[0] == 25) curve += std::to_string(row[1]) + "," + std::to_string(row[current]) + "\n";
   write("curve.csv", curve);
   const Json bare = fit(kBoth);
   EXPECT_NE(messages_.find("not more rows than parameters"), std::string::npos) << messages_;

@@ -118,8 +118,8 @@ TEST_F(Fit, SaysWhatTheCurveDoesNotTell) {
   EXPECT_EQ(outcome.err.find("body.youngModulus"), std::string::npos) << outcome.err;
   EXPECT_TRUE(found()["parameters"][1]["leeway_alone"].is_null());
   // 1 % of the curve is 1 % of the modulus times the root mean square of F / F_max
-  const double share = std::sqrt((0.04 + 0.36 + 1) / 3);
-  EXPECT_NEAR(double(found()["parameters"][0]["known_to"]) - value(0), 0.01 / share * 2000, 1);
+  const double fraction = std::sqrt((0.04 + 0.36 + 1) / 3);
+  EXPECT_NEAR(double(found()["parameters"][0]["known_to"]) - value(0), 0.01 / fraction * 2000, 1);
 
   const Outcome beyond = hexaplast("fit bar.scn --target curve.csv --free body.youngModulus=2500:4000");
   EXPECT_NE(beyond.err.find("body.youngModulus is at its limit"), std::string::npos) << beyond.err;

@@ -11,11 +11,10 @@ using namespace hexaplast;
 using support::Outcome;
 
 /// The faces of an axis-aligned box as OBJ, its vertices numbered from `first` on.
-std::string box(const Vec3& least, const Vec3& most, int first = 1) {
+std::string box(const Vec3& min, const Vec3& max, int first = 1) {
   std::ostringstream text;
   for (int n = 0; n < 8; ++n)
-    text << "v " << (n & 1 ? most : least)[0] << ' ' << (n & 2 ? most : least)[1] << ' ' << (n & 4 ? most : least)[2]
-         << '\n';
+    text << "v " << (n & 1 ? max : min)[0] << ' ' << (n & 2 ? max : min)[1] << ' ' << (n & 4 ? max : min)[2] << '\n';
   for (const auto& [a, b, c, d] :
        {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
     text << "f " << first + a << ' ' << first + b << ' ' << first + c << ' ' << first + d << '\n';

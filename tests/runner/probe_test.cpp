@@ -165,14 +165,14 @@ TEST_F(Probes, OfConstraintsTellWhatBalancesABodyAtRest) {
 }
 
 TEST_F(Probes, OfConstraintsAreExactInMotionToo) {
-  // everything is led: a rigid body that is accelerated needs its mass times its acceleration, step by step
-  write("led.scn", R"xml(<Node dt="0.01" gravity="0 0 -10">
+  // every node is prescribed: a rigid body that is accelerated needs its mass times its acceleration, step by step
+  write("prescribed.scn", R"xml(<Node dt="0.01" gravity="0 0 -10">
   <RunSettings steps="20"/><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass="0" rayleighStiffness="0"/>
   <SparseLDLSolver/><RegularGridTopology name="grid" n="3 3 3" max="0.1 0.1 0.1"/><MechanicalObject name="nodes"/>
   <UniformMass totalMass="2"/><HexahedronElastoplasticFEMForceField name="body" youngModulus="5e4"/>
   <FixedProjectiveConstraint name="held" indices="0-8"/><Probe name="z" value="@held.reaction" component="z"/>
   <Probe name="com" value="@nodes.velocity" component="z" statistic="sum"/></Node>)xml");
-  ASSERT_EQ(hexaplast("run led.scn --out run --frames 0 --quiet").code, 0);
+  ASSERT_EQ(hexaplast("run prescribed.scn --out run --frames 0 --quiet").code, 0);
   output::HistoryTable table(directory_ / "run/history.csv");
   const auto force = static_cast<std::size_t>(table.find("probe_z")),
              velocity = static_cast<std::size_t>(table.find("probe_com"));
@@ -230,9 +230,9 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
   EXPECT_NEAR(last("inside"), z, 1e-14);
   output::HistoryTable table(directory_ / "run/history.csv");
   const auto ratio = static_cast<std::size_t>(table.find("world_volume_ratio"));
-  double world = 0;
-  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) world = row[ratio];
-  EXPECT_NEAR(last("volume"), 0.004 * world, 1e-15);
+  double current = 0;
+  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) current = row[ratio];
+  EXPECT_NEAR(last("volume"), 0.004 * current, 1e-15);
   double sum = 0;
   for (int e = 0; e < 4; ++e) sum += state["volume_ratio"][e].get<double>() * 0.05 * 0.05 * 0.05;
   EXPECT_NEAR(last("plastic_volume"), sum, 1e-15);

@@ -74,15 +74,15 @@ TEST_F(Results, OfABodyThatWasInsideOutAreDoubted) {
   const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --summary summary.json --checkpoint every=30");
   EXPECT_EQ(outcome.code, 0);
   const hexaplast::support::Csv history(content(directory_ / "run/history.csv"));
-  double most = 0;
+  double max = 0;
   std::size_t step = 0;
   for (std::size_t row = 0; row < history.num_rows(); ++row)
-    if (history.number(row, "inverted") > most) most = history.number(step = row, "inverted");
+    if (history.number(row, "inverted") > max) max = history.number(step = row, "inverted");
   ASSERT_EQ(history.number(100, "inverted"), 0);
-  ASSERT_GT(most, 1);
+  ASSERT_GT(max, 1);
   ASSERT_LT(step, 90u);
   const std::string doubt =
-      "warning: " + std::to_string(int(most)) + " of 4 hexahedra were inverted in step " + std::to_string(step) + "\n";
+      "warning: " + std::to_string(int(max)) + " of 4 hexahedra were inverted in step " + std::to_string(step) + "\n";
   EXPECT_EQ(outcome.err, doubt);
 
   // a run that goes on remembers

@@ -42,15 +42,15 @@ class Conditions : public support::Command {
   bool has(const std::string& name) const { return std::filesystem::exists(directory_ / "run" / name); }
 };
 
-// A node that is led counts among them, until its path ends.
+// A prescribed node counts among them, until its path ends.
 TEST_F(Conditions, FixedNodesAreThoseOfTheScene) {
   run("<LinearMovementProjectiveConstraint indices='44' keyTimes='0 0.02' movements='0 0 0  0 0 0.01'/>");
-  for (const auto& [name, is_led] : {std::pair{"mesh_000001.vtu", true}, {"mesh_000003.vtu", false}}) {
+  for (const auto& [name, is_prescribed] : {std::pair{"mesh_000001.vtu", true}, {"mesh_000003.vtu", false}}) {
     const ImportedState at_end = state(name);
     const auto fixed = std::ranges::find(at_end.point_data, "fixed", &ImportedArray::name);
     ASSERT_NE(fixed, at_end.point_data.end());
     for (int node = 0; node < 45; ++node)
-      EXPECT_EQ(fixed->values[node], node < 9 || (node == 44 && is_led)) << name << ", node " << node;
+      EXPECT_EQ(fixed->values[node], node < 9 || (node == 44 && is_prescribed)) << name << ", node " << node;
   }
   EXPECT_TRUE(load(3).isZero(0)) << "weight is none, and neither are forces of the body itself";
   EXPECT_FALSE(has("instruments.pvd") || has("surface.pvd") || has("springs.pvd"));

@@ -103,10 +103,10 @@ TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
 
   const HexMesh mesh = regular_grid({3, 3, 10}, Vec3(-0.15, -0.15, -0.5), Vec3(0.15, 0.15, 0.5));
   const EndSections ends = end_sections(mesh);
-  const PointArray material = support::matrix(final["material_positions"]);
-  ASSERT_EQ(material.rows(), mesh.num_nodes());
-  const double permanent = GetParam().is_stretched ? elongation(ends, material)
-                                                   : std::abs(twist(mesh, ends, material)) * 180 / std::numbers::pi;
+  const PointArray plastic_rest = support::matrix(final["material_positions"]);
+  ASSERT_EQ(plastic_rest.rows(), mesh.num_nodes());
+  const double permanent = GetParam().is_stretched ? elongation(ends, plastic_rest)
+                                                   : std::abs(twist(mesh, ends, plastic_rest)) * 180 / std::numbers::pi;
   EXPECT_NEAR(permanent, GetParam().expected, 0.02 * GetParam().expected);
 
   // halves are alike: the same distance from the clamp, and opposite angles
@@ -115,9 +115,9 @@ TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
                            upper = support::nodes_at(mesh, 2, 0.5 - slice * 0.1);
     double height = 0;
     for (std::size_t k = 0; k < lower.size(); ++k)
-      height += (material(lower[k], 2) + material(upper[k], 2)) / lower.size();
+      height += (plastic_rest(lower[k], 2) + plastic_rest(upper[k], 2)) / lower.size();
     EXPECT_NEAR(height, 0, 1e-9) << "slice " << slice;
-    EXPECT_NEAR(section_angle(mesh, lower, 2, material) + section_angle(mesh, upper, 2, material), 0,
+    EXPECT_NEAR(section_angle(mesh, lower, 2, plastic_rest) + section_angle(mesh, upper, 2, plastic_rest), 0,
                 1e-6 * std::numbers::pi / 180);
   }
 
@@ -149,7 +149,7 @@ struct TornScene {
     const Json final = read_json(first);
     EXPECT_EQ(final["state_hash"], read_json(second)["state_hash"]);
 
-    material = support::matrix(final["material_positions"]);
+    plastic_rest = support::matrix(final["material_positions"]);
     for (const Json& ratio : final["volume_ratio"]) alive.push_back(ratio.get<double>() > 0);  // 0: removed
     auto history = read_csv(out / "history.csv");
     removed = history["removed"].back();
@@ -159,7 +159,7 @@ struct TornScene {
     fs::remove_all(folder);
   }
 
-  PointArray material;               ///< [m]
+  PointArray plastic_rest;           ///< [m]
   std::vector<unsigned char> alive;  ///< per hexahedron
   double removed = 0;                ///< hexahedra
 };
@@ -167,7 +167,7 @@ struct TornScene {
 TEST(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
   const TornScene torn("peritoneum_tear");
   const HexMesh mesh = regular_grid({36, 1, 28}, Vec3(-0.06, -0.0005, -0.048), Vec3(0.06, 0.0005, 0.048));
-  ASSERT_EQ(torn.material.rows(), mesh.num_nodes());
+  ASSERT_EQ(torn.plastic_rest.rows(), mesh.num_nodes());
   EXPECT_GE(torn.removed, 20);
   EXPECT_LE(torn.removed, 50);
 
@@ -179,7 +179,8 @@ TEST(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
   EXPECT_NE(held, parts.part_of_node[node(0, 0)]);
 
   // the strip behind the hole, from the border on, in the row through the forceps
-  const double stretch = (torn.material.row(node(7, 14)) - torn.material.row(node(0, 14))).norm() / (7 * 0.12 / 36);
+  const double stretch =
+      (torn.plastic_rest.row(node(7, 14)) - torn.plastic_rest.row(node(0, 14))).norm() / (7 * 0.12 / 36);
   EXPECT_GT(stretch, 1.05);
   EXPECT_LT(stretch, 1.25);
 }
@@ -187,7 +188,7 @@ TEST(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
 TEST(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
   const TornScene torn("vessel_mobilise");
   const HexMesh lattice = tube({4, 16, 42}, 0.0025, 0.0105, arc(0.126, 0, 43));
-  ASSERT_EQ(torn.material.rows(), lattice.num_nodes());
+  ASSERT_EQ(torn.plastic_rest.rows(), lattice.num_nodes());
   std::vector<Hexahedron> hexahedra;
   std::vector<int> layer_of;  // 0: the wall; 1 to 3: the strands, outward
   for (int e = 0; e < lattice.num_elements(); ++e) {
@@ -218,7 +219,7 @@ TEST(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
       for (int a = 0; a < kCorners; ++a) sum += 0.25 * kCornerSign[a][0] * at.row(a).transpose();
       return sum.norm();
     };
-    stretches.push_back(thickness(torn.material) / thickness(mesh.positions()));
+    stretches.push_back(thickness(torn.plastic_rest) / thickness(mesh.positions()));
   }
   ASSERT_FALSE(stretches.empty());
   for (const double stretch : stretches) EXPECT_LT(stretch, 1.4);
@@ -245,18 +246,19 @@ TEST(FattyTissue, KeepsABumpOnAWallThatDoesNotFlow) {
     arch.row(k) << x, 0.025 * (1 - x * x / 0.0036), 0;
   }
   const HexMesh mesh = tube({3, 20, 36}, 0.004, 0.013, curve_through(arch, 37));
-  const PointArray world = support::matrix(final["positions"]), material = support::matrix(final["material_positions"]);
-  ASSERT_EQ(world.rows(), mesh.num_nodes());
+  const PointArray current = support::matrix(final["positions"]),
+                   plastic_rest = support::matrix(final["material_positions"]);
+  ASSERT_EQ(current.rows(), mesh.num_nodes());
 
   const double top = mesh.positions().col(1).maxCoeff();
   EXPECT_NEAR(top, 0.038, 1e-4);
-  EXPECT_NEAR(world.col(1).maxCoeff() - top, 0.014, 0.0015);
-  EXPECT_NEAR(material.col(1).maxCoeff() - top, 0.014, 0.0015);
+  EXPECT_NEAR(current.col(1).maxCoeff() - top, 0.014, 0.0015);
+  EXPECT_NEAR(plastic_rest.col(1).maxCoeff() - top, 0.014, 0.0015);
 
   // of every four nodes outward, the first lies on the inside of the wall, the second one on its outside
   for (int n = 0; n < mesh.num_nodes(); n += 4)
     for (const int node : {n, n + 1})
-      ASSERT_LT((world.row(node) - mesh.positions().row(node)).norm(), 5e-3) << "node " << node;
+      ASSERT_LT((current.row(node) - mesh.positions().row(node)).norm(), 5e-3) << "node " << node;
   for (int e = 0; e < mesh.num_elements(); e += 3)
     ASSERT_EQ(final["yield_stress"][e], 1e9) << "hexahedron " << e << " of the wall has flowed";
 
@@ -270,10 +272,11 @@ TEST(LiverCage, KeepsItsLobeDrawnOut) {
   ASSERT_NO_FATAL_FAILURE(run_twice("liver_cage", outcome));
   auto& [final, history] = outcome;
 
-  const PointArray world = support::matrix(final["positions"]), material = support::matrix(final["material_positions"]);
+  const PointArray current = support::matrix(final["positions"]),
+                   plastic_rest = support::matrix(final["material_positions"]);
   const double rest = 1.02 * 0.110;  // of the surface, and the hundredth of its length by which its grid is wider
-  EXPECT_NEAR(world.col(0).maxCoeff() - rest, 0.019, 0.002);
-  EXPECT_NEAR(material.col(0).maxCoeff() - rest, 0.019, 0.002);
+  EXPECT_NEAR(current.col(0).maxCoeff() - rest, 0.019, 0.002);
+  EXPECT_NEAR(plastic_rest.col(0).maxCoeff() - rest, 0.019, 0.002);
 
   EXPECT_EQ(history["yielded"].back(), 0);
   expect_kept_volume(history);

@@ -83,7 +83,7 @@ TEST(BodyField, ShowsItsPlasticState) {
   EXPECT_GT(field.reals("plasticStrain")[1], 0);
   EXPECT_GT(field.reals("presentYieldStress")[0], 5);
   EXPECT_NEAR(field.reals("volumeRatio")[0], 1, 1e-3);
-  EXPECT_EQ(PointArray(field.vectors3("plasticRestPositions")), history.material);
+  EXPECT_EQ(PointArray(field.vectors3("plasticRestPositions")), history.plastic_rest_positions);
   EXPECT_EQ(field.find_data("materialPositions"), field.find_data("plasticRestPositions")) << "the older name";
   EXPECT_TRUE(field.integers("removed").empty());
   field.remove_elements(std::vector<int>{1});
@@ -97,14 +97,14 @@ TEST(BodyField, MayBecomeOfAnotherMaterialDuringTheRun) {
   at<scene::MechanicalState>(scene, "nodes").positions().col(0) *= 1.3;
   scene.step();
   const double strain = field.reals("plasticStrain")[0];
-  field.find_data("youngModulus")->give(std::vector<double>{1000, 3000}, {});
+  field.find_data("youngModulus")->set(std::vector<double>{1000, 3000}, {});
   scene.step();
   EXPECT_EQ(field.body()->material(1).young_modulus, 3000);
   EXPECT_GE(field.reals("plasticStrain")[0], strain);
 
-  EXPECT_THROW(field.find_data("youngModulus")->give(std::vector<double>{-1}, {}), InputError);
-  EXPECT_THROW(field.find_data("removed")->give(std::vector<std::int64_t>{1}, {}), InputError);
-  field.find_data("gradient")->give(std::string("vertex"), {});
+  EXPECT_THROW(field.find_data("youngModulus")->set(std::vector<double>{-1}, {}), InputError);
+  EXPECT_THROW(field.find_data("removed")->set(std::vector<std::int64_t>{1}, {}), InputError);
+  field.find_data("gradient")->set(std::string("vertex"), {});
   EXPECT_THROW(scene.step(), scene::SceneError);
 }
 

@@ -117,15 +117,15 @@ TEST(SceneCheckpoint, EquilibriumGoesOn) {
 
 // The memory of a linear solver belongs to what is moved: bodies that share one do not disturb each other.
 TEST(SceneCheckpoint, BodiesWithOneLinearSolverGoOnAsWithOneEach) {
-  const auto scene_of = [](bool share) {
+  const auto scene_of = [](bool fraction) {
     const std::string solver = "<CGLinearSolver name='cg' iterations='7' warmStart='1'/>";
     const auto bar = [&](const char* name, const char* youngs) {
-      return "<Node name='" + std::string(name) + "'><EulerImplicitSolver/>" + (share ? "" : solver) +
+      return "<Node name='" + std::string(name) + "'><EulerImplicitSolver/>" + (fraction ? "" : solver) +
              "<RegularGridTopology n='3 2 5' max='0.2 0.1 0.4'/><MechanicalObject/><DiagonalMass massDensity='1000'/>"
              "<HexahedronElastoplasticFEMForceField name='body' youngModulus='" +
              youngs + "' poissonRatio='0.3' yieldStress='500' plasticFlowRate='4'/>" + kHeld + "</Node>";
     };
-    return "<Node dt='0.02' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + (share ? solver : "") + bar("a", "2e4") +
+    return "<Node dt='0.02' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + (fraction ? solver : "") + bar("a", "2e4") +
            bar("b", "5e4") + "</Node>";
   };
   scene::Scene shared = read_and_init(scene_of(true)), apart = read_and_init(scene_of(false));

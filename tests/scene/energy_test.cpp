@@ -70,8 +70,8 @@ TEST(EnergyOfAScene, WeightWorksAlongTheWayOfTheCentreOfMass) {
   double work = 0;
   for (int n = 0; n < way.rows(); ++n) {
     const int i = n % 3, j = n / 3 % 3, k = n / 9;  // of a node of the grid; each of 32 cells weighs 1/8 kg
-    const double share = (i == 1 ? 2 : 1) * (j == 1 ? 2 : 1) * (k > 0 && k < 8 ? 2 : 1) / 8.0;
-    work -= share * 0.125 * 9.81 * way(n, 2);
+    const double fraction = (i == 1 ? 2 : 1) * (j == 1 ? 2 : 1) * (k > 0 && k < 8 ? 2 : 1) / 8.0;
+    work -= fraction * 0.125 * 9.81 * way(n, 2);
   }
   EXPECT_GT(work, 0.1);
   EXPECT_NEAR(balance.load_work, work, 1e-9 * work);
@@ -80,8 +80,8 @@ TEST(EnergyOfAScene, WeightWorksAlongTheWayOfTheCentreOfMass) {
   EXPECT_LT(std::abs(balance.error()), 0.01 * work);
 }
 
-// A bar led out to a tenth more within a quarter of a second and held there: what was put in has become elastic energy
-// or was damped. First with the slope that begins at once, which puts nodes back to where they are to be.
+// A bar drawn out to a tenth more within a quarter of a second and held there: what was put in has become elastic
+// energy or was damped. First with the slope that begins at once, which puts nodes back to where they are to be.
 TEST(EnergyOfAScene, NodesThatAreLedPutEnergyIn) {
   const std::string material = "youngModulus='200000'";
   for (const std::string motion : {"keyTimes='0 .25 99' movements='0 0 0  0 0 .04  0 0 .04'",

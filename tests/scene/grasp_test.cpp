@@ -197,18 +197,16 @@ TEST(Grasp, MayJoinASceneThatIsReady) {
   run(waiting, 3);
   run(joined, 3);
   const auto move = [](scene::Scene& scene) {
-    at<scene::Component>(scene, "grasp").find_data("positions")->give(std::vector<double>{.05, .07, .5}, {});
+    at<scene::Component>(scene, "grasp").find_data("positions")->set(std::vector<double>{.05, .07, .5}, {});
     scene.step();
   };
 
   std::unique_ptr<scene::Component> hand = support::factory().make("GraspForceField");
-  const auto give = [&](std::string_view name, scene::Value value) {
-    hand->find_data(name)->give(std::move(value), {});
-  };
-  give("keyTimes", std::vector<double>{0});
-  give("positions", std::vector<double>{.05, .05, .42});
-  give("radius", 0.08);
-  give("stiffness", 900.0);
+  const auto set = [&](std::string_view name, scene::Value value) { hand->find_data(name)->set(std::move(value), {}); };
+  set("keyTimes", std::vector<double>{0});
+  set("positions", std::vector<double>{.05, .05, .42});
+  set("radius", 0.08);
+  set("stiffness", 900.0);
   scene::Node& node = at<scene::Component>(joined, "nodes").node();
   EXPECT_EQ(joined.add(node, std::move(hand), "grasp").name(), "grasp");
   for (scene::Scene* scene : {&waiting, &joined}) {
@@ -229,9 +227,9 @@ TEST(Grasp, MayJoinASceneThatIsReady) {
 TEST(Grasp, AValueThatIsRefusedLeavesNoTrace) {
   scene::Scene scene = read_and_init(gripped_bar(""));
   scene::Data& yield = *at<scene::Component>(scene, "body").find_data("yieldStress");
-  EXPECT_THROW(yield.give(std::vector<double>{-1}, {}), InputError);
+  EXPECT_THROW(yield.set(std::vector<double>{-1}, {}), InputError);
   EXPECT_FALSE(yield.is_given());
-  yield.give(std::vector<double>{40}, {});
+  yield.set(std::vector<double>{40}, {});
   EXPECT_TRUE(yield.is_given());
 }
 

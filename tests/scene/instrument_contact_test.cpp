@@ -215,7 +215,7 @@ TEST(InstrumentContactForceField, CanBeSwitchedOff) {
 
     auto& probe = at<scene::Component>(on, "probe");
     const auto switch_to = [&](bool is_active) {
-      probe.find_data("active")->give(is_active, {});
+      probe.find_data("active")->set(is_active, {});
       probe.follow_inputs();
       on.step();
     };
@@ -303,8 +303,8 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   EXPECT_EQ(errors_of(block("<InstrumentContactForceField radius='1' keyTimes='0' positions='0 0 1'/>",
                             "<SparseLDLSolver/>", "<EulerImplicitSolver trapezoidalScheme='true'/>")),
             prefix + ": its EulerImplicitSolver has trapezoidalScheme: contact needs implicit Euler");
-  EXPECT_EQ(errors("radius='1' skinPositions='0 0 0'"),
-            prefix + ".skinPositions: given without skinTriangles, which make a surface of them");
+  EXPECT_EQ(errors("radius='1' embeddedPositions='0 0 0'"),
+            prefix + ".embeddedPositions: given without embeddedTriangles, which make a surface of them");
   EXPECT_NE(errors("shape='ball' radius='1'").find("'ball'"), std::string::npos);
   EXPECT_EQ(errors_of("<Node><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
                       "position='0 0 0'/><UniformMass totalMass='1'/><InstrumentContactForceField radius='1' "
@@ -334,22 +334,22 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
 // The same motion as along a path; movements of SOFA's constraint lag by one step.
 TEST(InstrumentContactForceField, IsLedByARigidFrame) {
   const std::string shape = "<InstrumentContactForceField name='probe' shape='box' size='.02 .01 .01' friction='.4' ";
-  scene::Scene led =
+  scene::Scene prescribed =
       read_and_init(block("<Node name='tool'><MechanicalObject name='frames' template='Rigid3d' position='9 9 9 0 0 0 "
                           "1  .031 .029 .0423  0 0 "
                           "0 1'/><UniformMass totalMass='1'/><LinearMovementProjectiveConstraint indices='1' "
                           "keyTimes='0 .4 9' movements='0 0 "
                           "0 0 0 0  .002 0 -.01 0 0 .5  .002 0 -.01 0 0 .5'/></Node>" +
                           shape + "rigid='@tool/frames' rigidIndex='1'/>"));
-  EXPECT_EQ(led.diagnostics().take_warnings().size(), 0u);
+  EXPECT_EQ(prescribed.diagnostics().take_warnings().size(), 0u);
   scene::Scene along = read_and_init(
       block(shape + "keyTimes='.01 .41' positions='.031 .029 .0423  .033 .029 .0323' orientations='0 0 0 1  0 0 "
                     "0.24740395925452294 0.96891242171064473'/>"));
-  support::run(led, 38);
+  support::run(prescribed, 38);
   support::run(along, 38);
   EXPECT_GT(force_on(along, "probe").norm(), 0.01);
-  EXPECT_LT((force_on(led, "probe") - force_on(along, "probe")).norm(), 1e-9 * force_on(along, "probe").norm());
-  EXPECT_LT(support::max_abs(nodes(led) - nodes(along)), 1e-12);
+  EXPECT_LT((force_on(prescribed, "probe") - force_on(along, "probe")).norm(), 1e-9 * force_on(along, "probe").norm());
+  EXPECT_LT(support::max_abs(nodes(prescribed) - nodes(along)), 1e-12);
 }
 
 TEST(InstrumentContactForceField, RefusesToBeLedByPoints) {
@@ -361,10 +361,10 @@ TEST(InstrumentContactForceField, RefusesToBeLedByPoints) {
       "<Node name='tool'><MechanicalObject name='frames' template='Rigid3d' position='9 9 9 0 0 0 "
       "1'/><UniformMass totalMass='1'/></Node><InstrumentContactForceField radius='.01' "
       "rigid='@tool' ";
-  EXPECT_EQ(
-      errors_of(block(frames + "keyTimes='0' positions='0 0 0'/>")),
-      "test.scn:1: error: InstrumentContactForceField.keyTimes: a path is given besides a rigid frame that leads: "
-      "only one of them can");
+  EXPECT_EQ(errors_of(block(frames + "keyTimes='0' positions='0 0 0'/>")),
+            "test.scn:1: error: InstrumentContactForceField.keyTimes: a path is given besides a rigid frame that "
+            "prescribes the motion: "
+            "only one of them can");
   EXPECT_EQ(errors_of(block(frames + "rigidIndex='1'/>")),
             "test.scn:1: error: InstrumentContactForceField.rigidIndex: 1 must lie in [0, 1)");
 }

@@ -175,7 +175,7 @@ TEST(SparseGrid, HoldsTheCellsOfASurface) {
   EXPECT_TRUE(x.row(0).isApprox(Eigen::RowVector3d(-0.001, -0.001, -0.004), 1e-13));
   EXPECT_TRUE(x.row(1).isApprox(Eigen::RowVector3d(-0.001, -0.001, 0.0776), 1e-13));  // z fastest
   EXPECT_EQ(std::count(fill.begin(), fill.end(), 0.5), 42);
-  EXPECT_TRUE(std::ranges::all_of(fill.end() - 3, fill.end(), [](double share) { return share == 1; }));
+  EXPECT_TRUE(std::ranges::all_of(fill.end() - 3, fill.end(), [](double fraction) { return fraction == 1; }));
 
   EXPECT_EQ(std::get<1>(cage("n='4 4 6' onlyInsideCells='true'")).size(), 3u);
   EXPECT_TRUE(std::get<2>(cage("n='4 4 6' fillWeighted='false'")).empty());

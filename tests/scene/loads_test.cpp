@@ -89,8 +89,8 @@ TEST(TangentialForce, ActsAroundTheAxisAndDoesNotGrowWithTheRadius) {
 TEST(TangentialForce, AGroupSharesTheForceOfItsCentre) {
   scene::Scene scene = read_and_init(four_nodes(
       "<TangentialForceField name='twist' indices='0 1' groupSize='2' axis='0 0 1' times='0' forces='20'/>"));
-  const Vec3 share = 10 * Vec3(-1, 0.5, 0).normalized();
-  EXPECT_TRUE(force_of(scene, "twist", 0).isApprox(rows({share, share, kNone, kNone}), 1e-14));
+  const Vec3 fraction = 10 * Vec3(-1, 0.5, 0).normalized();
+  EXPECT_TRUE(force_of(scene, "twist", 0).isApprox(rows({fraction, fraction, kNone, kNone}), 1e-14));
 }
 
 TEST(TangentialForce, TurnsWithTheBody) {

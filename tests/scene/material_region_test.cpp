@@ -154,14 +154,14 @@ TEST(MaterialRegion, MayChangeDuringARunAndWhatFlowedStays) {
   scene.step();
   const double strain = field.reals("plasticStrain")[1];
   EXPECT_GT(strain, 0);
-  region.find_data("youngModulus")->give(Values{3000, 4000}, {});
+  region.find_data("youngModulus")->set(Values{3000, 4000}, {});
   scene.step();
   EXPECT_EQ(moduli(scene), (Values{1000, 3000, 4000, 1000}));
   EXPECT_GE(field.reals("plasticStrain")[1], strain);
-  at<scene::Engine>(scene, "roi").find_data("box")->give(Values{-1, -1, -1, 2.1, 2, 2}, {});
+  at<scene::Engine>(scene, "roi").find_data("box")->set(Values{-1, -1, -1, 2.1, 2, 2}, {});
   scene.step();
   EXPECT_EQ(moduli(scene), (Values{3000, 4000, 1000, 1000})) << "the ROI may change too";
-  field.find_data("youngModulus")->give(Values{800}, {});
+  field.find_data("youngModulus")->set(Values{800}, {});
   scene.step();
   EXPECT_EQ(moduli(scene), (Values{3000, 4000, 800, 800})) << "regions stay over their body";
   scene.reset();
@@ -169,7 +169,7 @@ TEST(MaterialRegion, MayChangeDuringARunAndWhatFlowedStays) {
   region.find_data("youngModulus")->unset();
   scene.step();
   EXPECT_EQ(moduli(scene), (Values{800, 800, 800, 800}));
-  region.find_data("youngModulus")->give(Values{1, 2, 3}, {});
+  region.find_data("youngModulus")->set(Values{1, 2, 3}, {});
   EXPECT_THROW(scene.step(), scene::SceneError);
 }
 

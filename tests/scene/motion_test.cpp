@@ -127,11 +127,11 @@ TEST(AffineMovement, GoesStraightToItsEndAndStays) {
       read_and_init(four_nodes("<ConstantForceField forces='0 0 7'/><AffineMovementProjectiveConstraint indices='1' "
                                "beginConstraintTime='1' endConstraintTime='3' rotation='0 -1 0  1 0 0  0 0 1' "
                                "translation='1 0 4'/>"));
-  const double share[] = {0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1};  // at the end of the step that begins at k / 2
+  const double fraction[] = {0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1};  // at the end of the step that begins at k / 2
   for (int k = 0; k < 9; ++k) {
     scene.step();
-    EXPECT_TRUE(
-        positions(scene).row(1).isApprox(Eigen::RowVector3d(0, 2, 0) + share[k] * Eigen::RowVector3d(-1, -2, 4), 1e-14))
+    EXPECT_TRUE(positions(scene).row(1).isApprox(
+        Eigen::RowVector3d(0, 2, 0) + fraction[k] * Eigen::RowVector3d(-1, -2, 4), 1e-14))
         << k;
     EXPECT_TRUE(velocities(scene).row(1).isZero(0));
   }

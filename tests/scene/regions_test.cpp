@@ -165,7 +165,7 @@ TEST(IndexValueMapper, PutsAValueAtIndices) {
   EXPECT_EQ(values("grown"), (Values{5, 9, 0.5, 9}));
   EXPECT_EQ(values("chain"), (Values{2, 9, 0.5, 9, 1, 2}));
   EXPECT_EQ(values("none"), Values{});
-  at<scene::Engine>(scene, "grown").find_data("value")->give(8.0, {});
+  at<scene::Engine>(scene, "grown").find_data("value")->set(8.0, {});
   EXPECT_EQ(values("chain"), (Values{2, 8, 0.5, 8, 1, 2}));
   EXPECT_EQ(errors_of(four_nodes("<IndexValueMapper indices='10000000'/>")),
             "test.scn:1: error: IndexValueMapper.indices: 10000000 must lie in [0, 9999999]");

@@ -159,7 +159,7 @@ TEST(SofaGrids, EndWhereSofaEnds) {
   }
 }
 
-// Free, led, fixed and held by springs, with tissue that follows two frames at once.
+// Free, prescribed, fixed and held by springs, with tissue that follows two frames at once.
 TEST(SofaRigidFrames, EndWhereSofaEnds) {
   scene::Scene scene = support::read_and_init(text_of("rigid.scn"));
   support::run(scene, 20);

@@ -284,32 +284,32 @@ std::string slab(const std::string& beside, const std::string& mass = "<Diagonal
 const std::string kGrip = "<GraspForceField radius='0.02' keyTimes='0 0.1' positions='.1 .05 .03  .12 .06 .06' ";
 
 // The first five steps, in which a grip reaches its greatest force.
-int most_iterations(const std::string& text) {
+int max_iterations(const std::string& text) {
   scene::Scene scene = read_and_init(text);
-  int most = 0;
+  int max = 0;
   for (int k = 0; k < 5; ++k) {
     const SolveReport report = scene.step();
     EXPECT_TRUE(report.converged);
     EXPECT_LE(report.residual, 1e-6);
     EXPECT_EQ(report.preconditioner, PreconditionedBy::kMultigrid);
-    most = std::max(most, report.iterations);
+    max = std::max(max, report.iterations);
   }
-  return most;
+  return max;
 }
 
 TEST(MultigridCGLinearSolver, StaysWhateverActsBesideTheBody) {
   for (const std::string precision : {"double", "mixed"}) {
     const std::string lumped = "<DiagonalMass massDensity='1000'/>",
                       consistent = "<MeshMatrixMass massDensity='1000'/>";
-    const int alone = most_iterations(slab("", lumped, precision));
+    const int alone = max_iterations(slab("", lumped, precision));
     for (const std::string& beside :
          {std::string("<PlaneForceField normal='0 0 1' d='1e-4' stiffness='50'/>"),
           std::string("<PlaneForceField normal='.36 .48 .8' d='.04' stiffness='50'/>"),
           kGrip + "stiffness='50' maxForce='.02'/>", std::string("<UniformVelocityDampingForceField implicit='true'/>"),
           std::string("<Node><MechanicalObject position='.07 .05 .031  .08 .03 .02'/><BarycentricMapping/><UniformMass "
                       "totalMass='.05'/><PlaneForceField normal='0 0 1' d='.1' stiffness='20'/></Node>")})
-      EXPECT_LE(most_iterations(slab(beside, lumped, precision)), 1.5 * alone) << precision << beside;
-    EXPECT_LE(most_iterations(slab("", consistent, precision)), 1.5 * alone) << precision;
+      EXPECT_LE(max_iterations(slab(beside, lumped, precision)), 1.5 * alone) << precision << beside;
+    EXPECT_LE(max_iterations(slab("", consistent, precision)), 1.5 * alone) << precision;
   }
 }
 

@@ -111,13 +111,13 @@ TEST(TissueContactForceField, ABlockSlidesOnABlockWithFriction) {
     support::run(scene, 50);
     const double before = speed();
     const std::vector<double>& force = at<scene::Component>(scene, "contact").reals("force");
-    double most = 0;
+    double max = 0;
     for (int step = 0; step < 100; ++step) {
       support::run(scene, 1);
-      most = std::max(most, force[0] / (friction * -force[2]));
+      max = std::max(max, force[0] / (friction * -force[2]));
     }
     EXPECT_NEAR(down - (speed() - before) / (100 * h), friction * into, 0.005 * friction * into);
-    EXPECT_LT(most, 1.2);
+    EXPECT_LT(max, 1.2);
   }
 }
 

@@ -21,7 +21,7 @@ using scene::read_value;
 constexpr Attribute kReal{.name = "real", .type = Type::kReal};
 constexpr Attribute kCount{.name = "count", .type = Type::kInteger};
 constexpr Attribute kList{.name = "list", .type = Type::kIntegers};
-constexpr Attribute kShare{
+constexpr Attribute kFraction{
     .name = "share", .type = Type::kReal, .range = {.min = 0, .max = 0.5, .exclusive_max = true}};
 
 double real(std::string_view text) { return std::get<double>(read_value(kReal, text)); }
@@ -76,8 +76,8 @@ TEST(SceneValues, ARangeOfWholeNumbersStandsForItsNumbers) {
 }
 
 TEST(SceneValues, RangesNameTheirBounds) {
-  EXPECT_EQ(refusal(kShare, "0"), "accepted");
-  EXPECT_EQ(refusal(kShare, "0.5"), "0.5 must lie in [0, 0.5)");
+  EXPECT_EQ(refusal(kFraction, "0"), "accepted");
+  EXPECT_EQ(refusal(kFraction, "0.5"), "0.5 must lie in [0, 0.5)");
   EXPECT_EQ(attributes::describe(attributes::kPositive), "must be > 0");
   EXPECT_EQ(attributes::describe(attributes::kNotNegative), "must be >= 0");
   EXPECT_EQ(attributes::describe(attributes::Range()), "");

@@ -58,8 +58,8 @@ TEST_F(Adapter, BoundsTheBody) {
   sofa::core::ExecParams eparams;
   field.computeBBox(&eparams);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(field.f_bbox.getValue().least[i], stretched.col(i).minCoeff());
-    EXPECT_EQ(field.f_bbox.getValue().most[i], stretched.col(i).maxCoeff());
+    EXPECT_EQ(field.f_bbox.getValue().min[i], stretched.col(i).minCoeff());
+    EXPECT_EQ(field.f_bbox.getValue().max[i], stretched.col(i).maxCoeff());
   }
 }
 

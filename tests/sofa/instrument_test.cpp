@@ -176,7 +176,7 @@ TEST_F(InstrumentAdapter, DrawsWhereItTouchesAndTheForces) {
   sofa::core::ExecParams eparams;
   dynamic_cast<Data<bool>&>(*contact.findData("drawInstrument")).setValue(true);
   contact.computeBBox(&eparams);
-  EXPECT_GT(contact.f_bbox.getValue().most[2], mesh.positions().col(2).maxCoeff() + 0.04);
+  EXPECT_GT(contact.f_bbox.getValue().max[2], mesh.positions().col(2).maxCoeff() + 0.04);
 }
 
 TEST_F(InstrumentAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {
@@ -193,7 +193,7 @@ TEST_F(InstrumentAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {
   EXPECT_FALSE(contact.isInMatrix());
   tell<AnimateBeginEvent>();
   ASSERT_TRUE(contact.isOneSided());
-  contact.settle();
+  contact.acceptStep();
   EXPECT_FALSE(contact.isOneSided());
   EXPECT_EQ(said(), "");
   tell<AnimateEndEvent>();
@@ -219,7 +219,7 @@ TEST_F(InstrumentAdapter, RefusesWhatItCannotTouchOrFollow) {
   refuses("rayleighStiffness: = 0.1", {{"rayleighStiffness", "0.1"}});
   refuses("surfaceTriangles",
           {{"shape", "surface"}, {"surfacePositions", "0 0 0 1 0 0 0 1 0"}, {"surfaceTriangles", "0 1 2"}});
-  refuses("node 7 must lie in", {{"skinPositions", "0 0 0 1 0 0 0 1 0"}, {"skinTriangles", "0 1 7"}});
+  refuses("node 7 must lie in", {{"embeddedPositions", "0 0 0 1 0 0 0 1 0"}, {"embeddedTriangles", "0 1 7"}});
   integrator.trapezoidal.setValue(true);
   refuses("trapezoidalScheme", {});
   integrator.trapezoidal.setValue(false);

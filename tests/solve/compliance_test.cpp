@@ -79,13 +79,13 @@ class HeldSlab final : public LinearSystem {
   Spring spring;
 };
 
-/// Contacts in faces of the top, moved by a share of an edge: a normal and two tangents each, over four nodes.
-std::vector<ConstraintRow> contacts(const HeldSlab& slab, int count, double share, unsigned seed = 3) {
+/// Contacts in faces of the top, moved by a fraction of an edge: a normal and two tangents each, over four nodes.
+std::vector<ConstraintRow> contacts(const HeldSlab& slab, int count, double fraction, unsigned seed = 3) {
   support::Random random(seed);
   std::vector<ConstraintRow> rows;
   for (int k = 0; k < count; ++k) {
     const int i = 3 + (k * 5) % 12, j = 1 + (k * 3) % 14;
-    const double s = share, t = 0.3;
+    const double s = fraction, t = 0.3;
     const auto node = [&](int di, int dj) { return i + di + 17 * (j + dj + 17 * 4); };
     const double weights[] = {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t};
     const int nodes[] = {node(0, 0), node(1, 0), node(0, 1), node(1, 1)};

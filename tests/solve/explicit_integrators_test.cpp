@@ -15,10 +15,10 @@ namespace hexaplast {
 namespace {
 
 /// Two nodes of masses m0 and m1, each drawn to the origin by k x + c x^3 and braked by b v; they may share a mass. The
-/// second one may be led along x = 0.3 t.
+/// second one may be prescribed along x = 0.3 t.
 struct TwoSprings final : MechanicalSystem {
   double m[2] = {2, 0.5}, k = 30, c = 0, b = 0, shared = 0;
-  bool leads = false;
+  bool is_prescribed = false;
   int num_evaluations = 0;
   PointArray at = PointArray::Zero(2, 3);
 
@@ -47,15 +47,15 @@ struct TwoSprings final : MechanicalSystem {
     return shared == 0;
   }
   void prescribe(double time, Points x, Points v) const override {
-    if (!leads) return;
+    if (!is_prescribed) return;
     x.row(1) << 0.3 * time, 0, 0;
     v.row(1) << 0.3, 0, 0;
   }
   void project(Points field) const override {
-    if (leads) field.row(1).setZero();
+    if (is_prescribed) field.row(1).setZero();
   }
   void pin(BlockMatrix& A) const override {
-    for (int axis = 0; leads && axis < 3; ++axis) A.pin(1, axis);
+    for (int axis = 0; is_prescribed && axis < 3; ++axis) A.pin(1, axis);
   }
 };
 
@@ -171,7 +171,7 @@ TEST(ExplicitIntegrator, EvaluatesAsOftenAsItsSchemeSays) {
 // own.
 TEST(ExplicitIntegrator, LetsConstraintsLeadWithinAStep) {
   TwoSprings system;
-  system.leads = true;
+  system.is_prescribed = true;
   Motion motion;
   ExplicitIntegrator integrator(ExplicitScheme::kRungeKutta4);
   integrator.step(system, nullptr, 2, 0.1, motion.x, motion.v);

@@ -253,9 +253,9 @@ class OnObliquePlane final : public LoadedBody {
   }
   /// How far they are from where their planes began.
   double distance(const PointArray& moved) const {
-    double most = 0;
-    for (const int n : nodes_) most = std::max(most, std::abs(moved.row(n).dot(normal_)));
-    return most;
+    double max = 0;
+    for (const int n : nodes_) max = std::max(max, std::abs(moved.row(n).dot(normal_)));
+    return max;
   }
 
  private:

@@ -110,7 +110,7 @@ class Cycle {
 };
 
 struct Range {
-  double least = 0, greatest = 0;
+  double min = 0, greatest = 0;
 };
 
 /// Of the eigenvalues of M^-1 A, M^-1 the cycle, by as many steps of conjugate gradients as find both ends.
@@ -147,7 +147,7 @@ void expect_definite_in(const char* name, Cycle<T>&& cycle) {
   const Eigen::VectorXd of_a = cycle.preconditioned(a), of_b = cycle.preconditioned(b);
   EXPECT_LE(std::abs(a.dot(of_b) - b.dot(of_a)), 1e-5 * std::sqrt(a.dot(of_a) * b.dot(of_b)));
   const Range range = eigenvalues(cycle);
-  EXPECT_GT(range.least, 0);
+  EXPECT_GT(range.min, 0);
   EXPECT_LT(range.greatest, kGreatest);
 }
 
@@ -176,9 +176,9 @@ std::vector<Material> mixture(int count) {
 
 TEST(MultigridCycle, IsPositiveDefiniteOnDistortedMeshes) {
   for (const double nu : {0.3, 0.49})
-    for (const double share : {0.0, 0.2, 0.25})
+    for (const double fraction : {0.0, 0.2, 0.25})
       expect_definite("distorted", [&]<class T> {
-        return Cycle<T>(support::distorted_block({12, 12, 12}, 0.01, share, 1), {stiff(nu)});
+        return Cycle<T>(support::distorted_block({12, 12, 12}, 0.01, fraction, 1), {stiff(nu)});
       });
 }
 

@@ -40,8 +40,8 @@ class Ties final : public NodalOperator {
 /// diagonal + dt^2 (stiffness of the bodies) + ties, on the nodes of a slab that is held at x = 0.
 class Slab final : public LinearSystem {
  public:
-  explicit Slab(HexMesh of, double mass_share = 1)
-      : mesh(std::move(of)), diagonal(PointArray::Constant(mesh.num_nodes(), 3, mass_share * kNodalMass)) {
+  explicit Slab(HexMesh of, double mass_fraction = 1)
+      : mesh(std::move(of)), diagonal(PointArray::Constant(mesh.num_nodes(), 3, mass_fraction * kNodalMass)) {
     for (int n = 0; n < mesh.num_nodes(); ++n)
       if (mesh.positions()(n, 0) < 1e-9) held.push_back(n);
   }
@@ -196,8 +196,8 @@ void tie_masses(Slab& slab, double) {
 struct Beside {
   const char* name;
   void (*tie)(Slab&, double);
-  std::vector<double> shares;  // stiffness of the ties relative to that of the body's nodes
-  double most_share;           // up to which the iterations stay few
+  std::vector<double> ratios;  // stiffness of the ties relative to that of the body's nodes
+  double max_fraction;         // up to which the iterations stay few
 };
 void PrintTo(const Beside& beside, std::ostream* out) { *out << beside.name; }
 
@@ -215,20 +215,20 @@ TEST_P(OtherTerms, LeaveThePreconditionerAndTheResidualAsTheyAre) {
       for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
         const bool cycles = preconditioner == Preconditioner::kMultigrid;
         const int alone = solve(one_body(young_modulus, precision), 1e-6, preconditioner).report.iterations;
-        for (const double share : GetParam().shares) {
+        for (const double ratio : GetParam().ratios) {
           Slab tied = one_body(young_modulus, precision);
-          GetParam().tie(tied, share * stiffness_of_node(young_modulus));
+          GetParam().tie(tied, ratio * stiffness_of_node(young_modulus));
           const auto [report, x, residual] = solve(tied, 1e-6, preconditioner);
           const std::string what = fmt::format("{}, E {}, share {}: {} iterations, alone {}",
                                                precision == Precision::kDouble ? "double" : "mixed", young_modulus,
-                                               share, report.iterations, alone);
+                                               ratio, report.iterations, alone);
           EXPECT_EQ(report.preconditioner, cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal);
           EXPECT_TRUE(report.converged) << what;
           EXPECT_LE(residual, 1.001e-6) << what;
           // where ties are a million times as stiff as the body, the residual of the iterations drifts by 3e-9
-          EXPECT_NEAR(report.residual, residual, share > 1e3 ? 1e-8 : 1e-10) << what;
+          EXPECT_NEAR(report.residual, residual, ratio > 1e3 ? 1e-8 : 1e-10) << what;
           // at most 1.23 times as many were measured: by the diagonal in mixed precision, whose corrections begin anew
-          if (share > GetParam().most_share) continue;
+          if (ratio > GetParam().max_fraction) continue;
           EXPECT_LE(report.iterations, 1.35 * alone) << what;
         }
       }
@@ -250,16 +250,16 @@ TEST(OtherTerms, LeaveTheReportedResidualTrueAtAnyToleranceHoweverStiffTheyAre) 
   for (const Precision precision : {Precision::kDouble, Precision::kMixed})
     for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal})
       for (const double tolerance : {1e-2, 1e-3, 1e-6, 1e-9})
-        for (const double share : {1.0, 1e4, 1e6}) {
+        for (const double ratio : {1.0, 1e4, 1e6}) {
           if (precision == Precision::kMixed && tolerance < 1e-6) continue;
           Slab tied = one_body(1e6, precision);
-          tie_oblique_plane(tied, share * stiffness_of_node(1e6));
+          tie_oblique_plane(tied, ratio * stiffness_of_node(1e6));
           const auto [report, x, residual] = solve(tied, tolerance, preconditioner);
           const std::string what =
               fmt::format("{}, tolerance {}, share {}: {} iterations",
-                          precision == Precision::kDouble ? "double" : "mixed", tolerance, share, report.iterations);
+                          precision == Precision::kDouble ? "double" : "mixed", tolerance, ratio, report.iterations);
           // the ties' products round: what is left of a residual is no smaller, and not told more exactly
-          const double rounding = 1e-15 * share;
+          const double rounding = 1e-15 * ratio;
           EXPECT_TRUE(report.converged || 10 * rounding > tolerance) << what;
           EXPECT_TRUE(!report.converged || residual <= 1.001 * tolerance + rounding) << what;
           EXPECT_NEAR(report.residual, residual, 1e-3 * tolerance + rounding) << what;
@@ -272,15 +272,15 @@ TEST(OtherTerms, LeaveTheResidualAsTrueAsThatOfOneBodyInMixedPrecision) {
   for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal})
     for (const double tolerance : {3e-2, 1e-2, 3e-3}) {
       double of_one = 0;
-      for (const double share : {0.0, 0.01, 1.0, 100.0}) {
+      for (const double ratio : {0.0, 0.01, 1.0, 100.0}) {
         Slab tied = one_body(1e6, Precision::kMixed);
         support::Random random(11);
         tied.bodies.front().linearize(tied.mesh.positions() + random.field(tied.num_nodes(), 2e-3));
-        if (share > 0) tie_oblique_plane(tied, share * stiffness_of_node(1e6));
+        if (ratio > 0) tie_oblique_plane(tied, ratio * stiffness_of_node(1e6));
         const auto [report, x, residual] = solve(tied, tolerance, preconditioner);
-        if (share == 0) of_one = std::abs(report.residual - residual);
+        if (ratio == 0) of_one = std::abs(report.residual - residual);
         const std::string what = fmt::format("tolerance {}, share {}: {} iterations, {} in place of {}, {} alone",
-                                             tolerance, share, report.iterations, report.residual, residual, of_one);
+                                             tolerance, ratio, report.iterations, report.residual, residual, of_one);
         EXPECT_TRUE(report.converged) << what;
         EXPECT_LE(residual, tolerance + of_one) << what;
         EXPECT_NEAR(report.residual, residual, of_one) << what;

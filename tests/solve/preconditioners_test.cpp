@@ -118,7 +118,7 @@ TEST(MinimumResiduals, SolvesDefiniteAndIndefiniteSystems) {
   }
 }
 
-// After k iterations the residual is the least of all vectors of the Krylov space b, A b, ..., A^(k-1) b.
+// After k iterations the residual is the smallest of all vectors of the Krylov space b, A b, ..., A^(k-1) b.
 TEST(MinimumResiduals, HasTheLeastResidualOfItsKrylovSpace) {
   Eigen::VectorXd mixed = kPositive / 10;
   mixed.head<6>() *= -1;
@@ -128,13 +128,13 @@ TEST(MinimumResiduals, HasTheLeastResidualOfItsKrylovSpace) {
     Eigen::MatrixXd images(15, k);
     Eigen::VectorXd power = stacked(b);
     for (int i = 0; i < k; ++i) images.col(i) = power = A.matrix() * power;
-    const Eigen::VectorXd least = stacked(b) - images * images.colPivHouseholderQr().solve(stacked(b));
+    const Eigen::VectorXd min = stacked(b) - images * images.colPivHouseholderQr().solve(stacked(b));
     PointArray x(5, 3);
     const SolveReport report = MinimumResiduals(0, k).solve(A, b, x);
     EXPECT_EQ(report.iterations, k);
     EXPECT_FALSE(report.converged);
-    EXPECT_NEAR((stacked(b) - A.matrix() * stacked(x)).norm(), least.norm(), 1e-10);
-    EXPECT_NEAR(report.residual, least.norm() / stacked(b).norm(), 1e-10);
+    EXPECT_NEAR((stacked(b) - A.matrix() * stacked(x)).norm(), min.norm(), 1e-10);
+    EXPECT_NEAR(report.residual, min.norm() / stacked(b).norm(), 1e-10);
   }
 }
 

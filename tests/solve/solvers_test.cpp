@@ -433,9 +433,9 @@ TEST_F(Definiteness, ASemiDefiniteMatrixIsReportedAsNotConverged) {
     EXPECT_TRUE(solver->solve(DenseSystem(singular), within, x).converged) << name;
     EXPECT_TRUE(agrees(singular * stacked(x), stacked(within), 1e-8)) << name;
 
-    for (const double share : {1e-3, 1.0}) {
+    for (const double fraction : {1e-3, 1.0}) {
       SolveReport report;
-      EXPECT_NO_THROW(report = solver->solve(DenseSystem(singular), within + share * outside, x)) << name;
+      EXPECT_NO_THROW(report = solver->solve(DenseSystem(singular), within + fraction * outside, x)) << name;
       EXPECT_FALSE(report.converged) << name;
       EXPECT_GT(report.residual, 1e-6) << name;
     }

@@ -17,12 +17,12 @@ constexpr int kSlices = 10;
 
 int node_at(int i, int j, int k) { return i + 4 * (j + 4 * k); }
 
-/// Share of the full load in the step of length dt that begins at `time`: its share at the end of the step, so that the
-/// first step is loaded and the one that ends at two seconds is the last.
-double load_share(double time, double dt) { return time + dt / 2 < 2 ? std::min(1.0, (time + dt) / 0.5) : 0.0; }
+/// Fraction of the full load in the step of length dt that begins at `time`: its fraction at the end of the step, so
+/// that the first step is loaded and the one that ends at two seconds is the last.
+double load_fraction(double time, double dt) { return time + dt / 2 < 2 ? std::min(1.0, (time + dt) / 0.5) : 0.0; }
 
-void add_stretch(double share, Points f) {
-  const double force = 90.0 / 4 * share;  // [N] per node of the central face
+void add_stretch(double fraction, Points f) {
+  const double force = 90.0 / 4 * fraction;  // [N] per node of the central face
   for (const int i : {1, 2}) {
     for (const int j : {1, 2}) {
       f(node_at(i, j, 0), 2) -= force;
@@ -31,8 +31,8 @@ void add_stretch(double share, Points f) {
   }
 }
 
-void add_twist(double share, ConstPoints x, Points f) {
-  const double force = 20 * share;  // [N] per edge
+void add_twist(double fraction, ConstPoints x, Points f) {
+  const double force = 20 * fraction;  // [N] per edge
   const Vec3 axis(0, 0, 1), centre(1.5 * kCell, 1.5 * kCell, 0);
   for (const int k : {0, kSlices}) {
     const int a = node_at(1, 1, k), b = node_at(2, 1, k), c = node_at(2, 2, k), d = node_at(1, 2, k);
@@ -75,9 +75,9 @@ Simulation bar(BarLoad load, const std::string& strength, double fracture_stress
   setup.fixed = nodes_at(mesh, 2, kSlices / 2 * kCell);
   setup.load = [load, dt](double time, ConstPoints x, Points f) {
     if (load == BarLoad::kStretch)
-      add_stretch(load_share(time, dt), f);
+      add_stretch(load_fraction(time, dt), f);
     else
-      add_twist(load_share(time, dt), x, f);
+      add_twist(load_fraction(time, dt), x, f);
   };
   return Simulation(Body(std::move(mesh), {material}, settings), std::move(setup));
 }

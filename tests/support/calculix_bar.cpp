@@ -20,8 +20,8 @@ constexpr int kSlices = 10, kAxis = 2;
 
 /// The bar of a case, with the origin on its axis at the lower end.
 HexMesh bar_mesh(int refine) {
-  const Vec3 least(-kWidth / 2, -kWidth / 2, 0), most(kWidth / 2, kWidth / 2, kSlices * kCell);
-  return regular_grid({3 * refine, 3 * refine, kSlices * refine}, least, most);
+  const Vec3 min(-kWidth / 2, -kWidth / 2, 0), max(kWidth / 2, kWidth / 2, kSlices * kCell);
+  return regular_grid({3 * refine, 3 * refine, kSlices * refine}, min, max);
 }
 
 std::vector<int> central(const HexMesh& mesh, std::vector<int> end) {
@@ -35,18 +35,18 @@ PointArray end_loads(const BarCase& bar, const HexMesh& mesh) {
   PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
   for (const double sense : {-1.0, 1.0}) {
     const std::vector<int> end = nodes_at(mesh, kAxis, sense < 0 ? 0 : kSlices * kCell);
-    const std::vector<double> share =
-        face_shares(mesh, bar.load == EndLoad::kCentralStretch ? central(mesh, end) : end);
+    const std::vector<double> weight =
+        face_weights(mesh, bar.load == EndLoad::kCentralStretch ? central(mesh, end) : end);
     if (bar.load != EndLoad::kFaceTwist) {
-      for (const int n : end) loads(n, kAxis) = sense * bar.force * share[n];
+      for (const int n : end) loads(n, kAxis) = sense * bar.force * weight[n];
       continue;
     }
     double moment = 0;  // [m^2] of the forces share (-y, x)
-    for (const int n : end) moment += share[n] * mesh.positions().row(n).head<2>().squaredNorm();
+    for (const int n : end) moment += weight[n] * mesh.positions().row(n).head<2>().squaredNorm();
     const double scale = 2 * bar.force * kCell / moment;
     for (const int n : end) {
-      loads(n, 0) = -sense * scale * share[n] * mesh.positions()(n, 1);
-      loads(n, 1) = sense * scale * share[n] * mesh.positions()(n, 0);
+      loads(n, 0) = -sense * scale * weight[n] * mesh.positions()(n, 1);
+      loads(n, 1) = sense * scale * weight[n] * mesh.positions()(n, 0);
     }
   }
   return loads;
@@ -108,7 +108,7 @@ NewtonSettings settings_for(double force) {
 
 }  // namespace
 
-double Schedule::share(double time) const {
+double Schedule::weight(double time) const {
   if (time < ramp) return time / ramp;
   if (time <= hold) return 1;
   return std::max(0.0, 1 - (time - hold) / (release - hold));
@@ -124,17 +124,17 @@ Material calculix_material(double yield_stress, double flow_rate) {
   return m;
 }
 
-std::vector<double> face_shares(const HexMesh& mesh, const std::vector<int>& nodes) {
-  std::vector<double> share(mesh.num_nodes(), 0.0);
+std::vector<double> face_weights(const HexMesh& mesh, const std::vector<int>& nodes) {
+  std::vector<double> weight(mesh.num_nodes(), 0.0);
   const auto is_among = [&](int n) { return std::ranges::find(nodes, n) != nodes.end(); };
   double faces = 0;
   for (const std::array<int, 4>& face : mesh.boundary_faces()) {
     if (!std::ranges::all_of(face, is_among)) continue;
-    for (const int n : face) share[n] += 0.25;
+    for (const int n : face) weight[n] += 0.25;
     ++faces;
   }
-  for (double& value : share) value /= faces;
-  return share;
+  for (double& value : weight) value /= faces;
+  return weight;
 }
 
 BarRun run_bar(const BarCase& bar) {
@@ -142,7 +142,7 @@ BarRun run_bar(const BarCase& bar) {
   const HexMesh& mesh = body.mesh();
   const PointArray loads = end_loads(bar, mesh);
   LoadedBody system(body, std::vector<double>(mesh.num_nodes(), 0.0), nodes_at(mesh, kAxis, kSlices / 2 * kCell),
-                    [&](double time, ConstPoints, Points f) { f += bar.schedule.share(time) * loads; });
+                    [&](double time, ConstPoints, Points f) { f += bar.schedule.weight(time) * loads; });
   NewtonRaphson newton(settings_for(bar.force));
   CholeskySolver solver;
 
@@ -173,7 +173,7 @@ std::vector<double> uniaxial_stretch(const Material& material, double nominal_st
   Body body(block({1, 1, 1}, kCell), {material}, settings);
   const double force = nominal_stress * kCell * kCell;
   CorneredBody system(body, [&](double time, ConstPoints, Points f) {
-    for (const int n : nodes_at(body.mesh(), kAxis, kCell)) f(n, kAxis) += Schedule().share(time) * force / 4;
+    for (const int n : nodes_at(body.mesh(), kAxis, kCell)) f(n, kAxis) += Schedule().weight(time) * force / 4;
   });
   NewtonRaphson newton(settings_for(force));
   CholeskySolver solver;
@@ -190,7 +190,7 @@ std::vector<double> uniaxial_stretch(const Material& material, double nominal_st
 
 PointArray elastic_equilibrium(Body& body, const std::vector<int>& fixed, const PointArray& loads, int load_steps) {
   LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0.0), fixed,
-                    [&](double share, ConstPoints, Points f) { f += share * loads; });
+                    [&](double weight, ConstPoints, Points f) { f += weight * loads; });
   NewtonRaphson newton(settings_for(loads.norm()));
   CholeskySolver solver;
   PointArray x = body.mesh().positions();

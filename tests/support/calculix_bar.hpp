@@ -21,7 +21,7 @@ enum class EndLoad {
 /// at `end`.
 struct Schedule {
   double ramp = 1, hold = 5, release = 6, end = 8;
-  double share(double time) const;
+  double weight(double time) const;
 };
 
 struct BarCase {
@@ -40,7 +40,7 @@ struct BarState {
   double mean_elongation = 0;         ///< [-] between all nodes of both ends
   double volume_ratio = 1;            ///< of the world mesh
   std::vector<double> twist_deg;      ///< of each layer of nodes, from the lower end upwards
-  std::vector<double> slice_stretch;  ///< [-] distance of neighbouring layers / original distance, coarse slices
+  std::vector<double> slice_stretch;  ///< [-] distance of neighbouring layers / initial distance, coarse slices
 };
 
 struct BarRun {
@@ -64,7 +64,7 @@ std::vector<double> uniaxial_stretch(const Material& material, double nominal_st
 /// where none is found.
 PointArray elastic_equilibrium(Body& body, const std::vector<int>& fixed, const PointArray& loads, int load_steps);
 
-/// The share of every node in a force spread evenly over those boundary faces whose nodes all belong to `nodes`.
-std::vector<double> face_shares(const HexMesh& mesh, const std::vector<int>& nodes);
+/// The fraction of every node in a force spread evenly over those boundary faces whose nodes all belong to `nodes`.
+std::vector<double> face_weights(const HexMesh& mesh, const std::vector<int>& nodes);
 
 }  // namespace hexaplast::support

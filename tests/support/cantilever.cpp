@@ -10,7 +10,7 @@
 
 namespace hexaplast::support {
 
-double relative_deflection(const HexMesh& mesh, std::span<const double> shares, double poisson_ratio,
+double relative_deflection(const HexMesh& mesh, std::span<const double> weights, double poisson_ratio,
                            const Settings& settings) {
   constexpr double kLength = 1, kWidth = 0.1, kForce = 1e-6;
   Material m;
@@ -24,14 +24,14 @@ double relative_deflection(const HexMesh& mesh, std::span<const double> shares, 
   setup.dt = 1e6;
   setup.fixed = nodes_at(mesh, 0, 0);
   setup.load = [&](double, ConstPoints, Points f) {
-    for (std::size_t k = 0; k < tip.size(); ++k) f(tip[k], 2) += kForce * shares[k];
+    for (std::size_t k = 0; k < tip.size(); ++k) f(tip[k], 2) += kForce * weights[k];
   };
   Simulation beam(Body(mesh, {m}, settings), std::move(setup));
   beam.step();
 
   double deflection = 0;
   for (std::size_t k = 0; k < tip.size(); ++k)
-    deflection += shares[k] * (beam.x(tip[k], 2) - mesh.positions()(tip[k], 2));
+    deflection += weights[k] * (beam.x(tip[k], 2) - mesh.positions()(tip[k], 2));
   const double area = kWidth * kWidth, inertia = area * area / 12;
   return deflection /
          (kForce * kLength * kLength * kLength / (3 * E * inertia) + kForce * kLength / (5.0 / 6 * G * area));
@@ -39,10 +39,10 @@ double relative_deflection(const HexMesh& mesh, std::span<const double> shares, 
 
 double relative_deflection(int thickness, double poisson_ratio, const Settings& settings) {
   const HexMesh mesh = block({10 * thickness, thickness, thickness}, 0.1 / thickness);
-  std::vector<double> shares;
+  std::vector<double> weights;
   // a quarter cell's share for every cell that the node belongs to
-  for (const int n : nodes_at(mesh, 0, 1)) shares.push_back(mesh.incident(n).size() / (4.0 * thickness * thickness));
-  return relative_deflection(mesh, shares, poisson_ratio, settings);
+  for (const int n : nodes_at(mesh, 0, 1)) weights.push_back(mesh.incident(n).size() / (4.0 * thickness * thickness));
+  return relative_deflection(mesh, weights, poisson_ratio, settings);
 }
 
 BeamMesh beam_mesh(const std::string& name) {

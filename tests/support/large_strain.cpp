@@ -78,12 +78,12 @@ double large_deflection(double poisson_ratio, int across, double force, const Se
   Body body(block({10 * across, across, across}, 0.1 / across), {rubber(poisson_ratio)}, settings);
   const HexMesh& mesh = body.mesh();
   const std::vector<int> tip = nodes_at(mesh, 0, 1);
-  const std::vector<double> share = face_shares(mesh, tip);
+  const std::vector<double> weight = face_weights(mesh, tip);
   PointArray loads = PointArray::Zero(mesh.num_nodes(), 3);
-  for (const int n : tip) loads(n, 2) = force * share[n];
+  for (const int n : tip) loads(n, 2) = force * weight[n];
   const PointArray x = elastic_equilibrium(body, nodes_at(mesh, 0, 0), loads, 20);
   double sum = 0;
-  for (const int n : tip) sum += share[n] * (x(n, 2) - mesh.positions()(n, 2));
+  for (const int n : tip) sum += weight[n] * (x(n, 2) - mesh.positions()(n, 2));
   return sum;
 }
 

@@ -8,7 +8,7 @@
 
 namespace hexaplast::support {
 
-/// The original positions of a bar along z, stretched by `stretch` at constant volume and twisted by `angle` [rad] from
+/// The initial positions of a bar along z, stretched by `stretch` at constant volume and twisted by `angle` [rad] from
 /// end to end, about its axis and its middle.
 inline PointArray stretched_and_twisted(const HexMesh& mesh, double stretch, double angle) {
   const EndSections ends = end_sections(mesh);

@@ -92,10 +92,10 @@ inline Body yielding_block() {
 }
 
 /// Stretched along z by the given share, thinner across, sheared a little.
-inline PointArray stretched(const Body& body, double share) {
+inline PointArray stretched(const Body& body, double fraction) {
   Mat3 A;
-  A << 1 - 0.4 * share, 0.1 * share, 0, 0, 1 - 0.45 * share, 0.05 * share, 0.02 * share, 0, 1 + share;
-  return mapped(body.mesh().positions(), A, share * Vec3(0.3, -0.2, 0.1));
+  A << 1 - 0.4 * fraction, 0.1 * fraction, 0, 0, 1 - 0.45 * fraction, 0.05 * fraction, 0.02 * fraction, 0, 1 + fraction;
+  return mapped(body.mesh().positions(), A, fraction * Vec3(0.3, -0.2, 0.1));
 }
 
 /// Velocities that are all different.

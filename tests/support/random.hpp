@@ -15,9 +15,9 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
 
-  double uniform(double least, double most) {
+  double uniform(double min, double max) {
     const double unit = static_cast<double>(engine_() >> 11) * 0x1p-53;  // [0, 1), every bit of a double's mantissa
-    return least + (most - least) * unit;
+    return min + (max - min) * unit;
   }
 
   Vec3 vector(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }

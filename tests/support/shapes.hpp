@@ -19,11 +19,11 @@ inline ElementPoints cube(double edge) {
   return x;
 }
 
-/// A cube whose corners are moved by up to `share` of its edge: no two edges parallel.
-inline ElementPoints distorted_hexahedron(double edge, double share, std::uint64_t seed) {
+/// A cube whose corners are moved by up to `fraction` of its edge: no two edges parallel.
+inline ElementPoints distorted_hexahedron(double edge, double fraction, std::uint64_t seed) {
   Random random(seed);
   ElementPoints x = cube(edge);
-  for (int a = 0; a < kCorners; ++a) x.row(a) += random.vector(share * edge).transpose();
+  for (int a = 0; a < kCorners; ++a) x.row(a) += random.vector(fraction * edge).transpose();
   return x;
 }
 
@@ -32,16 +32,16 @@ inline HexMesh single_element(const ElementPoints& x) {
   return HexMesh(PointArray(x), {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}});
 }
 
-/// Block of cubes with its least corner at the origin.
+/// Block of cubes with its smallest corner at the origin.
 inline HexMesh block(std::array<int, 3> cells, double edge) {
   return regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * edge, cells[1] * edge, cells[2] * edge));
 }
 
-/// The same with every node moved by up to `share` of the edge.
-inline HexMesh distorted_block(std::array<int, 3> cells, double edge, double share, std::uint64_t seed) {
+/// The same with every node moved by up to `fraction` of the edge.
+inline HexMesh distorted_block(std::array<int, 3> cells, double edge, double fraction, std::uint64_t seed) {
   const HexMesh regular = block(cells, edge);
   Random random(seed);
-  return HexMesh(regular.positions() + random.field(regular.num_nodes(), share * edge), regular.hexahedra());
+  return HexMesh(regular.positions() + random.field(regular.num_nodes(), fraction * edge), regular.hexahedra());
 }
 
 /// A x + b for every row x.
@@ -57,7 +57,7 @@ inline double incongruence(const PointArray& x, const PointArray& expected) {
   return (mapped(from, polar(to.transpose() * from).R) - to).cwiseAbs().maxCoeff();
 }
 
-/// Nodes whose original coordinate along `axis` lies within `reach` of `value`.
+/// Nodes whose initial coordinate along `axis` lies within `reach` of `value`.
 inline std::vector<int> nodes_at(const HexMesh& mesh, int axis, double value, double reach = 1e-9) {
   std::vector<int> nodes;
   for (int n = 0; n < mesh.num_nodes(); ++n) {

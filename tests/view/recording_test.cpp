@@ -20,7 +20,7 @@ using support::wait_for_step;
 std::string record(Played& played, const Session& session) {
   scene::Diagnostics diagnostics;
   return recorded_scene(played.scene(), scene::read_document(played.text(), "test.scn", diagnostics), {},
-                        session.deeds(), "");
+                        session.actions(), "");
 }
 
 std::string hash_of(const std::string& text) {
@@ -81,9 +81,9 @@ TEST(RecordedScene, RepeatsPullsAndSliders) {
   session.grab({.place = Vec3(0, 0.05, 0.15)}, session.suggested_hand());
   steps.drag(Vec3(0, 0.05, 0.15), Vec3(-0.005, 0, 0), 10);
   session.stop();  // it still holds
-  EXPECT_EQ(session.deeds().holds.size(), 2u);
-  EXPECT_EQ(session.deeds().changes.size(), 3u) << "of two at the same time the last one counts";
-  EXPECT_EQ(session.deeds().num_steps, 50);
+  EXPECT_EQ(session.actions().motions.size(), 2u);
+  EXPECT_EQ(session.actions().changes.size(), 3u) << "of two at the same time the last one counts";
+  EXPECT_EQ(session.actions().num_steps, 50);
   EXPECT_EQ(hash_of(record(played, session)), played.hash());
   EXPECT_GT(std::ranges::max(played.body().fields(played.positions()).plastic_strain), 0.02);
 }
@@ -106,7 +106,7 @@ TEST(RecordedScene, RepeatsWhatTouches) {
     if (tool != Tool::kCapsule) steps.advance(20);  // the box takes the place of the capsule at once
   }
   session.stop();
-  EXPECT_EQ(session.deeds().holds.size(), 4u);
+  EXPECT_EQ(session.actions().motions.size(), 4u);
   EXPECT_EQ(hash_of(record(played, session)), played.hash());
   EXPECT_GT((played.positions() - played.body().mesh().positions()).rowwise().norm().maxCoeff(), 0.005);
 }
@@ -138,7 +138,7 @@ TEST(RecordedScene, LeavesOutWhatWasUndone) {
   steps.set(kept.step);
   pull(Vec3(0.003, 0, -0.006), Tool::kCapsule, 9);
   session.stop();
-  EXPECT_EQ(session.deeds().holds.size(), 3u);
+  EXPECT_EQ(session.actions().motions.size(), 3u);
   EXPECT_EQ(hash_of(record(played, session)), played.hash());
 }
 
@@ -154,8 +154,8 @@ TEST(RecordedScene, BeginsAnewAfterAReset) {
   session.grab({.place = kTop}, session.suggested_hand());
   steps.drag(kTop, Vec3(0.01, 0, 0.01), 10);
   session.stop();
-  EXPECT_EQ(session.deeds().holds.size(), 1u);
-  EXPECT_EQ(session.deeds().changes.size(), 1u);
+  EXPECT_EQ(session.actions().motions.size(), 1u);
+  EXPECT_EQ(session.actions().changes.size(), 1u);
   EXPECT_EQ(hash_of(record(played, session)), played.hash());
 }
 
@@ -176,7 +176,7 @@ TEST(RecordedScene, KeepsOverridesAndNamesFilesFromItsOwnFolder) {
   scene.init();
   scene::Diagnostics diagnostics;
   const std::string written = recorded_scene(scene, scene::read_document(text, "/test.scn", diagnostics), overrides,
-                                             {.num_steps = 12, .holds = {}, .changes = {}}, folder + "sofa");
+                                             {.num_steps = 12, .motions = {}, .changes = {}}, folder + "sofa");
   EXPECT_NE(written.find("youngModulus=\"8000\""), std::string::npos) << written;
   EXPECT_EQ(written.find("youngModulus=\"5000\""), std::string::npos) << written;
   EXPECT_NE(written.find("<RunSettings steps=\"12\"/>"), std::string::npos) << written;

@@ -357,8 +357,8 @@ TEST(Session, ResetKeepsSlidersAndNoChangesOfTheScene) {
   session.stop();
   EXPECT_EQ(played.body().materials().front().young_modulus, 5000);
   EXPECT_EQ(played.body().materials().front().yield_stress, 60);
-  ASSERT_EQ(session.deeds().changes.size(), 1u);
-  EXPECT_EQ(session.deeds().changes.front().attribute, "yieldStress");
+  ASSERT_EQ(session.actions().changes.size(), 1u);
+  EXPECT_EQ(session.actions().changes.front().attribute, "yieldStress");
 }
 
 // The later one at the same time takes the place of the earlier one, and undo brings that back.
@@ -372,9 +372,9 @@ TEST(Session, UndoBringsBackWhatWasRecorded) {
   session.set("youngModulus", 7000);
   session.undo();
   session.stop();
-  ASSERT_EQ(session.deeds().changes.size(), 2u);
-  EXPECT_EQ(session.deeds().changes[0].value, "6000");
-  EXPECT_EQ(session.deeds().changes[1].value, "110");
+  ASSERT_EQ(session.actions().changes.size(), 2u);
+  EXPECT_EQ(session.actions().changes[0].value, "6000");
+  EXPECT_EQ(session.actions().changes[1].value, "110");
 }
 
 TEST(Session, AResetThatFailsIsTold) {
@@ -391,8 +391,8 @@ TEST(Session, AfterARefusedInstrumentThereIsNoResetAndNoUndo) {
   Played played;
   Session session(played.subject(), [](std::string_view class_name) {
     std::unique_ptr<scene::Component> made = hand(class_name);
-    if (scene::Data* triangles = made->find_data("skinTriangles"))
-      triangles->give(std::vector<std::int64_t>{0, 1, 99}, {.file = "test"});
+    if (scene::Data* triangles = made->find_data("embeddedTriangles"))
+      triangles->set(std::vector<std::int64_t>{0, 1, 99}, {.file = "test"});
     return made;
   });
   session.grab(touch(kTop), session.suggested_hand());
@@ -406,7 +406,7 @@ TEST(Session, AfterARefusedInstrumentThereIsNoResetAndNoUndo) {
   session.stop();
   EXPECT_NE(session.failure().find("the scene has refused an instrument and must be opened anew"), std::string::npos)
       << session.failure();
-  EXPECT_EQ(session.deeds().num_steps, 0);
+  EXPECT_EQ(session.actions().num_steps, 0);
 }
 
 TEST(Session, NamesOfParametersAreUnique) {

@@ -85,7 +85,7 @@ Snapshot moment(const HexMesh& mesh) {
   Snapshot snapshot;
   snapshot.positions = mesh.positions();
   snapshot.positions.col(2) *= 1.5;
-  snapshot.material = mesh.positions();
+  snapshot.plastic_rest = mesh.positions();
   snapshot.alive.assign(static_cast<std::size_t>(mesh.num_elements()), 1);
   for (int n = 0; n < mesh.num_nodes(); ++n) snapshot.values.push_back(mesh.positions()(n, 2));
   return snapshot;

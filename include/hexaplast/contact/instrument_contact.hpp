@@ -20,9 +20,9 @@ struct Pose {
   Vec3 to_world(const Vec3& own) const { return position + orientation * own; }
   Vec3 to_own(const Vec3& world) const { return orientation.conjugate() * (world - position); }
 
-  /// At a share of the way from a to b.
-  static Pose between(const Pose& a, const Pose& b, double share) {
-    return {(1 - share) * a.position + share * b.position, a.orientation.slerp(share, b.orientation)};
+  /// At a fraction of the way from a to b.
+  static Pose between(const Pose& a, const Pose& b, double fraction) {
+    return {(1 - fraction) * a.position + fraction * b.position, a.orientation.slerp(fraction, b.orientation)};
   }
 };
 

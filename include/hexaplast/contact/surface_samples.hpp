@@ -25,11 +25,11 @@ struct SurfaceSamples {
     /// The nodes that move it and their weights, in one order: the same point may be written down by another of the
     /// faces that have it.
     std::array<std::pair<int, double>, kCorners> key() const {
-      std::array<std::pair<int, double>, kCorners> shares;
-      shares.fill({-1, 0});
-      for (int a = 0; a < num_nodes; ++a) shares[a] = {nodes[a], weights[a]};
-      std::ranges::sort(shares);
-      return shares;
+      std::array<std::pair<int, double>, kCorners> sorted;
+      sorted.fill({-1, 0});
+      for (int a = 0; a < num_nodes; ++a) sorted[a] = {nodes[a], weights[a]};
+      std::ranges::sort(sorted);
+      return sorted;
     }
 
     Vec3 at(ConstPoints x) const {
@@ -46,15 +46,15 @@ struct SurfaceSamples {
   double spacing = 0;  ///< [m] the largest distance between neighbours
 
   /// On the faces of the mesh. Parts of an edge of a face: as many as make neighbours no farther apart than `wanted`
-  /// [m], but not more than `most`. alive: empty, or one per hexahedron. Throws InputError for a `wanted` or `most`
-  /// that is not positive.
-  static SurfaceSamples on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int most);
+  /// [m], but not more than `max_parts`. alive: empty, or one per hexahedron. Throws InputError for a `wanted` or
+  /// `max_parts` that is not positive.
+  static SurfaceSamples on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int max_parts);
 
-  /// The same on triangles that are embedded in the hexahedra (Embedding) and have the positions `skin` [m] in the
+  /// The same on triangles that are embedded in the hexahedra (Embedding) and have the positions `surface` [m] in the
   /// initial shape. Triangles of which a point lies in a hexahedron that is gone are left out. Throws what Embedding
   /// throws, and InputError for a node that is not there.
-  static SurfaceSamples on_skin(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints skin,
-                                const std::vector<Triangle>& triangles, double wanted, int most);
+  static SurfaceSamples on_embedded(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints surface,
+                                    const std::vector<Triangle>& triangles, double wanted, int max_parts);
 };
 
 }  // namespace hexaplast

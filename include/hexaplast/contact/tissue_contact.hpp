@@ -28,11 +28,11 @@ namespace hexaplast {
 /// State: per sample its anchor, a place in a hexahedron of the other body, N, and the face that is nearest.
 class TissueContact {
  public:
-  /// Of two bodies. The meshes must outlive it. most_parts: of the edge of a face, between samples. Throws InputError
+  /// Of two bodies. The meshes must outlive it. max_parts: of the edge of a face, between samples. Throws InputError
   /// for settings that are not allowed.
-  TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int most_parts);
+  TissueContact(const HexMesh& first, const HexMesh& second, ContactSettings settings, int max_parts);
   /// Of one body with itself.
-  TissueContact(const HexMesh& body, ContactSettings settings, int most_parts);
+  TissueContact(const HexMesh& body, ContactSettings settings, int max_parts);
   ~TissueContact();
   TissueContact(TissueContact&&) noexcept;
   TissueContact& operator=(TissueContact&&) noexcept;
@@ -77,7 +77,7 @@ class TissueContact {
 
   std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
   ContactSettings settings_;
-  int most_parts_;
+  int max_parts_;
   std::array<double, 2> wanted_ = {};         // [m] between the samples of each surface
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
   ContactTerms terms_;

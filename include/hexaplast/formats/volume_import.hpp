@@ -24,7 +24,7 @@ struct ImportedVolume {
 using ReadBeside = std::function<std::string(const std::string& name)>;
 
 /// What is to be made of a volume where that is not known.
-inline const VoxelCells kAnyCells{.coarsening = kMostCoarsening};
+inline const VoxelCells kAnyCells{.coarsening = kMaxCoarsening};
 
 /// NRRD, attached (.nrrd) or detached (.nhdr), raw or gzip; also segmentations of 3D Slicer (.seg.nrrd), whose segments
 /// do not overlap: they give labels their names.

@@ -16,8 +16,8 @@ struct CageGrid {
   Vec3 min = Vec3::Zero(), max = Vec3::Ones();
 };
 
-/// Share of its size by which the box around a surface is widened at either side: no part of the surface then lies in
-/// the border of the grid.
+/// Fraction of its size by which the box around a surface is widened at either side: no part of the surface then lies
+/// in the border of the grid.
 inline constexpr double kCageMargin = 0.01;
 
 /// Box around points, widened by kCageMargin of its own size in each direction, as SOFA's sparse grids do.
@@ -52,7 +52,7 @@ struct Cage {
 ///
 /// x: num_nodes x 3 [m], triangles and quads with corners in x; a quad counts as the two triangles on either side of
 /// its first diagonal. Throws InputError when there is no face, a corner does not exist, is not finite or lies outside
-/// the box, the box is empty, the grid has more than kMostCageCells cells, or none is left.
+/// the box, the box is empty, the grid has more than kMaxCageCells cells, or none is left.
 Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
                  CageCells kept = CageCells::kTouchedOrEnclosed);
 
@@ -65,6 +65,6 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
 /// InputError when none is left.
 Cage cage_of(std::span<const CageCell> cells, const CageGrid& grid, CageCells kept = CageCells::kTouchedOrEnclosed);
 
-inline constexpr double kMostCageCells = 134'217'728;  // of the whole grid: a byte each while the cage is made
+inline constexpr double kMaxCageCells = 134'217'728;  // of the whole grid: a byte each while the cage is made
 
 }  // namespace hexaplast

@@ -52,14 +52,14 @@ struct Shell {
   HexMesh mesh;         ///< node: vertex * (layers + 1) + layer, layers counted outward from the inner surface;
                         ///< hexahedron: quad * layers + layer, its corner 0 at the inner surface, below corner 4
   MeshQuality quality;  ///< of `mesh`
-  std::vector<int> worst_quads;  ///< up to five, those over which the scaled Jacobian is least first
+  std::vector<int> worst_quads;  ///< up to five, those over which the scaled Jacobian is smallest first
   OffsetLimits limits;           ///< of the surface
 };
 
 /// The shell of hexahedra between the offset surfaces. Where the thickness is negative, "inner" and "outer" above
 /// change places, and the hexahedra are right side out all the same. Throws InputError where a thickness is not finite
 /// or zero, layers < 1, there are more nodes than an int can count, or a quad folds or makes a hexahedron with a corner
-/// inside out: with the quads, the limits and the least scaled Jacobian.
+/// inside out: with the quads, the limits and the smallest scaled Jacobian.
 Shell offset(const QuadSurface& surface, const ShellThickness& thickness);
 
 /// The quads of a surface on a layer of its shell, 0 to layers, in nodes of the shell.

@@ -29,10 +29,10 @@ struct Hit {
 std::optional<Hit> first_hit(const Ray& ray, ConstPoints x, std::span<const Triangle> triangles);
 std::optional<Hit> first_hit(const Ray& ray, ConstPoints x, std::span<const Quad> quads);
 
-/// Those of `candidates` within `radius` [m] of a place, and in any case the nearest `least` of them (all where there
-/// are fewer), ascending. Of equally near ones the first in the list count. Throws InputError for a candidate that is
-/// no row of x.
+/// Those of `candidates` within `radius` [m] of a place, and in any case the nearest `min_count` of them (all where
+/// there are fewer), ascending. Of equally near ones the first in the list count. Throws InputError for a candidate
+/// that is no row of x.
 std::vector<int> nearest_nodes(ConstPoints x, std::span<const int> candidates, const Vec3& place, double radius,
-                               int least);
+                               int min_count);
 
 }  // namespace hexaplast

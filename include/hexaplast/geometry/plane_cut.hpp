@@ -60,16 +60,16 @@ class PlaneCut {
   double area_ = 0;
 };
 
-/// Where hexahedra lie along a direction of length 1: least and largest normal . x [m] of their corners, between which
-/// planes cut them; 0 and 0 where there is no hexahedron.
+/// Where hexahedra lie along a direction of length 1: smallest and largest normal . x [m] of their corners, between
+/// which planes cut them; 0 and 0 where there is no hexahedron.
 std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::span<const Hexahedron> hexahedra,
                                        std::span<const unsigned char> alive = {});
 
 /// A place in a triangle: how much each of its corners counts.
-using TriangleShares = std::array<double, 3>;
+using TriangleWeights = std::array<double, 3>;
 
 /// The part of a triangle on or above a plane, from the heights of its corners: three or four corners in the triangle's
 /// order of turning, or none. Returns how many of `part` are set.
-int part_above(const std::array<double, 3>& height, std::array<TriangleShares, 4>& part);
+int part_above(const std::array<double, 3>& height, std::array<TriangleWeights, 4>& part);
 
 }  // namespace hexaplast

@@ -7,13 +7,13 @@
 
 namespace hexaplast {
 
-/// The two end sections of a body along the longest axis of its original bounding box: how bars are measured.
+/// The two end sections of a body along the longest axis of its initial bounding box: how bars are measured.
 struct EndSections {
   int axis = 0;                          ///< 0, 1, 2: the longest direction (the first one of equals)
-  double length = 0;                     ///< [m] original distance of the two sections
+  double length = 0;                     ///< [m] initial distance of the two sections
   std::vector<int> min;                  ///< nodes with the smallest coordinate along the axis
   std::vector<int> max;                  ///< nodes with the largest one
-  std::vector<std::vector<int>> layers;  ///< all nodes, grouped by equal original coordinate along the axis, ascending
+  std::vector<std::vector<int>> layers;  ///< all nodes, grouped by equal initial coordinate along the axis, ascending
 };
 
 EndSections end_sections(const HexMesh& mesh);
@@ -24,11 +24,11 @@ EndSections end_sections(const HexMesh& mesh);
 double elongation(const EndSections& ends, ConstPoints at);
 
 /// Angle [rad, in (-pi, pi]] by which a section of nodes has turned about the axis: the rotation that best fits
-/// (least squares, about the section's own centre) the original section to the present one.
+/// (least squares, about the section's own centre) the initial section to the present one.
 double section_angle(const HexMesh& mesh, const std::vector<int>& section, int axis, ConstPoints at);
 
 /// Twist between the two end sections [rad], following full turns: the change of angle is added up over the layers of
-/// nodes with equal original axial coordinate, each step taken in (-pi, pi].
+/// nodes with equal initial axial coordinate, each step taken in (-pi, pi].
 double twist(const HexMesh& mesh, const EndSections& ends, ConstPoints at);
 
 }  // namespace hexaplast

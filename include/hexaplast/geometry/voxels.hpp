@@ -16,10 +16,10 @@
 
 namespace hexaplast {
 
-inline constexpr double kMostVoxels = 268'435'456;     // of a volume: a byte each
-inline constexpr double kMostVoxelCells = 16'777'216;  // hexahedra that are made of one
-inline constexpr double kMostCosineOfAxes = 1e-4;      // between two axes of a volume
-inline constexpr int kMostCoarsening = 256;            // voxels along an edge of a hexahedron
+inline constexpr double kMaxVoxels = 268'435'456;     // of a volume: a byte each
+inline constexpr double kMaxVoxelCells = 16'777'216;  // hexahedra that are made of one
+inline constexpr double kMaxCosineOfAxes = 1e-4;      // between two axes of a volume
+inline constexpr int kMaxCoarsening = 256;            // voxels along an edge of a hexahedron
 
 /// A segmentation: a label for each voxel of an image. Voxel (i, j, k) has the number i + n0 (j + n1 k), and its centre
 /// lies at origin + axes (i, j, k)^T. Label 0 is the background.
@@ -27,8 +27,8 @@ class LabelledVolume {
  public:
   /// size: voxels in each direction; axes: column d leads from a voxel to the next one in direction d [mm]; origin: the
   /// centre of voxel (0, 0, 0) [mm]. All labels are 0 at first, and take no memory until they are set.
-  /// Throws InputError for a size < 1, more than kMostVoxels voxels, numbers that are not finite, and axes that are
-  /// flat or not perpendicular (kMostCosineOfAxes). They may be left-handed.
+  /// Throws InputError for a size < 1, more than kMaxVoxels voxels, numbers that are not finite, and axes that are
+  /// flat or not perpendicular (kMaxCosineOfAxes). They may be left-handed.
   LabelledVolume(const std::array<int, 3>& size, const Mat3& axes, const Vec3& origin);
 
   const std::array<int, 3>& size() const { return size_; }
@@ -81,7 +81,7 @@ struct VoxelCells {
   double mm_per_length = 1000;   ///< of the positions: 1000 for m
 };
 
-/// Throws InputError where so many voxels have labels that count that there would be more than kMostVoxelCells
+/// Throws InputError where so many voxels have labels that count that there would be more than kMaxVoxelCells
 /// hexahedra.
 void require_feasible(const LabelledVolume& volume, const VoxelCells& cells);
 
@@ -96,10 +96,10 @@ struct VoxelMesh {
 
 /// One hexahedron for each cell of coarsening^3 voxels of which at least half have a label that counts, beginning with
 /// voxel (0, 0, 0); what lies beyond the volume is background. The hexahedron has the most frequent of these labels; of
-/// equally frequent ones the least. All hexahedra have positive volumes, also where the axes of the volume are
+/// equally frequent ones the smallest. All hexahedra have positive volumes, also where the axes of the volume are
 /// left-handed.
 /// Throws InputError for a coarsening < 1, for a label that is 0, given twice or that no voxel has, for more than
-/// kMostVoxelCells hexahedra, and where no hexahedron is left.
+/// kMaxVoxelCells hexahedra, and where no hexahedron is left.
 VoxelMesh mesh_of_voxels(const LabelledVolume& volume, const VoxelCells& cells);
 
 }  // namespace hexaplast

@@ -5,8 +5,8 @@
 
 namespace hexaplast {
 
-/// A material of which a hexahedron holds a share (0, 1], the rest of it being empty: at the same strain it carries
-/// that share of the stress, and it yields and tears at the same strains.
-Material filled(Material material, double share);
+/// A material of which a hexahedron holds a fraction (0, 1], the rest of it being empty: at the same strain it carries
+/// that fraction of the stress, and it yields and tears at the same strains.
+Material filled(Material material, double fraction);
 
 }  // namespace hexaplast

@@ -23,7 +23,7 @@ struct Material {
   double young_modulus = 5000;                                    ///< E [Pa], > 0
   double poisson_ratio = 0.45;                                    ///< [-], in [0, 0.5)
   double yield_stress = std::numeric_limits<double>::infinity();  ///< tau [Pa], >= 0; infinite: never yields
-  double flow_rate = 0;           ///< nu [1/s], >= 0: share of the excess deviatoric stretch that flows per second
+  double flow_rate = 0;           ///< nu [1/s], >= 0: fraction of the excess deviatoric stretch that flows per second
   double rotation_yield = 0;      ///< tau^R [rad], in [0, pi]
   double rotation_flow_rate = 0;  ///< nu^R [1/s], >= 0
   double hardening = 0;           ///< kappa [-]: growth of both thresholds with flow; < 0 softens, down to 0
@@ -57,7 +57,7 @@ enum class ElasticLaw {
   kMooneyRivlin       ///< with |cof F|^2 besides
 };
 
-/// What leads folded elements back.
+/// What unfolds folded elements.
 enum class RecoveryMode {
   kNone,    ///< nothing: a body that was thrown out of shape may stay folded
   kCluster  ///< springs about the best rigid placement of every connected cluster of folded elements
@@ -84,7 +84,7 @@ enum class RotationFrame {
   kWorld     ///< the axes, as printed: the pose of the body matters
 };
 
-/// How the isolated rest shapes become one material shape.
+/// How the isolated rest shapes become one plastic rest shape.
 enum class AveragingMethod {
   kGaussNewton,  ///< one Gauss-Newton step that leaves the rotations of the joined elements free  theory.md eq. 31
   kGaussNewtonIsolated,  ///< that leaves the rotations of the isolated shapes free: bodies tilt
@@ -102,10 +102,10 @@ enum class Precision {
 /// What holds for a whole body. Each member has a row (material/rows.hpp).
 struct Settings {
   Bending bending = Bending::kAssumedCorner;
-  double blend_share = 0.5;  ///< [-] of the corner in kBlended, in (0, 1)
+  double blend_weight = 0.5;  ///< [-] of the corner in kBlended, in (0, 1)
   Volumetric volumetric = Volumetric::kVolumeRatio;
   ElasticLaw law = ElasticLaw::kCorotated;
-  double mooney_share = 0.2;  ///< [-] m2 / mu of kMooneyRivlin, in [0, 1]
+  double mooney_fraction = 0.2;  ///< [-] m2 / mu of kMooneyRivlin, in [0, 1]
   RecoveryMode recovery = RecoveryMode::kCluster;
   double recovery_strength = 3;  ///< [-] of the springs, > 0
   double recovery_from = 0.05;   ///< [-] corner ratio below which springs act

@@ -27,7 +27,7 @@ class HexMesh {
   int num_nodes() const { return static_cast<int>(positions_.rows()); }
   int num_elements() const { return static_cast<int>(hexahedra_.size()); }
 
-  const PointArray& positions() const { return positions_; }  ///< original positions X [m]
+  const PointArray& positions() const { return positions_; }  ///< initial positions X [m]
   const std::vector<Hexahedron>& hexahedra() const { return hexahedra_; }
 
   /// Elements around a node, in ascending order.

@@ -18,8 +18,8 @@ double six_tetrahedra_volume(const ElementPoints& corners);
 /// The same of each hexahedron. x: num_nodes x 3 [m]; the corners must be rows of x.
 std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra);
 
-/// Share of the volume [m^3] that belongs to each node: every hexahedron gives an eighth to each of its corners. Times
-/// the density these are the lumped masses. x: num_nodes x 3 [m]; the corners must be rows of x.
+/// Fraction of the volume [m^3] that belongs to each node: every hexahedron gives an eighth to each of its corners.
+/// Times the density these are the lumped masses. x: num_nodes x 3 [m]; the corners must be rows of x.
 Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra);
 
 /// Masses [kg] of the nodes, of which each hexahedron gives an eighth of its own to each of its corners.

@@ -8,7 +8,7 @@
 
 namespace hexaplast {
 
-/// Least over the corners of det J / (product of the lengths of its columns): the volume that three edges span,
+/// Smallest over the corners of det J / (product of the lengths of its columns): the volume that three edges span,
 /// relative to a box of these edges. 1 for a box, 0 where a corner is flat, negative where it is inverted.
 double scaled_jacobian(const ElementPoints& x);
 

@@ -3,7 +3,7 @@
 
 namespace hexaplast {
 
-/// What became of the rest-to-material averaging in one plastic step.
+/// What became of the rest-shape averaging in one plastic step.
 struct AveragingReport {
   bool skipped = true;     ///< the rest shapes fitted already
   bool fell_back = false;  ///< Gauss-Newton would have raised E; the local/global step was taken

@@ -83,7 +83,7 @@ double stable_phase_per_step(const EulerSettings& settings, double dt);
 /// (MechanicalSystem::release).
 class ImplicitEuler {
  public:
-  static constexpr int kMostReleases = 4;  ///< of a step
+  static constexpr int kMaxReleases = 4;  ///< of a step
 
   explicit ImplicitEuler(EulerSettings settings) : settings_(settings) {}
 
@@ -101,8 +101,9 @@ class ImplicitEuler {
   void measure_energy() { measures_energy_ = true; }
   const StepEnergy& energy() const { return energy_; }  ///< of the latest step; zeros where it is not measured
 
-  /// [N] on each node, in the latest step: by which constraints hold nodes or lead them, zero on free degrees of
-  /// freedom. They are exactly what the step's equation lacks there. No rows before a step whose energy is measured.
+  /// [N] on each node, in the latest step: by which constraints hold nodes or prescribe their motion, zero on free
+  /// degrees of freedom. They are exactly what the step's equation lacks there. No rows before a step whose energy is
+  /// measured.
   PointArray support_forces() const { return -force_; }  //  theory.md eq. 45
 
  private:

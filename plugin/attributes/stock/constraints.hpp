@@ -26,7 +26,8 @@ inline constexpr Attribute kReaction{
     .unit = "N",
     .access = Access::kOutput,
     .help =
-        "Sum of the forces on its nodes by which constraints held or led them in the last step: what the equation "
+        "Sum of the forces on its nodes by which constraints held or prescribed them in the last step: what the "
+        "equation "
         "of the step lacks in the directions that are held. Jumps of a prescribed velocity come on top. Only "
         "EulerImplicitSolver tells it. SOFA has no such output."};
 inline constexpr Attribute kReactionTorque{
@@ -173,7 +174,8 @@ inline constexpr Description kAffineMovementProjectiveConstraint{
 inline constexpr Attribute kAttachProjectiveConstraintAttributes[] = {
     {.name = "object1",
      .type = Type::kLink,
-     .help = "The mechanical state that leads; default: that of the node. Without twoWay it may follow another one."},
+     .help = "The mechanical state that the other one follows; default: that of the node. Without twoWay it may follow "
+             "another one."},
     {.name = "object2",
      .type = Type::kLink,
      .help = "The mechanical state whose nodes are tied to it; default: that of the node. One time integrator moves "

@@ -56,7 +56,7 @@ inline constexpr Description kRigidObject{
     .class_name = "MechanicalObject",
     .category = "MechanicalState",
     .help =
-        "Rigid frames, free or led, each with six degrees of freedom. Points follow them by a RigidMapping. For "
+        "Rigid frames, free or prescribed, each with six degrees of freedom. Points follow them by a RigidMapping. For "
         "EulerImplicitSolver and the explicit integrators.",
     .templates = kRigidTemplates,
     .attributes = kRigidObjectAttributes,
@@ -124,7 +124,8 @@ inline constexpr Attribute kRigidMovementAttributes[] = {
 inline constexpr Description kRigidMovement{
     .class_name = "LinearMovementProjectiveConstraint",
     .category = "ProjectiveConstraint",
-    .help = "Frames led along a path. Before the first key time and from the last one on they are free.",
+    .help =
+        "Frames that move along a prescribed path. Before the first key time and from the last one on they are free.",
     .templates = kRigidTemplates,
     .attributes = kRigidMovementAttributes,
     .variant = kRigid};

@@ -130,9 +130,9 @@ std::string hint_of(const std::string& name, const std::vector<std::string_view>
     const auto same = [](unsigned char a, unsigned char b) { return ::tolower(a) == ::tolower(b); };
     return std::search(other.begin(), other.end(), name.begin(), name.end(), same) != other.end();
   });
-  constexpr std::size_t kMostNamed = 8;
-  return longer.empty() || longer.size() > kMostNamed ? std::string()
-                                                      : fmt::format("there are {}", fmt::join(longer, ", "));
+  constexpr std::size_t kMaxNamed = 8;
+  return longer.empty() || longer.size() > kMaxNamed ? std::string()
+                                                     : fmt::format("there are {}", fmt::join(longer, ", "));
 }
 
 const Description& named(const Descriptions& components, const std::string& name) {

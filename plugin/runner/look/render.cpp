@@ -22,9 +22,9 @@ namespace {
 
 using output::RecordedRun;
 
-constexpr int kLeastSize = 64, kMostSize = 4096;  // [pixels]
-constexpr int kMostSections = 100;
-constexpr int kMostDecimals = 6;  // of times
+constexpr int kMinSize = 64, kMaxSize = 4096;  // [pixels]
+constexpr int kMaxSections = 100;
+constexpr int kMaxDecimals = 6;  // of times
 constexpr const char* kRestShape = "rest shape";
 
 // What options say
@@ -63,7 +63,7 @@ std::optional<std::pair<double, double>> range_of(const std::string& text) {
 
 std::pair<int, int> size_of(const std::string& text) {
   if (text.empty()) return {1280, 720};
-  const auto is_size = [](double side) { return side == std::floor(side) && side >= kLeastSize && side <= kMostSize; };
+  const auto is_size = [](double side) { return side == std::floor(side) && side >= kMinSize && side <= kMaxSize; };
   const std::vector<double> sides = numbers(text, 'x');
   if (sides.size() != 2 || !is_size(sides[0]) || !is_size(sides[1]))
     refuse("--size", text, "WIDTHxHEIGHT, each from 64 to 4096 pixels");
@@ -138,14 +138,14 @@ struct Subject {
   int time_decimals() const {
     if (manifest) return output::time_decimals(manifest->dt);
     // enough to tell the times apart that are there
-    for (int decimals = 2; decimals < kMostDecimals; ++decimals) {
+    for (int decimals = 2; decimals < kMaxDecimals; ++decimals) {
       const double tick = std::pow(10.0, -decimals);
       const auto is_told = [&](const RecordedRun::Entry& entry) {
         return std::abs(entry.time / tick - std::round(entry.time / tick)) < 1e-3;
       };
       if (std::ranges::all_of(run.entries(), is_told)) return decimals;
     }
-    return kMostDecimals;
+    return kMaxDecimals;
   }
 
   RecordedRun run;
@@ -161,7 +161,7 @@ std::string ghost_name(const RenderOptions& options) {
 bool is_free_of_loads(const RenderOptions& options) { return options.shape == "rest"; }
 
 const PointArray& shown_positions(const RecordedRun::State& state, const RenderOptions& options) {
-  return options.shape == "rest" ? state.material : state.positions;
+  return options.shape == "rest" ? state.plastic_rest : state.positions;
 }
 
 /// What the options say.
@@ -203,11 +203,11 @@ output::Staging staging_of(const Subject& subject, const RenderOptions& options)
 
 void require_met(const Plane& cut, const RecordedRun& run, const RecordedRun::State& state,
                  const RenderOptions& options) {
-  const auto [least, most] =
+  const auto [min, max] =
       extent_along(cut.normal, shown_positions(state, options), run.mesh().hexahedra(), state.alive);
-  if (cut.offset < least || cut.offset > most)
+  if (cut.offset < min || cut.offset > max)
     throw UsageError(fmt::format("--slice {}: does not meet the body, which lies between {:.6g} and {:.6g} m",
-                                 options.slice, least, most));
+                                 options.slice, min, max));
 }
 
 void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const RenderOptions& options,
@@ -215,7 +215,7 @@ void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const
   const bool shows_marks = !options.no_marks && !is_free_of_loads(options);
   gallery.add(entry.step.value_or(0), entry.time, shown_positions(state, options), state.values, state.alive,
               shows_marks ? state.conditions : output::BoundaryConditions(),
-              options.ghost == "rest" ? &state.material : nullptr);
+              options.ghost == "rest" ? &state.plastic_rest : nullptr);
 }
 
 void render_film(const Subject& subject, const RenderOptions& options, output::Renderer& renderer) {
@@ -235,8 +235,7 @@ output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& en
                             const RenderOptions& options) {
   constexpr const char* kAllowed = "an axis and how many sections, from 1 to 100, as in z:5";
   const auto [axis, count] = axis_and_number("--sections", options.sections, kAllowed);
-  if (count != std::floor(count) || count < 1 || count > kMostSections)
-    refuse("--sections", options.sections, kAllowed);
+  if (count != std::floor(count) || count < 1 || count > kMaxSections) refuse("--sections", options.sections, kAllowed);
   output::SectionPage page;
   page.title = subject.title();
   page.remark = fmt::format("t = {:.{}f} s", entry.time, subject.time_decimals());
@@ -249,7 +248,7 @@ output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& en
   std::tie(page.width, page.height) = size_of(options.size);
   const HexMesh& mesh = subject.run.mesh();
   return page.drawing(mesh, shown_positions(state, options), state.values, state.alive,
-                      options.ghost == "rest" ? state.material : mesh.positions());
+                      options.ghost == "rest" ? state.plastic_rest : mesh.positions());
 }
 
 output::Drawing picture_of(const Subject& subject, const RenderOptions& options) {
@@ -329,8 +328,8 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
                               ->excludes(view)
                               ->excludes(camera);
   command->add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")
-      ->check(CLI::IsMember({"world", "rest"}))
-      ->type_name("world|rest")
+      ->check(CLI::IsMember({"current", "rest", "world"}))  // world: the older name of current
+      ->type_name("current|rest")
       ->capture_default_str();
   command->add_option("--ghost", options.ghost, "Pale shape behind the body")
       ->check(CLI::IsMember({"initial", "rest", "none", "original"}))  // original: the older name of initial

@@ -22,7 +22,7 @@ struct RenderOptions {
   std::optional<double> time;                  ///< [s] the state nearest to it; otherwise the last one
   std::optional<long> step;
   std::string field, range, view, camera, size, slice, sections;  ///< see add_render; empty: not given
-  std::string shape = "world";
+  std::string shape = "current";
   std::string ghost = "initial";
   std::string show;  ///< surfaces, hexahedra or both; empty: as the scene says
   bool no_edges = false;

@@ -211,7 +211,7 @@ int view(const ViewOptions& options) {
   session.stop();
   if (record) {
     record->write(view::recorded_scene(simulation.scene(), std::move(*document), options.scene.overrides,
-                                       session.deeds(), record_place->parent_path()));
+                                       session.actions(), record_place->parent_path()));
     record->commit();
   }
   if (!session.failure().empty()) throw NumericalError(session.failure());

@@ -19,12 +19,12 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr double kMostCells = 16'777'216;  // as in scenes: refused before anything is allocated
+constexpr double kMaxCells = 16'777'216;  // as in scenes: refused before anything is allocated
 constexpr double kDegree = std::numbers::pi / 180;
 
 void require_feasible(double num_cells) {
-  if (num_cells > kMostCells)
-    throw InputError(fmt::format("{:.4g} hexahedra, must be at most {:.10g}", num_cells, kMostCells));
+  if (num_cells > kMaxCells)
+    throw InputError(fmt::format("{:.4g} hexahedra, must be at most {:.10g}", num_cells, kMaxCells));
 }
 
 void save(const std::filesystem::path& out, const HexMesh& mesh, const InputFiles& inputs) {
@@ -70,8 +70,8 @@ QuadSurface load_surface(const std::filesystem::path& file) {
 }  // namespace
 
 void make_grid(const MeshGridOptions& options) {
-  const Vec3 least(options.origin.data()), size(options.size.data());
-  write_shape(options.out, options.cells, [&] { return regular_grid(options.cells, least, least + size); });
+  const Vec3 min(options.origin.data()), size(options.size.data());
+  write_shape(options.out, options.cells, [&] { return regular_grid(options.cells, min, min + size); });
 }
 
 void make_sheet(const MeshSheetOptions& options) {

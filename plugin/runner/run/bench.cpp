@@ -72,11 +72,11 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   const long num_steps = std::max(1L, simulation.num_steps().value_or(kSceneSteps));
 
   std::vector<double> ms;
-  int most_yielded = 0;
+  int max_yielded = 0;
   while (simulation.latest().step < num_steps) {
     const output::StepRecord& latest = simulation.step();
     if (latest.step > kSceneWarmUp || num_steps <= kSceneWarmUp) ms.push_back(latest.step_ms);
-    most_yielded = std::max(most_yielded, latest.flow.yielded);
+    max_yielded = std::max(max_yielded, latest.flow.yielded);
   }
 
   const bench::StepTimes times(std::move(ms));
@@ -85,7 +85,7 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   record.size = body.mesh().num_elements();
   record.shape = options.scene.file.stem().string();
   record.element = bench::element_name(body.settings());
-  record.mode = body.can_flow() ? (most_yielded > 0 ? "plastic" : "plastic_idle") : "elastic";
+  record.mode = body.can_flow() ? (max_yielded > 0 ? "plastic" : "plastic_idle") : "elastic";
   record.precision = body.settings().precision == Precision::kDouble ? "double" : "mixed";
   record.solver = solver ? solver->class_name() : "none";
   record.target = "scene";

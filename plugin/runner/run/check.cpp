@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr long kMostMoments = 200;  // of a run, at which loads are looked at
+constexpr long kMaxMoments = 200;  // of a run, at which loads are looked at
 
 /// What the report says of the scene around the body.
 struct Findings {
@@ -74,7 +74,7 @@ Findings look_at(scene::Scene& scene) {
   const long num_steps = std::max(found.steps.value_or(1), 1);
   for (scene::MechanicalState* state : states) {
     const double time =
-        time_of_greatest_loads(scene, std::span(&state, 1), num_steps, (num_steps + kMostMoments - 1) / kMostMoments);
+        time_of_greatest_loads(scene, std::span(&state, 1), num_steps, (num_steps + kMaxMoments - 1) / kMaxMoments);
     const double size = loads_at(time, scene, *state).rowwise().norm().sum();
     if (size > found.load_size) {
       found.loads_time = time;
@@ -180,7 +180,8 @@ Json json_of(const Findings& found) {
           {"bodies", bodies},
           {"regions", json_of(found.regions)},
           {"writes", found.writes},
-          {"advice", warnings}};
+          {"warnings", warnings},
+          {"advice", warnings}};  // the older name
 }
 
 void print(const ModelCheck& body) {

@@ -10,6 +10,38 @@
 
 namespace hexaplast::runner {
 
+void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
+                        std::vector<std::filesystem::path>& plugin_path) {
+  command.add_option("--plugin", plugins, "Plugin to load, by name; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command.add_option("--plugin-path", plugin_path, "Directory to look for plugins in; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+}
+
+void add_mesh_path(CLI::App& command, SceneOptions& options) {
+  command
+      .add_option("--mesh-path", options.mesh_path,
+                  "Directory to look for the scene's meshes and includes in; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+}
+
+void add_scene(CLI::App& command, SceneOptions& options) {
+  command.footer(kExitCodes);
+  command.add_option("scene", options.file, "Scene file")->type_name("SCENE")->required();
+  command.add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
+      ->type_name("PATH.attribute=VALUE")
+      ->allow_extra_args(false);
+  command.add_flag(
+      "--sofa-compat", options.sofa_compat,
+      "Pass over unknown components, attributes, templates and plugins with a warning, as SOFA does, but for "
+      "those that would change the motion");
+  add_mesh_path(command, options);
+  add_plugin_options(command, options.plugins, options.plugin_path);
+}
+
 void add_threads(CLI::App& command, std::optional<int>& threads, const char* help) {
   command.add_option("--threads", threads, help)->type_name("N")->check(CLI::Range(1, kMaxThreads));
 }

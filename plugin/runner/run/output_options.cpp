@@ -13,7 +13,7 @@ namespace {
 using std::filesystem::path;
 
 /// The same for all names of a place, whether or not something is there.
-path settled(const path& place) {
+path resolved(const path& place) {
   return std::filesystem::weakly_canonical((std::filesystem::absolute(place) / "").parent_path());
 }
 
@@ -39,13 +39,13 @@ void add_write_below(CLI::App& command, std::optional<path>& write_below) {
 
 bool OwnFiles::has_in_run(const path& file) const {
   if (!run) return false;
-  const path below = settled(file).lexically_relative(settled(*run));
+  const path below = resolved(file).lexically_relative(resolved(*run));
   const std::string first = below.empty() ? "" : below.begin()->string();
   return output::is_of_run(first) || first == "frames";
 }
 
 bool OwnFiles::has(const path& file) const {
-  return has_in_run(file) || std::ranges::any_of(named, [&](const auto& own) { return own && settled(*own) == file; });
+  return has_in_run(file) || std::ranges::any_of(named, [&](const auto& own) { return own && resolved(*own) == file; });
 }
 
 scene::OutputRules rules_beside(OwnFiles own, path directory, scene::OutputRules rules) {
@@ -56,7 +56,7 @@ scene::OutputRules rules_beside(OwnFiles own, path directory, scene::OutputRules
 
 bool writes_into(const scene::OutputFiles& files, const path& directory) {
   return std::ranges::any_of(files.claimed(), [&](const std::string& file) {
-    return *path(file).lexically_relative(settled(directory)).begin() != "..";
+    return *path(file).lexically_relative(resolved(directory)).begin() != "..";
   });
 }
 

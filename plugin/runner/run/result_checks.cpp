@@ -11,7 +11,7 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr double kManyInverted = 0.01;       // of the hexahedra: single ones may pass through and come back
+constexpr double kManyInverted = 0.01;       // of the hexahedra: single ones may pass through and recover
 constexpr double kLargestUnexplained = 0.2;  // of the energy put in
 constexpr double kLargestGain = 100;         // times the energy put in
 
@@ -20,9 +20,9 @@ void check_inversions(const Simulation& simulation, std::vector<std::string>& do
   const Totals& totals = simulation.totals();
   const int at_end = simulation.latest().flow.inverted;
   if (at_end > 0) doubts.push_back(fmt::format("{} of {} hexahedra are inverted at the end", at_end, num_hexahedra));
-  if (totals.most_inverted > std::max(1.0, kManyInverted * num_hexahedra))
-    doubts.push_back(fmt::format("{} of {} hexahedra were inverted in step {}", totals.most_inverted, num_hexahedra,
-                                 totals.most_inverted_in));
+  if (totals.max_inverted > std::max(1.0, kManyInverted * num_hexahedra))
+    doubts.push_back(fmt::format("{} of {} hexahedra were inverted in step {}", totals.max_inverted, num_hexahedra,
+                                 totals.max_inverted_in));
 }
 
 /// [J] what errors of energies are measured by.

@@ -54,8 +54,8 @@ output::Checkpoint open(const fs::path& directory, const fs::path& file) {
 
 /// A record may say anything: what the command line of a run would not be let pass is refused here too.
 void require_sound(const RunOptions& options, const fs::path& file) {
-  constexpr long kMostSteps = 1'000'000'000;
-  const bool is_sound = options.steps && *options.steps >= 0 && *options.steps <= kMostSteps &&
+  constexpr long kMaxSteps = 1'000'000'000;
+  const bool is_sound = options.steps && *options.steps >= 0 && *options.steps <= kMaxSteps &&
                         (!options.frames || (*options.frames >= 0 && *options.frames <= 100'000)) &&
                         (!options.checkpoint_every || (*options.checkpoint_every >= 1));
   if (!is_sound)

@@ -208,11 +208,11 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
 
 /// Which hexahedra bodies have lost, as far as a line holds them.
 std::string removed_line(const output::Bodies& bodies, const Totals& totals) {
-  constexpr std::size_t kMostNamed = 8;
+  constexpr std::size_t kMaxNamed = 8;
   std::vector<std::string> named;
   for (const output::Bodies::Entry& entry : bodies.all())
     for (const int hexahedron : entry.body->removed())
-      if (named.size() < kMostNamed)
+      if (named.size() < kMaxNamed)
         named.push_back(fmt::format("{}{}", hexahedron, bodies.is_one() ? "" : " of " + entry.name));
   return fmt::format("{} in steps {} to {}: {}{}", bodies.num_removed(), totals.first_removal, totals.latest_removal,
                      fmt::join(named, ", "), named.size() < bodies.num_removed() ? ", ..." : "");
@@ -220,7 +220,7 @@ std::string removed_line(const output::Bodies& bodies, const Totals& totals) {
 
 /// Which of a body's hexahedra were inverted.
 std::string inverted_line(int at_end, const Totals& totals) {
-  return fmt::format("{} at the end, at most {} in step {}", at_end, totals.most_inverted, totals.most_inverted_in);
+  return fmt::format("{} at the end, at most {} in step {}", at_end, totals.max_inverted, totals.max_inverted_in);
 }
 
 /// Where the work went.
@@ -275,19 +275,19 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
       add("removed", removed_line(*bodies, totals));
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
-    if (totals.most_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
+    if (totals.max_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
     const bool has_ends = measures_ends(simulation);
     if (has_ends)
       add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
-                 fmt::format("{:+.3f} %  (world {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
+                 fmt::format("{:+.3f} %  (current {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
                              rounded(100 * summary.world_elongation, 1e-3)));
     if (has_ends)
       add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
-                 fmt::format("{:+.3f} deg  (world {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
+                 fmt::format("{:+.3f} deg  (current {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
                              rounded(summary.world_twist_deg, 1e-3)));
     add_finite(
         "volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
-        fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, world {:+.4f} %)",
+        fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, current {:+.4f} %)",
                     rounded(100 * (summary.material_volume_ratio - 1), 1e-4), 100 * summary.worst_element_volume_error,
                     rounded(100 * (summary.world_volume_ratio - 1), 1e-4)));
     const PointArray& x = simulation.positions();
@@ -332,7 +332,7 @@ void warn_of_stalls(const Simulation& simulation) {
       spdlog::warn("warning: {} stopped before its tolerance in {} of {} steps", what, steps, simulation.latest().step);
   };
   warn(simulation.totals().stalled_solves, "the linear solver");
-  warn(simulation.totals().stalled_averaging, "the rest-to-material averaging");
+  warn(simulation.totals().stalled_averaging, "the rest-shape averaging");
 }
 
 output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {

@@ -12,7 +12,7 @@ namespace {
 using attributes::Access;
 using attributes::Attribute;
 
-constexpr std::size_t kMostText = 240;  // [byte] longer values are described
+constexpr std::size_t kMaxText = 240;  // [byte] longer values are described
 
 std::string text_of(scene::Data& data) { return data.link().empty() ? scene::write_value(data.value()) : data.link(); }
 
@@ -23,8 +23,8 @@ std::string hash_of(std::string_view text) {
 }
 
 std::string shortened(const std::string& text) {
-  if (text.size() <= kMostText) return text;
-  return fmt::format("{} ... ({} values, XXH64 {})", text.substr(0, text.rfind(' ', kMostText / 3)),
+  if (text.size() <= kMaxText) return text;
+  return fmt::format("{} ... ({} values, XXH64 {})", text.substr(0, text.rfind(' ', kMaxText / 3)),
                      scene::split_words(text).size(), hash_of(text));
 }
 

@@ -9,6 +9,7 @@
 #include "hexaplast/base/error.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/scene_identity.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
 
@@ -106,9 +107,9 @@ const output::StepRecord& Simulation::step() {
     if (totals_.first_removal == 0) totals_.first_removal = step;
     totals_.latest_removal = step;
   }
-  if (latest_.flow.inverted > totals_.most_inverted) {
-    totals_.most_inverted = latest_.flow.inverted;
-    totals_.most_inverted_in = step;
+  if (latest_.flow.inverted > totals_.max_inverted) {
+    totals_.max_inverted = latest_.flow.inverted;
+    totals_.max_inverted_in = step;
   }
   note_energy();
   return latest_;
@@ -133,8 +134,8 @@ void Simulation::serialize(Archive& archive) {
   SolveReport solve{.iterations = latest_.solver_iterations, .residual = latest_.residual};
   double step_ms = latest_.step_ms;
   archive(step, solve.iterations, solve.residual, step_ms, totals_.step_ms, totals_.iterations, totals_.stalled_solves,
-          totals_.stalled_averaging, totals_.first_removal, totals_.latest_removal, totals_.most_inverted,
-          totals_.most_inverted_in, totals_.energy_put_in);
+          totals_.stalled_averaging, totals_.first_removal, totals_.latest_removal, totals_.max_inverted,
+          totals_.max_inverted_in, totals_.energy_put_in);
   for (long& steps : totals_.steps_by_preconditioner) archive(steps);
   scene_.serialize(archive);
   if (archive.reads()) latest_ = record_of(step, solve, step_ms);

@@ -17,12 +17,12 @@ struct Totals {
   long iterations = 0;  ///< of all linear solves
   std::array<long, kPreconditionerNames.size()> steps_by_preconditioner = {};  ///< that had something to solve
   long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
-  long stalled_averaging = 0;  ///< steps whose rest-to-material averaging did
+  long stalled_averaging = 0;  ///< steps whose rest-shape averaging did
   long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
   long latest_removal = 0;
-  int most_inverted = 0;      ///< hexahedra that were inverted in one step
-  long most_inverted_in = 0;  ///< the first such step
-  double energy_put_in = 0;   ///< [J] that it began with, and work of loads and supports: the most so far
+  int max_inverted = 0;      ///< hexahedra that were inverted in one step
+  long max_inverted_in = 0;  ///< the first such step
+  double energy_put_in = 0;  ///< [J] that it began with, and work of loads and supports: the most so far
 };
 
 /// A scene in motion, step by step: what all commands share that run one. Any number of states and bodies.

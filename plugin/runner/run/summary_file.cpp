@@ -33,7 +33,7 @@ Json summary_json(Simulation& simulation) {
           {"connected_parts", summary.num_pieces},
           {"least_scaled_jacobian", quality(bodies.mesh()).min_scaled_jacobian},
           {"inverted", latest.flow.inverted},
-          {"most_inverted", totals.most_inverted},
+          {"most_inverted", totals.max_inverted},
           {"plastic_elongation", summary.plastic_elongation},
           {"plastic_twist_deg", summary.plastic_twist_deg},
           {"world_elongation", summary.world_elongation},

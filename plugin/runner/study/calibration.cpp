@@ -22,7 +22,7 @@ constexpr double kNoPromise = 1e-3, kNoGain = 1e-2;
 constexpr int kIdleSteps = 2;
 
 // The damping, relative to the largest eigenvalue of J^T J: what it begins with, and the multiples tried at once.
-constexpr double kFirstDamping = 1e-2, kLeastDamping = 1e-12;
+constexpr double kFirstDamping = 1e-2, kMinDamping = 1e-12;
 constexpr double kMultiples[] = {10, 1, 0.1, 0.01};
 constexpr double kMoreDamping = 1e4;  // where none of them was better
 constexpr double kStiffOnly = 1e-2;   // damping that leaves the steep directions alone
@@ -67,7 +67,7 @@ class Search {
 
  private:
   bool has_room_for(std::size_t count) const {
-    return found_.num_evaluations + static_cast<int>(count) <= options_.most_evaluations;
+    return found_.num_evaluations + static_cast<int>(count) <= options_.max_evaluations;
   }
   bool has_ended() {
     if (found_.mean_square <= kPerfect * kPerfect) found_.is_converged = true;
@@ -171,7 +171,7 @@ class Search {
         if (best >= 0) better = of[static_cast<std::size_t>(best)];
       }
       if (better >= 0) {
-        damping_ = std::max(kMultiples[better] * damping_, kLeastDamping);
+        damping_ = std::max(kMultiples[better] * damping_, kMinDamping);
         const double gained = (before - found_.mean_square) * static_cast<double>(r.size());
         num_idle_ = gained < kNoGain * before ? num_idle_ + 1 : 0;
         found_.is_converged = num_idle_ == kIdleSteps;

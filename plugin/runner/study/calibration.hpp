@@ -12,7 +12,7 @@ namespace hexaplast::runner {
 /// Parameters, each in [0, 1].
 using Point = std::vector<double>;
 
-/// Differences between what is computed and what is wanted, as shares of what is wanted, at several points at once,
+/// Differences between what is computed and what is wanted, as fractions of what is wanted, at several points at once,
 /// which may be found at the same time. None: there is no result at that point.
 using Residuals = std::function<std::vector<std::optional<std::vector<double>>>(const std::vector<Point>&)>;
 
@@ -26,13 +26,13 @@ struct Calibration {
 };
 
 struct CalibrationOptions {
-  int most_evaluations = 200;
+  int max_evaluations = 200;
   bool looks_around = true;  ///< begins at the best of some points around the start
 };
 
-/// The parameters of least mean square, by Levenberg and Marquardt's method with differences for slopes, from `start`
-/// (which has a result) on. What it asks for does not depend on how many points are evaluated at the same time.
-/// `follow` is told the number of evaluations and the least root mean square so far. What the residuals throw passes
+/// The parameters of smallest mean square, by Levenberg and Marquardt's method with differences for slopes, from
+/// `start` (which has a result) on. What it asks for does not depend on how many points are evaluated at the same time.
+/// `follow` is told the number of evaluations and the smallest root mean square so far. What the residuals throw passes
 /// through.
 Calibration calibrate(const Residuals& residuals, const Point& start, const CalibrationOptions& options,
                       const std::function<void(int, double)>& follow);

@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kLevel = 0.95;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kNoEffect = 1e-9;        // of the largest singular value: rounding
-constexpr double kMostCorrelated = 0.99;  // what short curves can tell from a drift
-constexpr double kFewRows = 3;            // beyond those that the parameters use up: too few for a noise of its own
+constexpr double kNoEffect = 1e-9;       // of the largest singular value: rounding
+constexpr double kMaxCorrelated = 0.99;  // what short curves can tell from a drift
+constexpr double kFewRows = 3;           // beyond those that the parameters use up: too few for a noise of its own
 constexpr int kSweeps = 3, kHalvings = 20;
 
 /// Omega X of a first-order autoregressive process: Omega_ij = correlation^|i - j|.
@@ -32,7 +32,7 @@ struct Moments {
   double square = 0, neighbours = 0;
 };
 
-/// A curve's share of a fit: its residuals, and its rows of an orthonormal basis Q of the slopes.
+/// A curve's part of a fit: its residuals, and its rows of an orthonormal basis Q of the slopes.
 struct Curve {
   Eigen::VectorXd residuals;
   Eigen::MatrixXd Q;
@@ -82,7 +82,7 @@ CurveNoise noise_of(const Curve& curve, const Eigen::MatrixXd& others) {
     return variance(at) * at.own.neighbours + at.others.neighbours - observed.neighbours;
   };
   // rows that alternate are no reason for narrow intervals: 0 at least
-  double low = 0, high = kMostCorrelated;
+  double low = 0, high = kMaxCorrelated;
   for (int i = 0; i < kHalvings && excess(0) < 0; ++i) {
     const double middle = (low + high) / 2;
     (excess(middle) < 0 ? low : high) = middle;

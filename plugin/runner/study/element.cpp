@@ -25,12 +25,15 @@ using Json = nlohmann::ordered_json;
 
 // ---- input ----------------------------------------------------------------------------------------------------------
 
-/// Short keys of reference files and the names they stand for.
-constexpr std::array<std::pair<const char*, const char*>, 18> kShortKeys{{
-    {"X0", "original"},
-    {"x", "material"},
+/// Short keys of reference files, older keys, and the names they stand for.
+constexpr std::array<std::pair<const char*, const char*>, 21> kShortKeys{{
+    {"X0", "initial"},
+    {"original", "initial"},
+    {"x", "plasticRest"},
+    {"material", "plasticRest"},
     {"y", "rest"},
-    {"xh", "world"},
+    {"xh", "current"},
+    {"world", "current"},
     {"Pi", "rotationMap"},
     {"tau", "yieldStress"},
     {"tauR", "rotationYield"},
@@ -182,12 +185,12 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
 Element read_element(const Json& given) {
   if (!given.is_object()) throw InputError("the input must be one JSON object");
   const Json json = with_present_names(given);
-  if (!json.contains("original")) throw InputError("\"original\" (or X0) is missing: eight corners");
+  if (!json.contains("initial")) throw InputError("\"initial\" (or X0) is missing: eight corners");
 
   Element element;
   element.names_modes = given.contains("X0");
   if (element.names_modes) element.settings = published_element();  // of which reference files are
-  static const std::set<std::string> known{"original",    "material",    "rest",          "world",
+  static const std::set<std::string> known{"initial",     "plasticRest", "rest",          "current",
                                            "rotationMap", "yieldStress", "rotationYield", "parameters"};
   if (!element.names_modes)
     for (const auto& [key, value] : json.items())
@@ -204,10 +207,11 @@ Element read_element(const Json& given) {
   validate({element.constants}, Names::kScenes);
   validate(element.settings, Names::kScenes);
   HexahedronState& state = element.state;
-  state = initial_hexahedron(points("original", json["original"]), element.constants);
-  state.material = optional_points("material", state.original);
-  state.world = optional_points("world", state.material);
-  state.history.rest_shape = optional_points("rest", state.material.rowwise() - state.material.colwise().mean());
+  state = initial_hexahedron(points("initial", json["initial"]), element.constants);
+  state.plastic_rest = optional_points("plasticRest", state.initial);
+  state.current = optional_points("current", state.plastic_rest);
+  state.history.rest_shape =
+      optional_points("rest", state.plastic_rest.rowwise() - state.plastic_rest.colwise().mean());
   if (json.contains("rotationMap")) state.history.rotation_map = rotation_maps(json["rotationMap"]);
   if (json.contains("yieldStress")) state.history.yield_stress = corner_values("yieldStress", json["yieldStress"]);
   if (json.contains("rotationYield"))
@@ -280,8 +284,8 @@ Json step_block(const Element& element, RotationPlasticity mode) {
           {"tau_new", to_json(found.history.yield_stress)},
           {"tauR_new", to_json(found.history.rotation_yield)},
           {"Pi_new", to_json(found.history.rotation_map)},
-          {"x_new", to_json(found.material)},
-          {"volume_x_new", found.material_volume}};
+          {"x_new", to_json(found.plastic_rest)},
+          {"volume_x_new", found.plastic_volume}};
 }
 
 Json all_blocks(const Element& element) {
@@ -334,7 +338,7 @@ void write_path(const Element& element, const std::vector<PathPoint>& path, std:
   out << "time,F11,F22,F33,P11,P12,P13,P21,P22,P23,P31,P32,P33,stress_norm,plastic_strain,yield_stress,volume_ratio,"
          "energy,dissipated_energy\n";
   follow_path(
-      element.state.original, element.constants, element.settings, element.dt, path,
+      element.state.initial, element.constants, element.settings, element.dt, path,
       [&](const PathResponse& at) {
         out << fmt::format("{},{},{},{}", at.time, at.F(0, 0), at.F(1, 1), at.F(2, 2));
         for (int i = 0; i < 3; ++i)

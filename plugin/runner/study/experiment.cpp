@@ -151,8 +151,8 @@ std::vector<double> moments_of(const TargetCurve& target, const std::vector<doub
     for (std::size_t step = static_cast<std::size_t>(from); !found && step + 1 < pulls.size(); ++step) {
       const double begin = pulls[step], end = pulls[step + 1];
       if (force < std::min(begin, end) - slack || force > std::max(begin, end) + slack) continue;
-      const double share = std::abs(end - begin) > slack ? std::clamp((force - begin) / (end - begin), 0.0, 1.0) : 0;
-      const double at = static_cast<double>(step) + share;
+      const double fraction = std::abs(end - begin) > slack ? std::clamp((force - begin) / (end - begin), 0.0, 1.0) : 0;
+      const double at = static_cast<double>(step) + fraction;
       if (at >= from - kSameMoment)
         found = std::max(at, from);
       else if (std::abs(end - begin) <= slack)
@@ -211,8 +211,8 @@ std::vector<std::vector<double>> Experiment::run(const std::vector<std::string>&
       values_before = std::exchange(values, reader.read(target_.columns));
       continue;
     }
-    const double share = now > before ? std::clamp((moments_[row] - before) / (now - before), 0.0, 1.0) : 1;
-    for (std::size_t c = 0; c < num_columns; ++c) found[c].push_back(std::lerp(values_before[c], values[c], share));
+    const double fraction = now > before ? std::clamp((moments_[row] - before) / (now - before), 0.0, 1.0) : 1;
+    for (std::size_t c = 0; c < num_columns; ++c) found[c].push_back(std::lerp(values_before[c], values[c], fraction));
     ++row;
   }
   return found;

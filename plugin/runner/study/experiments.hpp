@@ -29,7 +29,7 @@ class Experiments {
   /// What runs with these assignments give, of one experiment after the other. Throws as Experiment::run does.
   std::vector<double> run(const std::vector<std::string>& assignments) const;
 
-  /// Differences of such values from the curves, each column's as a share of its largest value.
+  /// Differences of such values from the curves, each column's as a fraction of its largest value.
   std::vector<double> residuals(const std::vector<double>& values) const;
 
   std::span<const Experiment> all() const { return all_; }

@@ -15,7 +15,7 @@ namespace hexaplast::runner {
 namespace {
 
 constexpr std::string_view kForm = "must be PATH.attribute=a:b:n, PATH.attribute=a:b:n:log or PATH.attribute=v1,v2,...";
-constexpr int kMostValues = 10'000;
+constexpr int kMaxValues = 10'000;
 
 [[noreturn]] void refuse(std::string_view whole, const std::string& what) {
   throw UsageError(fmt::format("--vary {}: {}", whole, what));
@@ -32,11 +32,11 @@ std::optional<double> number(std::string_view text) {
 
 int count(std::string_view text, std::string_view whole) {
   static constexpr attributes::Attribute kCount{
-      .name = "n", .type = attributes::Type::kInteger, .range = {.min = 2, .max = kMostValues}};
+      .name = "n", .type = attributes::Type::kInteger, .range = {.min = 2, .max = kMaxValues}};
   try {
     return static_cast<int>(std::get<std::int64_t>(scene::read_value(kCount, text)));
   } catch (const InputError&) {
-    refuse(whole, fmt::format("'{}' values: must be a whole number from 2 to {}", text, kMostValues));
+    refuse(whole, fmt::format("'{}' values: must be a whole number from 2 to {}", text, kMaxValues));
   }
 }
 

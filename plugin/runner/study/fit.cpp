@@ -31,8 +31,8 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr int kMostWeightings = 3;          // searches with weights from the noise of the one before
-constexpr double kLeastNoise = 1e-3;        // of the noisiest column: one that has less weighs no more
+constexpr int kMaxWeightings = 3;           // searches with weights from the noise of the one before
+constexpr double kMinNoise = 1e-3;          // of the noisiest column: one that has less weighs no more
 constexpr double kSameNoise = 1.3;          // factor between columns up to which weights change nothing worthwhile
 constexpr double kNoNoiseToWeighBy = 1e-6;  // of the largest value
 
@@ -117,10 +117,10 @@ std::vector<double> weighted(std::vector<double> residuals, const std::vector<Co
 
 /// The inverse of deviations, as far as they are worth telling apart.
 Weights inverse(const std::vector<double>& deviations) {
-  const double most = std::ranges::max(deviations);
+  const double max = std::ranges::max(deviations);
   Weights weights;
   for (const double deviation : deviations)
-    weights.push_back(most > kNoNoiseToWeighBy ? most / std::max(deviation, kLeastNoise * most) : 1);
+    weights.push_back(max > kNoNoiseToWeighBy ? max / std::max(deviation, kMinNoise * max) : 1);
   return weights;
 }
 
@@ -173,7 +173,7 @@ class FitSearch {
     const QuietRuns quiet;
     result.calibration = find_best(start, true, options_.evaluations);
     Eigen::MatrixXd slopes = find_slopes(result.calibration);
-    for (int round = 0; round < kMostWeightings && weights_.size() > 1; ++round) {
+    for (int round = 0; round < kMaxWeightings && weights_.size() > 1; ++round) {
       const Confidence confidence = confidence_in(result.calibration, slopes);
       const int left = options_.evaluations - result.calibration.num_evaluations;
       const std::optional<Weights> weights =
@@ -201,9 +201,9 @@ class FitSearch {
     };
   }
 
-  Calibration find_best(const Point& start, bool looks_around, int most_evaluations) {
+  Calibration find_best(const Point& start, bool looks_around, int max_evaluations) {
     const int before = num_evaluations_;
-    return calibrate(residuals(), start, {.most_evaluations = most_evaluations, .looks_around = looks_around},
+    return calibrate(residuals(), start, {.max_evaluations = max_evaluations, .looks_around = looks_around},
                      [&](int done, double rms) {
                        num_evaluations_ = before + done;
                        progress_.show(num_evaluations_, fmt::format("residual {:.4f} %", 100 * rms));

@@ -22,16 +22,16 @@ constexpr double kAtTheLimit = 1e-3;  // of the way between the limits
 /// How the values of a direction change together, for the one that changes most by a tenth of its way.
 std::string combination(const std::vector<Found>& found, const std::vector<double>& step) {
   constexpr double kShown = 0.1;  // of the way; and of the largest step, below which one takes no part
-  double most = 0;
-  for (const double part : step) most = std::abs(part) > std::abs(most) ? part : most;
+  double max = 0;
+  for (const double part : step) max = std::abs(part) > std::abs(max) ? part : max;
   std::vector<std::string> words;
   for (std::size_t p = 0; p < step.size(); ++p) {
-    if (std::abs(step[p]) < kShown * std::abs(most)) continue;
+    if (std::abs(step[p]) < kShown * std::abs(max)) continue;
     const FreeAttribute& free = found[p].free;
-    const double share = kShown * step[p] / most;
+    const double fraction = kShown * step[p] / max;
     words.push_back(free.is_logarithmic
-                        ? fmt::format("{} times {:.3g}", free.name, std::pow(free.max / free.min, share))
-                        : fmt::format("{} {:+.3g}{}{}", free.name, share * (free.max - free.min),
+                        ? fmt::format("{} times {:.3g}", free.name, std::pow(free.max / free.min, fraction))
+                        : fmt::format("{} {:+.3g}{}{}", free.name, fraction * (free.max - free.min),
                                       free.unit.empty() ? "" : " ", free.unit));
   }
   return fmt::format("{}", fmt::join(words, " together with "));
@@ -57,13 +57,13 @@ std::string interval_text(const Found& found) {
 
 }  // namespace
 
-bool is_limit(double share) { return share < kAtTheLimit || share > 1 - kAtTheLimit; }
+bool is_limit(double fraction) { return fraction < kAtTheLimit || fraction > 1 - kAtTheLimit; }
 
 bool Found::is_at_limit() const { return is_limit(free.fraction(value)); }
 bool Found::has_interval() const { return std::isfinite(half_width) && !is_at_limit(); }
 double Found::moved(double distance) const { return free.value(std::clamp(free.fraction(value) + distance, 0.0, 1.0)); }
 
-std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int most_evaluations) {
+std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int max_evaluations) {
   std::vector<std::string> warnings;
   const auto add = [&](std::string text) { warnings.push_back(std::move(text)); };
   for (const Found& found : result.found) {
@@ -103,7 +103,7 @@ std::vector<std::string> warnings_of(const FitResult& result, const Experiments&
                       columns[c].name, noise.correlation));
   if (!result.calibration.is_converged)
     add(fmt::format("stopped after {} evaluations before it had settled; --evaluations allows more, now {}",
-                    result.calibration.num_evaluations, most_evaluations));
+                    result.calibration.num_evaluations, max_evaluations));
   if (result.calibration.num_failed > 0)
     add(fmt::format("{} of {} evaluations failed: the limits hold values with which the scene does not run",
                     result.calibration.num_failed, result.calibration.num_evaluations));
@@ -220,9 +220,8 @@ void draw(output::WholeFile& file, const FitResult& result, const Experiments& e
                           .curves = {curve("before", "#a5adb8", part(result.start), false),
                                      curve("target", colours.first, column.values, true),
                                      curve("fitted", colours.second, part(result.fitted), false)}};
-    output::Panel panel{.least_span = 1e-9,
-                        .across = {.label = is_over_time ? "time [s]" : "force [N]"},
-                        .series = {std::move(series)}};
+    output::Panel panel{
+        .min_span = 1e-9, .across = {.label = is_over_time ? "time [s]" : "force [N]"}, .series = {std::move(series)}};
     grids.push_back({experiments.all().size() == 1
                          ? column.label
                          : fmt::format("{}, {}", column.label, compared.curve->file.stem().string()),

@@ -17,13 +17,13 @@ namespace hexaplast::runner {
 struct Found {
   FreeAttribute free;
   double value = 0;
-  Uncertainty uncertainty = {};  ///< by the slopes of the curve, in shares of the way between the limits
+  Uncertainty uncertainty = {};  ///< by the slopes of the curve, in fractions of the way between the limits
   double half_width = 0;         ///< of the 95 % interval, in the same; infinite: none
 
   bool is_at_limit() const;
   bool has_interval() const;  ///< of 95 %
 
-  /// The value at a distance, in shares of the way between the limits, not beyond them.
+  /// The value at a distance, in fractions of the way between the limits, not beyond them.
   double moved(double distance) const;
 };
 
@@ -35,18 +35,18 @@ struct FitResult {
   std::vector<double> start;     ///< values of the curves, column after column, at the first values
   std::vector<double> fitted;    ///< at the best ones
   std::vector<double> rms = {};  ///< of the differences that remain, per column, in its unit
-  double relative_rms = 0;       ///< of all, as shares of the largest value of each column
+  double relative_rms = 0;       ///< of all, as fractions of the largest value of each column
 };
 
-/// By how much the residuals change, as a share of the largest value, for a value to be told from another.
+/// By how much the residuals change, as a fraction of the largest value, for a value to be told from another.
 constexpr double kCloseness = 0.01;
 /// Of the way between the limits: a value that may move so far is not determined.
 constexpr double kHardlyKnown = 0.5;
 
-/// Whether a share of the way between the limits counts as one of them.
-bool is_limit(double share);
+/// Whether a fraction of the way between the limits counts as one of them.
+bool is_limit(double fraction);
 
-std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int most_evaluations);
+std::vector<std::string> warnings_of(const FitResult& result, const Experiments& experiments, int max_evaluations);
 
 void print(const FitResult& result, const Experiments& experiments);
 

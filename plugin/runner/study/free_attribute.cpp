@@ -25,8 +25,8 @@ std::optional<double> one_number(const scene::Value& value) {
 
 }  // namespace
 
-double FreeAttribute::value(double share) const {
-  return is_logarithmic ? min * std::pow(max / min, share) : min + (max - min) * share;
+double FreeAttribute::value(double fraction) const {
+  return is_logarithmic ? min * std::pow(max / min, fraction) : min + (max - min) * fraction;
 }
 
 double FreeAttribute::fraction(double value) const {

@@ -9,8 +9,8 @@
 
 namespace hexaplast::runner {
 
-/// A number of a scene that a fit is free to choose within limits. Its share of the way between them is in [0, 1]: of
-/// the difference or, on a logarithmic scale, of the factor.
+/// A number of a scene that a fit is free to choose within limits. Its fraction of the way between them is in [0, 1]:
+/// of the difference or, on a logarithmic scale, of the factor.
 struct FreeAttribute {
   std::string name;  ///< PATH.attribute
   double min = 0, max = 1;
@@ -18,7 +18,7 @@ struct FreeAttribute {
   std::string unit = {};
   std::optional<double> given = {};  ///< the scene's own value, where it lies within the limits
 
-  double value(double share) const;
+  double value(double fraction) const;
   double fraction(double value) const;
   double start() const { return given ? fraction(*given) : 0.5; }
 };

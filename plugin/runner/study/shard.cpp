@@ -11,7 +11,7 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr int kMostShards = 100'000;
+constexpr int kMaxShards = 100'000;
 
 }  // namespace
 
@@ -32,8 +32,8 @@ Shard parse_shard(std::string_view text) {
     const auto [stop, no_count] = std::from_chars(slash + 1, end, shard.count);
     is_well = no_count == std::errc() && stop == end;
   }
-  if (!is_well || shard.count < 1 || shard.count > kMostShards || shard.index < 1 || shard.index > shard.count)
-    throw UsageError(fmt::format("--shard {}: must be i/n with i from 1 to n, and n at most {}", text, kMostShards));
+  if (!is_well || shard.count < 1 || shard.count > kMaxShards || shard.index < 1 || shard.index > shard.count)
+    throw UsageError(fmt::format("--shard {}: must be i/n with i from 1 to n, and n at most {}", text, kMaxShards));
   return shard;
 }
 

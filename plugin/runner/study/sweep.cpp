@@ -53,7 +53,7 @@ std::vector<Factor> read_factors(const std::vector<std::string>& texts) {
       if (other.attribute == factor.attribute)
         throw UsageError(fmt::format("--vary {}: this attribute is varied already", text));
     num_runs *= factor.values.size();
-    if (num_runs > kMostRuns) throw UsageError(fmt::format("more than {} runs", kMostRuns));
+    if (num_runs > kMaxRuns) throw UsageError(fmt::format("more than {} runs", kMaxRuns));
     factors.push_back(std::move(factor));
   }
   return factors;
@@ -157,7 +157,7 @@ class Runs {
       : options_(options),
         place_(place),
         table_(table),
-        most_(static_cast<std::size_t>(options.jobs)),
+        max_(static_cast<std::size_t>(options.jobs)),
         is_terminal_(isatty(STDERR_FILENO) != 0),
         progress_(table.num_own(), true) {}
 
@@ -169,7 +169,7 @@ class Runs {
     };
     for (skip_finished(); requested_signal() == 0 && (next < table_.num_runs() || !under_way_.empty());
          skip_finished()) {
-      while (under_way_.size() < most_ && next < table_.num_runs()) {
+      while (under_way_.size() < max_ && next < table_.num_runs()) {
         output::make_directory(place_.files(next));
         under_way_.push_back({next, Process(arguments_of(options_, table_, next, place_), place_.messages(next))});
         ++next;
@@ -255,7 +255,7 @@ class Runs {
   const SweepOptions& options_;
   const SweepDirectory& place_;
   SweepTable& table_;
-  std::size_t most_;
+  std::size_t max_;
   bool is_terminal_;
   Progress progress_;
   std::list<Run> under_way_;

@@ -115,7 +115,7 @@ std::vector<Factor> factors_of(const Json& plan) {
     factors.push_back(factor_of(vary.at("attribute"), vary.at("values").get<std::vector<std::string>>(),
                                 vary.value("logarithmic", false), vary.at("attribute").get<std::string>()));
     num_runs *= factors.back().values.size();
-    if (num_runs == 0 || num_runs > kMostRuns) throw UsageError("no number of runs that a sweep has");
+    if (num_runs == 0 || num_runs > kMaxRuns) throw UsageError("no number of runs that a sweep has");
   }
   if (factors.empty()) throw UsageError("nothing is varied");
   return factors;

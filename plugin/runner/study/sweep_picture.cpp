@@ -13,12 +13,12 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr long kMostPanels = 64;   // of a quantity: more are too small to be told apart
+constexpr long kMaxPanels = 64;    // of a quantity: more are too small to be told apart
 constexpr double kNoTwist = 0.05;  // [deg] a bar that is pulled turns by less
 
 /// Two results with a common unit.
 struct Shown {
-  std::string_view quantity, plastic, world;
+  std::string_view quantity, plastic, current;
   double scale;
 };
 constexpr Shown kElongation = {"elongation [%]", "plastic_elongation", "world_elongation", 100};
@@ -61,7 +61,7 @@ output::PanelGrid grid_of(const Shown& shown, const SweepTable& table, const std
     for (const std::size_t value : order)
       series.x.push_back(has_numbers ? along.numbers[value] : static_cast<double>(value));
     for (const auto& [name, colour, result] :
-         {std::tuple{"world", colours.first, shown.world}, {"plastic", colours.second, shown.plastic}}) {
+         {std::tuple{"current", colours.first, shown.current}, {"plastic", colours.second, shown.plastic}}) {
       output::Curve curve{.name = name, .colour = std::string(colour), .has_line = has_numbers, .has_dots = true};
       for (const std::size_t value : order) {
         choice[0] = value;
@@ -78,7 +78,7 @@ output::PanelGrid grid_of(const Shown& shown, const SweepTable& table, const std
 bool twists(const SweepTable& table) {
   for (long run = 0; run < table.num_runs(); ++run)
     if (const std::optional<SweepRow>& row = table.row(run))
-      for (const std::string_view result : {kTwist.plastic, kTwist.world})
+      for (const std::string_view result : {kTwist.plastic, kTwist.current})
         if (std::abs(row->number(result)) > kNoTwist) return true;
   return false;
 }
@@ -88,9 +88,9 @@ bool twists(const SweepTable& table) {
 std::vector<std::string> draw_sweep(const std::filesystem::path& file, const std::string& title,
                                     const SweepTable& table, std::span<const std::string> labels) {
   const long num_panels = table.num_runs() / static_cast<long>(table.factors().front().values.size());
-  if (num_panels > kMostPanels)
+  if (num_panels > kMaxPanels)
     return {
-        fmt::format("no picture: it would have {} plots of a quantity, at most {} are drawn", num_panels, kMostPanels)};
+        fmt::format("no picture: it would have {} plots of a quantity, at most {} are drawn", num_panels, kMaxPanels)};
   std::vector<output::PanelGrid> grids = {grid_of(kElongation, table, labels.front())};
   if (twists(table)) grids.push_back(grid_of(kTwist, table, labels.front()));
   output::write_panel_grids(file, title, grids);

@@ -24,7 +24,7 @@ inline constexpr std::array<std::string_view, 11> kResults = {"plastic_elongatio
                                                               "dissipated_energy",  "removed",
                                                               "state_hash"};
 
-inline constexpr std::size_t kMostRuns = 100'000;  ///< of a sweep
+inline constexpr std::size_t kMaxRuns = 100'000;  ///< of a sweep
 
 /// How a run of a sweep ended.
 struct SweepRow {

@@ -24,7 +24,7 @@ constexpr std::array<QuantityEntry, 5> kQuantities{{
 }};
 constexpr std::string_view kProbe = "probe_";  // what history.csv puts before the name of a probe
 constexpr std::string_view kWorld = "world_";  // what history.csv calls the first two
-constexpr std::size_t kLeastRows = 2;
+constexpr std::size_t kMinRows = 2;
 
 /// A column without values. What is none of the quantities is a probe, called so with or without kProbe.
 TargetCurve::Column column_named(std::string_view column) {
@@ -151,7 +151,7 @@ TargetCurve read_target(const std::filesystem::path& file, const std::vector<std
     for (std::size_t c = 0; c < compared.size(); ++c)
       target.columns[c].values.push_back(number_of((*fields)[compared[c]], lines, names[compared[c]]));
   }
-  if (target.num_rows() < kLeastRows) lines.refuse(0, fmt::format("at least {} rows are needed", kLeastRows));
+  if (target.num_rows() < kMinRows) lines.refuse(0, fmt::format("at least {} rows are needed", kMinRows));
   for (const TargetCurve::Column& column : target.columns)
     if (std::ranges::all_of(column.values, [](double value) { return value == 0; }))
       lines.refuse(0, fmt::format("{} is zero in every row: nothing to fit to", column.name));

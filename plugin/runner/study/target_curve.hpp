@@ -15,7 +15,7 @@ enum class Quantity { kElongation, kPlasticElongation, kTwist, kPlasticTwist, kF
 struct QuantityEntry {
   Quantity quantity;
   std::string_view column;  ///< of the file
-  std::string_view unit;    ///< empty: a share
+  std::string_view unit;    ///< empty: a fraction
   std::string_view label;   ///< in pictures
   double shown_scale;       ///< from the column's unit to the label's
 };

@@ -28,8 +28,8 @@
 namespace hexaplast::runner {
 namespace {
 
-constexpr std::int64_t kNone = -1;         // in place of the number of values: there is no answer
-constexpr std::int64_t kMost = 1LL << 32;  // values; more than any curve has
+constexpr std::int64_t kNone = -1;        // in place of the number of values: there is no answer
+constexpr std::int64_t kMax = 1LL << 32;  // values; more than any curve has
 
 /// False where the other side is gone.
 bool write_all(int to, const void* data, std::size_t size) {
@@ -64,7 +64,7 @@ bool write_values(int to, const std::optional<std::vector<double>>& values) {
 bool read_values(int from, std::optional<std::vector<double>>& values) {
   std::int64_t count = 0;
   values.reset();
-  if (!read_all(from, &count, sizeof count) || count > kMost) return false;
+  if (!read_all(from, &count, sizeof count) || count > kMax) return false;
   if (count < 0) return true;
   values.emplace(static_cast<std::size_t>(count));
   return read_all(from, values->data(), values->size() * sizeof(double));

@@ -45,11 +45,11 @@ protected:
         for (int n = 0; n < 8; ++n) f[n][0] = (n % 2 ? -1 : 1) * kYoung * (ratio - 1) / 4;
         return f;
     }
-    /// Small changes of position, times the stiffness, against an error of `share` of that.
-    void allow(double share)
+    /// Small changes of position, times the stiffness, against an error of `fraction` of that.
+    void allow(double fraction)
     {
         errorMax = 1e4;
-        deltaRange = {1, errorMax / (kYoung * share)};
+        deltaRange = {1, errorMax / (kYoung * fraction)};
     }
 
     const VecDeriv still = VecDeriv(8);

@@ -15,7 +15,7 @@ constexpr attributes::Description kFinalStateExporter{
     .class_name = "FinalStateExporter",
     .category = "Exporter",
     .help =
-        "Writes positions, velocities, material positions and the plastic state after a step in full precision, as "
+        "Writes positions, velocities, plastic rest positions and the plastic state after a step in full precision, as "
         "hexaplast run --final does. Stands behind the force field in its node.",
     .templates = ""};
 

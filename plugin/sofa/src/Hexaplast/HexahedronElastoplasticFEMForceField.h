@@ -28,7 +28,7 @@ public:
     Data<VecReal> d_youngModulus;      ///< [Pa] one, or one per hexahedron
     Data<VecReal> d_poissonRatio;      ///< one, or one per hexahedron
     DataWord d_law;                    ///< how stress follows from stretch
-    Data<SReal> d_mooneyShare;         ///< of the second constant of mooneyRivlin
+    Data<SReal> d_mooneyFraction;      ///< of the second constant of mooneyRivlin
     Data<VecReal> d_yieldStress;       ///< [Pa] one, or one per hexahedron; it never yields where not set
     DataWord d_yieldNorm;              ///< norm of the stress that is compared with yieldStress
     Data<SReal> d_plasticFlowRate;     ///< [1/s] of stretch in excess of yield
@@ -38,13 +38,13 @@ public:
     DataWord d_rotationFrame;          ///< what rotations are measured against
     Data<SReal> d_hardening;           ///< growth of the yield limits with the flow
     Data<SReal> d_volumeRestitution;   ///< [1/s] at which volume is restored
-    Data<SReal> d_inversionThreshold;  ///< share of its volume below which a hexahedron does not flow
+    Data<SReal> d_inversionThreshold;  ///< fraction of its volume below which a hexahedron does not flow
     Data<SReal> d_fractureStress;      ///< [Pa] it does not tear by stress where not set
     Data<SReal> d_fractureStretch;     ///< it does not tear by stretch where not set
     DataWord d_bending;                ///< strain of the samples
-    Data<SReal> d_blendShare;          ///< of the corner in samples of blended
+    Data<SReal> d_blendWeight;         ///< of the corner in samples of blended
     DataWord d_volumetric;             ///< what resists a change of volume
-    DataWord d_recovery;               ///< what leads folded hexahedra back
+    DataWord d_recovery;               ///< what unfolds folded hexahedra
     Data<SReal> d_recoveryStrength;    ///< of its springs
     Data<SReal> d_recoveryFrom;        ///< volume ratio at a corner where they begin
     Data<SReal> d_recoveryFull;        ///< and where they have their full strength
@@ -116,7 +116,7 @@ private:
 
     std::optional<parts::HexahedralBody> m_body;
     int m_timesMade = 0;
-    std::vector<double> m_fill;   // share of each hexahedron of a sparse grid that is full
+    std::vector<double> m_fill;   // fraction of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
     bool m_topologyIsLost = false;
     bool m_regionsAreReady = false;  // they may stand behind the body, and what they follow too

@@ -42,7 +42,7 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
       d_youngModulus(fromRow(d_youngModulus, "youngModulus")),
       d_poissonRatio(fromRow(d_poissonRatio, "poissonRatio")),
       d_law(fromRow(d_law, "law")),
-      d_mooneyShare(fromRow(d_mooneyShare, "mooneyShare")),
+      d_mooneyFraction(fromRow(d_mooneyFraction, "mooneyFraction")),
       d_yieldStress(fromRow(d_yieldStress, "yieldStress")),
       d_yieldNorm(fromRow(d_yieldNorm, "yieldNorm")),
       d_plasticFlowRate(fromRow(d_plasticFlowRate, "plasticFlowRate")),
@@ -56,7 +56,7 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
       d_fractureStress(fromRow(d_fractureStress, "fractureStress")),
       d_fractureStretch(fromRow(d_fractureStretch, "fractureStretch")),
       d_bending(fromRow(d_bending, "bending")),
-      d_blendShare(fromRow(d_blendShare, "blendShare")),
+      d_blendWeight(fromRow(d_blendWeight, "blendWeight")),
       d_volumetric(fromRow(d_volumetric, "volumetric")),
       d_recovery(fromRow(d_recovery, "recovery")),
       d_recoveryStrength(fromRow(d_recoveryStrength, "recoveryStrength")),
@@ -79,6 +79,8 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
       l_topology(this->initLink("topology", "The hexahedra; the topology of the node where it is not given."))
 {
     this->addAlias(&d_bending, "gradient");  // the older names
+    this->addAlias(&d_blendWeight, "blendShare");
+    this->addAlias(&d_mooneyFraction, "mooneyShare");
     this->addAlias(&d_plasticRestPositions, "materialPositions");
     this->addAlias(&d_drawPlasticRestShape, "drawMaterialShape");
     m_outputs.addOutput(&d_plasticStrain);
@@ -343,9 +345,9 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::draw(const sofa::core::vi
     const auto x = view(this->mstate->readPositions().ref());
     const std::span<const unsigned char> alive = body.alive();
     const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
-    const double most = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
+    const double max = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
     static sofa::helper::ColorMap colours(256, "Blue to Red");
-    const auto colour = colours.getEvaluator(0.0, std::max(most, 1e-6));
+    const auto colour = colours.getEvaluator(0.0, std::max(max, 1e-6));
     const auto faces = body.mesh().boundary_faces(alive);
     std::vector<sofa::type::Vec3> corners;
     std::vector<sofa::type::RGBAColor> shades;

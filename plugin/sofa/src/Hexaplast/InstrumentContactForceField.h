@@ -27,22 +27,22 @@ public:
     Data<sofa::type::Vec3> d_size;     ///< [m] edges of the box
     Data<VecVec3> d_surfacePositions;  ///< [m] of surface
     Data<MeshTopology::SeqTriangles> d_surfaceTriangles;
-    Data<VecVec3> d_skinPositions;                     ///< [m] of the embedded surface that is touched
-    Data<MeshTopology::SeqTriangles> d_skinTriangles;  ///< the faces of the hexahedra are touched, where not set
-    Data<VecReal> d_keyTimes;                          ///< [s] of the path
-    Data<VecVec3> d_positions;                         ///< [m] at each key time
-    Data<VecReal> d_orientations;                      ///< quaternions x y z w at each key time
-    Data<SReal> d_contactStiffness;                    ///< [Pa/m] from the body, where not set
-    Data<SReal> d_tangentialStiffness;                 ///< [Pa/m] contactStiffness, where not set
-    Data<SReal> d_friction;                            ///< coefficient
-    Data<SReal> d_contactDistance;                     ///< [m] from the shape
-    Data<SReal> d_damping;                             ///< [Pa s/m]
-    Data<int> d_maxSubdivision;                        ///< parts of the edge of a face, at most
-    Data<bool> d_active;                               ///< otherwise it passes through the body
+    Data<VecVec3> d_embeddedPositions;                     ///< [m] of the embedded surface that is touched
+    Data<MeshTopology::SeqTriangles> d_embeddedTriangles;  ///< the faces of the hexahedra are touched, where not set
+    Data<VecReal> d_keyTimes;                              ///< [s] of the path
+    Data<VecVec3> d_positions;                             ///< [m] at each key time
+    Data<VecReal> d_orientations;                          ///< quaternions x y z w at each key time
+    Data<SReal> d_contactStiffness;                        ///< [Pa/m] from the body, where not set
+    Data<SReal> d_tangentialStiffness;                     ///< [Pa/m] contactStiffness, where not set
+    Data<SReal> d_friction;                                ///< coefficient
+    Data<SReal> d_contactDistance;                         ///< [m] from the shape
+    Data<SReal> d_damping;                                 ///< [Pa s/m]
+    Data<int> d_maxSubdivision;                            ///< parts of the edge of a face, at most
+    Data<bool> d_active;                                   ///< otherwise it passes through the body
     sofa::core::objectmodel::SingleLink<InstrumentContactForceField, sofa::core::behavior::BaseMechanicalState,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_rigid;                      ///< frames, one of which leads it in place of the path
+        l_rigid;                      ///< frames, one of which prescribes its motion in place of the path
     Data<int> d_rigidIndex;           ///< which of them
     Data<sofa::type::Vec3> d_force;   ///< output [N]: of the body on the instrument
     Data<sofa::type::Vec3> d_torque;  ///< output [N m]: about the origin of its frame
@@ -60,9 +60,9 @@ public:
 
     bool hasPart() const override { return m_instrument.has_value(); }
     bool isInMatrix() const override { return !m_instrument->contact().terms().empty(); }
-    bool isOneSided() const override { return !m_isSettled && isInMatrix(); }
+    bool isOneSided() const override { return !m_isAccepted && isInMatrix(); }
     bool release(ConstPoints x, ConstPoints v) override { return m_instrument->contact().release(x, v); }
-    void settle() override { m_isSettled = true; }
+    void acceptStep() override { m_isAccepted = true; }
 
     const parts::Instrument* instrument() const { return hasPart() ? &*m_instrument : nullptr; }
 
@@ -88,8 +88,9 @@ private:
 
     parts::InstrumentOptions options() const;
     void checkRigid() const;
-    Pose poseAfter(SReal duration) const;  ///< of the frame that leads, if it keeps its velocity so long
-    Pose pose() const;                     ///< of the present time
+    Pose poseAfter(
+        SReal duration) const;  ///< of the frame that prescribes the motion, if it keeps its velocity so long
+    Pose pose() const;          ///< of the present time
     void drawShape(sofa::helper::visual::DrawTool& tool) const;
     void showOutputs();
 
@@ -97,8 +98,8 @@ private:
     BodyField* m_bodyField = nullptr;  // whose body it touches
     int m_bodyMade = 0;                // which of the bodies that this field has made
     SReal m_ownRayleighStiffness = 0;  // that takes back the integrator's
-    bool m_isSettled = true;           // nothing pulls at the end of the present step
-    bool m_isWarned = false;           // of a linear solver that does not settle it
+    bool m_isAccepted = true;          // nothing pulls at the end of the present step
+    bool m_isWarned = false;           // of a linear solver that does not accept its steps
 };
 
 #if !defined(HEXAPLAST_INSTRUMENTCONTACTFORCEFIELD_CPP)

@@ -27,8 +27,8 @@ InstrumentContactForceField<TDataTypes>::InstrumentContactForceField()
       d_size(from_table(*this, d_size, row(kContact, "size"), "Instrument")),
       d_surfacePositions(from_table(*this, d_surfacePositions, row(kContact, "surfacePositions"), "Instrument")),
       d_surfaceTriangles(from_table(*this, d_surfaceTriangles, row(kContact, "surfaceTriangles"), "Instrument")),
-      d_skinPositions(from_table(*this, d_skinPositions, row(kContact, "skinPositions"), "Contact")),
-      d_skinTriangles(from_table(*this, d_skinTriangles, row(kContact, "skinTriangles"), "Contact")),
+      d_embeddedPositions(from_table(*this, d_embeddedPositions, row(kContact, "embeddedPositions"), "Contact")),
+      d_embeddedTriangles(from_table(*this, d_embeddedTriangles, row(kContact, "embeddedTriangles"), "Contact")),
       d_keyTimes(from_table(*this, d_keyTimes, row(kContact, "keyTimes"), "Path")),
       d_positions(from_table(*this, d_positions, row(kContact, "positions"), "Path")),
       d_orientations(from_table(*this, d_orientations, row(kContact, "orientations"), "Path")),
@@ -52,6 +52,8 @@ InstrumentContactForceField<TDataTypes>::InstrumentContactForceField()
                                       "Length of a force that is drawn [m/N]. 0: the greatest one has a tenth of the "
                                       "size of the body."))
 {
+    this->addAlias(&d_embeddedPositions, "skinPositions");  // the older names
+    this->addAlias(&d_embeddedTriangles, "skinTriangles");
 }
 
 // Bodies and integrators may stand behind it: it is made when all of them have had their init.
@@ -146,9 +148,9 @@ parts::InstrumentOptions InstrumentContactForceField<TDataTypes>::options() cons
                                      .length = if_set(d_length),
                                      .surface_positions = view(d_surfacePositions.getValue()),
                                      .surface_triangles = triangles(d_surfaceTriangles.getValue()),
-                                     .skin_positions = view(d_skinPositions.getValue()),
-                                     .skin_triangles = triangles(d_skinTriangles.getValue()),
-                                     .is_led = l_rigid.get() != nullptr,
+                                     .embedded_positions = view(d_embeddedPositions.getValue()),
+                                     .embedded_triangles = triangles(d_embeddedTriangles.getValue()),
+                                     .is_prescribed = l_rigid.get() != nullptr,
                                      .key_times = reals(d_keyTimes.getValue()),
                                      .positions = view(d_positions.getValue()),
                                      .orientations = reals(d_orientations.getValue()),
@@ -167,7 +169,7 @@ template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::resetPart()
 {
     m_instrument->reset();
-    m_isSettled = true;
+    m_isAccepted = true;
     showOutputs();
 }
 
@@ -182,7 +184,7 @@ void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
         m_instrument->begin_step(time, dt, ofIntegrator, x, v);
     m_ownRayleighStiffness = m_instrument->rayleigh_stiffness();
     this->rayleighStiffness.setValue(m_ownRayleighStiffness);
-    m_isSettled = false;
+    m_isAccepted = false;
 }
 
 template <class TDataTypes>

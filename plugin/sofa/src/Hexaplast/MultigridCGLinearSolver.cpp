@@ -122,14 +122,14 @@ public:
                     check_constraints(system);
                     PointArray solution(system.num_nodes(), 3), load = system.read(b);
                     SolveReport report = m_solver->solver().solve_next(system, load, solution, m_memory);
-                    for (int k = 0; k < ImplicitEuler::kMostReleases && system.release(solution, load); ++k)
+                    for (int k = 0; k < ImplicitEuler::kMaxReleases && system.release(solution, load); ++k)
                     {
                         const SolveReport again = m_solver->solver().solve_from_guess(system, load, solution);
                         report.iterations += again.iterations;
                         report.residual = again.residual;
                         report.converged = again.converged;
                     }
-                    system.settle();
+                    system.acceptStep();
                     system.write(solution, x);
                     msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
                                << ", |r| / |b| = " << report.residual;

@@ -63,7 +63,7 @@ public:
     /// end, and is asked to let go of what pulls there, until nothing does, or for as often as it likes.
     virtual bool isOneSided() const { return false; }
     virtual bool release(ConstPoints /*x*/, ConstPoints /*v*/) { return false; }  ///< whether there was anything
-    virtual void settle() {}  ///< the step ends as it has been tried
+    virtual void acceptStep() {}  ///< the step ends as it has been tried
 
     /// For the same solver, without the detour through SOFA's vectors: f += forces, df += (b B + k K) dx.
     void addOwnForce(ConstPoints x, ConstPoints v, Points f) { addPartForce(this->getContext()->getTime(), x, v, f); }

@@ -237,11 +237,11 @@ public:
     }
 
     /// The step ends as it was solved: what is solved after it are other systems with its matrix.
-    void settle() const
+    void acceptStep() const
     {
         for (const Beside& beside : m_besides)
-            for (OurForceField* field : beside.fields) field->settle();
-        for (const Between::Pair& pair : m_between.pairs) pair.field->settle();
+            for (OurForceField* field : beside.fields) field->acceptStep();
+        for (const Between::Pair& pair : m_between.pairs) pair.field->acceptStep();
     }
 
     void project(Points field) const override

@@ -64,12 +64,12 @@ public:
 
     /// For MultigridCGLinearSolver, as those of PartForceField; fields of the two states.
     bool isInMatrix() const { return works() && !m_tissues->contact().terms().empty(); }
-    bool isOneSided() const { return !m_isSettled && isInMatrix(); }
+    bool isOneSided() const { return !m_isAccepted && isInMatrix(); }
     bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v)
     {
         return m_tissues->contact().release(x, v);
     }
-    void settle() { m_isSettled = true; }
+    void acceptStep() { m_isAccepted = true; }
     void addOwnForce(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const
     {
         m_tissues->add_force(x, v, f);
@@ -109,8 +109,8 @@ private:
     std::array<int, 2> m_bodiesMade = {};  // which of the bodies that these fields have made
     bool m_dataAreAccepted = false;
     SReal m_ownRayleighStiffness = 0;  // that takes back the integrator's
-    bool m_isSettled = true;           // nothing pulls at the end of the present step
-    bool m_isWarned = false;           // of a linear solver that does not settle it
+    bool m_isAccepted = true;          // nothing pulls at the end of the present step
+    bool m_isWarned = false;           // of a linear solver that does not accept its steps
     bool m_leftOut = false;
 };
 

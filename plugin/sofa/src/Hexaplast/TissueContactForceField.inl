@@ -89,7 +89,7 @@ void TissueContactForceField<TDataTypes>::reset()
             {
                 if (bodiesAreOthers()) return makeContact();
                 m_tissues->reset();
-                m_isSettled = true;
+                m_isAccepted = true;
                 showOutputs();
             });
 }
@@ -146,7 +146,7 @@ void TissueContactForceField<TDataTypes>::makeContact()
     m_bodyFields = fields;
     for (std::size_t k = 0; k < 2; ++k) m_bodiesMade[k] = m_bodyFields[k]->timesMade();
     m_tissues.emplace(options(), *m_bodyFields[0]->body(), *m_bodyFields[1]->body());
-    m_isSettled = true;
+    m_isAccepted = true;
 }
 
 template <class TDataTypes>
@@ -180,7 +180,7 @@ void TissueContactForceField<TDataTypes>::beginStep(SReal dt)
     m_tissues->begin_step(dt, rayleigh_stiffness_of(implicit_euler_of(*this->getContext())), positions(), velocities());
     m_ownRayleighStiffness = m_tissues->rayleigh_stiffness();
     this->rayleighStiffness.setValue(m_ownRayleighStiffness);
-    m_isSettled = false;
+    m_isAccepted = false;
 }
 
 template <class TDataTypes>

@@ -15,10 +15,10 @@ class ColorMap {
   ColorMap(unsigned int /*size*/, const std::string& /*name*/) {}
 
   template <class Real>
-  auto getEvaluator(Real least, Real most) const {
-    return [least, most](Real value) {
-      const auto share = static_cast<float>(std::clamp((value - least) / (most - least), Real(0), Real(1)));
-      return type::RGBAColor{share, 0, 1 - share, 1};
+  auto getEvaluator(Real min, Real max) const {
+    return [min, max](Real value) {
+      const auto fraction = static_cast<float>(std::clamp((value - min) / (max - min), Real(0), Real(1)));
+      return type::RGBAColor{fraction, 0, 1 - fraction, 1};
     };
   }
 };

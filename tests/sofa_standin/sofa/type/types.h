@@ -57,14 +57,14 @@ struct RGBAColor {
 
 struct BoundingBox {
   BoundingBox() = default;
-  BoundingBox(const Vec3& min, const Vec3& max) : least(min), most(max) {}
+  BoundingBox(const Vec3& low, const Vec3& high) : min(low), max(high) {}
   void include(const Vec3& point) {
     for (int i = 0; i < 3; ++i) {
-      least[i] = std::min(least[i], point[i]);
-      most[i] = std::max(most[i], point[i]);
+      min[i] = std::min(min[i], point[i]);
+      max[i] = std::max(max[i], point[i]);
     }
   }
-  Vec3 least, most;
+  Vec3 min, max;
 };
 
 template <std::size_t N, class Real>

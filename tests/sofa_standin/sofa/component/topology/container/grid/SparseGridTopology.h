@@ -13,7 +13,7 @@ class SparseGridTopology : public constant::MeshTopology {
 
   virtual float getStiffnessCoef(Index hexahedron) { return fill.at(hexahedron); }
 
-  std::vector<float> fill;  // share of each hexahedron that is full
+  std::vector<float> fill;  // fraction of each hexahedron that is full
 };
 
 }  // namespace sofa::component::topology::container::grid

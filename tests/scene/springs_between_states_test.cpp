@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Springs and ties between two mechanical states.
+// Springs between two mechanical states.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -7,18 +7,18 @@
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "support/compare.hpp"
-#include "support/scene.hpp"
+#include "support/two_states.hpp"
 
 namespace {
 
 using namespace hexaplast;
 using support::at;
+using support::both;
 using support::errors_of;
+using support::go_on_in;
+using support::node;
+using support::positions;
 using support::read_and_init;
-
-std::string node(const std::string& name, const std::string& content) {
-  return "<Node name='" + name + "'>" + content + "</Node>";
-}
 
 const std::string kElastic = "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4'/>",
                   kPlastic =
@@ -78,28 +78,6 @@ const std::string Blocks::kSprings =
     "spring='26 16 40 .1 .008  23 14 30 .2 .009  20 12 30 .1 .006  17 4 60 0 .005'/>";
 const std::string kInOneState =
     "<SpringForceField name='springs' spring='26 43 40 .1 .008  23 41 30 .2 .009  20 39 30 .1 .006  17 31 60 0 .005'/>";
-
-const PointArray& positions(scene::Scene& scene, const std::string& state) {
-  return at<scene::MechanicalState>(scene, state + "/state").positions();
-}
-
-PointArray both(scene::Scene& scene) {
-  PointArray all(positions(scene, "first").rows() + positions(scene, "second").rows(), 3);
-  all << positions(scene, "first"), positions(scene, "second");
-  return all;
-}
-
-/// Puts a scene where another one is, by way of a checkpoint.
-void go_on_in(scene::Scene& from, scene::Scene& into) {
-  std::vector<std::byte> bytes;
-  Archive out([&](const void* data, std::size_t size) {
-    const auto* begin = static_cast<const std::byte*>(data);
-    bytes.insert(bytes.end(), begin, begin + size);
-  });
-  from.serialize(out);
-  Archive in{std::span<const std::byte>(bytes)};
-  into.serialize(in);
-}
 
 PointArray end_of(const Blocks& blocks, int steps) {
   scene::Scene scene = read_and_init(blocks.text());
@@ -425,206 +403,6 @@ TEST(SpringsBetweenStates, MistakesAreNamed) {
   EXPECT_EQ(errors_of(two),
             "test.scn:1: error: SpringForceField.object2: leads to 'other', which another time integrator moves than "
             "'state': both need one time integrator and one linear solver in a node above both");
-}
-
-// A bar of which each half is a body is the whole bar: lumped masses add up, and so do forces.
-TEST(AttachProjectiveConstraint, TwoHalvesAreTheWhole) {
-  const auto half = [](const std::string& name, const std::string& grid, const std::string& rest) {
-    return node(name, "<RegularGridTopology " + grid +
-                          "/><MechanicalObject name='state'/><DiagonalMass massDensity='1000'/>"
-                          "<HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.4'/>" +
-                          rest);
-  };
-  const std::string held = "<FixedProjectiveConstraint indices='0-8'/>", pulled = "<ConstantForceField indices='";
-  for (const std::string solver : {"<CGLinearSolver iterations='2000' tolerance='1e-13' threshold='1e-40'/>",
-                                   "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='multigrid'/>",
-                                   "<MultigridCGLinearSolver tolerance='1e-12' preconditioner='diagonal'/>"}) {
-    const std::string above =
-        "<Node dt='.01' gravity='0 -9.81 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='.01'/>" +
-        solver;
-    const std::string ties =
-        "<AttachProjectiveConstraint twoWay='true' object1='@first' object2='@second' "
-        "indices1='36 37 38 39 40 41 42 43 44' indices2='0 1 2 3 4 5 6 7 8'/>";
-    scene::Scene scene = read_and_init(
-        above + half("first", "n='3 3 5' max='.04 .04 .08'", held) +
-        half("second", "n='3 3 5' min='0 0 .08' max='.04 .04 .16'", pulled + "36-44' totalForce='.3 0 .5'/>") + ties +
-        "</Node>");
-    scene::Scene whole = read_and_init(
-        above + half("whole", "n='3 3 9' max='.04 .04 .16'", held + pulled + "72-80' totalForce='.3 0 .5'/>") +
-        "</Node>");
-    support::run(scene, 50);
-    support::run(whole, 50);
-    const PointArray& expected = positions(whole, "whole");
-    EXPECT_TRUE(support::agrees(positions(scene, "first"), expected.topRows(45), 1e-9)) << solver;
-    EXPECT_TRUE(support::agrees(positions(scene, "second"), expected.bottomRows(45), 1e-9)) << solver;
-    EXPECT_GT((expected.row(80) - Eigen::RowVector3d(.04, .04, .16)).norm(), .01) << "something happened";
-  }
-}
-
-/// Two clouds of points of one kilogram each without forces, and what ties them.
-std::string tied(const std::string& rest, const std::string& solver = "<CGLinearSolver/>",
-                 const std::string& in_first = "") {
-  return "<Node dt='.5' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/>" + solver +
-         node("first",
-              "<MechanicalObject name='state' position='0 0 0  5 5 5'/><UniformMass vertexMass='1'/>" + in_first) +
-         node("second", "<MechanicalObject name='state' position='4 0 0  9 5 5'/><UniformMass vertexMass='1'/>") +
-         "<AttachProjectiveConstraint object1='@first' object2='@second' " + rest + "/></Node>";
-}
-
-// SOFA's steps: the second node halves its distance, both get the mean of their velocities.
-TEST(AttachProjectiveConstraint, DrawsTheSecondNodeToTheFirst) {
-  for (const std::string two_way : {"", "twoWay='true' "}) {
-    scene::Scene scene = read_and_init(tied(two_way + "indices1='0' indices2='0'"));
-    EXPECT_EQ(positions(scene, "second"), support::rows({{2, 0, 0}, {9, 5, 5}})) << "at the beginning, too";
-    at<scene::MechanicalState>(scene, "first/state").velocities().row(0) << 0, 1, 0;
-    scene.step();
-    // it moved by .5 m with 1 m/s alone; with twoWay no acceleration either, for there is no force
-    EXPECT_EQ(positions(scene, "first"), support::rows({{0, .5, 0}, {5, 5, 5}}));
-    EXPECT_EQ(positions(scene, "second"), support::rows({{1, .25, 0}, {9, 5, 5}}));
-    EXPECT_EQ(at<scene::MechanicalState>(scene, "first/state").velocities().row(0), Eigen::RowVector3d(0, .5, 0));
-    EXPECT_EQ(at<scene::MechanicalState>(scene, "second/state").velocities().row(0), Eigen::RowVector3d(0, .5, 0));
-    scene.reset();
-    EXPECT_EQ(positions(scene, "second"), support::rows({{2, 0, 0}, {9, 5, 5}}));
-  }
-}
-
-// A force of 2 N on the second node: with twoWay 1 m/s^2 for each of two kilograms, otherwise it is held.
-TEST(AttachProjectiveConstraint, PassesForcesInBothWaysOrNone) {
-  for (const bool two_way : {true, false}) {
-    std::string text = tied(std::string(two_way ? "twoWay='true' " : "") + "indices1='0' indices2='0'");
-    text.insert(text.find("</Node><AttachProjective"), "<ConstantForceField indices='0' forces='2 0 0'/>");
-    scene::Scene scene = read_and_init(text);
-    scene.step();
-    EXPECT_NEAR(at<scene::MechanicalState>(scene, "first/state").velocities()(0, 0), two_way ? .5 : 0, 1e-15);
-    EXPECT_NEAR(at<scene::MechanicalState>(scene, "second/state").velocities()(0, 0), two_way ? .5 : 0, 1e-15);
-  }
-}
-
-// One node at 1 m/s meets another one at rest: both go on with half of it, and half of the energy is the constraint's.
-TEST(AttachProjectiveConstraint, IsASupportInTheBalanceOfEnergy) {
-  for (const std::string two_way : {"", "twoWay='true' "}) {
-    std::string text = tied(two_way + "indices1='0' indices2='0'");
-    text.replace(text.find("<EulerImplicitSolver/>"), 22, "<EulerImplicitSolver name='euler'/>");
-    scene::Scene scene = read_and_init(text);
-    auto& euler = at<scene::OdeSolver>(scene, "euler");
-    at<scene::MechanicalState>(scene, "first/state").velocities().row(0) << 0, 1, 0;
-    euler.keep_energy_balance();
-    support::run(scene, 3);
-    const EnergyBalance& balance = *euler.energy_balance();
-    EXPECT_NEAR(balance.initial, .5, 1e-15);
-    EXPECT_NEAR(balance.kinetic, .25, 1e-15);
-    EXPECT_NEAR(balance.support_work, -.25, 1e-15);
-    EXPECT_NEAR(balance.error(), 0, 1e-15);
-  }
-}
-
-TEST(AttachProjectiveConstraint, HasFactorsAndLimits) {
-  const auto after = [](const std::string& rest, int steps) {
-    scene::Scene scene = read_and_init(tied("indices1='0 1' indices2='0 1' " + rest));
-    support::run(scene, steps);
-    return PointArray(positions(scene, "second"));
-  };
-  EXPECT_EQ(after("positionFactor='.5'", 0), support::rows({{3, 0, 0}, {8, 5, 5}}));
-  EXPECT_EQ(after("constraintFactor='0 1'", 0), support::rows({{4, 0, 0}, {7, 5, 5}}));
-  EXPECT_EQ(after("minDistance='3.9'", 3), support::rows({{4, 0, 0}, {9, 5, 5}}));
-  // at 0, .5 and 1 s, that is at the beginning and at the end of the steps from 0 and from .5 s
-  EXPECT_EQ(after("endTime='.6'", 5), support::rows({{.5, 0, 0}, {5.5, 5, 5}}));
-  EXPECT_EQ(after("velocityFactor='0'", 0), after("", 0));
-}
-
-TEST(AttachProjectiveConstraint, GoesOnFromACheckpoint) {
-  // the second pair is out of reach, and would be tied by a constraint that has not looked yet
-  std::string text = tied("twoWay='true' indices1='0 1' indices2='0 1' minDistance='4.5'");
-  text.replace(text.find("9 5 5"), 5, "9.6 5 5");
-  text.insert(text.find("</Node><AttachProjective"), "<ConstantForceField indices='0 1' forces='2 0 0  0 3 0'/>");
-  scene::Scene straight = read_and_init(text), second = read_and_init(text);
-  support::run(straight, 4);
-  go_on_in(straight, second);
-  support::run(straight, 4);
-  support::run(second, 4);
-  EXPECT_EQ(both(second), both(straight));
-  EXPECT_GT(positions(straight, "second")(1, 1), 6) << "it is free";
-}
-
-TEST(AttachProjectiveConstraint, ByADirectSolverInOneWay) {
-  const std::string loads = "<ConstantForceField indices='0 1' forces='2 0 0  0 3 0'/>";
-  const auto end_with = [&](const std::string& solver) {
-    std::string text = tied("indices1='0' indices2='0'", solver);
-    text.insert(text.find("</Node><AttachProjective"), loads);
-    scene::Scene scene = read_and_init(text);
-    support::run(scene, 5);
-    return both(scene);
-  };
-  EXPECT_TRUE(support::agrees(end_with("<SparseLDLSolver/>"), end_with("<CGLinearSolver/>"), 1e-14));
-}
-
-TEST(AttachProjectiveConstraint, MistakesAreNamed) {
-  const std::string at_start = "test.scn:1: error: AttachProjectiveConstraint";
-  EXPECT_EQ(errors_of(tied("indices1='0' indices2='2'")), at_start + ".indices2: 2 must lie in [0, 2)");
-  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1'")),
-            at_start + ".indices2: 1 nodes given for 2 of indices1, must be as many");
-  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1 1'")),
-            at_start + ".indices2: 1 is given twice, must be tied once");
-  EXPECT_EQ(errors_of(tied("indices1='0 0' indices2='0 1'")), "") << "two may follow one";
-  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0 0' indices2='0 1'")),
-            at_start + ".indices1: 0 is given twice, must be tied once");
-  EXPECT_EQ(errors_of(tied("twoWay='true' constraintFactor='.5' indices1='0' indices2='0'")),
-            at_start + ".constraintFactor: 0.5 must be 0 or 1 with twoWay");
-  EXPECT_EQ(errors_of(tied("constraintFactor='1 1' indices1='0' indices2='0'")),
-            at_start + ".constraintFactor: 2 values given for 1 pairs, must be as many");
-  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<SparseLDLSolver name='direct'/>")),
-            at_start +
-                ".twoWay: ties nodes in both ways: no matrix has that, but SparseLDLSolver 'direct' needs one: "
-                "take a MultigridCGLinearSolver or a CGLinearSolver");
-  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<CGLinearSolver/>",
-                           "<FixedProjectiveConstraint name='fixed' indices='0'/>")),
-            at_start +
-                ": ties nodes that FixedProjectiveConstraint 'fixed' constrains too: each node must have one of "
-                "both");
-  std::string same = tied("indices1='0' indices2='0'");
-  same.replace(same.find("object2='@second'"), 17, "object2='@first/state'");
-  EXPECT_EQ(errors_of(same), at_start + ".object2: leads to 'state', as object1 does: must lead to another state");
-}
-
-// A hook that moves along, and drags the node behind it.
-TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateIs) {
-  const auto text = [](const std::string& springs) {
-    return "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
-           "<Node name='pulled'><MechanicalObject name='state' position='0 0 0  1 0 0'/><UniformMass vertexMass='1'/>" +
-           springs +
-           "</Node><Node name='hook'><MechanicalObject name='state' position='3 4 0  0 0 2  1 1 0'/>"
-           "<UniformMass vertexMass='1'/></Node></Node>";
-  };
-  scene::Scene scene = read_and_init(
-      text("<RestShapeSpringsForceField name='s' points='1 0' stiffness='10 100' external_rest_shape='@../hook/state' "
-           "external_points='2 0'/>"));
-  PointArray f = PointArray::Zero(2, 3);
-  const PointArray x = support::rows({{0, 0, 1}, {1, 0, 0}}), still = PointArray::Zero(2, 3);
-  at<scene::ForceField>(scene, "pulled/s").add_force(0, x, still, f);
-  EXPECT_EQ(f, support::rows({{300, 400, -100}, {0, 10, 0}}));
-  at<scene::MechanicalState>(scene, "hook/state").positions()(2, 1) = 3;
-  f.setZero();
-  at<scene::ForceField>(scene, "pulled/s").add_force(0, x, still, f);
-  EXPECT_EQ(f.row(1), Eigen::RowVector3d(0, 30, 0));
-  scene.step();
-  EXPECT_EQ(positions(scene, "hook").row(0), Eigen::RowVector3d(3, 4, 0)) << "it feels nothing";
-
-  const auto errors = [&](const std::string& rest) {
-    return errors_of(text("<RestShapeSpringsForceField external_rest_shape='@../hook/state' " + rest + "/>"));
-  };
-  EXPECT_EQ(errors(""),
-            "test.scn:1: error: RestShapeSpringsForceField.external_rest_shape: 3 points of 'state' for 2 "
-            "nodes, must be as many");
-  EXPECT_EQ(
-      errors("external_points='1'"),
-      "test.scn:1: error: RestShapeSpringsForceField.external_points: 1 points of 'state' for 2 nodes, must be as "
-      "many");
-  EXPECT_EQ(errors("external_points='1 3'"),
-            "test.scn:1: error: RestShapeSpringsForceField.external_points: 3 must lie in [0, 3)");
-  EXPECT_EQ(
-      errors_of(text("<RestShapeSpringsForceField external_points='1 2'/>")),
-      "test.scn:1: error: RestShapeSpringsForceField.external_points: given without external_rest_shape, the state "
-      "that has them");
 }
 
 }  // namespace

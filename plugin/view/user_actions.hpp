@@ -8,11 +8,11 @@
 
 #include "scene/component.hpp"
 
-/// What a user does to a scene while it moves, as a scene writes it.
+/// What the user does to a scene while it runs, in the form that a scene file has.
 namespace hexaplast::view {
 
-/// One hold of an instrument, from grab to release: a component of one node.
-struct Hold {
+/// The motion of an instrument from grab to release: a component of one node.
+struct InstrumentMotion {
   const scene::Node* node = nullptr;
   std::string class_name;
   std::vector<std::pair<std::string, std::string>> attributes;  ///< but for the path
@@ -29,10 +29,10 @@ struct Change {
   std::optional<std::string> value;  ///< none: as if it were not given
 };
 
-/// All of it since the beginning, in the order of time.
-struct Deeds {
+/// All actions since the beginning of the run, in order of time.
+struct UserActions {
   long num_steps = 0;
-  std::vector<Hold> holds;
+  std::vector<InstrumentMotion> motions;
   std::vector<Change> changes;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Bodies that are thrown out of shape: what comes back, and what happens on the way.
+// Bodies that are deformed at random: whether they recover, and what happens on the way.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,14 +52,14 @@ double relative_energy(const support::Simulation& bar) {
   return bar.body.energy(bar.x) / (5000 * 16 * kEdge * kEdge * kEdge);
 }
 
-/// How the nodes of a bar are thrown about before it is let go.
-struct Throw {
+/// How the nodes of a bar are moved at random before the bar is released.
+struct Deformation {
   const char* name;
   PointArray (*positions)(const PointArray& rest, int seed);
-  int least_recovered;  ///< of 10
+  int min_recovered;  ///< of 10
 };
 
-constexpr Throw kThrows[] = {
+constexpr Deformation kDeformations[] = {
     {"Random", [](const PointArray& X, int seed) { return Random(seed).field(X.rows(), 0.3); }, 3},
     {"InTheBox",
      [](const PointArray& X, int seed) {
@@ -93,21 +93,21 @@ constexpr Throw kThrows[] = {
      },
      3}};
 
-/// As many throws as HEXAPLAST_SEEDS says.
-int num_throws(int otherwise = 10) {
+/// As many seeds as HEXAPLAST_SEEDS says.
+int num_seeds(int otherwise = 10) {
   const char* given = std::getenv("HEXAPLAST_SEEDS");
   return given ? std::atoi(given) : otherwise;
 }
 
-void PrintTo(const Throw& t, std::ostream* out) { *out << t.name; }
+void PrintTo(const Deformation& t, std::ostream* out) { *out << t.name; }
 
-class Scramble : public testing::TestWithParam<Throw> {};
+class Scramble : public testing::TestWithParam<Deformation> {};
 
-int num_that_come_back(const Throw& thrown, const Settings& settings) {
+int num_that_recover(const Deformation& deformation, const Settings& settings) {
   int num_recovered = 0;
-  for (int seed = 0; seed < num_throws(); ++seed) {
+  for (int seed = 0; seed < num_seeds(); ++seed) {
     support::Simulation bar = free_bar(Material{}, settings);
-    bar.x = thrown.positions(bar.body.mesh().positions(), 1000 + seed);
+    bar.x = deformation.positions(bar.body.mesh().positions(), 1000 + seed);
     const double at_first = relative_energy(bar);
     for (int k = 0; k < 400 && relative_energy(bar) > 1e-12; k += 20) {
       bar.run(20);
@@ -121,13 +121,13 @@ int num_that_come_back(const Throw& thrown, const Settings& settings) {
 
 // The energy of the blended samples has resting places of its own among the folded shapes, where no sample or only a
 // few are inverted: a corner pushed through the plane of its neighbours, an element folded onto the next. Not every
-// throw therefore comes back, whatever the step and the damping; none may get lost, and those flattened to a plane all
-// return.
+// deformation therefore recovers, whatever the step and the damping; none may get lost, and those flattened to a plane
+// all return.
 TEST_P(Scramble, OfAnElasticBodyStaysFiniteAndComesBackAsOftenAsPublished) {
   const Settings settings = form(Bending::kBlended, Volumetric::kSample, ElasticLaw::kCorotated, RecoveryMode::kNone);
-  const int num_recovered = num_that_come_back(GetParam(), settings);
-  std::printf("%s: %d of %d came back\n", GetParam().name, num_recovered, num_throws());
-  EXPECT_GE(10 * num_recovered, GetParam().least_recovered * num_throws());
+  const int num_recovered = num_that_recover(GetParam(), settings);
+  std::printf("%s: %d of %d recovered\n", GetParam().name, num_recovered, num_seeds());
+  EXPECT_GE(10 * num_recovered, GetParam().min_recovered * num_seeds());
 }
 
 // With springs all of them do, whatever the element and the law.
@@ -137,16 +137,16 @@ TEST_P(Scramble, ComesBackWithRecovery) {
         std::pair("published", form(Bending::kBlended, Volumetric::kSample, ElasticLaw::kCorotated)),
         std::pair("one rotation", form(Bending::kOneRotation, Volumetric::kVolumeRatio, ElasticLaw::kCorotated)),
         std::pair("neo-Hooke", kNeoHookean)}) {
-    const int num_recovered = num_that_come_back(GetParam(), settings);
-    std::printf("%s, %s, with recovery: %d of %d came back\n", GetParam().name, name, num_recovered, num_throws());
-    EXPECT_EQ(num_recovered, num_throws()) << name;
+    const int num_recovered = num_that_recover(GetParam(), settings);
+    std::printf("%s, %s, with recovery: %d of %d recovered\n", GetParam().name, name, num_recovered, num_seeds());
+    EXPECT_EQ(num_recovered, num_seeds()) << name;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Throws, Scramble, testing::ValuesIn(kThrows),
+INSTANTIATE_TEST_SUITE_P(Throws, Scramble, testing::ValuesIn(kDeformations),
                          [](const auto& test) { return test.param.name; });
 
-/// Whether no corner of what is left of the material shape is turned inside out.
+/// Whether no corner of what is left of the plastic rest shape is turned inside out.
 bool is_material_sound(const Body& body) {
   for (int e = 0; e < body.mesh().num_elements(); ++e) {
     const ElementPoints material = gather(body.plastic_rest_positions(), body.mesh().hexahedra()[e]);
@@ -157,7 +157,7 @@ bool is_material_sound(const Body& body) {
 }
 
 TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
-  for (int seed = 0; seed < num_throws(); ++seed) {
+  for (int seed = 0; seed < num_seeds(); ++seed) {
     support::Simulation bar = free_bar(kSoft);
     Random random(1000 + seed);
     bar.x = random.field(bar.x.rows(), 0.3);
@@ -166,12 +166,12 @@ TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
       ASSERT_TRUE(is_material_sound(bar.body)) << "step " << k;
     }
     EXPECT_TRUE(bar.x.allFinite());
-    // by a hundred throws 7.5 % at most, by all but three of them less than 5 %
-    EXPECT_NEAR(bar.body.volume(bar.body.state().history.material) / bar.body.initial_volume(), 1, 0.1);
+    // of a hundred deformations 7.5 % at most, by all but three of them less than 5 %
+    EXPECT_NEAR(bar.body.volume(bar.body.state().history.plastic_rest_positions) / bar.body.initial_volume(), 1, 0.1);
   }
 }
 
-// ---- what else may happen to a bar that is thrown
+// ---- what else may happen to a bar that is deformed at random
 
 using FindNodes = std::vector<int> (*)(const HexMesh& mesh);
 
@@ -179,7 +179,7 @@ struct Ordeal {
   const char* name;
   Material material = {};
   FindNodes held = [](const HexMesh&) { return std::vector<int>{}; };
-  bool held_as_thrown = false;    // not where they belong
+  bool held_as_deformed = false;  // not where they belong
   bool is_released = false;       // after a while
   std::vector<int> removed = {};  // hexahedra
   support::Load load = {};        // for a while
@@ -213,7 +213,7 @@ const Ordeal kOrdeals[] = {
     {.name = "HeldAtOneEnd", .held = kLowerEnd},
     {.name = "HeldInTheMiddle", .held = kMiddle},
     {.name = "HeldAtOneNode", .held = kOneInside},
-    {.name = "HeldWhereThrown", .held = kMiddle, .held_as_thrown = true, .is_released = true},
+    {.name = "HeldWhereThrown", .held = kMiddle, .held_as_deformed = true, .is_released = true},
     {.name = "TornInTwo", .removed = {4, 5, 6, 7}},
     {.name = "HangingTogetherByOne", .removed = {4, 5, 6}},
     {.name = "HangingTogetherByEdges", .removed = {1, 2, 4, 7, 9, 10, 12, 15}},
@@ -229,10 +229,10 @@ const Ordeal kOrdeals[] = {
 
 class Recovers : public testing::TestWithParam<Ordeal> {};
 
-// The kinds of throws in turn. Unfolded in 8 s, even where something is in the way; in shape when it is gone.
+// The kinds of deformations in turn. Unfolded in 8 s, even where something is in the way; in shape when it is gone.
 TEST_P(Recovers, FromAThrow) {
   const Ordeal& ordeal = GetParam();
-  const int num_bars = num_throws(static_cast<int>(std::size(kThrows)));
+  const int num_bars = num_seeds(static_cast<int>(std::size(kDeformations)));
   for (const auto& [name, settings] : {std::pair("default", kDefault), std::pair("neo-Hooke", kNeoHookean)}) {
     int num_unfolded = 0, num_recovered = 0;
     std::size_t num_removed = 0;
@@ -245,9 +245,9 @@ TEST_P(Recovers, FromAThrow) {
       bar.body.remove(ordeal.removed);
       const PointArray& X = bar.body.mesh().positions();
       const std::vector<int> held = ordeal.held(bar.body.mesh());
-      bar.x = kThrows[seed % std::size(kThrows)].positions(X, 1000 + seed);
+      bar.x = kDeformations[seed % std::size(kDeformations)].positions(X, 1000 + seed);
       for (const int n : held)
-        if (!ordeal.held_as_thrown) bar.x.row(n) = X.row(n);
+        if (!ordeal.held_as_deformed) bar.x.row(n) = X.row(n);
       bar.fix(held);
       const auto springs_act = [&] {
         bar.body.linearize(bar.x);
@@ -267,7 +267,7 @@ TEST_P(Recovers, FromAThrow) {
     std::printf("%s, %s: %d unfolded, %d came back of %d, %.1f hexahedra gone\n", ordeal.name, name, num_unfolded,
                 num_recovered, num_bars, static_cast<double>(num_removed) / num_bars);
     EXPECT_EQ(num_removed > 0, !ordeal.removed.empty() || std::isfinite(ordeal.material.fracture_stress)) << name;
-    if (!ordeal.held_as_thrown) {
+    if (!ordeal.held_as_deformed) {
       EXPECT_EQ(num_unfolded, num_bars) << name;
     }
     EXPECT_EQ(num_recovered, num_bars) << name;

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hexaplast/base/archive.hpp"
+#include "support/scene.hpp"
+
+/// Scenes of two mechanical states `first/state` and `second/state`.
+namespace hexaplast::support {
+
+inline std::string node(const std::string& name, const std::string& content) {
+  return "<Node name='" + name + "'>" + content + "</Node>";
+}
+
+inline const PointArray& positions(scene::Scene& scene, const std::string& state) {
+  return at<scene::MechanicalState>(scene, state + "/state").positions();
+}
+
+inline PointArray both(scene::Scene& scene) {
+  PointArray all(positions(scene, "first").rows() + positions(scene, "second").rows(), 3);
+  all << positions(scene, "first"), positions(scene, "second");
+  return all;
+}
+
+/// Puts a scene where another one is, by way of a checkpoint.
+inline void go_on_in(scene::Scene& from, scene::Scene& into) {
+  std::vector<std::byte> bytes;
+  Archive out([&](const void* data, std::size_t size) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), begin, begin + size);
+  });
+  from.serialize(out);
+  Archive in{std::span<const std::byte>(bytes)};
+  into.serialize(in);
+}
+
+}  // namespace hexaplast::support
