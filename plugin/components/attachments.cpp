@@ -9,6 +9,7 @@
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
 #include "scene/interfaces.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 /// Pairs of nodes, one of each state, as SOFA ties them. The second one is free to accelerate in no direction, or has
 /// half the acceleration of both; after a step half of the distance is taken back, and both have half of the
 /// velocities.
-class AttachProjectiveConstraint final : public scene::InteractionProjectiveConstraint {
+class AttachProjectiveConstraint final : public scene::InteractionProjectiveConstraint, public scene::ShowsSprings {
  public:
   AttachProjectiveConstraint() : InteractionProjectiveConstraint(attributes::kAttachProjectiveConstraint) {}
 
@@ -92,6 +93,17 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
       const auto& [first, second, factor] = pairs_[i];
       if (!is_released_[i]) draw_together(v.first.row(first), v.second.row(second), .5 * velocity_factor_ * factor);
     }
+  }
+
+  std::vector<scene::SpringLine> spring_lines() const override {
+    std::vector<scene::SpringLine> lines;
+    if (!is_active()) return lines;
+    const SpringEnds first(*states_[0]), second(*states_[1]);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const std::optional from = first.at(pairs_[i].first), to = second.at(pairs_[i].second);
+      if (from && to && !is_released_[i]) lines.push_back({*from, *to});
+    }
+    return lines;
   }
 
  private:

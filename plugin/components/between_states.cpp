@@ -41,4 +41,9 @@ scene::OdeSolver& require_one_integrator(scene::Component& component, std::array
   return *integrator;
 }
 
+std::optional<Vec3> SpringEnds::at(int node) const {
+  if (!surviving_.has({&node, 1})) return std::nullopt;
+  return Vec3(state_.positions().row(node).transpose());
+}
+
 }  // namespace hexaplast::components

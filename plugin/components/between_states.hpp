@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "scene/interfaces.hpp"
@@ -15,5 +16,18 @@ void require_points(scene::Component& component, std::string_view link);
 /// Rejects the scene unless one time integrator, in the component's node or above, moves both states; or one of them,
 /// where nothing moves the other one. The integrator.
 scene::OdeSolver& require_one_integrator(scene::Component& component, std::array<scene::MechanicalState*, 2> states);
+
+/// Where nodes of a state are, for what is seen of springs. Valid until the next step.
+class SpringEnds {
+ public:
+  explicit SpringEnds(scene::State& state) : state_(state), surviving_(state) {}
+
+  /// [m] None for a node that has lost all its hexahedra.
+  std::optional<Vec3> at(int node) const;
+
+ private:
+  scene::State& state_;
+  scene::SurvivingCells surviving_;
+};
 
 }  // namespace hexaplast::components

@@ -39,6 +39,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
         reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     instrument_.emplace(accepted(*this, [&] { return parts::Instrument(options(), *body_field_->body()); }));
     shape_ = parts::shape_of(options());
+    instrument_->look_at_start(present_pose(node().clock().time), state_->positions());
     pass_on(*this, instrument_->take_warnings());
   }
 

@@ -11,6 +11,7 @@
 #include "components/between_states.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -45,7 +46,7 @@ class SpringField : public scene::ForceField {
 };
 
 /// Of its state, or between two of which not both are it.
-class SpringForceField final : public SpringField, public scene::Interaction {
+class SpringForceField final : public SpringField, public scene::Interaction, public scene::ShowsSprings {
  public:
   SpringForceField() : SpringField(attributes::kSpringForceField) {}
 
@@ -87,7 +88,20 @@ class SpringForceField final : public SpringField, public scene::Interaction {
   bool is_in_matrix() const override { return SpringField::is_in_matrix(); }
   double rayleigh_stiffness() const override { return SpringField::rayleigh_stiffness(); }
 
+  std::vector<scene::SpringLine> spring_lines() const override {
+    auto* own = node().nearest<scene::MechanicalState>();
+    const SpringEnds first(states_[0] ? *states_[0] : *own), second(states_[1] ? *states_[1] : *own);
+    std::vector<scene::SpringLine> lines;
+    for (const Spring& spring : springs_.springs()) {
+      const std::optional from = first.at(spring.a), to = second.at(spring.b);
+      if (from && to) lines.push_back({*from, *to, (*to - *from).norm() < (1 - kTaut) * spring.rest_length});
+    }
+    return lines;
+  }
+
  private:
+  static constexpr double kTaut = 1e-6;  // of the rest length: rounding does not make a spring slack
+
   scene::MechanicalState& state_at(std::string_view object) {
     require_points(*this, object);
     return linked<scene::MechanicalState>(object);
@@ -213,7 +227,7 @@ class BendingSprings final : public SpringField {
 };
 
 /// To the rest positions, or to where another state is at the moment.
-class RestShapeSpringsForceField final : public scene::ForceField {
+class RestShapeSpringsForceField final : public scene::ForceField, public scene::ShowsSprings {
  public:
   RestShapeSpringsForceField() : ForceField(attributes::kRestShapeSpringsForceField) {}
 
@@ -269,6 +283,17 @@ class RestShapeSpringsForceField final : public scene::ForceField {
       A.add(nodes_[i], nodes_[i], -factor * stiffness_[i] * Mat3::Identity());
   }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+
+  std::vector<scene::SpringLine> spring_lines() const override {
+    const SpringEnds ends(*state_);
+    std::vector<scene::SpringLine> lines;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const Vec3 to =
+          external_ ? Vec3(external_->positions().row(anchors_[i])) : Vec3(state_->rest_positions().row(nodes_[i]));
+      if (const std::optional from = ends.at(nodes_[i])) lines.push_back({*from, to});
+    }
+    return lines;
+  }
 
  private:
   scene::MechanicalState* state_ = nullptr;

@@ -66,7 +66,7 @@ std::string json_of(const Colour& colour) {
 std::string ink_script() {
   return fmt::format(
       R"(const ink = {{paper: {paper}, ink: {ink}, outline: {outline}, ghost: {ghost}, load: {load}, steel: {steel},
-  metal: {metal}, edge: {edge}, cage: {cage}, noValue: {none}, crease: {crease:.4g},
+  metal: {metal}, edge: {edge}, cage: {cage}, spring: {spring}, noValue: {none}, slackOpacity: {slack:.4g}, crease: {crease:.4g},
   edges: {{shortest: {shortest:.4g}, longest: {longest:.4g}, widest: {widest:.4g}, strongest: {strongest:.4g},
     cageOpacity: {cage_opacity:.4g}}},
   dot: {{radius: {dot:.4g}, ofEdge: {of_edge:.4g}}}, ring: {{radius: {ring:.4g}, width: {width:.4g}, rim: {rim:.4g}}},
@@ -76,12 +76,12 @@ const lightShader = `{light}`;)",
       fmt::arg("paper", json_of(kPaper)), fmt::arg("ink", json_of(kInk)), fmt::arg("outline", json_of(kOriginal)),
       fmt::arg("ghost", json_of(kGhost)), fmt::arg("load", json_of(kLoad)), fmt::arg("steel", json_of(kSteel)),
       fmt::arg("metal", json_of(kMetal)), fmt::arg("edge", json_of(kEdge)), fmt::arg("cage", json_of(kCage)),
-      fmt::arg("none", json_of(kNoValue)), fmt::arg("crease", kCrease), fmt::arg("shortest", EdgeInk::kShortest),
-      fmt::arg("longest", EdgeInk::kLongest), fmt::arg("widest", EdgeInk::kWidest),
-      fmt::arg("strongest", EdgeInk::kStrongest), fmt::arg("cage_opacity", EdgeInk::kCageOpacity),
-      fmt::arg("dot", kDotRadius), fmt::arg("of_edge", kDotOfEdge), fmt::arg("ring", kRingRadius),
-      fmt::arg("width", kRingWidth), fmt::arg("rim", kRimWidth), fmt::arg("arrow", kLongestArrow),
-      fmt::arg("girth", kArrowGirth), fmt::arg("head_length", kArrowHeadLength),
+      fmt::arg("spring", json_of(kSpring)), fmt::arg("slack", kSlackOpacity), fmt::arg("none", json_of(kNoValue)),
+      fmt::arg("crease", kCrease), fmt::arg("shortest", EdgeInk::kShortest), fmt::arg("longest", EdgeInk::kLongest),
+      fmt::arg("widest", EdgeInk::kWidest), fmt::arg("strongest", EdgeInk::kStrongest),
+      fmt::arg("cage_opacity", EdgeInk::kCageOpacity), fmt::arg("dot", kDotRadius), fmt::arg("of_edge", kDotOfEdge),
+      fmt::arg("ring", kRingRadius), fmt::arg("width", kRingWidth), fmt::arg("rim", kRimWidth),
+      fmt::arg("arrow", kLongestArrow), fmt::arg("girth", kArrowGirth), fmt::arg("head_length", kArrowHeadLength),
       fmt::arg("head_width", kArrowHeadWidth), fmt::arg("max_head", kArrowMaxHead), fmt::arg("sides", kArrowSides),
       fmt::arg("presses", kArrowPresses), fmt::arg("light", light_shader()));
 }

@@ -370,6 +370,7 @@ class Viewer {
       ["edges", true, isEmbedded ? "hexahedra around it" : "mesh edges", data[0].showsHexahedra],
       ["ghost", true, "initial shape", true],
       ["fixed", this.runs.some(run => run.fixedNodes.some(nodes => nodes.length > 0)), "fixed nodes", true],
+      ["springs", some(state => state.springs), "springs, paler where slack", true],
       ["loads", load > 0, `loads, up to ${withUnit(load, "N")} per node`, true],
       ["tools", some(state => state.tools), tool > 0 ? `instruments, force up to ${withUnit(tool, "N")}` : "instruments",
        true]];
@@ -387,7 +388,7 @@ class Viewer {
       box.addEventListener("change", () => { this.shows[name] = box.checked; this.redraw(); });
       const swatch = document.createElement("i");
       swatch.setAttribute("aria-hidden", "true");
-      const colour = {ghost: ink.ghost, fixed: ink.ink, loads: ink.load, tools: ink.steel}[name];
+      const colour = {ghost: ink.ghost, fixed: ink.ink, springs: ink.spring, loads: ink.load, tools: ink.steel}[name];
       if (colour) swatch.style.background = `rgb(${colour.map(part => 255 * part).join(" ")})`;
       element.append(box, swatch, ` ${label}`);
       this.part("toggles").append(element);
@@ -588,6 +589,8 @@ class Viewer {
           const places = run.toolPoints(tool);
           for (let k = 0; k < tool.points; ++k) if (isNear(pointAt(places, k))) points.push(pointAt(places, k));
         }
+        const ends = run.springEnds({low: s, high: s, fraction: 0}) ?? [];
+        for (let k = 0; k < ends.length / 3; ++k) if (isNear(pointAt(ends, k))) points.push(pointAt(ends, k));
       }
     }
     const [, , width, height] = this.frames()[0];
@@ -645,6 +648,7 @@ class Viewer {
     const fractions = field ? run.blendedFractions(field, moment, this.range) : new Float32Array(run.numNodes);
     if (this.shows.ghost) this.drawGhost(run);
     this.drawBodies(run, topology, positions, fractions, moment.low, height);
+    if (this.shows.springs) this.drawSprings(run, moment);
     this.drawMarks(run, topology, positions, nearest, height);
   }
 
@@ -691,6 +695,15 @@ class Viewer {
     if (!this.shows.edges) return;
     this.painter.marks("LINES", positions, topology.body.edges, isEmbedded ? ink.cage : ink.edge,
                        {opacity: edgeOpacity, cut});
+  }
+
+  drawSprings(run, moment) {
+    const ends = run.springEnds(moment);
+    if (!ends) return;
+    const slack = new Set(run.data.states[moment.low].springs.slack ?? []), taut = [], loose = [];
+    for (let k = 0; k < ends.length / 6; ++k) (slack.has(k) ? loose : taut).push(2 * k, 2 * k + 1);
+    this.painter.marks("LINES", ends, taut, ink.spring, {cut: this.cut});
+    this.painter.marks("LINES", ends, loose, ink.spring, {opacity: ink.slackOpacity, cut: this.cut});
   }
 
   drawMarks(run, topology, positions, state, height) {

@@ -9,6 +9,7 @@
 
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/solve/loads.hpp"
 #include "parts/contact_stiffness.hpp"
 #include "parts/key_times.hpp"
@@ -17,6 +18,7 @@ namespace hexaplast::parts {
 namespace {
 
 constexpr double kPerRadius = 0.5;  // distance of samples, in smallest radii of the instrument
+constexpr double kDeep = 0.1;       // of that radius: an instrument may touch at the beginning
 
 /// The number of keys that a path has, one of which is there always.
 void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
@@ -80,6 +82,8 @@ void check(const InstrumentOptions& options) {
   ranges.check("damping", options.damping);
   ranges.check("max_subdivision", std::span(&options.max_subdivision, 1));
   check_path(ranges, options);
+  if (options.embedded_positions.rows() > 0 && options.embedded_triangles.empty())
+    ranges.add({"embedded_positions", "given without embeddedTriangles, which make a surface of them"});
   ranges.throw_all();
 }
 
@@ -133,6 +137,24 @@ SurfaceSamples Instrument::samples_of(const Solid& solid) const {
     return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.max_subdivision);
   return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
                                      options_.embedded_triangles, wanted, options_.max_subdivision);
+}
+
+void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
+  if (!options_.is_active) return;
+  const Solid& solid = contact_->solid();
+  const Eigen::Quaterniond to_frame = pose.orientation.conjugate();
+  double depth = 0;
+  for (const SurfaceSamples::Sample& sample : samples_of(solid).samples)
+    depth = std::max(depth, -solid.distance(to_frame * (sample.at(x) - pose.position)).value);
+  const char* option = options_.is_led ? "rigid" : "positions";
+  if (depth > kDeep * solid.smallest_radius()) {
+    warnings_.push_back({option, fmt::format("it begins {:.3g} m deep in the body, which is pushed out", depth)});
+  } else if (depth == 0) {
+    const PointArray place = pose.position.transpose();
+    if (Embedding(x, body_.mesh().hexahedra(), place).num_outside() == 0)
+      warnings_.push_back(
+          {option, "it begins within the body and reaches no point of its surface: nothing pushes it out"});
+  }
 }
 
 void Instrument::follow_surface() {

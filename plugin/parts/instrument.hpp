@@ -52,6 +52,9 @@ class Instrument {
   /// OptionError.
   void set_options(InstrumentOptions options);
 
+  /// Remarks where it is within the body at the beginning. x: num_nodes x 3 [m].
+  void look_at_start(const Pose& pose, ConstPoints x);
+
   /// What it remarked on the way here.
   std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
 

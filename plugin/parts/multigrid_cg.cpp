@@ -23,10 +23,15 @@ MultigridCG::MultigridCG(const MultigridCGOptions& options)
     : options_(checked(options)), solver_(options.tolerance, options.iterations, options.preconditioner) {}
 
 std::vector<Remark> MultigridCG::heed(const SolveReport& report) {
+  if (report.preconditioner == PreconditionedBy::kMultigrid) has_cycled_ = true;
   if (is_warned_ || options_.preconditioner != Preconditioner::kMultigrid || report.iterations == 0 ||
       report.preconditioner == PreconditionedBy::kMultigrid)
     return {};
   is_warned_ = true;
+  if (has_cycled_)
+    return {{"preconditioner",
+             fmt::format("is multigrid, which is not positive definite in a step: the preconditioner is {} there",
+                         name_of(report.preconditioner))}};
   return {{"preconditioner",
            fmt::format("is multigrid, which needs a body whose hexahedra form a lattice of more than a few: the "
                        "preconditioner is {} instead",

@@ -23,12 +23,13 @@ class MultigridCG {
 
   LinearSolver& solver() { return solver_; }
 
-  /// To be told what each solve did. Warns once where multigrid was asked for and not possible.
+  /// To be told what each solve did. Warns once where multigrid was asked for and not possible, or not definite.
   std::vector<Remark> heed(const SolveReport& report);
 
  private:
   MultigridCGOptions options_;
   PreconditionedConjugateGradients solver_;
+  bool has_cycled_ = false;  // multigrid was possible
   bool is_warned_ = false;
 };
 

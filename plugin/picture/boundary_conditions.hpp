@@ -28,12 +28,19 @@ struct Instrument {
   Vec3 force() const { return forces.rows() == 0 ? Vec3::Zero() : Vec3(forces.colwise().sum()); }
 };
 
+/// A spring, or what ties two places together.
+struct SpringLine {
+  Vec3 from, to;          ///< [m]
+  bool is_slack = false;  ///< shorter than at rest
+};
+
 /// What holds and loads a body at a moment, but for its weight.
 struct BoundaryConditions {
   std::vector<unsigned char> fixed;  ///< per node: 1 where all directions are fixed or prescribed; empty: none
   PointArray loads =
       PointArray(0, 3);  ///< [N] external forces, those of instruments included: num_nodes x 3; empty: none
   std::vector<Instrument> instruments;
+  std::vector<SpringLine> springs = {};
 };
 
 /// A force on a node that no instrument makes.

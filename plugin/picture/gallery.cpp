@@ -143,6 +143,8 @@ void Gallery::add(long step, double time, ConstPoints positions, const std::vect
       if (conditions.fixed[node]) state.fixed.push_back(positions.row(node).transpose().cast<float>());
   if (staging_.shows_loads && conditions.loads.rows() > 0) state.loads = loads_of(conditions, positions, alive);
   for (const Instrument& instrument : conditions.instruments) state.tools.push_back(tool_of(instrument, positions));
+  for (const auto& [from, to, is_slack] : conditions.springs)
+    state.springs.push_back({from.cast<float>(), to.cast<float>(), is_slack});
   states_.push_back(std::move(state));
 }
 

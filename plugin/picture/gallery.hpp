@@ -43,9 +43,9 @@ int time_decimals(double dt);
 
 /// Collects states of a run and shows them: the smooth-shaded surface of the hexahedra with their edges, or the
 /// embedded surfaces that are embedded in them, coloured by a quantity. Values of hexahedra are averaged at nodes and
-/// blended between them. Fixed nodes are dots, instruments their shapes, or rings if they have none, and all
-/// forces arrows. All pictures share one camera, fitted to every state collected, one colour scale and one length of
-/// arrows per newton; that is why states are kept (in single precision, surface only) until the run is over.
+/// blended between them. Fixed nodes are dots, springs lines, instruments their shapes, or rings if they have none, and
+/// all forces arrows. All pictures share one camera, fitted to every state collected, one colour scale and one length
+/// of arrows per newton; that is why states are kept (in single precision, surface only) until the run is over.
 class Gallery {
  public:
   /// title: shown in every picture. time_decimals: of the time stamps. The mesh must outlive the gallery. Throws
@@ -123,6 +123,12 @@ class Gallery {
     Places points;                           // [m]
   };
 
+  /// A spring [m].
+  struct Spring {
+    Eigen::Vector3f from, to;
+    bool is_slack;
+  };
+
   /// The largest forces of all states [N]: their arrows are the longest.
   struct Strongest {
     float load = 0, tool = 0;
@@ -139,6 +145,7 @@ class Gallery {
     Places fixed;  // [m]
     std::vector<Load> loads;
     std::vector<Tool> tools;
+    std::vector<Spring> springs;
   };
 
   bool shows_cage() const { return !embedded_surfaces_.empty() && staging_.shows_hexahedra; }
@@ -164,6 +171,7 @@ class Gallery {
   void draw_ghosts(const State& state, const Camera& camera, Drawing& picture) const;
   void draw_surfaces(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const;
   void draw_tools(const State& state, const Camera& camera, Drawing& picture) const;
+  void draw_springs(const State& state, const Camera& camera, Drawing& picture) const;
   void draw_edges(const State& state, const Camera& camera, Drawing& picture) const;
   void draw_wires(const State& state, const Camera& camera, const Scale& scale, Drawing& picture) const;
   void draw_loads(const State& state, const Camera& camera, const Strongest& strongest, Drawing& picture) const;

@@ -147,6 +147,16 @@ void Gallery::fit(Camera& camera, Scale& scale, Strongest& strongest) const {
                         });
       }
     }
+    for (const Spring& spring : state.springs)
+      for (const Vector3f& end : {spring.from, spring.to})
+        if (is_near(end)) {
+          camera.see({&end, 1});
+        } else {  // drawn to where it leaves the box
+          for (int corner = 0; corner < kCorners; ++corner) {
+            const Vector3f place = near.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner));
+            camera.see_depths({&place, 1});
+          }
+        }
     for (const Shown* shown : shown_in(state)) scale.see(shown->values);
     scale.see(state.cut.values);
   }
@@ -176,6 +186,7 @@ Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& 
     draw_surfaces(state, camera, scale, picture);
     draw_edges(state, camera, picture);
   }
+  draw_springs(state, camera, picture);
   draw_tools(state, camera, picture);
   draw_loads(state, camera, strongest, picture);
   draw_marks(state, camera, page);
@@ -324,6 +335,14 @@ void Gallery::draw_tools(const State& state, const Camera& camera, Drawing& pict
   }
 }
 
+void Gallery::draw_springs(const State& state, const Camera& camera, Drawing& picture) const {
+  std::vector<Plane> above = sides(camera);
+  for (const Plane& plane : planes_around(surroundings())) above.push_back(plane);
+  const Pen pen(camera, above, picture);
+  for (const auto& [from, to, is_slack] : state.springs)
+    pen.line({from, kSpring}, {to, kSpring}, is_slack ? kSlackWidth : kSpringWidth, is_slack ? kSlackOpacity : 1);
+}
+
 void Gallery::draw_edges(const State& state, const Camera& camera, Drawing& picture) const {
   if (!staging_.shows_hexahedra || !staging_.shows_edges) return;
   const Surface& surface = *state.body.surface;
@@ -398,7 +417,9 @@ void Gallery::draw_marks(const State& state, const Camera& camera, Page& page) c
 std::vector<Key> Gallery::keys_of_shapes(const Scale& scale) const {
   const bool has_fixed = std::ranges::any_of(states_, [](const State& state) { return !state.fixed.empty(); });
   std::vector<Key> keys;
-  if (!staging_.ghost.empty()) keys.push_back({Key::Mark::kLine, staging_.ghost});
+  const bool has_springs = std::ranges::any_of(states_, [](const State& state) { return !state.springs.empty(); });
+  if (!staging_.ghost.empty()) keys.push_back({Key::Mark::kLine, staging_.ghost, kOriginal});
+  if (has_springs) keys.push_back({Key::Mark::kLine, "spring, paler where slack", kSpring});
   if (staging_.shows_hexahedra && has_fixed) keys.push_back({Key::Mark::kDot, "fixed"});
   if (scale.has_gaps()) keys.push_back({Key::Mark::kGap, fmt::format("no {}", scale.quantity().label)});
   return keys;

@@ -22,13 +22,16 @@ inline constexpr Colour kLoad{0.02f, 0.47f, 0.41f};      // arrows of loads
 inline constexpr Colour kSteel{0.16f, 0.36f, 0.55f};     // outlines, rings and arrows of instruments
 inline constexpr Colour kMetal{0.78f, 0.84f, 0.90f};     // and their surfaces
 inline constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
-inline constexpr Colour kCage{0.25f, 0.30f, 0.38f};  // edges of hexahedra around embedded surfaces
+inline constexpr Colour kCage{0.25f, 0.30f, 0.38f};    // edges of hexahedra around embedded surfaces
+inline constexpr Colour kSpring{0.36f, 0.42f, 0.16f};  // springs, and what ties places together
 inline constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
 
 inline constexpr float kOutlineWidth = 1.3f;  // of the shape behind, and of instruments
-inline constexpr float kCutWidth = 1.6f;      // of the border of a cut face
-inline constexpr float kDotRadius = 3.2f;     // radius of the mark of a fixed node, at most
-inline constexpr float kDotOfEdge = 1 / 6.f;  // the same in parts of an edge's length
+inline constexpr float kSpringWidth = 1.6f;
+inline constexpr float kSlackWidth = 1.1f, kSlackOpacity = 0.5f;  // of springs that are shorter than at rest
+inline constexpr float kCutWidth = 1.6f;                          // of the border of a cut face
+inline constexpr float kDotRadius = 3.2f;                         // radius of the mark of a fixed node, at most
+inline constexpr float kDotOfEdge = 1 / 6.f;                      // the same in parts of an edge's length
 inline constexpr float kRingRadius = 9, kRingWidth = 2.4f, kRimWidth = 2.4f;  // of an instrument without a shape
 
 /// Edges of hexahedra grow fainter with their length, so that on fine meshes they do not cover the colours.

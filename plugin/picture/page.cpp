@@ -139,7 +139,7 @@ void Page::add_keys(const std::vector<Key>& keys, float left) {
         add_arrow(x, y, key);
         break;
       case Key::Mark::kLine:
-        drawing_.lines.push_back({{x - 16, y, 0, kOriginal}, {x + 16, y, 0, kOriginal}, 1.5f});
+        drawing_.lines.push_back({{x - 16, y, 0, key.colour}, {x + 16, y, 0, key.colour}, 1.5f});
         break;
       case Key::Mark::kDot:
         add_dot({x, y, 0, {}}, kDotRadius);

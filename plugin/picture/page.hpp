@@ -47,7 +47,7 @@ struct Key {
   enum class Mark { kNone, kLine, kDot, kRing, kGap, kArrow, kShape };
   Mark mark;
   std::string words;
-  Colour colour = kInk;                ///< of an arrow or a shape
+  Colour colour = kInk;                ///< of an arrow, a line or a shape
   Eigen::Vector2f direction = {1, 0};  ///< of an arrow, y downwards; not 0
 };
 

@@ -138,7 +138,7 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   page.add_title(title, remark);
   page.add_colour_bar(scale);
   std::vector<Key> keys;
-  if (!ghost.empty()) keys.push_back({Key::Mark::kLine, ghost});
+  if (!ghost.empty()) keys.push_back({Key::Mark::kLine, ghost, kOriginal});
   if (scale.has_gaps()) keys.push_back({Key::Mark::kGap, fmt::format("no {}", scale.quantity().label)});
   page.add_keys(keys);
   return std::move(page).finished();

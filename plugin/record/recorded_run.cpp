@@ -14,6 +14,7 @@
 #include "hexaplast/formats/xml.hpp"
 #include "record/files.hpp"
 #include "record/instruments_vtu.hpp"
+#include "record/springs_vtu.hpp"
 #include "record/state_arrays.hpp"
 #include "record/surface_vtu.hpp"
 
@@ -111,6 +112,7 @@ RecordedRun::RecordedRun(const fs::path& place) {
   name_ = fs::weakly_canonical(fs::absolute(pvd)).parent_path().filename().string();
   if (const fs::path instruments = directory_ / "instruments.pvd"; fs::exists(instruments, error))
     instruments_ = entries_of(instruments);
+  if (const fs::path springs = directory_ / "springs.pvd"; fs::exists(springs, error)) springs_ = entries_of(springs);
 
   const fs::path& first = entries_.front().file;
   ImportedState state = read(first);
@@ -163,6 +165,8 @@ RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) con
     if (!wanted.of_nodes) state.values[e] = of_cells[cell];
   }
   state.conditions = conditions_in(entry.file, read_state);
+  if (const auto tied = std::ranges::find(springs_, entry.time, &Entry::time); tied != springs_.end())
+    state.conditions.springs = read_springs(tied->file);
   const auto held = std::ranges::find(instruments_, entry.time, &Entry::time);
   if (held == instruments_.end()) return state;
   state.conditions.instruments = read_instruments(held->file);

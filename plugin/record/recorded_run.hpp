@@ -45,15 +45,16 @@ class RecordedRun {
   /// as above.
   std::vector<EmbeddedSurface> embedded_surfaces() const;
 
-  /// Reads a state, with the instruments where instruments.pvd names a file of the same time. Throws InputError for a
-  /// file that is missing or damaged, lacks an array that is needed, or belongs to another mesh.
+  /// Reads a state, with the instruments and springs where instruments.pvd and springs.pvd name a file of the same
+  /// time. Throws InputError for a file that is missing or damaged, lacks an array that is needed, or belongs to
+  /// another mesh.
   State state(const Entry& entry, Quantity quantity) const;
 
  private:
   std::filesystem::path directory_;
   std::string name_;
   std::vector<Entry> entries_;
-  std::vector<Entry> instruments_;  // of the same times; empty: there are none
+  std::vector<Entry> instruments_, springs_;  // of the same times; empty: there are none
   std::optional<HexMesh> mesh_;
   std::vector<int> id_of_hexahedron_;  // in the mesh that the run began with, ascending
 };

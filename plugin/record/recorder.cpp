@@ -15,6 +15,7 @@
 #include "picture/film.hpp"
 #include "picture/png_file.hpp"
 #include "record/instruments_vtu.hpp"
+#include "record/springs_vtu.hpp"
 #include "record/surface_vtu.hpp"
 #include "record/time_series.hpp"
 #include "record/viewer_states.hpp"
@@ -90,7 +91,7 @@ double mean_displacement(const std::vector<int>& nodes, ConstPoints from, ConstP
   return nodes.empty() ? 0 : sum / static_cast<double>(nodes.size());
 }
 
-constexpr std::string_view kMesh = "mesh_", kSurface = "surface_", kInstruments = "instruments_";
+constexpr std::string_view kMesh = "mesh_", kSurface = "surface_", kInstruments = "instruments_", kSprings = "springs_";
 
 std::string vtu_name(std::string_view prefix, long step) { return fmt::format("{}{:06}.vtu", prefix, step); }
 
@@ -150,7 +151,7 @@ struct Recorder::Files {
     // the last state of a run that was to be shorter is none that this one writes
     meshes.keep([&](const std::string& vtu) { return wants_state(step_of_vtu(vtu)) && is_there(vtu); });
     open_companions();
-    for (std::optional<TimeSeries>* series : {&surfaces, &instruments})
+    for (std::optional<TimeSeries>* series : {&surfaces, &instruments, &springs})
       if (*series) (*series)->keep(is_there);
     prepare_to_go_on(directory, step, plan.inputs, [&](const std::string& name) {
       return name.ends_with(".vtu") && meshes.has(vtu_name(kMesh, step_of_vtu(name)));
@@ -168,8 +169,8 @@ struct Recorder::Files {
   Measurement measurement;
   LineFile history, removed;
   TimeSeries meshes;
-  std::optional<TimeSeries> surfaces, instruments;  // of the same steps; absent: there are none
-  std::vector<std::string> lost;                    // .vtu files that had gone
+  std::optional<TimeSeries> surfaces, instruments, springs;  // of the same steps; absent: there are none
+  std::vector<std::string> lost;                             // .vtu files that had gone
   CarriedSurfaces embedded_surfaces;
   std::vector<long> to_draw, to_film;  // ascending
   std::optional<Gallery> gallery;      // absent: no pictures wanted
@@ -191,6 +192,7 @@ struct Recorder::Files {
   void open_companions() {
     if (!embedded_surfaces.empty()) surfaces = meshes.with_prefix(directory / "surface.pvd", kMesh, kSurface);
     if (plan.has_instruments) instruments = meshes.with_prefix(directory / "instruments.pvd", kMesh, kInstruments);
+    if (plan.has_springs) springs = meshes.with_prefix(directory / "springs.pvd", kMesh, kSprings);
   }
   bool wants_state(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
   void append_removed(const StepRecord& record);
@@ -306,6 +308,7 @@ void Recorder::Files::write_state() {
   if (instruments)
     write(*instruments, kInstruments,
           [&](const fs::path& file) { write_instruments(file, latest_conditions.instruments, latest_positions); });
+  if (springs) write(*springs, kSprings, [&](const fs::path& file) { write_springs(file, latest_conditions.springs); });
   write(meshes, kMesh, [&](const fs::path& file) {
     write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions, plan.regions,
               plan.region_names);

@@ -32,6 +32,7 @@ struct RunPlan {
   InputFiles inputs = {};           ///< files that are read, and so never replaced
   std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
   bool has_instruments = false;        ///< something in the scene may take hold of the body
+  bool has_springs = false;            ///< something in the scene is seen as springs
   Staging staging = {};                ///< of the pictures
   std::vector<int> regions = {};  ///< number of each hexahedron's region, from 1; 0: in none. Empty: there are none
   std::vector<std::string> region_names = {};
@@ -56,11 +57,12 @@ struct StepRecord {
 /// Writes the directory of a run: history.csv, removed.csv, mesh.pvd with mesh_<step>.vtu, frames/frame_<step>.png;
 /// viewer.json where the plan wants it (viewer_states.hpp); where the staging has embedded surfaces, surface.pvd with
 /// surface_<step>.vtu, and where the plan says that there are instruments, instruments.pvd with instruments_<step>.vtu,
-/// for the same steps. history.csv (docs/output.md; the columns of the energy balance, of elongation and of twist only
-/// where the run has them) grows by a whole row per step, removed.csv by a row `step,time,hexahedron` per hexahedron
-/// that a body has lost in it, in the order of their removal (of several bodies `step,time,hexahedron,body`, with the
-/// hexahedron's own number in its body); every other file appears whole under its final name, and each .pvd file names
-/// only complete files. After an OutputError everything that mesh.pvd names can still be read.
+/// or springs, springs.pvd with springs_<step>.vtu, for the same steps. history.csv (docs/output.md; the columns of the
+/// energy balance, of elongation and of twist only where the run has them) grows by a whole row per step, removed.csv
+/// by a row `step,time,hexahedron` per hexahedron that a body has lost in it, in the order of their removal (of several
+/// bodies `step,time,hexahedron,body`, with the hexahedron's own number in its body); every other file appears whole
+/// under its final name, and each .pvd file names only complete files. After an OutputError everything that mesh.pvd
+/// names can still be read.
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an

@@ -182,6 +182,10 @@ void ViewerStates::add(long step, double time, ConstPoints positions, ConstPoint
     if (conditions.fixed[node]) state.fixed.push_back(static_cast<int>(node));
   state.loads = loads_of(conditions);
   for (const Instrument& instrument : conditions.instruments) state.tools.push_back(tool_of(instrument, positions));
+  for (const auto& [from, to, is_slack] : conditions.springs) {
+    if (is_slack) state.slack.push_back(static_cast<int>(state.spring_ends.size()) / 2);
+    state.spring_ends.insert(state.spring_ends.end(), {from.cast<float>(), to.cast<float>()});
+  }
   states_.push_back(std::move(state));
 }
 
@@ -211,7 +215,7 @@ std::string ViewerStates::json() const {
   if (states_.empty()) return all.dump();
 
   std::vector<Vector3f> places;
-  Eigen::AlignedBox3f box, tool_box;
+  Eigen::AlignedBox3f box, tool_box, spring_box;
   const std::vector<Vector3f> initial = rows_of(mesh.positions());
   for (const Vector3f& place : initial) box.extend(place);
   for (const State& state : states_) {
@@ -221,6 +225,7 @@ std::string ViewerStates::json() const {
     }
     for (const Tool& tool : state.tools)
       for (const Vector3f& point : tool.points) tool_box.extend(point);
+    for (const Vector3f& end : state.spring_ends) spring_box.extend(end);
   }
   if (!box.min().allFinite() || !box.max().allFinite())
     throw NumericalError("a position of the states for the viewer is not finite");
@@ -295,7 +300,7 @@ std::string ViewerStates::json() const {
   }
   all["embedded"] = embedded;
 
-  std::vector<Vector3f> tool_points;
+  std::vector<Vector3f> tool_points, spring_ends;
   Json states = Json::array();
   std::vector<int> fixed;
   for (const State& state : states_) {
@@ -320,6 +325,11 @@ std::string ViewerStates::json() const {
       }
       entry["tools"] = tools;
     }
+    if (!state.spring_ends.empty()) {
+      entry["springs"] = {{"first", spring_ends.size()}, {"ends", state.spring_ends.size()}};
+      if (!state.slack.empty()) entry["springs"]["slack"] = state.slack;
+      spring_ends.insert(spring_ends.end(), state.spring_ends.begin(), state.spring_ends.end());
+    }
     states.push_back(entry);
   }
   all["states"] = states;
@@ -328,6 +338,12 @@ std::string ViewerStates::json() const {
   for (std::size_t s = 0; s < shapes_.size(); ++s) numbers.add(fmt::format("shape_{}", s), flat<3>(shapes_[s]), 3);
   numbers.add("tools", in_box(tool_points, tool_box),
               3 * std::max<std::size_t>(1, tool_points.size() / states_.size()));
+
+  if (!spring_ends.empty()) {
+    all["springBox"] = json_of(spring_box);
+    numbers.add("springs", in_box(spring_ends, spring_box),
+                3 * std::max<std::size_t>(1, spring_ends.size() / states_.size()));
+  }
 
   const Viewpoint view = staging_.viewpoint.value_or(beside(end_sections(mesh).axis));
   const Camera camera(view);

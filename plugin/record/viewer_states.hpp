@@ -65,6 +65,8 @@ class ViewerStates {
     std::vector<int> fixed;                  // nodes
     std::vector<Load> loads;
     std::vector<Tool> tools;
+    std::vector<Eigen::Vector3f> spring_ends;  // [m] two of each spring
+    std::vector<int> slack;                    // springs that are
   };
 
   std::vector<float> nodal_values(Quantity quantity, const ElementFields& fields, ConstPoints velocities) const;

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <ranges>
 
 #include "hexaplast/base/error.hpp"
 #include "scene/links.hpp"
@@ -171,14 +173,21 @@ void Scene::restore(Archive& archive) {
     all.push_back({component, awaits_refresh, archive.take(size)});
   });
 
+  const auto read = [](const Saved& saved) {
+    Archive own(saved.bytes);
+    saved.component.serialize(own);
+    if (own.rest() != 0)
+      throw InputError(
+          fmt::format("{} keeps {} bytes, {} were saved", address(saved.component), own.size(), saved.bytes.size()));
+  };
+  const auto is_body = [](const Saved& saved) {
+    const auto* field = dynamic_cast<const ForceField*>(&saved.component);
+    return field && field->body();
+  };
+  // bodies first: contact and pressure, which may stand before them, refer to the surface that is left of them
   const auto read_all = [&] {
-    for (const Saved& saved : all) {
-      Archive own(saved.bytes);
-      saved.component.serialize(own);
-      if (own.rest() != 0)
-        throw InputError(
-            fmt::format("{} keeps {} bytes, {} were saved", address(saved.component), own.size(), saved.bytes.size()));
-    }
+    std::ranges::for_each(all | std::views::filter(is_body), read);
+    std::ranges::for_each(all | std::views::filter(std::not_fn(is_body)), read);
   };
   // what follows others is made anew from their state, and its own memory comes on top of that
   read_all();

@@ -89,4 +89,17 @@ class Instrument {
   virtual PointArray shape_points(double /*time*/) const { return PointArray(0, 3); }
 };
 
+/// What stands in pictures for a spring, or for what ties two places together.
+struct SpringLine {
+  Vec3 from, to;          ///< [m]
+  bool is_slack = false;  ///< shorter than at rest
+};
+
+/// A component that is seen as lines.
+class ShowsSprings {
+ public:
+  virtual ~ShowsSprings() = default;
+  virtual std::vector<SpringLine> spring_lines() const = 0;  ///< at accepted positions
+};
+
 }  // namespace hexaplast::scene

@@ -111,6 +111,12 @@ void Figure::update(const Snapshot& snapshot, const Look& look, const Strongest&
       if (is_shown[node] && (!cut_ || cut_->height(nodes[node].cast<double>()) <= 0))
         fixed_places_.push_back(nodes[node]);
   }
+  taut_springs_.clear();
+  slack_springs_.clear();
+  for (const auto& [from, to, is_slack] : snapshot.conditions.springs) {
+    Places& lines = is_slack ? slack_springs_ : taut_springs_;
+    lines.insert(lines.end(), {from.cast<float>(), to.cast<float>()});
+  }
   if (cut_) draw_cut(snapshot.positions, snapshot.values, look.shows_edges);
   draw_tools(look.shows_instruments ? snapshot.conditions.instruments : std::vector<output::Instrument>());
   load_arrows_.clear();

@@ -60,7 +60,9 @@ class Figure {
   const std::vector<Vertex>& tool_triangles() const { return tool_triangles_; }
   const std::vector<Vertex>& load_arrows() const { return load_arrows_; }
   const std::vector<Vertex>& tool_arrows() const { return tool_arrows_; }  ///< seen also where they lie within tissue
-  const Eigen::AlignedBox3d& box() const { return box_; }                  ///< [m] of the body
+  const std::vector<Eigen::Vector3f>& taut_springs() const { return taut_springs_; }    ///< two places each
+  const std::vector<Eigen::Vector3f>& slack_springs() const { return slack_springs_; }  ///< two places each
+  const Eigen::AlignedBox3d& box() const { return box_; }                               ///< [m] of the body
 
   /// Two places each: what a viewer in direction `towards` sees as the outlines of the ghost, and of instruments.
   std::vector<Eigen::Vector3f> ghost_outline(const Vec3& towards) const { return outline(ghosts_, towards); }
@@ -141,7 +143,7 @@ class Figure {
   PointArray cut_points_;  // [m]
   std::vector<Triangle> cut_faces_;
   std::vector<Vertex> triangles_, tool_triangles_, cut_triangles_, load_arrows_, tool_arrows_;
-  Places edges_, cut_edges_, cut_outline_, ghost_triangles_, fixed_places_;
+  Places edges_, cut_edges_, cut_outline_, ghost_triangles_, fixed_places_, taut_springs_, slack_springs_;
   std::vector<Shape> ghosts_, shown_tools_;
   std::vector<Force> tool_forces_;
   std::vector<Vec3> rings_;

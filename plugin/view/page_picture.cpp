@@ -26,11 +26,13 @@ output::Drawing page_picture(const Source& source, const Snapshot& snapshot, con
   page.shows_loads = look.shows_instruments;
   page.ghost = look.ghost == Ghost::kNone ? "" : look.ghost == Ghost::kInitial ? "initial shape" : "rest shape";
 
+  output::BoundaryConditions shown;
+  if (look.shows_instruments) shown = snapshot.conditions;
+  shown.springs = snapshot.conditions.springs;
   output::Gallery gallery(source.mesh(), source.title(), output::time_decimals(source.dt() > 0 ? source.dt() : 1),
                           std::move(page));
   gallery.add(snapshot.step, snapshot.sample.time, snapshot.positions,
-              snapshot.of_hexahedra.empty() ? snapshot.values : snapshot.of_hexahedra, snapshot.alive,
-              look.shows_instruments ? snapshot.conditions : output::BoundaryConditions(),
+              snapshot.of_hexahedra.empty() ? snapshot.values : snapshot.of_hexahedra, snapshot.alive, shown,
               look.ghost == Ghost::kPlasticRest ? &snapshot.plastic_rest : nullptr);
   output::Drawing picture;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) { picture = drawing; });

@@ -303,6 +303,8 @@ void Painter::draw(const Figure& figure, const Camera& camera, const Viewport& v
   glDepthMask(GL_FALSE);
   set_cut(flat_, cut);
   draw_lines(figure.tool_outline(towards), rgba(output::kSteel), output::kOutlineWidth * density);
+  draw_lines(figure.taut_springs(), rgba(output::kSpring), output::kSpringWidth * density);
+  draw_lines(figure.slack_springs(), rgba(output::kSpring, output::kSlackOpacity), output::kSlackWidth * density);
   glDisable(GL_DEPTH_CLAMP);
   const auto length = static_cast<float>(figure.edge_length() / camera.metres_per_pixel(figure.box().center()));
   if (const auto edges = output::edge_ink(length, figure.shows_embedded_surfaces())) {

@@ -81,14 +81,10 @@ void require_finite(double p_Ap, double r_z) {
   throw NumericalError(fmt::format("conjugate gradients: the matrix is not positive definite (p.Ap = {})", p_Ap));
 }
 
-struct IndefinitePreconditioner : NumericalError {
-  using NumericalError::NumericalError;
-};
-
-/// Throws IndefinitePreconditioner where z is not what a positive definite preconditioner makes of r.
+/// Throws NumericalError where z is not what a positive definite preconditioner makes of r.
 void require_definite(double r_z) {
   if (r_z < 0)
-    throw IndefinitePreconditioner(
+    throw NumericalError(
         fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", r_z));
 }
 
@@ -212,14 +208,17 @@ double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
   return space.product(0) / r_z;
 }
 
-/// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range.
+/// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range. is_indefinite:
+/// where given, whether the preconditioner turned out not to be positive definite, which ends it too; else that throws.
 template <class Converged, class ConvergedBy>
 double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* start, double r_r, int max,
-                            int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by) {
+                            int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by,
+                            bool* is_indefinite = nullptr) {
   const int iterations_before = iterations;
   bool is_outside = false;
   Curvature curvature(space.rounding(), space.is_preconditioned() ? kOfPreconditioned : 0);
   const auto goes_on = [&](double rho, double p_Ap) {
+    if (is_indefinite && (*is_indefinite = rho < 0)) return false;
     is_outside = !curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); });
     if (!is_outside) require_definite(rho);
     return !is_outside;
@@ -340,17 +339,20 @@ struct PreconditionedConjugateGradients::Spaces {
   PointArray correction;
   CgSpace* latest = nullptr;  // for the latest system
   PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
+  bool has_outdated_radii = false;  // those of an earlier step made the latest preconditioner indefinite
 
   /// Whether the latest preconditioner has spectral radii that were known before; then the next one finds them anew.
   bool forgets_known_radii() {
-    const bool of_double = multigrid_double.forgets_known_radii(), of_single = multigrid_single.forgets_known_radii();
-    return preconditioned_by == PreconditionedBy::kMultigrid && system.has_one_body() && (of_double || of_single);
+    if (preconditioned_by != PreconditionedBy::kMultigrid || !system.has_one_body()) return false;
+    const KernelBody& body = system.bodies.front();
+    return body.double_operator && !body.cycle_operator ? multigrid_double.forgets_known_radii()
+                                                        : multigrid_single.forgets_known_radii();
   }
   bool has_others() const { return knows_kernels && !system.others.empty(); }
   bool refines() const { return knows_kernels && rounds_products(system); }
   bool knows_residual() const { return knows_kernels && has_exact_products(system); }
 
-  /// radii: that serve, or are to; may be null.
+  /// radii: of a sequence; null: those of the latest system serve where it is this one.
   CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, SpectralRadii* radii,
                   PreconditionedBy& chosen) {
     system.clear();
@@ -365,12 +367,14 @@ struct PreconditionedConjugateGradients::Spaces {
     const std::span<const NodeGroup> groups =
         system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
     if (!system.others.empty()) lumped.find(system, groups);
-    const NodalPart rest{.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
-                         .free = system.free,
-                         .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
-                         .version = system.diagonal_version,
-                         .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
-    const bool cycles = has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(rest.diagonal));
+    const bool cycles =
+        has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal));
+    return precondition(A, cycles, radii, chosen);
+  }
+
+  /// The present system by cycles, or by the diagonal.
+  CgSpace& precondition(const LinearSystem& A, bool cycles, SpectralRadii* radii, PreconditionedBy& chosen) {
+    const NodalPart rest = nodal_part();
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (!system.has_one_body()) {
       several.setup(A, system, rest, system.others.empty() ? nullptr : &lumped, cycles);
@@ -389,6 +393,14 @@ struct PreconditionedConjugateGradients::Spaces {
  private:
   bool knows_kernels = false;
   std::tuple<AlignedVector<double>, AlignedVector<float>> scratch_;
+
+  NodalPart nodal_part() const {
+    return {.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
+            .free = system.free,
+            .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
+            .version = system.diagonal_version,
+            .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
+  }
 
   template <class T>
   CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, BlockJacobi<T>& jacobi, const NodalPart& rest,
@@ -461,7 +473,8 @@ PreconditionedConjugateGradients::PreconditionedConjugateGradients(Preconditione
     default;
 
 SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
-  return iterate(A, b, nullptr, x, nullptr);
+  SpectralRadii none;
+  return iterate(A, b, nullptr, x, &none);
 }
 
 SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
@@ -490,9 +503,10 @@ constexpr int kMaxCorrections = 50;
 // bodies, and a few times as much in some that are badly distorted.
 constexpr double kHalfLeavesOut = 0x1p-10;
 
-/// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`.
+/// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`. is_indefinite:
+/// as in iterate_within_range.
 void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int max_iterations,
-         SolveReport& report) {
+         SolveReport& report, bool* is_indefinite = nullptr) {
   const auto relative = [&](double r_r) { return std::sqrt(r_r) / norm_b; };
   double r_r = space.begin(b, start);
   if (start && !(relative(r_r) <= 1)) {  // worse than none
@@ -501,7 +515,7 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
   }
   r_r = iterate_within_range(
       space, b, start, r_r, max_iterations, report.iterations, [&](double now) { return relative(now) <= enough; },
-      kNoRule);
+      kNoRule, is_indefinite);
   report.residual = relative(r_r);
   report.converged = report.residual <= enough;
 }
@@ -550,11 +564,8 @@ int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, b
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
                                                       Points x, SpectralRadii* radii) {
   require_sizes(A, b, x);
-  try {
-    return attempt(A, b, start, x, radii);
-  } catch (const IndefinitePreconditioner&) {
-    if (!spaces_->forgets_known_radii()) throw;
-  }
+  const SolveReport report = attempt(A, b, start, x, radii);
+  if (!std::exchange(spaces_->has_outdated_radii, false)) return report;
   if (radii) *radii = {};
   return attempt(A, b, start, x, radii);
 }
@@ -568,11 +579,29 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
     return report;
   }
   spaces_->latest = &spaces_->choose(A, preconditioner_, radii, spaces_->preconditioned_by);
-  CgSpace& space = *spaces_->latest;
   report.preconditioner = spaces_->preconditioned_by;
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
   PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;
+
+  // A cycle that turns out not to be positive definite is outdated, or gives way to the diagonal, from where it has
+  // come. False: the solve is to be made anew.
+  const auto run_on = [&](ConstPoints of, const ConstPoints* from, double norm, double until, Points answer) {
+    const bool cycles = report.preconditioner == PreconditionedBy::kMultigrid;
+    bool is_indefinite = false;
+    run(*spaces_->latest, of, from, norm, until, iterations_, report, cycles ? &is_indefinite : nullptr);
+    spaces_->has_outdated_radii = is_indefinite && spaces_->forgets_known_radii();
+    if (spaces_->has_outdated_radii) return false;
+    spaces_->latest->end(answer);
+    if (!is_indefinite) return true;
+    if (radii) *radii = {};
+    spaces_->latest = &spaces_->precondition(A, false, nullptr, spaces_->preconditioned_by);
+    report.preconditioner = spaces_->preconditioned_by;
+    const ConstPoints reached(answer);
+    run(*spaces_->latest, of, &reached, norm, until, iterations_, report);
+    spaces_->latest->end(answer);
+    return true;
+  };
   if (refines) {
     if (start) {
       x = start->cwiseProduct(spaces_->system.free.cast<double>());
@@ -581,15 +610,14 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
       x.setZero();
     }
   } else {
-    run(space, b, start, norm_b, enough, iterations_, report);
-    space.end(x);
+    if (!run_on(b, start, norm_b, enough, x)) return report;
     // rounding leaves more than the tolerance where the stiffness is far above what b asks for, and where other terms
     // are much stiffer than the body
     if (!spaces_->knows_residual()) return report;
-    const bool is_doubtful = space.rounding_of_residual() > kDoubt * enough * norm_b;
+    const bool is_doubtful = spaces_->latest->rounding_of_residual() > kDoubt * enough * norm_b;
     if (!spaces_->has_others() && !is_doubtful) return report;
     if (is_single && !is_doubtful) {
-      report.residual = space.residual_beside_others(spaces_->system, b, x, r) / norm_b;
+      report.residual = spaces_->latest->residual_beside_others(spaces_->system, b, x, r) / norm_b;
       report.converged = report.residual + kHalfLeavesOut <= enough;
       if (report.converged) return report;
     }
@@ -605,8 +633,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
   correction.resize(b.rows(), 3);
   for (int k = 0; k < kMaxCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
     const double of_correction = std::max(0.5 * enough * norm_b / norm_r, is_single ? kCorrection : 0);
-    run(space, r, nullptr, norm_r, of_correction, iterations_, report);
-    space.end(correction);
+    if (!run_on(r, nullptr, norm_r, of_correction, correction)) return report;
     correction += x;
     const double norm_before = std::exchange(norm_r, exact_residual(A, spaces_->system, b, correction, r));
     // A is singular, or the answer as good as it gets

@@ -21,8 +21,9 @@ constexpr int kCoarsestDegree = 10;         // on the coarsest mesh, in place of
 constexpr double kCoarsestFraction = 0.02;
 constexpr int kMinLanczosSteps = 6, kMaxLanczosSteps = 14;
 constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step: with less, steps end
-constexpr double kRangeEnds = 1e-5;      // of a Lanczos vector: what is left is rounding
-constexpr double kSafety = 1.15;  // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
+constexpr double kIrregular = 8;     // eigenvalue of a mesh in which single elements stand out; regular ones: to 6.2
+constexpr double kRangeEnds = 1e-5;  // of a Lanczos vector: what is left is rounding
+constexpr double kSafety = 1.15;     // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
 
 /// Ad = A d on the nodes, ghosts of d included; without blocks.
 template <class T>
@@ -99,10 +100,10 @@ struct Tridiagonal {
   }
 };
 
-/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, until a step finds little more. Unlike
-/// the power method it finds what a single element stands out by.
+/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, `min` steps and on until one finds
+/// little more. Unlike the power method it finds what a single element stands out by.
 template <class T>
-double spectral_radius(MultigridLevel<T>& level) {
+double spectral_radius(MultigridLevel<T>& level, int min) {
   const Partition& partition = level.op->partition();
   for (AlignedVector<T>* vector : {&level.x, &level.Ad})
     if (vector->size() != level.d.size()) vector->assign(level.d.size(), T(0));
@@ -136,7 +137,7 @@ double spectral_radius(MultigridLevel<T>& level) {
     apply(level);
     alpha[step] = dot(level, level.d, level.Ad);
     const double before_step = std::exchange(largest, found.largest_eigenvalue(step + 1));
-    if (step + 1 >= kMinLanczosSteps && !(largest > kLanczosGrowth * before_step)) break;
+    if (step + 1 >= min && !(largest > kLanczosGrowth * before_step)) break;
     const T along = static_cast<T>(alpha[step]), before = static_cast<T>(step > 0 ? norm : 0);
     for_each_number(
         [&](std::size_t i) { level.r[i] = level.inverse[i] * level.Ad[i] - along * level.d[i] - before * level.r[i]; });
@@ -230,41 +231,53 @@ void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, Spe
   };
   if (body.spectral_radius > 0)
     return for_each_radius([&](double& radius, std::size_t) { radius = body.spectral_radius; });
+
   const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
-  if (body.revision != 0 && body.revision == radii_of_.revision && body.factor == radii_of_.factor &&
-      own_diagonal.rows() == radii_of_.diagonal.rows() && own_diagonal == radii_of_.diagonal &&
-      rest.free == radii_of_.free)
-    return;
-  radii_of_.revision = body.revision;
-  if (body.revision != 0) {
-    radii_of_.factor = body.factor;
-    radii_of_.diagonal = own_diagonal;
-    radii_of_.free = rest.free;
+  const bool are_of_this = body.revision != 0 && body.revision == radii_of_.revision &&
+                           body.factor == radii_of_.factor && own_diagonal.rows() == radii_of_.diagonal.rows() &&
+                           own_diagonal == radii_of_.diagonal && rest.free == radii_of_.free;
+  if (are_of_this && !known) return;
+  if (!are_of_this) {
+    radii_of_.revision = body.revision;
+    if (body.revision != 0) {
+      radii_of_.factor = body.factor;
+      radii_of_.diagonal = own_diagonal;
+      radii_of_.free = rest.free;
+    }
   }
 
-  SpectralRadii of_system{.num_levels = static_cast<int>(coarse_.size()) + 1,
-                          .factor = body.factor,
-                          .diagonal = own_diagonal.sum(),
-                          .num_free = rest.free.template cast<std::int64_t>().sum()};
-  are_radii_known_ = known && known->serve(of_system);
-  if (are_radii_known_) {
-    ++known->num_solves;
-    return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });
+  SpectralRadii of_system;
+  if (known) {
+    const Eigen::Map<const Eigen::VectorX<T>> stiffness_of_body(fine_.stiffness.data(), 4 * rest.diagonal.rows());
+    of_system = {.num_levels = static_cast<int>(coarse_.size()) + 1,
+                 .num_solves = 1,
+                 .factor = body.factor,
+                 .diagonal = own_diagonal.sum(),
+                 .stiffness = stiffness_of_body.template cast<double>().sum(),
+                 .num_free = rest.free.template cast<std::int64_t>().sum()};
+    if (known->serve(of_system)) {
+      ++known->num_solves;
+      are_radii_known_ = true;
+      return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });
+    }
   }
-  place(own_diagonal, rest.free, {});
-  fine_.radius = kSafety * spectral_radius(fine_);
-  for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level);
+  if (!are_of_this || are_radii_known_) {
+    place(own_diagonal, rest.free, {});
+    fine_.radius = kSafety * spectral_radius(fine_, kMinLanczosSteps);
+    // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
+    const int min = fine_.radius > kSafety * kIrregular ? kMaxLanczosSteps : kMinLanczosSteps;
+    for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level, min);
+    are_radii_known_ = false;
+  }
   if (!known || of_system.num_levels > SpectralRadii::kMaxLevels) return;
   for_each_radius([&](double radius, std::size_t level) { of_system.of_level[level] = radius; });
-  of_system.num_solves = 1;
   *known = of_system;
 }
 
 template <class T>
 bool Multigrid<T>::forgets_known_radii() {
-  if (!are_radii_known_) return false;
-  radii_of_.revision = diagonal_version_ = 0;
-  return true;
+  if (are_radii_known_) radii_of_.revision = 0;
+  return are_radii_known_;
 }
 
 template <class T>

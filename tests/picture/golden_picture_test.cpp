@@ -153,6 +153,26 @@ TEST(GoldenPicture, OfLoads) {
   expect_golden("loads", picture(staging, some_values(), {}, loaded()));
 }
 
+/// Two taut springs and a slack one from the bar to places beside it, of which one is far off.
+output::BoundaryConditions tied() {
+  output::BoundaryConditions conditions = held();
+  const PointArray x = bent_bar();
+  const auto at = [&](int node) { return Vec3(x.row(node).transpose()); };
+  conditions.springs = {{at(24), Vec3(.1, -.3, .3)}, {at(50), Vec3(.1, .6, .2), true}, {at(86), Vec3(.2, 4, .9)}};
+  return conditions;
+}
+
+TEST(GoldenPicture, OfSprings) {
+  const Drawing drawing = picture(small(), some_values(), {}, tied());
+  expect_golden("springs", drawing);
+
+  // and they are there to be seen
+  output::BoundaryConditions without = tied();
+  for (output::SpringLine& spring : without.springs) spring.to = spring.from;
+  const auto image = [](const Drawing& one) { return output::load_renderer()->render(one); };
+  EXPECT_GT(num_different(image(drawing), image(picture(small(), some_values(), {}, without))), 4 * kMaxDifferent);
+}
+
 // The middle plane of the bar as a surface, in the cage of its edges.
 TEST(GoldenPicture, OfASurfaceInACage) {
   Staging staging = small();

@@ -138,11 +138,12 @@ TEST(Companions, AreSeriesOfTheSameTimes) {
   RunPlan run = plan(10, 4);
   run.staging.embedded_surfaces = two_surfaces();
   run.has_instruments = true;
+  run.has_springs = true;
   Recorder recorder(scratch / "run", body, run);
   support::record_stretch(recorder, body, 10);
   recorder.finish();
   const auto meshes = series_in(scratch / "run");
-  for (const std::string kind : {"surface", "instruments"}) {
+  for (const std::string kind : {"surface", "instruments", "springs"}) {
     const auto series = series_in(scratch / "run", kind + ".pvd");
     ASSERT_EQ(series.size(), meshes.size());
     for (std::size_t k = 0; k < series.size(); ++k) {

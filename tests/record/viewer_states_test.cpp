@@ -132,6 +132,32 @@ TEST(ViewerFile, NamesHexahedraThatGo) {
   EXPECT_EQ(all.at("states").at(1).at("gone").get<std::vector<int>>(), gone);
 }
 
+TEST(ViewerFile, HasTheEndsOfSpringsAndWhichAreSlack) {
+  const Body body(support::block({1, 2, 3}, 0.1), {Material{}});
+  const output::Bodies bodies(body);
+  ViewerStates states(bodies, "springs", 2, 0.01, {}, {});
+  const PointArray x = body.mesh().positions(), v = support::some_velocities(body);
+  const std::vector<output::SpringLine> springs{{Vec3(.3, .1, -.2), Vec3(.5, .7, 0)},
+                                                {Vec3(.4, .15, .25), Vec3(0, 0, .31), true}};
+  states.add(0, 0, x, v, {});
+  states.add(1, 0.01, x, v, {.fixed = {}, .instruments = {}, .springs = springs});
+  const Json all = Json::parse(states.json());
+  EXPECT_FALSE(all.at("states").at(0).contains("springs"));
+  const Json& shown = all.at("states").at(1).at("springs");
+  EXPECT_EQ(shown.at("first"), 0);
+  EXPECT_EQ(shown.at("ends"), 4);
+  EXPECT_EQ(shown.at("slack").get<std::vector<int>>(), std::vector<int>{1});
+  const std::vector<double> box = all.at("springBox");
+  const std::vector<std::uint32_t> numbers = unpacked(all, "springs");
+  ASSERT_EQ(numbers.size(), 12u);
+  for (std::size_t end = 0; end < 4; ++end)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double span = box[3 + axis] - box[axis], place = box[axis] + span * numbers[3 * end + axis] / 65535;
+      const auto& [from, to, is_slack] = springs[end / 2];
+      EXPECT_NEAR(place, (end % 2 == 0 ? from : to)[axis], 1e-5) << end;
+    }
+}
+
 TEST(ViewerFile, OfManyNodesHasFewerStatesAndSaysSo) {
   const auto steps_of = [](const std::array<int, 3>& n, bool& is_thinned) {
     const Body body(support::block(n, 0.1), {Material{}});

@@ -69,7 +69,7 @@ class Resume : public Command {
 
   void expect_same_run(const std::string& resumed, const std::string& straight) const {
     EXPECT_EQ(rows(resumed + "/history.csv"), rows(straight + "/history.csv"));
-    for (const char* name : {"/removed.csv", "/mesh.pvd", "/surface.pvd", "/instruments.pvd"})
+    for (const char* name : {"/removed.csv", "/mesh.pvd", "/surface.pvd", "/instruments.pvd", "/springs.pvd"})
       EXPECT_EQ(content(directory_ / (resumed + name)), content(directory_ / (straight + name))) << name;
     EXPECT_EQ(files(resumed), files(straight));
     for (const std::string& name : files(straight)) {

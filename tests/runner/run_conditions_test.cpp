@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "hexaplast/formats/mesh_import.hpp"
+#include "record/springs_vtu.hpp"
 #include "support/command.hpp"
 #include "support/compare.hpp"
 
@@ -52,7 +53,7 @@ TEST_F(Conditions, FixedNodesAreThoseOfTheScene) {
       EXPECT_EQ(fixed->values[node], node < 9 || (node == 44 && is_prescribed)) << name << ", node " << node;
   }
   EXPECT_TRUE(load(3).isZero(0)) << "weight is none, and neither are forces of the body itself";
-  EXPECT_FALSE(has("instruments.pvd") || has("surface.pvd"));
+  EXPECT_FALSE(has("instruments.pvd") || has("surface.pvd") || has("springs.pvd"));
 }
 
 // Steps take loads at their beginning: what led to the state after step k is the load at (k - 1) dt.
@@ -125,6 +126,64 @@ TEST_F(Conditions, PullsOfInstrumentsAreLoadsAndFilesOfTheirOwn) {
   EXPECT_TRUE(support::agrees(rest_of_load, PointArray(PointArray::Zero(45, 3)), 1e-13));
 
   EXPECT_EQ(state("instruments_000004.vtu").mesh.positions.rows(), 0) << "let go";
+}
+
+// The diagonals of the end face, one longer and one shorter than at rest, and what pulls two nodes back.
+TEST_F(Conditions, SpringsAreLinesBetweenTheirEnds) {
+  run("<SpringForceField spring='36 44 5 0 .5  38 42 5 0 .01'/><RestShapeSpringsForceField points='44 40' "
+      "stiffness='9'/>");
+  ASSERT_TRUE(has("springs.pvd"));
+  const ImportedState springs = state("springs_000003.vtu");
+  const PointArray x = state("mesh_000003.vtu").mesh.positions, rest = state("mesh_000000.vtu").mesh.positions;
+  const std::vector<output::SpringLine> lines = output::read_springs(directory_ / "run/springs_000003.vtu");
+  ASSERT_EQ(lines.size(), 4u);
+  const auto row = [](const PointArray& points, int node) { return Vec3(points.row(node).transpose()); };
+  EXPECT_EQ(lines[0].from, row(x, 36));
+  EXPECT_EQ(lines[0].to, row(x, 44));
+  EXPECT_TRUE(lines[0].is_slack);
+  EXPECT_EQ(lines[1].from, row(x, 38));
+  EXPECT_EQ(lines[1].to, row(x, 42));
+  EXPECT_FALSE(lines[1].is_slack);
+  for (const auto& [line, node] : {std::pair{2, 44}, {3, 40}}) {
+    EXPECT_EQ(lines[line].from, row(x, node));
+    EXPECT_EQ(lines[line].to, row(rest, node));
+    EXPECT_GT((lines[line].to - lines[line].from).norm(), 1e-5) << "the block hangs down";
+  }
+
+  // a finished run is drawn with them
+  const auto draw = [&](const std::string& name) {
+    const support::Outcome outcome = hexaplast("render run --step 3 --out " + name);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return support::content(directory_ / name);
+  };
+  const std::string with = draw("with.png");
+  std::filesystem::remove(directory_ / "run/springs.pvd");
+  EXPECT_NE(draw("without.png"), with);
+}
+
+// A pair that is tied, one that is too far apart, and a spring to a body that tears.
+TEST_F(Conditions, WhatIsReleasedOrTornOffIsNotShown) {
+  const auto block = [](const std::string& name, const std::string& from, const std::string& to,
+                        const std::string& more) {
+    return "<Node name='" + name + "'><RegularGridTopology n='2 2 3' min='" + from + "' max='" + to +
+           "'/><MechanicalObject name='nodes'/><UniformMass totalMass='.1'/><HexahedronElastoplasticFEMForceField "
+           "youngModulus='3000' poissonRatio='.3'" +
+           more + "/></Node>";
+  };
+  write("two.scn",
+        "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><RunSettings outputEvery='1' steps='4'/><Node "
+        "name='both'><EulerImplicitSolver/><CGLinearSolver iterations='200' tolerance='1e-9' threshold='1e-30'/>" +
+            block("a", "0 0 0", ".1 .1 .2", " yieldStress='1' plasticFlowRate='5' hardening='.5' fractureStress='20'") +
+            block("b", ".11 0 0", ".2 .1 .2", "") +
+            "<AttachProjectiveConstraint object1='@a/nodes' object2='@b/nodes' indices1='1 3' "
+            "indices2='0 10' minDistance='.05'/><SpringForceField object1='@a/nodes' object2='@b/nodes' "
+            "spring='9 9 30 0 0'/></Node></Node>");
+  const support::Outcome outcome = hexaplast("run two.scn --out run --force --frames 0 --quiet");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(output::read_springs(directory_ / "run/springs_000000.vtu").size(), 2u) << "without what is released";
+  const std::string removed = support::content(directory_ / "run/removed.csv");
+  ASSERT_EQ(removed, "step,time,hexahedron,body\n3,0.03,1,a\n");
+  EXPECT_EQ(output::read_springs(directory_ / "run/springs_000004.vtu").size(), 1u);
 }
 
 }  // namespace

@@ -303,6 +303,8 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   EXPECT_EQ(errors_of(block("<InstrumentContactForceField radius='1' keyTimes='0' positions='0 0 1'/>",
                             "<SparseLDLSolver/>", "<EulerImplicitSolver trapezoidalScheme='true'/>")),
             prefix + ": its EulerImplicitSolver has trapezoidalScheme: contact needs implicit Euler");
+  EXPECT_EQ(errors("radius='1' embeddedPositions='0 0 0'"),
+            prefix + ".embeddedPositions: given without embeddedTriangles, which make a surface of them");
   EXPECT_NE(errors("shape='ball' radius='1'").find("'ball'"), std::string::npos);
   EXPECT_EQ(errors_of("<Node><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
                       "position='0 0 0'/><UniformMass totalMass='1'/><InstrumentContactForceField radius='1' "
@@ -314,6 +316,19 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   const std::vector<scene::Message> warnings = thin.diagnostics().take_warnings();
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_NE(warnings[0].text.find("slips between them"), std::string::npos);
+
+  // a ball that begins within the block, at its surface and in its middle
+  const auto begins_at = [](const std::string& place) {
+    scene::Scene scene =
+        read_and_init(block("<InstrumentContactForceField radius='.008' keyTimes='0' positions='" + place + "'/>"));
+    std::string said;
+    for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += warning.text;
+    return said;
+  };
+  EXPECT_NE(begins_at(".03 .03 .032").find("positions: it begins 0.006 m deep in the body"), std::string::npos);
+  EXPECT_NE(begins_at(".03 .03 .015").find("reaches no point of its surface"), std::string::npos);
+  EXPECT_EQ(begins_at(".03 .03 .038"), "");
+  EXPECT_EQ(begins_at(".03 .03 .0379"), "") << "it touches";
 }
 
 // The same motion as along a path; movements of SOFA's constraint lag by one step.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 
@@ -251,6 +252,44 @@ TEST(TissueContactForceField, CanBeSwitchedOff) {
     EXPECT_LT(positions(first, "upper").col(2).minCoeff(), 0.01) << "10 mm below the surface";
     EXPECT_GT(positions(third, "upper").col(2).minCoeff(), 0.019);
   }
+}
+
+// Contact, an instrument and a pressure that stand before a body have the surface that is left of it.
+TEST(TissueContactForceField, ContinuesOnABodyThatHasTorn) {
+  Stack stack;
+  std::string text = stack.text();
+  const auto insert = [&](std::string_view before, const std::string& what) {
+    text.insert(text.find(before, text.find("<Node name='upper'>")), what);
+  };
+  insert(
+      "<HexahedronElasto",
+      "<InstrumentContactForceField name='tool' radius='.01' friction='.5' keyTimes='0 .2' positions='.021 .023 .06  "
+      ".021 .023 .04'/><SurfacePressureForceField pressure='20' min='0 0 .035' max='.04 .04 .045'/>");
+  insert("youngModulus", "yieldStress='20' plasticFlowRate='20' hardening='1' fractureStress='60' ");
+  scene::Scene straight = read_and_init(text), second = read_and_init(text);
+  const auto num_removed = [](scene::Scene& scene) {
+    return at<scene::MechanicalState>(scene, "upper/state")
+        .node()
+        .all<scene::ForceField>()
+        .back()
+        ->body()
+        ->removed()
+        .size();
+  };
+  for (int step = 0; step < 60 && num_removed(straight) == 0; ++step) support::run(straight, 1);
+  ASSERT_GT(num_removed(straight), 0u);
+  ASSERT_LT(num_removed(straight), 8u) << "something is left";
+  std::vector<std::byte> bytes;
+  Archive out([&](const void* data, std::size_t size) {
+    const auto* from = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), from, from + size);
+  });
+  straight.serialize(out);
+  Archive in{std::span<const std::byte>(bytes)};
+  second.serialize(in);
+  support::run(straight, 5);
+  support::run(second, 5);
+  for (const char* body : {"lower", "upper"}) EXPECT_EQ(positions(straight, body), positions(second, body)) << body;
 }
 
 TEST(TissueContactForceField, RefusesWhatCannotBe) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
@@ -90,6 +91,52 @@ TEST(MixedPrecision, LetsStiffBodiesFallAsTheyMust) {
       EXPECT_NEAR(falling.v.col(2).mean(), -9.81 * 0.2, 0.02 * 9.81 * 0.2) << young_modulus;
       EXPECT_TRUE(report.solve.converged);
     }
+}
+
+// A cycle whose smoother takes the spectrum for a fifth of what it is.
+TEST_P(KernelSolvers, ACycleThatIsNotPositiveDefiniteGivesWayToTheDiagonal) {
+  class TooLow final : public LinearSystem {
+   public:
+    explicit TooLow(const BodySystem& A) : A_(A) {}
+    int num_nodes() const override { return A_.num_nodes(); }
+    void apply(ConstPoints p, Points Ap) const override { A_.apply(p, Ap); }
+    void assemble(BlockMatrix& blocks) const override { A_.assemble(blocks); }
+    bool describe(MatrixFreeSystem& system) const override {
+      A_.describe(system);
+      for (KernelBody& one : system.bodies) one.spectral_radius = 1;
+      return true;
+    }
+
+   private:
+    const BodySystem& A_;
+  };
+  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
+  body.linearize(X);
+  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
+  const TooLow indefinite(A);
+  PointArray b = support::Random(8).field(kNodes, 1), x(kNodes, 3), expected(kNodes, 3), product(kNodes, 3);
+  system.project(b);
+  ASSERT_TRUE(PreconditionedConjugateGradients(1e-9, 2000).solve(A, b, expected).converged);
+
+  const SolveReport report = solver.solve(indefinite, b, x);
+  EXPECT_EQ(report.preconditioner, PreconditionedBy::kDiagonal);
+  EXPECT_TRUE(report.converged);
+  A.apply(x, product);
+  const double left = (b - product).norm() / b.norm();
+  EXPECT_NEAR(report.residual, left, GetParam().first == Precision::kMixed ? 1e-3 : 1e-9);
+  EXPECT_LT((x - expected).norm(), (GetParam().first == Precision::kMixed ? 1e-2 : 1e-5) * expected.norm());
+
+  // to the same bits again, by any number of threads; and the next system has its cycle
+  for (const int threads : {1, 3}) {
+    set_num_threads(threads);
+    PointArray again(kNodes, 3);
+    solver.solve(indefinite, b, again);
+    EXPECT_EQ(again, x) << threads;
+  }
+  set_num_threads(1);
+  EXPECT_EQ(solver.solve(A, b, x).preconditioner, GetParam().second == Preconditioner::kMultigrid
+                                                      ? PreconditionedBy::kMultigrid
+                                                      : PreconditionedBy::kDiagonal);
 }
 
 TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {

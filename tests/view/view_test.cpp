@@ -210,6 +210,19 @@ TEST(Figure, InstrumentsHaveTheirShapes) {
   EXPECT_TRUE(figure.tool_triangles().empty());
 }
 
+TEST(Figure, SpringsAreTautOrSlack) {
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  Figure figure(mesh, staging({}));
+  Snapshot snapshot = moment(mesh);
+  snapshot.conditions.springs = {{Vec3(1, 2, 3), Vec3(4, 5, 6)}, {Vec3(7, 8, 9), Vec3(0, 0, 1), true}};
+  const std::vector<Eigen::Vector3f> taut{{1, 2, 3}, {4, 5, 6}}, slack{{7, 8, 9}, {0, 0, 1}};
+  for (const bool shows_instruments : {true, false}) {
+    figure.update(snapshot, {.shows_instruments = shows_instruments}, {});
+    EXPECT_EQ(figure.taut_springs(), taut);
+    EXPECT_EQ(figure.slack_springs(), slack);
+  }
+}
+
 TEST(Figure, ArrowsAreThoseOfThePictures) {
   const HexMesh mesh = support::block({1, 1, 3}, 1);
   Figure figure(mesh, staging({}));

@@ -69,6 +69,8 @@ output::BoundaryConditions conditions_of(Simulation& simulation) {
       for (const int node : nodes) shown.nodes.push_back(body.first_node + node);
     });
   }
+  for (const scene::ShowsSprings* springs : root.all<scene::ShowsSprings>())
+    for (const auto& [from, to, is_slack] : springs->spring_lines()) conditions.springs.push_back({from, to, is_slack});
   return conditions;
 }
 

@@ -91,6 +91,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   for (const scene::Instrument* instrument : simulation.scene().root().all<scene::Instrument>())
     plan.has_contact = plan.has_contact || instrument->contact_energy().has_value();
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
+  plan.has_springs = !simulation.scene().root().all<scene::ShowsSprings>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   if (simulation.bodies()) plan.regions = region_numbers(simulation.scene(), *simulation.bodies());
   if (!plan.regions.empty())
