@@ -146,7 +146,7 @@ void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
   double depth = 0;
   for (const SurfaceSamples::Sample& sample : samples_of(solid).samples)
     depth = std::max(depth, -solid.distance(to_frame * (sample.at(x) - pose.position)).value);
-  const char* option = options_.is_led ? "rigid" : "positions";
+  const char* option = options_.is_prescribed ? "rigid" : "positions";
   if (depth > kDeep * solid.smallest_radius()) {
     warnings_.push_back({option, fmt::format("it begins {:.3g} m deep in the body, which is pushed out", depth)});
   } else if (depth == 0) {
