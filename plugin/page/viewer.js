@@ -589,7 +589,7 @@ class Viewer {
           const places = run.toolPoints(tool);
           for (let k = 0; k < tool.points; ++k) if (isNear(pointAt(places, k))) points.push(pointAt(places, k));
         }
-        const ends = run.springEnds({low: s, high: s, share: 0}) ?? [];
+        const ends = run.springEnds({low: s, high: s, fraction: 0}) ?? [];
         for (let k = 0; k < ends.length / 3; ++k) if (isNear(pointAt(ends, k))) points.push(pointAt(ends, k));
       }
     }

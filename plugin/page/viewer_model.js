@@ -308,14 +308,14 @@ class Run {
   toolPoints(tool) { return this.placesIn(this.arrays.tools, this.data.toolBox, tool.first, tool.points); }
 
   // Ends of springs, two of each.
-  springEnds({low, high, share}) {
+  springEnds({low, high, fraction}) {
     const [from, to] = [low, high].map(state => this.data.states[state].springs);
     if (!from) return null;
     const places = ({first, ends}) => this.placesIn(this.arrays.springs, this.data.springBox, first, ends);
     const ends = places(from);
-    if (share === 0 || from.ends !== to?.ends) return ends;
+    if (fraction === 0 || from.ends !== to?.ends) return ends;
     const others = places(to);
-    for (let i = 0; i < ends.length; ++i) ends[i] += share * (others[i] - ends[i]);
+    for (let i = 0; i < ends.length; ++i) ends[i] += fraction * (others[i] - ends[i]);
     return ends;
   }
 

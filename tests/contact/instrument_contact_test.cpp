@@ -24,7 +24,7 @@ PointArray random_field(const HexMesh& mesh, unsigned seed, double size) {
   return field;
 }
 
-TEST(SurfaceSamples, FractionTheSurfaceAmongThem) {
+TEST(SurfaceSamples, ShareTheSurfaceAmongThem) {
   const HexMesh mesh = block();
   for (const int parts : {1, 2, 3, 7}) {
     const SurfaceSamples found = SurfaceSamples::on(mesh, {}, 0.1 / parts, 64);

@@ -73,7 +73,7 @@ TEST(Partition, ChunksKeepMostRuns) {
   EXPECT_GT(num_runs(partition), 0.9 * partition.num_blocks);
 }
 
-/// The share of sixteen threads' time in which they work, a chunk each, in an iteration of conjugate gradients. In
+/// The fraction of sixteen threads' time in which they work, a chunk each, in an iteration of conjugate gradients. In
 /// nanoseconds: a product of an element, vectors of a node, copies of a ghost, as docs/performance.md has them for
 /// boxes.
 double efficiency_of_sixteen(const Partition& partition) {

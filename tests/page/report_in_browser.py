@@ -81,8 +81,8 @@ def check_pointer(browser, history):
     legend = browser.ask(CHARTS)[0]["legend"]
 
     row = history[len(history) // 2]
-    for name in ("world", "plastic"):
-        value = float(f"{100 * float(row[name + '_elongation']):.5g}")
+    for name, column in (("current", "world_elongation"), ("plastic", "plastic_elongation")):
+        value = float(f"{100 * float(row[column]):.5g}")
         if f"{name} {value:g} %" not in " ".join(legend.split()):
             yield f"under the pointer: '{legend}', must have {name} {value:g} % of step {row['step']}"
     if f"step {row['step']}," not in legend:

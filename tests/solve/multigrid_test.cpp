@@ -7,6 +7,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/element_values.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/moving_body.hpp"
