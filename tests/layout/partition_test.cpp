@@ -73,6 +73,29 @@ TEST(Partition, ChunksKeepMostRuns) {
   EXPECT_GT(num_runs(partition), 0.9 * partition.num_blocks);
 }
 
+/// The share of sixteen threads' time in which they work, a chunk each, in an iteration of conjugate gradients. In
+/// nanoseconds: a product of an element, vectors of a node, copies of a ghost, as docs/performance.md has them for boxes.
+double efficiency_of_sixteen(const Partition& partition) {
+  constexpr double kProduct = 12, kVectors = 3, kCopies = 1;
+  double sum = 0, longest = 0;
+  for (int c = 0; c < partition.num_chunks; ++c) {
+    const auto count = [&](const std::vector<int>& first) { return first[c + 1] - first[c]; };
+    const double time = kProduct * kBlock * count(partition.first_block) + kVectors * count(partition.first_node) +
+                        kCopies * count(partition.first_ghost);
+    sum += time;
+    longest = std::max(longest, time);
+  }
+  return sum / (16 * longest);
+}
+
+TEST(Partition, KeepsSixteenThreadsBusy) {
+  for (const std::array<int, 3> cells : {std::array{18, 18, 32}, std::array{40, 40, 64}, std::array{75, 15, 15}}) {
+    const Partition partition(support::block(cells, 0.1));
+    EXPECT_EQ(partition.num_chunks, 16);
+    EXPECT_GT(efficiency_of_sixteen(partition), 0.9);
+  }
+}
+
 TEST(Partition, RingsAreRunsButForTheirSeam) {
   // a tube of 16 cells around, 3 along and 2 through
   constexpr int kAround = 16;
