@@ -343,14 +343,16 @@ struct PreconditionedConjugateGradients::Spaces {
 
   /// Whether the latest preconditioner has spectral radii that were known before; then the next one finds them anew.
   bool forgets_known_radii() {
-    const bool of_double = multigrid_double.forgets_known_radii(), of_single = multigrid_single.forgets_known_radii();
-    return preconditioned_by == PreconditionedBy::kMultigrid && system.has_one_body() && (of_double || of_single);
+    if (preconditioned_by != PreconditionedBy::kMultigrid || !system.has_one_body()) return false;
+    const KernelBody& body = system.bodies.front();
+    return body.double_operator && !body.cycle_operator ? multigrid_double.forgets_known_radii()
+                                                        : multigrid_single.forgets_known_radii();
   }
   bool has_others() const { return knows_kernels && !system.others.empty(); }
   bool refines() const { return knows_kernels && rounds_products(system); }
   bool knows_residual() const { return knows_kernels && has_exact_products(system); }
 
-  /// radii: that serve, or are to; may be null.
+  /// radii: of a sequence; null: those of the latest system serve where it is this one.
   CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, SpectralRadii* radii,
                   PreconditionedBy& chosen) {
     system.clear();
@@ -471,7 +473,8 @@ PreconditionedConjugateGradients::PreconditionedConjugateGradients(Preconditione
     default;
 
 SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
-  return iterate(A, b, nullptr, x, nullptr);
+  SpectralRadii none;
+  return iterate(A, b, nullptr, x, &none);
 }
 
 SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
@@ -563,7 +566,7 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   require_sizes(A, b, x);
   const SolveReport report = attempt(A, b, start, x, radii);
   if (!std::exchange(spaces_->has_outdated_radii, false)) return report;
-  *radii = {};
+  if (radii) *radii = {};
   return attempt(A, b, start, x, radii);
 }
 
@@ -583,12 +586,11 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
 
   // A cycle that turns out not to be positive definite is outdated, or gives way to the diagonal, from where it has
   // come. False: the solve is to be made anew.
-  const bool has_known_radii = radii && radii->num_solves > 1;
   const auto run_on = [&](ConstPoints of, const ConstPoints* from, double norm, double until, Points answer) {
     const bool cycles = report.preconditioner == PreconditionedBy::kMultigrid;
     bool is_indefinite = false;
     run(*spaces_->latest, of, from, norm, until, iterations_, report, cycles ? &is_indefinite : nullptr);
-    spaces_->has_outdated_radii = is_indefinite && has_known_radii && spaces_->forgets_known_radii();
+    spaces_->has_outdated_radii = is_indefinite && spaces_->forgets_known_radii();
     if (spaces_->has_outdated_radii) return false;
     spaces_->latest->end(answer);
     if (!is_indefinite) return true;

@@ -231,43 +231,53 @@ void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, Spe
   };
   if (body.spectral_radius > 0)
     return for_each_radius([&](double& radius, std::size_t) { radius = body.spectral_radius; });
+
   const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
-  if (body.revision != 0 && body.revision == radii_of_.revision && body.factor == radii_of_.factor &&
-      own_diagonal.rows() == radii_of_.diagonal.rows() && own_diagonal == radii_of_.diagonal &&
-      rest.free == radii_of_.free)
-    return;
-  radii_of_.revision = body.revision;
-  if (body.revision != 0) {
-    radii_of_.factor = body.factor;
-    radii_of_.diagonal = own_diagonal;
-    radii_of_.free = rest.free;
+  const bool are_of_this = body.revision != 0 && body.revision == radii_of_.revision &&
+                           body.factor == radii_of_.factor && own_diagonal.rows() == radii_of_.diagonal.rows() &&
+                           own_diagonal == radii_of_.diagonal && rest.free == radii_of_.free;
+  if (are_of_this && !known) return;
+  if (!are_of_this) {
+    radii_of_.revision = body.revision;
+    if (body.revision != 0) {
+      radii_of_.factor = body.factor;
+      radii_of_.diagonal = own_diagonal;
+      radii_of_.free = rest.free;
+    }
   }
 
-  SpectralRadii of_system{.num_levels = static_cast<int>(coarse_.size()) + 1,
-                          .factor = body.factor,
-                          .diagonal = own_diagonal.sum(),
-                          .num_free = rest.free.template cast<std::int64_t>().sum()};
-  are_radii_known_ = known && known->serve(of_system);
-  if (are_radii_known_) {
-    ++known->num_solves;
-    return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });
+  SpectralRadii of_system;
+  if (known) {
+    const Eigen::Map<const Eigen::VectorX<T>> stiffness_of_body(fine_.stiffness.data(), 4 * rest.diagonal.rows());
+    of_system = {.num_levels = static_cast<int>(coarse_.size()) + 1,
+                 .num_solves = 1,
+                 .factor = body.factor,
+                 .diagonal = own_diagonal.sum(),
+                 .stiffness = stiffness_of_body.template cast<double>().sum(),
+                 .num_free = rest.free.template cast<std::int64_t>().sum()};
+    if (known->serve(of_system)) {
+      ++known->num_solves;
+      are_radii_known_ = true;
+      return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });
+    }
   }
-  place(own_diagonal, rest.free, {});
-  fine_.radius = kSafety * spectral_radius(fine_, kLeastLanczosSteps);
-  // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
-  const int least = fine_.radius > kSafety * kIrregular ? kMostLanczosSteps : kLeastLanczosSteps;
-  for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level, least);
+  if (!are_of_this || are_radii_known_) {
+    place(own_diagonal, rest.free, {});
+    fine_.radius = kSafety * spectral_radius(fine_, kLeastLanczosSteps);
+    // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
+    const int least = fine_.radius > kSafety * kIrregular ? kMostLanczosSteps : kLeastLanczosSteps;
+    for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level, least);
+    are_radii_known_ = false;
+  }
   if (!known || of_system.num_levels > SpectralRadii::kMaxLevels) return;
   for_each_radius([&](double radius, std::size_t level) { of_system.of_level[level] = radius; });
-  of_system.num_solves = 1;
   *known = of_system;
 }
 
 template <class T>
 bool Multigrid<T>::forgets_known_radii() {
-  if (!are_radii_known_) return false;
-  radii_of_.revision = diagonal_version_ = 0;
-  return true;
+  if (are_radii_known_) radii_of_.revision = 0;
+  return are_radii_known_;
 }
 
 template <class T>

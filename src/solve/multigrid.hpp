@@ -33,7 +33,7 @@ template <class T>
 class Multigrid final : public SlotPreconditioner<T> {
  public:
   /// Takes the body's operators, and the diagonal, blocks and fixed degrees of freedom of `rest`; finds the spectral
-  /// radii, unless they are those of the latest system, or `known` ones serve (null: there are none).
+  /// radii, unless `known` ones serve. Without `known`, those of the latest setup with the same system serve.
   void setup(const KernelBody& body, const NodalPart& rest, SpectralRadii* known = nullptr);
 
   /// Whether the radii were known ones; then the next setup finds them anew.
@@ -76,7 +76,7 @@ class Multigrid final : public SlotPreconditioner<T> {
     PointArray diagonal;
     NodeMask free;
   } radii_of_;                    // all that the spectral radii follow from
-  bool are_radii_known_ = false;  // of an earlier system, to serve this one
+  bool are_radii_known_ = false;  // they were, from an earlier system
 };
 
 }  // namespace hexaplast

@@ -74,7 +74,8 @@ TEST(Partition, ChunksKeepMostRuns) {
 }
 
 /// The share of sixteen threads' time in which they work, a chunk each, in an iteration of conjugate gradients. In
-/// nanoseconds: a product of an element, vectors of a node, copies of a ghost, as docs/performance.md has them for boxes.
+/// nanoseconds: a product of an element, vectors of a node, copies of a ghost, as docs/performance.md has them for
+/// boxes.
 double efficiency_of_sixteen(const Partition& partition) {
   constexpr double kProduct = 12, kVectors = 3, kCopies = 1;
   double sum = 0, longest = 0;
