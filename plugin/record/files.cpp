@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 bool is_series(std::string_view name) {
-  return name == "mesh.pvd" || name == "surface.pvd" || name == "instruments.pvd";
+  return name == "mesh.pvd" || name == "surface.pvd" || name == "instruments.pvd" || name == "springs.pvd";
 }
 
 /// Files of an earlier run, finished or not; refuses a directory in the place of one, and an input. Time series come
@@ -53,7 +53,8 @@ bool is_of_run(std::string_view name) {
   return is_series(name) || name == "history.csv" || name == "removed.csv" || name == "plot.svg" ||
          name == "manifest.json" || name == "report.html" || name == "viewer.json" ||
          is_numbered(name, "mesh_", ".vtu") || is_numbered(name, "surface_", ".vtu") ||
-         is_numbered(name, "instruments_", ".vtu") || is_numbered(name, "checkpoint_", ".hxc");
+         is_numbered(name, "instruments_", ".vtu") || is_numbered(name, "springs_", ".vtu") ||
+         is_numbered(name, "checkpoint_", ".hxc");
 }
 
 void add_files_of_run(const fs::path& directory, InputFiles& files) {

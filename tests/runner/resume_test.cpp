@@ -28,7 +28,8 @@ const std::string kTearingBar =
     "<HexahedronElastoplasticFEMForceField name='body' youngModulus='2e4' poissonRatio='0.3' yieldStress='500' "
     "plasticFlowRate='4' hardening='0.1' rotationYield='0.01' rotationFlowRate='2' fractureStretch='1.02'/>"
     "<FixedProjectiveConstraint indices='24-29'/>"
-    "<GraspForceField radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 .05 -.2' graspTime='0.06' "
+    "<SpringForceField spring='0 20 3 .1 .05'/><GraspForceField radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 "
+    ".05 -.2' graspTime='0.06' "
     "releaseTime='0.5' stiffness='300' maxForce='12'/><Node name='skin'><OglModel position='.05 .02 .1  .15 .02 .1  "
     ".1 .08 .3' triangles='0 1 2'/><BarycentricMapping/></Node></Node>";
 

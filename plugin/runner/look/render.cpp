@@ -344,7 +344,7 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
       ->type_name("surfaces|hexahedra|both")
       ->excludes(sections);
   command->add_flag("--no-edges", options.no_edges, "Leave out the edges of hexahedra");
-  command->add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, loads, instruments and gravity");
+  command->add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, springs, loads, instruments and gravity");
   command
       ->add_option("--video", options.video,
                    "Film of all states in real time instead of a picture: .mp4 by ffmpeg, or .png, animated")
