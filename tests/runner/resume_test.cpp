@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 #include <thread>
+#include <utility>
 
 #include "hexaplast/base/hash.hpp"
 #include "support/command.hpp"
@@ -324,10 +325,10 @@ TEST_F(ResumeOfAStranger, LoadsNothingBeforeEverythingIsChecked) {
   write("theirs/bar.scn", scene);
 
   std::string bytes = content(directory_ / "theirs/checkpoint_000000020.hxc");
-  bytes[8] = 1;  // an earlier format, which told where to look for plugins
+  const char version = std::exchange(bytes[8], 1);  // an earlier format, which told where to look for plugins
   write("theirs/checkpoint_000000020.hxc", bytes);
-  expect_harmless(resume + "--steps 40", 3, "has format version 1, must be 5");
-  bytes[8] = 5;
+  expect_harmless(resume + "--steps 40", 3, "has format version 1, must be " + std::to_string(version));
+  bytes[8] = version;
   bytes[100] = static_cast<char>(bytes[100] ^ 1);
   write("theirs/checkpoint_000000020.hxc", bytes);
   expect_harmless(resume + "--steps 40", 3, "is damaged");
