@@ -17,8 +17,9 @@ HWY_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, 
   using V = Lanes<T>;
   constexpr int weights = kWhich == Which::kPerSample ? 2 * kCorners * kBlock : 2 * kBlock;
   const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights + lane;
-  // assumed strains gain nothing by it
-  constexpr bool unrolls = kAssumed == Assumed::kNothing && kWhich != Which::kLaw;
+  // assumed strains gain nothing by it, nor do general shapes on less than thirty-two registers
+  constexpr bool unrolls =
+      kAssumed == Assumed::kNothing && kWhich != Which::kLaw && (!kGeneral || HWY_TARGET <= HWY_AVX3);
   CornerLanes<V> u;
   gather(op.partition(), block, lane, p, u);
   const auto* const coef = stored(op, block) + lane;
