@@ -149,7 +149,7 @@ void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
   const char* option = options_.is_prescribed ? "rigid" : "positions";
   if (depth > kDeep * solid.smallest_radius()) {
     warnings_.push_back({option, fmt::format("it begins {:.3g} m deep in the body, which is pushed out", depth)});
-  } else if (depth == 0) {
+  } else if (depth == 0 && options_.embedded_triangles.empty()) {  // the cage of an embedded surface reaches beyond it
     const PointArray place = pose.position.transpose();
     if (Embedding(x, body_.mesh().hexahedra(), place).num_outside() == 0)
       warnings_.push_back(

@@ -339,7 +339,8 @@ struct PreconditionedConjugateGradients::Spaces {
   PointArray correction;
   CgSpace* latest = nullptr;  // for the latest system
   PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
-  bool has_outdated_radii = false;  // those of an earlier step made the latest preconditioner indefinite
+  bool may_redo = false;            // a solve with radii of an earlier step
+  bool has_outdated_radii = false;  // they made the latest preconditioner indefinite
 
   /// Whether the latest preconditioner has spectral radii that were known before; then the next one finds them anew.
   bool forgets_known_radii() {
@@ -481,7 +482,7 @@ SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, 
                                                          SolverMemory& memory) {
   SpectralRadii radii = memory.radii;
   const SolveReport report = iterate(A, b, nullptr, x, &radii);
-  radii.heed(report.iterations);
+  if (report.preconditioner == PreconditionedBy::kMultigrid) radii.heed(report.iterations);
   memory.radii = radii;
   return report;
 }
@@ -564,10 +565,15 @@ int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, b
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
                                                       Points x, SpectralRadii* radii) {
   require_sizes(A, b, x);
-  const SolveReport report = attempt(A, b, start, x, radii);
+  spaces_->may_redo = true;
+  SolveReport report = attempt(A, b, start, x, radii);
   if (!std::exchange(spaces_->has_outdated_radii, false)) return report;
   if (radii) *radii = {};
-  return attempt(A, b, start, x, radii);
+  spaces_->may_redo = false;
+  const int lost = report.iterations;
+  report = attempt(A, b, start, x, radii);
+  report.iterations += lost;
+  return report;
 }
 
 SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
@@ -590,7 +596,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
     const bool cycles = report.preconditioner == PreconditionedBy::kMultigrid;
     bool is_indefinite = false;
     run(*spaces_->latest, of, from, norm, until, iterations_, report, cycles ? &is_indefinite : nullptr);
-    spaces_->has_outdated_radii = is_indefinite && spaces_->forgets_known_radii();
+    spaces_->has_outdated_radii = is_indefinite && spaces_->may_redo && spaces_->forgets_known_radii();
     if (spaces_->has_outdated_radii) return false;
     spaces_->latest->end(answer);
     if (!is_indefinite) return true;
@@ -616,7 +622,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
     if (!spaces_->knows_residual()) return report;
     const bool is_doubtful = spaces_->latest->rounding_of_residual() > kDoubt * enough * norm_b;
     if (!spaces_->has_others() && !is_doubtful) return report;
-    if (is_single && !is_doubtful) {
+    if (is_single && !is_doubtful && enough > 2 * kHalfLeavesOut) {
       report.residual = spaces_->latest->residual_beside_others(spaces_->system, b, x, r) / norm_b;
       report.converged = report.residual + kHalfLeavesOut <= enough;
       if (report.converged) return report;

@@ -60,6 +60,8 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
     report.iterations += again.iterations;
     report.residual = again.residual;
     report.converged = again.converged;
+    if (again.preconditioner == PreconditionedBy::kDiagonal && again.iterations > 0)
+      report.preconditioner = again.preconditioner;  // a cycle has given way to it
   }
 
   if (!first_order) velocity_ += v;  //                                                                        eq. 42

@@ -188,6 +188,7 @@ void Multigrid<T>::refer_to(const KernelBody& body) {
   fine_.op = body.op<T>();
   if constexpr (std::is_same_v<T, float>)
     if (body.cycle_operator) fine_.op = body.cycle_operator;
+  if (coarse_.size() != operators_.size()) radii_of_.revision = diagonal_version_ = stiffness_of_.revision = 0;
   coarse_.resize(operators_.size());
   for (std::size_t k = 0; k < coarse_.size(); ++k) coarse_[k].op = operators_[k].op;
 }
@@ -229,8 +230,11 @@ void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, Spe
     visit(fine_.radius, 0);
     for (std::size_t k = 0; k < coarse_.size(); ++k) visit(coarse_[k].radius, k + 1);
   };
-  if (body.spectral_radius > 0)
+  if (body.spectral_radius > 0) {
+    radii_of_.revision = 0;
+    are_radii_known_ = false;
     return for_each_radius([&](double& radius, std::size_t) { radius = body.spectral_radius; });
+  }
 
   const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
   const bool are_of_this = body.revision != 0 && body.revision == radii_of_.revision &&

@@ -128,6 +128,8 @@ public:
                         report.iterations += again.iterations;
                         report.residual = again.residual;
                         report.converged = again.converged;
+                        if (again.preconditioner == PreconditionedBy::kDiagonal && again.iterations > 0)
+                            report.preconditioner = again.preconditioner;
                     }
                     system.acceptStep();
                     system.write(solution, x);
