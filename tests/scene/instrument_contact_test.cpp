@@ -329,6 +329,11 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   EXPECT_NE(begins_at(".03 .03 .015").find("reaches no point of its surface"), std::string::npos);
   EXPECT_EQ(begins_at(".03 .03 .038"), "");
   EXPECT_EQ(begins_at(".03 .03 .0379"), "") << "it touches";
+  // in the gap between a surface and its cage
+  const std::string surface =
+      "' embeddedPositions='.01 .01 .01  .02 .01 .01  .01 .02 .01  .01 .01 .02' "
+      "embeddedTriangles='0 2 1  0 1 3  0 3 2  1 2 3";
+  EXPECT_EQ(begins_at(".04 .04 .03" + surface), "");
 }
 
 // The same motion as along a path; movements of SOFA's constraint lag by one step.
