@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
-#include <ranges>
 
 #include "hexaplast/base/error.hpp"
 #include "scene/links.hpp"
@@ -182,12 +180,13 @@ void Scene::restore(Archive& archive) {
   };
   const auto is_body = [](const Saved& saved) {
     const auto* field = dynamic_cast<const ForceField*>(&saved.component);
-    return field && field->body();
+    return field != nullptr && field->body() != nullptr;
   };
   // bodies first: contact and pressure, which may stand before them, refer to the surface that is left of them
   const auto read_all = [&] {
-    std::ranges::for_each(all | std::views::filter(is_body), read);
-    std::ranges::for_each(all | std::views::filter(std::not_fn(is_body)), read);
+    for (const bool of_bodies : {true, false})
+      for (const Saved& saved : all)
+        if (is_body(saved) == of_bodies) read(saved);
   };
   // what follows others is made anew from their state, and its own memory comes on top of that
   read_all();
