@@ -205,8 +205,8 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   }
   require_finite(x, "position");
   state_->not_linearized_since = "flow";
-  if (state_->skip_screening)
-    set_positions(state_->model, state_->history, x, state_->at);
+  if (state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)
+    set_positions(state_->model, x, state_->at);
   else
     hexaplast::linearize(state_->model, state_->history, x, state_->at);
   if (!state_->flow) return count_inverted(state_->model, state_->at);

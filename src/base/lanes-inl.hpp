@@ -147,6 +147,37 @@ HWY_INLINE void store_as(Lanes<double> a, hwy::float16_t* to) {
   const hn::Rebind<hwy::float16_t, Lanes<double>::Tag> half;
   hn::Store(hn::DemoteTo(half, hn::DemoteTo(single, Lanes<double>::Register(a))), half, to);
 }
+// Lanes of doubles beside lanes of T: a register of T has the elements of kParts<T> registers of doubles.
+template <class T>
+inline constexpr int kParts = Lanes<T>::kCount / Lanes<double>::kCount;
+
+HWY_INLINE Lanes<double> narrow_as(const Lanes<double>* parts, double) { return *parts; }
+HWY_INLINE Lanes<float> narrow_as(const Lanes<double>* parts, float) {
+  const hn::Rebind<float, Lanes<double>::Tag> part;
+#if HWY_TARGET == HWY_SCALAR
+  return hn::DemoteTo(part, parts->raw());
+#else
+  return hn::Combine(Lanes<float>::Tag(), hn::DemoteTo(part, parts[1].raw()), hn::DemoteTo(part, parts[0].raw()));
+#endif
+}
+/// The elements of kParts<T> registers of doubles, rounded to T.
+template <class T>
+HWY_INLINE Lanes<T> narrow(const Lanes<double>* parts) {
+  return narrow_as(parts, T());
+}
+
+/// The elements of one of the parts.
+HWY_INLINE Lanes<double> widen(Lanes<double> a, int) { return a; }
+HWY_INLINE Lanes<double> widen(Lanes<float> a, [[maybe_unused]] int part) {
+  const Lanes<double>::Tag d;
+#if HWY_TARGET == HWY_SCALAR
+  return hn::PromoteTo(d, a.raw());
+#else
+  const hn::Half<Lanes<float>::Tag> half;
+  return hn::PromoteTo(d, part == 0 ? hn::LowerHalf(half, a.raw()) : hn::UpperHalf(half, a.raw()));
+#endif
+}
+
 /// The lanes of which the bits are set from a, the others from b.
 template <class T>
 HWY_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes<T> b) {

@@ -80,10 +80,10 @@ HWY_INLINE void store_elements(const Lanes<double>* number, std::uint32_t lanes,
 }
 
 /// of(element) side by side, one element per lane.
-template <class Of>
-HWY_INLINE Lanes<double> gather_numbers(const int* elements, const Of& of) {
-  alignas(64) double numbers[Lanes<double>::kCount];
-  for (int lane = 0; lane < Lanes<double>::kCount; ++lane) numbers[lane] = of(elements[lane]);
+template <class T = double, class Of>
+HWY_INLINE Lanes<T> gather_numbers(const int* elements, const Of& of) {
+  alignas(64) T numbers[Lanes<T>::kCount];
+  for (int lane = 0; lane < Lanes<T>::kCount; ++lane) numbers[lane] = static_cast<T>(of(elements[lane]));
   return load(numbers);
 }
 

@@ -105,8 +105,7 @@ void update_material(const Model& model, const History& history, Linearization& 
   at.is_current = false;
 }
 
-void set_positions(const Model& model, const History& history, ConstPoints x, Linearization& at) {
-  update_material(model, history, at);
+void set_positions(const Model& model, ConstPoints x, Linearization& at) {
   if (at.is_current && at.x == x) return;
   at.is_current = false;
   at.x = x;
@@ -115,7 +114,8 @@ void set_positions(const Model& model, const History& history, ConstPoints x, Li
 
 //   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at) {
-  set_positions(model, history, x, at);
+  update_material(model, history, at);
+  set_positions(model, x, at);
   if (at.is_current) return;
   at.revision = next_revision();
   const Partition& partition = *model.partition;

@@ -11,9 +11,9 @@ namespace hexaplast {
 /// Brings what `at` holds of the plastic rest shape up to date with the history.
 void update_material(const Model& model, const History& history, Linearization& at);
 
-/// Current positions x (num_nodes x 3) [m] and the plastic rest shape alone: all that flow_elements of the plastic step
-/// needs.
-void set_positions(const Model& model, const History& history, ConstPoints x, Linearization& at);
+/// Current positions x (num_nodes x 3) [m] alone: all that the plastic step needs besides what the latest linearize has
+/// found of the plastic rest shape, which must still be the present one.
+void set_positions(const Model& model, ConstPoints x, Linearization& at);
 
 /// Rotations, forces and the stiffness operator at current positions x (num_nodes x 3) [m]; nothing where `at` holds
 /// them already.                                                                                   theory.md eq. 15, 16

@@ -37,10 +37,10 @@ struct PolarLanes {
 template <int kCount, class V>
 HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
   using T = typename V::Scalar;
-  constexpr int kSteps = sizeof(T) == 8 ? 4 : 3;
-  constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);  // entries are brought to 1, unless all are smaller
-  constexpr T kMinDenominator = T(2e-3);                          // of I^3
-  constexpr T kConverged = sizeof(T) == 8 ? T(1e-6) : T(1e-3);    // of I, in the last step: the one after cubes it
+  constexpr int kSteps = 4;
+  constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);     // entries are brought to 1, unless all are smaller
+  constexpr T kMinDenominator = sizeof(T) == 8 ? T(2e-3) : T(2e-2);  // of I^3
+  constexpr T kConverged = sizeof(T) == 8 ? T(1e-6) : T(1e-3);       // of I, in the last step: the one after cubes it
 
   struct Invariants {
     V n2, det, constant;
@@ -115,8 +115,9 @@ HWY_INLINE PolarLanes<V> polar(const Mat<V>& F) {
 /// The lanes that the closed form leaves open, by the singular value decomposition.
 template <class V>
 HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
+  using T = typename V::Scalar;
   constexpr int kCount = V::kCount;
-  alignas(64) double f[9][kCount], r[9][kCount], s[6][kCount];
+  alignas(64) T f[9][kCount], r[9][kCount], s[6][kCount];
   Sym<V>& S = polar.S;
   V* const sym[6] = {&S.xx, &S.yy, &S.zz, &S.yz, &S.zx, &S.xy};
   for (int k = 0; k < 9; ++k) {
@@ -129,10 +130,10 @@ HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
     Mat3 one;
     for (int k = 0; k < 9; ++k) one(k / 3, k % 3) = f[k][lane];
     const Polar found = hexaplast::polar(one);
-    for (int k = 0; k < 9; ++k) r[k][lane] = found.R(k / 3, k % 3);
+    for (int k = 0; k < 9; ++k) r[k][lane] = static_cast<T>(found.R(k / 3, k % 3));
     const Mat3& U = found.S;
     const double numbers[6] = {U(0, 0), U(1, 1), U(2, 2), U(1, 2), U(2, 0), U(0, 1)};
-    for (int k = 0; k < 6; ++k) s[k][lane] = numbers[k];
+    for (int k = 0; k < 6; ++k) s[k][lane] = static_cast<T>(numbers[k]);
   }
   for (int k = 0; k < 9; ++k) polar.R.m[k / 3][k % 3] = load(r[k]);
   for (int k = 0; k < 6; ++k) *sym[k] = load(s[k]);

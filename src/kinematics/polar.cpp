@@ -38,11 +38,12 @@ Vec3 rotation_log(const Mat3& R) {
 }
 
 Mat3 rotation_exp(const Vec3& w) {
-  return to_eigen(plain::rotation_exp(plain::RotationVector<double>{{w[0], w[1], w[2]}, w.norm()}, 1.0));
+  const plain::RotationVector<double> vector{{w[0], w[1], w[2]}, w.norm()};
+  return Mat3::Identity() + to_eigen(plain::rotation_expm1(vector, 1.0));
 }
 
 Mat3 rotation_power(const Mat3& R, double power) {
-  return to_eigen(plain::rotation_exp(plain::rotation_log(plain::entries(R)), power));
+  return Mat3::Identity() + to_eigen(plain::rotation_expm1(plain::rotation_log(plain::entries(R)), power));
 }
 
 }  // namespace hexaplast

@@ -28,7 +28,9 @@ struct RotationVector {
 // tests/elastic/kernels_test.cpp compares the two.
 template <class V>
 HWY_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
+  using T = typename V::Scalar;
   const typename V::Tag d;
+  constexpr T kTiny = sizeof(T) == 8 ? T(1e-150) : T(1e-18);  // its square is above the smallest number
   const V cosine = V(0.5) * (R(0, 0) + R(1, 1) + R(2, 2) - V(1.0));
   RotationVector<V> out;
   out.axis_angle[0] = V(0.5) * (R(2, 1) - R(1, 2));
@@ -36,15 +38,15 @@ HWY_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
   out.axis_angle[2] = V(0.5) * (R(1, 0) - R(0, 1));
   const V sine = sqrt(out.axis_angle[0] * out.axis_angle[0] + out.axis_angle[1] * out.axis_angle[1] +
                       out.axis_angle[2] * out.axis_angle[2]);
-  out.near_half_turn = bits<double>(hn::Not(cosine > V(-0.9)));
+  out.near_half_turn = bits<T>(hn::Not(cosine > V(-0.9)));
 
   // atan2 with the quotient kept below 1
   const auto steep = sine > abs(cosine);
-  const V quotient = select(steep, cosine, sine) / select(steep, sine, max(abs(cosine), V(1e-300)));
+  const V quotient = select(steep, cosine, sine) / select(steep, sine, max(abs(cosine), V(kTiny)));
   const V arc(hn::Atan(d, quotient.raw()));
   const V half_turn(3.14159265358979323846);
   out.angle = select(steep, V(0.5) * half_turn - arc, select(cosine < V(0.0), half_turn - arc, arc));
-  const V stretch = select(sine > V(1e-150), out.angle / max(sine, V(1e-150)), V(1.0));
+  const V stretch = select(sine > V(kTiny), out.angle / max(sine, V(kTiny)), V(1.0));
   for (V& component : out.axis_angle) component *= stretch;
   return out;
 }
@@ -62,25 +64,26 @@ HWY_INLINE void sine_and_cosine(double angle, double& sine, double& cosine) {
   sine = std::sin(angle);
   cosine = std::cos(angle);
 }
-HWY_INLINE void sine_and_cosine(Lanes<double> angle, Lanes<double>& sine, Lanes<double>& cosine) {
-  const Lanes<double>::Tag d;
+template <class T>
+HWY_INLINE void sine_and_cosine(Lanes<T> angle, Lanes<T>& sine, Lanes<T>& cosine) {
+  const typename Lanes<T>::Tag d;
   sine = hn::Sin(d, angle.raw());
   cosine = hn::Cos(d, angle.raw());
 }
 
-/// exp(fraction w).                                                                                              eq. 26
+/// exp(fraction w) - 1.                                                                                          eq. 26
 template <class N>
-HWY_INLINE Mat<N> rotation_exp(const RotationVector<N>& w, N fraction) {
+HWY_INLINE Mat<N> rotation_expm1(const RotationVector<N>& w, N fraction) {
   const N half = N(0.5) * fraction * w.angle, small(1e-8);
   N sine, cosine;
   sine_and_cosine(half, sine, cosine);
   // q = (cos, axis sin): the axis is w / angle, and sin / half -> 1
   const N ratio = N(0.5) * fraction * select(half > small, sine / max(half, small), N(1.0));
   const N x = ratio * w.axis_angle[0], y = ratio * w.axis_angle[1], z = ratio * w.axis_angle[2];
-  const N two(2.0), one(1.0);
-  return {{{one - two * (y * y + z * z), two * (x * y - cosine * z), two * (x * z + cosine * y)},
-           {two * (x * y + cosine * z), one - two * (x * x + z * z), two * (y * z - cosine * x)},
-           {two * (x * z - cosine * y), two * (y * z + cosine * x), one - two * (x * x + y * y)}}};
+  const N two(2.0);
+  return {{{-two * (y * y + z * z), two * (x * y - cosine * z), two * (x * z + cosine * y)},
+           {two * (x * y + cosine * z), -two * (x * x + z * z), two * (y * z - cosine * x)},
+           {two * (x * z - cosine * y), two * (y * z + cosine * x), -two * (x * x + y * y)}}};
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

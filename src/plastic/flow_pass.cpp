@@ -19,9 +19,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-using V = Lanes<double>;
+using D = Lanes<double>;
 
 /// The elements of one register; in the place of those that are not there the first one of the block.
+template <class V>
 struct LaneElements {
   LaneElements(const Model& model, int block, int lane) {
     for (int k = 0; k < V::kCount; ++k) {
@@ -32,37 +33,79 @@ struct LaneElements {
   int number[V::kCount];
 };
 
+/// Corners from their first one, of which the differences are taken before they are rounded.
+template <class T>
+HWY_INLINE void gather_about_corner(const Model& model, int block, int lane, const double* field,
+                                    CornerLanes<Lanes<T>>& corners) {
+  CornerLanes<D> parts[kParts<T>];
+  for (int part = 0; part < kParts<T>; ++part) {
+    gather(*model.partition, block, lane + part * D::kCount, field, parts[part]);
+    for (int a = kCorners - 1; a >= 0; --a)
+      for (int i = 0; i < 3; ++i) parts[part].at[a][i] -= parts[part].at[0][i];
+  }
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) {
+      D numbers[kParts<T>];
+      for (int part = 0; part < kParts<T>; ++part) numbers[part] = parts[part].at[a][i];
+      corners.at[a][i] = narrow<T>(numbers);
+    }
+}
+
+/// kNumbers of each element from a history, in double precision, and rounded to T.
+template <class T, int kNumbers>
+struct HistoryLanes {
+  template <class Address>
+  HWY_INLINE HistoryLanes(const int* elements, const Address& address) {
+    for (int part = 0; part < kParts<T>; ++part) {
+      D numbers[kNumbers];
+      load_elements<kNumbers>(addresses<const double>(elements + part * D::kCount, address), numbers);
+      for (int n = 0; n < kNumbers; ++n) at[n][part] = numbers[n];
+    }
+  }
+  HWY_INLINE Lanes<T> operator[](int n) const { return narrow<T>(at[n]); }
+
+  template <class Address>
+  HWY_INLINE void store(const int* elements, std::uint32_t wanted, const Address& address) const {
+    for (int part = 0; part < kParts<T>; ++part) {
+      D numbers[kNumbers];
+      for (int n = 0; n < kNumbers; ++n) numbers[n] = at[n][part];
+      store_elements<kNumbers>(numbers, wanted >> (part * D::kCount),
+                               addresses<double>(elements + part * D::kCount, address));
+    }
+  }
+
+  D at[kNumbers][kParts<T>];
+};
+
 /// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
-/// cannot do.
+/// cannot do. What is added to the history is found in T; the history itself is double.
+template <class T>
 HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
                                       int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
-  const LaneElements here(model, block, lane);
+  using V = Lanes<T>;
+  const LaneElements<V> here(model, block, lane);
   const int* const elements = here.number;
-  const auto load_corners = [&](const auto& values, V* numbers) {
-    load_elements<kCorners>(addresses<const double>(elements, [&](int e) { return values[e].data(); }), numbers);
-  };
-  V rest_shape[3 * kCorners], map[9], yield_stress[kCorners], rotation_yield[kCorners], plastic_strain[kCorners];
   const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
   const auto map_of = [](auto& of) { return [&of](int e) { return of.rotation_map[e].data(); }; };
-  load_elements<3 * kCorners>(addresses<const double>(elements, y_of(history)), rest_shape);
-  load_elements<9>(addresses<const double>(elements, map_of(history)), map);
-  load_corners(history.yield_stress, yield_stress);
-  if (model.can_rotate) load_corners(history.rotation_yield, rotation_yield);
-  load_corners(history.plastic_strain, plastic_strain);
+  const auto corners_of = [](auto& values) { return [&values](int e) { return values[e].data(); }; };
+  HistoryLanes<T, 3 * kCorners> rest_shape(elements, y_of(history));
+  const HistoryLanes<T, 9> map(elements, map_of(history));
+  HistoryLanes<T, kCorners> yield_stress(elements, corners_of(history.yield_stress));
 
   const Settings& settings = model.settings;
+  const Sampling sampling = sampling_of(settings);
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u;
-  gather(*model.partition, block, lane, at.plastic_rest.data(), x);
-  gather(*model.partition, block, lane, at.current.data(), u);
+  gather_about_corner<T>(model, block, lane, at.plastic_rest.data(), x);
+  gather_about_corner<T>(model, block, lane, at.current.data(), u);
   replace_absent(present, x);
   replace_absent(present, u);
   SampleLanes<V> element;
   for_shape(
       at.is_general[block] != 0,
-      sampling_of(settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+      sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
         ElementLanes<kGeneral, kAssumed, V> shape;
-        place_element(x, u, sampling_of(settings), shape);
+        place_element(x, u, sampling, shape);
         element = shape;
       });
   std::uint32_t fails = 0;
@@ -72,22 +115,27 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   }
   Mat<V> R[kCorners];  // of the samples themselves
   for (int i = 0; i < kCorners; ++i) R[i] = element.polar[i].R;
-  if (sampling_of(settings).one_rotation) decompose(sampling_of(settings), element);
+  if (sampling.one_rotation) decompose(sampling, element);
   const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  const MaterialLanes<V> of(settings, load(lame), load(lame + kBlock));
+  D mu[kParts<T>], lambda[kParts<T>];
+  for (int part = 0; part < kParts<T>; ++part) {
+    mu[part] = load(lame + part * D::kCount);
+    lambda[part] = load(lame + kBlock + part * D::kCount);
+  }
+  const MaterialLanes<V> of(settings, narrow<T>(mu), narrow<T>(lambda));
   ModeLanes<V> volume_gradient;
   const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
-  const V step(dt);
   const auto material = [&](double Material::*constant) {
-    if (model.materials.size() == 1) return V(model.materials[0].*constant);
-    return gather_numbers(elements, [&](int e) { return model.materials[e].*constant; });
+    if (model.materials.size() == 1) return V(static_cast<T>(model.materials[0].*constant));
+    return gather_numbers<T>(elements, [&](int e) { return model.materials[e].*constant; });
   };
-  const V rate = step * material(&Material::flow_rate), rotation_rate = step * material(&Material::rotation_flow_rate),
-          hardening = material(&Material::hardening);
+  const V step(static_cast<T>(dt));
+  const V rate = step * material(&Material::flow_rate), rotation_rate = step * material(&Material::rotation_flow_rate);
 
   // near the guard of the plastic rest shape the exact ratios decide
-  const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
-  fails |= bits<double>(hn::Not(element.min_jacobian > V(1.01 * settings.inversion_threshold) * largest_jacobian));
+  const V largest_jacobian = gather_numbers<T>(elements, [&](int e) { return model.largest_jacobian[e]; });
+  const V guard(static_cast<T>(settings.inversion_threshold));
+  fails |= bits<T>(hn::Not(element.min_jacobian > V(T(1.01)) * guard * largest_jacobian));
   Mat<V> R_centre;
   set_zero(R_centre);
   if (model.can_rotate) {
@@ -98,24 +146,10 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   Mat<V> Pi;
   for (int k = 0; k < 9; ++k) Pi(k % 3, k / 3) = map[k];
 
-  // a corner at a time: those of elements that fail are written again
-  const auto load_plastic_stretch = [&](int i, Mat<V>& stretch) {
-    V numbers[9];
-    load_elements<9>(addresses<const double>(elements, [&](int e) { return history.plastic_stretch[e][i].data(); }),
-                     numbers);
-    for (int k = 0; k < 9; ++k) stretch(k % 3, k / 3) = numbers[k];
-  };
-  const auto store_plastic_stretch = [&](int i, const Mat<V>& stretch) {
-    V numbers[9];
-    for (int k = 0; k < 9; ++k) numbers[k] = stretch(k % 3, k / 3);
-    store_elements<9>(numbers, wanted,
-                      addresses<double>(elements, [&](int e) { return trial.plastic_stretch[e][i].data(); }));
-  };
-
-  V dissipated(0.0), flowing(0.0);
-  V y[kCorners][3], mean[3] = {V(0.0), V(0.0), V(0.0)};
-  const double increment_weight = sampling_of(settings).increment_weight();
-  const bool is_weighted = increment_weight != 1;
+  V dissipated(T(0)), flowing(T(0));
+  V fraction[kCorners], norm[kCorners], strain[kCorners];           // of the stretch
+  V rotation_fraction[kCorners], angle[kCorners], dy[kCorners][3];  // dy: what is added to the rest shape
+  const double increment_weight = sampling.increment_weight();
   Mat<V> mean_increment;
   set_zero(mean_increment);
   for (int i = 0; i < kCorners; ++i) {
@@ -123,113 +157,137 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
     const PolarLanes<V>& FRS = element.polar[i];
     const Mat<V> cof = cofactor(F);
     const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
-    fails |= bits<double>(hn::Not(det > V(settings.inversion_threshold)));
-
-    V at_corner[3];
-    for (int a = 0; a < 3; ++a) at_corner[a] = rest_shape[a * kCorners + i];
-    const auto turn = [&](const Mat<V>& M, bool transposed) {
-      V turned[3];
-      for (int a = 0; a < 3; ++a)
-        turned[a] = transposed ? M(0, a) * at_corner[0] + M(1, a) * at_corner[1] + M(2, a) * at_corner[2]
-                               : M(a, 0) * at_corner[0] + M(a, 1) * at_corner[1] + M(a, 2) * at_corner[2];
-      for (int a = 0; a < 3; ++a) at_corner[a] = turned[a];
-    };
-    turn(Pi, false);
-    Mat<V> increment;
-    set_zero(increment);
-    for (int k = 0; k < 3; ++k) increment(k, k) = V(1.0);
-
-    if (sampling_of(settings).one_rotation) {  // stretches may be negative though F is not inverted
-      const V t(settings.inversion_threshold), xx = FRS.S.xx - t, yy = FRS.S.yy - t,
-                                               minor = xx * yy - FRS.S.xy * FRS.S.xy;
-      const V whole = determinant(Sym<V>{xx, yy, FRS.S.zz - t, FRS.S.yz, FRS.S.zx, FRS.S.xy});
-      fails |= bits<double>(hn::Not(min(min(xx, minor), whole) > V(0.0)));
+    fails |= bits<T>(hn::Not(det > guard));
+    if (sampling.one_rotation) {  // stretches may be negative though F is not inverted
+      const V xx = FRS.S.xx - guard, yy = FRS.S.yy - guard, minor = xx * yy - FRS.S.xy * FRS.S.xy;
+      const V whole = determinant(Sym<V>{xx, yy, FRS.S.zz - guard, FRS.S.yz, FRS.S.zx, FRS.S.xy});
+      fails |= bits<T>(hn::Not(min(min(xx, minor), whole) > V(T(0))));
     }
 
-    Mat<V> plastic_stretch;
-    set_zero(plastic_stretch);
-    if (model.tracks_plastic_stretch) load_plastic_stretch(i, plastic_stretch);
+    Mat<V> increment;  // R^p S^p - 1
+    set_zero(increment);
+    fraction[i] = rotation_fraction[i] = strain[i] = V(T(0));
     if (model.can_stretch) {
       const Sym<V> sigma =
           stress(of.law, of.mooney_fraction, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
-      const V norm = stress_norm_bound(sigma, settings.yield_norm);
-      fails |= bits<double>(hn::Not(norm < V(std::numeric_limits<double>::infinity())));
-      const V tau = yield_stress[i];
-      const V fraction = flow_fraction(norm, tau, rate, norm);  // gamma
-      if (any_positive(fraction)) {
-        const Mat<V> Sp =
-            stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), fraction, plastic_strain[i], dissipated, fails);
-        turn(Sp, false);
-        if (is_weighted) increment = Sp;
-        flowing = max(flowing, fraction);
-        yield_stress[i] = hardened(tau, hardening, fraction, norm);
-        if (model.tracks_plastic_stretch) {
-          const Mat<V> next = transposed_product(Pi, Sp * (Pi * plastic_stretch));
-          for (int k = 0; k < 9; ++k)
-            plastic_stretch.m[k / 3][k % 3] =
-                select(fraction > V(0.0), next.m[k / 3][k % 3], plastic_stretch.m[k / 3][k % 3]);
-        }
-      }
+      norm[i] = stress_norm_bound(sigma, settings.yield_norm);
+      fails |= bits<T>(hn::Not(norm[i] < V(std::numeric_limits<T>::infinity())));
+      fraction[i] = flow_fraction(norm[i], yield_stress[i], rate, norm[i]);  // gamma
+      if (any_positive(fraction[i]))
+        increment =
+            stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), fraction[i], strain[i], dissipated, fails);
+      flowing = max(flowing, fraction[i]);
     }
-    if (model.tracks_plastic_stretch) store_plastic_stretch(i, plastic_stretch);
+    if (model.tracks_plastic_stretch) {
+      const Mat<V> turned = transposed_product(Pi, increment * Pi);
+      HistoryLanes<T, 9> stretch(elements, [&](int e) { return history.plastic_stretch[e][i].data(); });
+      for (int part = 0; part < kParts<T>; ++part) {
+        const auto flows_here = widen(fraction[i], part) > D(0.0);
+        D before[9];
+        for (int k = 0; k < 9; ++k) before[k] = stretch.at[k][part];
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c) {
+            D more(0.0);
+            for (int k = 0; k < 3; ++k) more += widen(turned(r, k), part) * before[k + 3 * c];
+            stretch.at[r + 3 * c][part] = before[r + 3 * c] + select(flows_here, more, D(0.0));
+          }
+      }
+      // those of elements that fail are written again
+      stretch.store(elements, wanted, [&](int e) { return trial.plastic_stretch[e][i].data(); });
+    }
     if (model.can_rotate) {
       const RotationVector<V> Q = rotation_log(transposed_product(R_centre, R[i]));
       fails |= Q.near_half_turn;
-      const V tau = rotation_yield[i];
-      const V fraction = flow_fraction(Q.angle, tau, rotation_rate, Q.angle);  // eta
-      if (any_positive(fraction)) {
-        const Mat<V> Rp = rotation_exp(Q, fraction);  //                                                        eq. 26
-        turn(Rp, false);
-        if (is_weighted) increment = Rp * increment;
-        flowing = max(flowing, fraction);
-        rotation_yield[i] = hardened(tau, hardening, fraction, Q.angle);
+      angle[i] = Q.angle;
+      const V threshold = gather_numbers<T>(elements, [&](int e) { return history.rotation_yield[e][i]; });
+      rotation_fraction[i] = flow_fraction(Q.angle, threshold, rotation_rate, Q.angle);  // eta
+      if (any_positive(rotation_fraction[i])) {
+        const Mat<V> turn = rotation_expm1(Q, rotation_fraction[i]), both = turn * increment;  //           eq. 26
+        for (int k = 0; k < 9; ++k) increment.m[k / 3][k % 3] += turn.m[k / 3][k % 3] + both.m[k / 3][k % 3];
+        flowing = max(flowing, rotation_fraction[i]);
       }
     }
-    turn(Pi, true);
-    for (int a = 0; a < 3; ++a) y[i][a] = at_corner[a];
-    if (is_weighted)
-      for (int k = 0; k < 9; ++k) mean_increment.m[k / 3][k % 3] += V(1.0 / kCorners) * increment.m[k / 3][k % 3];
+
+    increment = transposed_product(Pi, increment * Pi);
+    for (int a = 0; a < 3; ++a)
+      dy[i][a] = increment(a, 0) * rest_shape[i] + increment(a, 1) * rest_shape[kCorners + i] +
+                 increment(a, 2) * rest_shape[2 * kCorners + i];
+    if (increment_weight != 1)
+      for (int k = 0; k < 9; ++k)
+        mean_increment.m[k / 3][k % 3] += V(static_cast<T>(1.0 / kCorners)) * increment.m[k / 3][k % 3];
   }
-  if (is_weighted) {
-    const Mat<V> of_all = transposed_product(Pi, mean_increment * Pi);
+  if (increment_weight != 1)
     for (int i = 0; i < kCorners; ++i)
       for (int a = 0; a < 3; ++a) {
-        V alike(0.0);
-        for (int b = 0; b < 3; ++b) alike += of_all(a, b) * rest_shape[b * kCorners + i];
-        y[i][a] = alike + V(increment_weight) * (y[i][a] - alike);
+        V alike(T(0));
+        for (int b = 0; b < 3; ++b) alike += mean_increment(a, b) * rest_shape[b * kCorners + i];
+        dy[i][a] = alike + V(static_cast<T>(increment_weight)) * (dy[i][a] - alike);
       }
-  }
-  for (int i = 0; i < kCorners; ++i)
-    for (int a = 0; a < 3; ++a) mean[a] += V(1.0 / kCorners) * y[i][a];
-
-  const V beta = element.volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
-  const V scale = restitution_scale(beta, V(settings.volume_restitution * dt));
-  // what did not flow keeps its bits
-  const auto has_flowed = flowing > V(0.0);
-  for (int i = 0; i < kCorners; ++i)
-    for (int a = 0; a < 3; ++a) {
-      V& to = rest_shape[a * kCorners + i];
-      to = scale * select(has_flowed, y[i][a] - mean[a], to);
-    }
 
   const std::uint32_t done = wanted & ~fails;
-  const auto store_corners = [&](auto& values, const V* numbers) {
-    store_elements<kCorners>(numbers, done, addresses<double>(elements, [&](int e) { return values[e].data(); }));
-  };
-  store_elements<3 * kCorners>(rest_shape, done, addresses<double>(elements, y_of(trial)));
-  store_elements<9>(map, done, addresses<double>(elements, map_of(trial)));
-  store_corners(trial.yield_stress, yield_stress);
-  if (model.can_rotate) store_corners(trial.rotation_yield, rotation_yield);
-  store_corners(trial.plastic_strain, plastic_strain);
+  for (int part = 0; part < kParts<T>; ++part) {
+    const int first = part * D::kCount;
+    const double* of_block = at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane + first;
+    const D volume = load(of_block);
+    const D beta = volume / gather_numbers(elements + first, [&](int e) { return model.volume[e]; });
+    const D scale = restitution_scale(beta, D(settings.volume_restitution * dt));
+    const auto has_flowed = widen(flowing, part) > D(0.0);  // what did not flow keeps its bits
+    for (int a = 0; a < 3; ++a) {
+      D mean(0.0);
+      for (int i = 0; i < kCorners; ++i)
+        mean += D(1.0 / kCorners) * (rest_shape.at[a * kCorners + i][part] + widen(dy[i][a], part));
+      for (int i = 0; i < kCorners; ++i) {
+        D& y = rest_shape.at[a * kCorners + i][part];
+        y = scale * select(has_flowed, y + widen(dy[i][a], part) - mean, y);
+      }
+    }
 
-  const std::uint32_t yielded = bits<double>(has_flowed);
-  alignas(64) double volume_error[V::kCount], work[V::kCount];
-  store(abs(beta - V(1.0)), volume_error);
-  store(V(1.0 / kCorners) * element.volume * dissipated, work);
-  for (int k = 0; k < V::kCount; ++k)
-    if (done >> k & 1)
-      flows[elements[k]] = {.yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
+    alignas(64) double volume_error[D::kCount], work[D::kCount];
+    store(abs(beta - D(1.0)), volume_error);
+    store(D(1.0 / kCorners) * volume * widen(dissipated, part), work);
+    const std::uint32_t yielded = bits<double>(has_flowed);
+    for (int k = 0; k < D::kCount; ++k)
+      if (done >> (first + k) & 1)
+        flows[elements[first + k]] = {
+            .yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
+  }
+  rest_shape.store(elements, done, y_of(trial));
+  map.store(elements, done, map_of(trial));
+
+  const auto harden = [&](HistoryLanes<T, kCorners>& threshold, const V* fractions, const V* sizes) {
+    for (int part = 0; part < kParts<T>; ++part) {
+      const D hardening =
+          gather_numbers(elements + part * D::kCount, [&](int e) { return model.material(e).hardening; });
+      for (int i = 0; i < kCorners; ++i)
+        threshold.at[i][part] =
+            hardened(threshold.at[i][part], hardening, widen(fractions[i], part), widen(sizes[i], part));
+    }
+  };
+  HistoryLanes<T, kCorners> plastic_strain(elements, corners_of(history.plastic_strain));
+  if (model.can_stretch) {
+    harden(yield_stress, fraction, norm);
+    for (int i = 0; i < kCorners; ++i)
+      for (int part = 0; part < kParts<T>; ++part) plastic_strain.at[i][part] += widen(strain[i], part);
+  }
+  yield_stress.store(elements, done, corners_of(trial.yield_stress));
+  plastic_strain.store(elements, done, corners_of(trial.plastic_strain));
+  if (model.can_rotate) {
+    HistoryLanes<T, kCorners> rotation_yield(elements, corners_of(history.rotation_yield));
+    harden(rotation_yield, rotation_fraction, angle);
+    rotation_yield.store(elements, done, corners_of(trial.rotation_yield));
+  }
   return wanted & fails;
+}
+
+template <class T>
+std::uint32_t flow_of(const Model& model, const Linearization& at, double dt, const History& history, int block,
+                      std::uint32_t wanted, History& trial, ElementFlow* flows) {
+  std::uint32_t left = 0;
+  for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount) {
+    const std::uint32_t here = wanted >> lane & ((1u << Lanes<T>::kCount) - 1);
+    if (here) left |= flow_lanes<T>(model, at, dt, history, block, lane, here, trial, flows) << lane;
+  }
+  return left;
 }
 
 std::uint32_t flow(const Model& model, const Linearization& at, double dt, const History& history, int block,
@@ -241,16 +299,11 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
   }
   if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1) return wanted;
 
-  std::uint32_t left = 0;
-  for (int lane = 0; lane < kBlock; lane += V::kCount) {
-    const std::uint32_t here = wanted >> lane & ((1u << V::kCount) - 1);
-    if (!here) continue;
-    left |= flow_lanes(model, at, dt, history, block, lane, here, trial, flows) << lane;
-  }
-  return left;
+  return model.settings.precision == Precision::kMixed
+             ? flow_of<float>(model, at, dt, history, block, wanted, trial, flows)
+             : flow_of<double>(model, at, dt, history, block, wanted, trial, flows);
 }
 
-// In lanes, so that volumes have the bits that they have where the whole block flows.
 void restore(const Model& model, const Linearization& at, double dt, const History& history, int block, History& trial,
              ElementFlow* flows) {
   std::uint32_t wanted = 0;
@@ -258,39 +311,22 @@ void restore(const Model& model, const Linearization& at, double dt, const Histo
     const int e = model.partition->element(block, place);
     if (e >= 0 && flows[e].restores) wanted |= 1u << place;
   }
-  const V rate(model.settings.volume_restitution * dt);
-  for (int lane = 0; lane < kBlock; lane += V::kCount) {
-    const std::uint32_t here = wanted >> lane & ((1u << V::kCount) - 1);
+  const D rate(model.settings.volume_restitution * dt);
+  for (int lane = 0; lane < kBlock; lane += D::kCount) {
+    const std::uint32_t here = wanted >> lane & ((1u << D::kCount) - 1);
     if (!here) continue;
-    const LaneElements elements(model, block, lane);
+    const LaneElements<D> elements(model, block, lane);
     const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
-    V rest_shape[3 * kCorners];
+    D rest_shape[3 * kCorners];
     load_elements<3 * kCorners>(addresses<const double>(elements.number, y_of(history)), rest_shape);
-    V volume;
-    if (at.is_current) {
-      volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
-    } else {
-      CornerLanes<V> x, u;
-      gather(*model.partition, block, lane, at.plastic_rest.data(), x);
-      gather(*model.partition, block, lane, at.current.data(), u);
-      const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
-      replace_absent(present, x);
-      replace_absent(present, u);
-      for_shape(
-          at.is_general[block] != 0,
-          sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-            ElementLanes<kGeneral, kAssumed, V> shape;
-            place_element(x, u, sampling_of(model.settings), shape);
-            volume = shape.rest.volume;
-          });
-    }
-    const V beta = volume / gather_numbers(elements.number, [&](int e) { return model.volume[e]; });
-    const V scale = restitution_scale(beta, rate);
-    for (V& number : rest_shape) number = scale * number;
+    const D volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
+    const D beta = volume / gather_numbers(elements.number, [&](int e) { return model.volume[e]; });
+    const D scale = restitution_scale(beta, rate);
+    for (D& number : rest_shape) number = scale * number;
     store_elements<3 * kCorners>(rest_shape, here, addresses<double>(elements.number, y_of(trial)));
-    alignas(64) double volume_error[V::kCount];
-    store(abs(beta - V(1.0)), volume_error);
-    for (int k = 0; k < V::kCount; ++k)
+    alignas(64) double volume_error[D::kCount];
+    store(abs(beta - D(1.0)), volume_error);
+    for (int k = 0; k < D::kCount; ++k)
       if (here >> k & 1) flows[elements.number[k]].volume_error = volume_error[k];
   }
 }
@@ -299,20 +335,20 @@ std::uint32_t collapsed(const Model& model, const double* positions, double rati
   std::uint32_t near = 0, present = 0;
   for (int place = 0; place < kBlock; ++place)
     if (model.partition->element(block, place) >= 0) present |= 1u << place;
-  for (int lane = 0; lane < kBlock; lane += V::kCount) {
-    const LaneElements elements(model, block, lane);
-    CornerLanes<V> x;
+  for (int lane = 0; lane < kBlock; lane += D::kCount) {
+    const LaneElements<D> elements(model, block, lane);
+    CornerLanes<D> x;
     gather(*model.partition, block, lane, positions, x);
-    EdgeLanes<V> e;
+    EdgeLanes<D> e;
     edges(x, e);
-    V lowest(std::numeric_limits<double>::infinity());
+    D lowest(std::numeric_limits<double>::infinity());
     for (int i = 0; i < kCorners; ++i) {
-      V det;
+      D det;
       reciprocal(edges_at(e, i), det);
-      lowest = min(lowest, V(0.125) * det);
+      lowest = min(lowest, D(0.125) * det);
     }
-    const V largest = gather_numbers(elements.number, [&](int n) { return model.largest_jacobian[n]; });
-    near |= bits<double>(hn::Not(lowest > V(ratio) * largest)) << lane;
+    const D largest = gather_numbers(elements.number, [&](int n) { return model.largest_jacobian[n]; });
+    near |= bits<double>(hn::Not(lowest > D(ratio) * largest)) << lane;
   }
   return near & present;
 }

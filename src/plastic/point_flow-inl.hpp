@@ -51,9 +51,12 @@ HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
 /// Powers of Z^2 beyond the second are taken down by its characteristic equation: three numbers per term.
 template <class V>
 HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
-  constexpr SeriesLength kLengths[] = {{1e-4, 4},  {2.5e-3, 6}, {0.012, 8},
-                                       {0.07, 13}, {0.2, 22},   {0.45, 44}};  // x^n / (2 n + 1) < 2e-17
-  constexpr double kLargest = kLengths[5].size;                               // of the largest eigenvalue of Z^2
+  using T = typename V::Scalar;
+  // x^n / (2 n + 1) is below 2e-17, and in single precision below 1e-8
+  static constexpr SeriesLength kDouble[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}, {0.2, 22}, {0.45, 44}};
+  static constexpr SeriesLength kSingle[] = {{2e-4, 2}, {4e-3, 3}, {0.017, 4}, {0.07, 6}, {0.17, 9}, {0.45, 20}};
+  constexpr const SeriesLength(&kLengths)[6] = sizeof(T) == 8 ? kDouble : kSingle;
+  constexpr double kLargest = kLengths[5].size;  // of the largest eigenvalue of Z^2
   const V m = V(1.0 / 3) * (S.xx + S.yy + S.zz);
   const Mat<V> minus = matrix(Sym<V>{S.xx - m, S.yy - m, S.zz - m, S.yz, S.zx, S.xy});
   const Mat<V> plus = matrix(Sym<V>{S.xx + m, S.yy + m, S.zz + m, S.yz, S.zx, S.xy});
@@ -61,7 +64,7 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   const Mat<V> Z = minus * reciprocal(plus, det);  // the reciprocal of a symmetric matrix is its inverse
   const Mat<V> W = Z * Z, WW = W * W;
   const V size = sqrt(sqrt(dot(WW, WW)));
-  fails |= bits<double>(hn::Not(hn::And(size<V(kLargest), m> V(0.0))));
+  fails |= bits<T>(hn::Not(hn::And(size<V(kLargest), m> V(0.0))));
 
   const V i1 = W(0, 0) + W(1, 1) + W(2, 2);
   const V i2 = V(0.5) * (i1 * i1 - dot(W, W));
@@ -85,23 +88,31 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   return log;
 }
 
-/// exp M of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d; fails: bit per lane, the
-/// series does not suffice.                                                                                  eq. 54
+/// exp M - 1 of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d; fails: bit per lane,
+/// the series does not suffice.                                                                              eq. 54
 template <class V>
-HWY_INLINE Mat<V> exponential(const Mat<V>& M, std::uint32_t& fails) {
-  constexpr SeriesLength kLengths[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}, {3, 24}};
-  const V size = dot(M, M);  // the first term left out is below 2e-16, those after it 2e-17
-  fails |= bits<double>(hn::Not(size < V(kLengths[5].size)));
+HWY_INLINE Mat<V> expm1(const Mat<V>& M, std::uint32_t& fails) {
+  using T = typename V::Scalar;
+  // the first term left out is below 2e-16, those after it 2e-17; in single precision below 1e-8
+  static constexpr SeriesLength kDouble[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}, {3, 24}};
+  static constexpr SeriesLength kSingle[] = {{1e-5, 2}, {1e-4, 3}, {3e-3, 4}, {0.02, 6}, {0.5, 9}, {3, 14}};
+  constexpr const SeriesLength(&kLengths)[6] = sizeof(T) == 8 ? kDouble : kSingle;
+  const V size = dot(M, M);
+  fails |= bits<T>(hn::Not(size < V(kLengths[5].size)));
   const V j = V(0.5) * size;
   const Mat<V> cof = cofactor(M);
   const V d = M(0, 0) * cof(0, 0) + M(0, 1) * cof(0, 1) + M(0, 2) * cof(0, 2);
-  V a(1.0), b(0.0), c(0.0);  // Horner: 1 + M (1 + M / 2 (1 + M / 3 (...)))
-  for (int k = terms_for(size, kLengths); k >= 1; --k) {
+  V a(1.0), b(0.0), c(0.0);  // Horner: M (1 + M / 2 (1 + M / 3 (...)))
+  for (int k = terms_for(size, kLengths); k >= 2; --k) {
     const V scale(1.0 / k), above = c;
     c = scale * b;
     b = scale * (a + above * j);
     a = V(1.0) + scale * above * d;
   }
+  const V above = c;
+  c = b;
+  b = a + above * j;
+  a = above * d;
   const Mat<V> MM = M * M;
   Mat<V> E;
   for (int r = 0; r < 3; ++r)
@@ -109,13 +120,13 @@ HWY_INLINE Mat<V> exponential(const Mat<V>& M, std::uint32_t& fails) {
   return E;
 }
 
-/// exp(fraction dev log S), and its logarithm. Lanes need another form, because the search for eigenvectors branches;
-/// tests/elastic/kernels_test.cpp compares the two.                                                          eq. 22
+/// exp(fraction dev log S) - 1, and the logarithm of the power. Lanes need another form, because the search for
+/// eigenvectors branches; tests/elastic/kernels_test.cpp compares the two. eq. 22
 template <class V>
 HWY_INLINE Mat<V> stretch_power(const Sym<V>& S, V fraction, Mat<V>& log, std::uint32_t& fails) {
   log = deviatoric_log(S, fails);
   for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= fraction;
-  return exponential(log, fails);
+  return expm1(log, fails);
 }
 template <std::same_as<double> N>
 HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::uint32_t& /*fails*/) {
@@ -124,10 +135,10 @@ HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::u
   const Vec3 log_stretch = eigen.eigenvalues().array().log();
   const Vec3 flowed = fraction * (log_stretch.array() - log_stretch.mean());
   log = entries(V * flowed.asDiagonal() * V.transpose());
-  return entries(V * Vec3(flowed.array().exp()).asDiagonal() * V.transpose());
+  return entries(V * Vec3(flowed.array().expm1()).asDiagonal() * V.transpose());
 }
 
-/// S^p of a corner of stretch S and stress sigma, of which the given fraction flows. Adds the plastic strain [-],
+/// S^p - 1 of a corner of stretch S and stress sigma, of which the given fraction flows. Adds the plastic strain [-],
 /// sqrt(2/3) fraction |dev log S|, and the dissipated energy [J/m^3], sigma : fraction dev log S. fails: bit per lane,
 /// the series does not suffice.                                                                     eq. 22, section 5.8
 template <class N>

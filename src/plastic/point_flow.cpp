@@ -35,7 +35,7 @@ StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, doubl
   std::uint32_t fails = 0;  // eigenvectors do not
   const auto stretch = plain::symmetric_entries(S);
   const auto working = plain::dissipating(law, stretch, plain::symmetric_entries(sigma));
-  flow.increment =
+  flow.increment +=
       to_eigen(plain::stretch_increment(stretch, working, flow.fraction, flow.strain, flow.dissipated, fails));
   return flow;
 }

@@ -140,7 +140,8 @@ TEST_P(OnEverySet, ForceProductAndEnergyAreThoseOfTheElements) {
 
 /// One plastic step of a body of `cells` whose every corner yields, in stretch and in rotation; `size` is that of the
 /// displacements, in edges.
-Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double size = 0.1) {
+Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double size = 0.1,
+           Precision precision = Precision::kDouble) {
   Material material;
   material.yield_stress = 500 * size;
   material.flow_rate = 5;
@@ -149,53 +150,65 @@ Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double s
   material.hardening = 0.3;
   Settings settings;
   settings.yield_norm = norm;
+  settings.precision = precision;
   Body body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
   Random random(94);
   body.flow(body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge), 0.01);
   return body;
 }
 
-TEST_P(OnEverySet, FlowIsThatOfTheElements) {
-  for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius})
-    for (const double size : {0.001, 0.01, 0.03, 0.1}) {  // power series of every length
-      const Body body = flown({3, 2, 3}, 0.15, norm, size);
-      const History initial(body.state().model);
-      const PointArray X = body.mesh().positions();
-      Random random(94);
-      const PointArray x = X + random.field(body.mesh().num_nodes(), size * kEdge);
-      const Mat3 axes = Mat3::Identity();
-      for (int e = 0; e < body.mesh().num_elements(); ++e) {
-        const Hexahedron& corners = body.mesh().hexahedra()[e];
-        const ElementPoints material = gather(X, corners), current = gather(x, corners);
-        const ElementSamples samples =
-            element_samples(material, current, body.state().model.lame[e], body.state().model.settings);
-        const ElementStep step = flow_element({.material = body.state().model.material(e),
-                                               .settings = body.state().model.settings,
-                                               .initial_shape = body.state().model.initial_shape(e),
-                                               .corner_jacobian = body.state().model.corner_jacobian(e),
-                                               .initial_volume = body.state().model.volume[e],
-                                               .x = material,
-                                               .samples = samples,
-                                               .current = current,
-                                               .frame = axes},
-                                              initial.element(e), 0.01);
-        ASSERT_TRUE(step.yielded);
-        const ElementHistory found = body.state().history.element(e);
-        EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);
-        for (int i = 0; i < kCorners; ++i) {
-          EXPECT_NEAR(found.yield_stress[i], step.next.yield_stress[i], 1e-11 * found.yield_stress[i]);
-          EXPECT_NEAR(found.rotation_yield[i], step.next.rotation_yield[i], 1e-13);
-          EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], 1e-14);
-        }
-      }
+/// What a step adds to a history has these errors: of lengths in units of the edge, and of angles and strains.
+double rounding_of_flow(Precision precision) { return precision == Precision::kDouble ? 1e-14 : 5e-8; }
+
+void expect_the_flow_of_the_elements(YieldNorm norm, double size, Precision precision) {
+  const Body body = flown({3, 2, 3}, 0.15, norm, size, precision);
+  const History initial(body.state().model);
+  const PointArray X = body.mesh().positions();
+  Random random(94);
+  const PointArray x = X + random.field(body.mesh().num_nodes(), size * kEdge);
+  const Mat3 axes = Mat3::Identity();
+  const double rounding = rounding_of_flow(precision);
+  const Lame& lame = body.state().model.lame[0];
+  for (int e = 0; e < body.mesh().num_elements(); ++e) {
+    const Hexahedron& corners = body.mesh().hexahedra()[e];
+    const ElementPoints material = gather(X, corners), current = gather(x, corners);
+    const ElementSamples samples =
+        element_samples(material, current, body.state().model.lame[e], body.state().model.settings);
+    const ElementStep step = flow_element({.material = body.state().model.material(e),
+                                           .settings = body.state().model.settings,
+                                           .initial_shape = body.state().model.initial_shape(e),
+                                           .corner_jacobian = body.state().model.corner_jacobian(e),
+                                           .initial_volume = body.state().model.volume[e],
+                                           .x = material,
+                                           .samples = samples,
+                                           .current = current,
+                                           .frame = axes},
+                                          initial.element(e), 0.01);
+    ASSERT_TRUE(step.yielded);
+    const ElementHistory found = body.state().history.element(e);
+    EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), rounding * kEdge);
+    for (int i = 0; i < kCorners; ++i) {
+      EXPECT_NEAR(found.yield_stress[i], step.next.yield_stress[i], 0.1 * rounding * (3 * lame.lambda + 2 * lame.mu));
+      EXPECT_NEAR(found.rotation_yield[i], step.next.rotation_yield[i], 10 * rounding);
+      EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], rounding);
     }
+  }
+}
+
+TEST_P(OnEverySet, FlowIsThatOfTheElements) {
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+    for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius})
+      for (const double size : {0.001, 0.01, 0.03, 0.1})  // power series of every length
+        expect_the_flow_of_the_elements(norm, size, precision);
 }
 
 /// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the scalar way.
-bool flows_in_lanes(double stretch) {
+bool flows_in_lanes(double stretch, Precision precision) {
   const HexMesh mesh = support::distorted_block({4, 4, 2}, kEdge, 0.1, 95);
   Settings settings;
   settings.yield_norm = YieldNorm::kVonMises;
+  settings.precision = precision;
+  const double rounding = (precision == Precision::kDouble ? 1 : 4) * rounding_of_flow(precision);
   const Model model(mesh, {Material{.yield_stress = 10, .flow_rate = 20, .fracture_stretch = 3}}, settings);
   History history(model), trial = history;
   Random random(96);
@@ -227,18 +240,21 @@ bool flows_in_lanes(double stretch) {
                                           history.element(e), 0.01);
     const ElementHistory found = trial.element(e);
     EXPECT_TRUE(step.yielded);
-    EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), 1e-14 * kEdge);
+    EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), rounding * kEdge);
     for (int i = 0; i < kCorners; ++i) {
-      EXPECT_LE(support::max_abs(found.plastic_stretch[i] - step.next.plastic_stretch[i]), 1e-14);
-      EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], 1e-14);
+      EXPECT_LE(support::max_abs(found.plastic_stretch[i] - step.next.plastic_stretch[i]), rounding);
+      EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], rounding);
     }
   }
   return true;
 }
 
 TEST_P(OnEverySet, LargeStretchesFlowInLanes) {
-  for (const double stretch : {0.35, 0.6, 1.05, 1.6, 2.5, 3.8}) EXPECT_TRUE(flows_in_lanes(stretch)) << stretch;
-  EXPECT_FALSE(flows_in_lanes(7));
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    for (const double stretch : {0.35, 0.6, 1.05, 1.6, 2.5, 3.8})
+      EXPECT_TRUE(flows_in_lanes(stretch, precision)) << stretch;
+    EXPECT_FALSE(flows_in_lanes(7, precision));
+  }
 }
 
 TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {
