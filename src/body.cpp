@@ -8,15 +8,15 @@
 #include <cmath>
 
 #include "base/finite.hpp"
+#include "base/require.hpp"
 #include "base/saved_stream.hpp"
 #include "body_state.hpp"
 #include "element/samples.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
 #include "kinematics/polar.hpp"
+#include "mesh/trilinear.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 

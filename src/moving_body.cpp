@@ -7,11 +7,11 @@
 #include <cmath>
 #include <utility>
 
+#include "base/require.hpp"
 #include "base/saved_stream.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "mesh/lumped_mass.hpp"
 
 namespace hexaplast {
 

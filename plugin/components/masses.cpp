@@ -7,8 +7,8 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/mesh/consistent_mass.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/consistent_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 #include <array>
 #include <cmath>
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {

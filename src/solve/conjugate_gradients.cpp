@@ -10,8 +10,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/irregular_field.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/irregular_field.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "solve/multigrid.hpp"
 #include "solve/several_bodies.hpp"
