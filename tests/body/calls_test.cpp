@@ -390,8 +390,8 @@ TEST_F(SizesOfCalls, OfWhatFollowsOrMeasuresAMesh) {
          BlockMatrix A = blocks(wrong);
          mass.add_blocks(1, A);
        }},
-      {"lumped_masses", "masses", 12,
-       [&](PointArray& wrong) { lumped_masses(kRows, hexahedra, std::vector<double>(wrong.rows(), 1)); }},
+      {"nodal_masses", "masses", 12,
+       [&](PointArray& wrong) { nodal_masses(kRows, hexahedra, std::vector<double>(wrong.rows(), 1)); }},
       {"add_gravity", "f", 3, [&](PointArray& wrong) { add_gravity(Eigen::Vector3d(1, 2, 3), Vec3::UnitZ(), wrong); }},
       {"kinetic_energy", "v", 3, [&](PointArray& wrong) { kinetic_energy(Eigen::Vector3d(1, 2, 3), wrong); }},
       {"axial_pull", "forces", kRows, [&](PointArray& wrong) { axial_pull(kCalled, ends, wrong); }},
@@ -407,7 +407,7 @@ TEST_F(SizesOfCalls, OfWhatFollowsOrMeasuresAMesh) {
       {"extent_along", [&] { extent_along(Vec3::UnitZ(), few, hexahedra); }},
       {"ConsistentMass", [&] { ConsistentMass(few, hexahedra, masses); }},
       {"element_volumes", [&] { element_volumes(few, hexahedra); }},
-      {"lumped_masses", [&] { lumped_masses(20, hexahedra, masses); }},
+      {"nodal_masses", [&] { nodal_masses(20, hexahedra, masses); }},
       {"elongation", [&] { elongation(ends, few); }},
       {"first_hit", [&] { first_hit(Ray{}, few, triangles); }},
       {"nearest_nodes", [&] { nearest_nodes(few, std::vector{20}, Vec3::Zero(), 1, 1); }},
