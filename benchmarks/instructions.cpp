@@ -10,11 +10,11 @@
 #include <iostream>
 #include <string>
 
+#include "base/simd.hpp"
 #include "bench/bar.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
 #include "hexaplast/material/rows.hpp"
 
 namespace {

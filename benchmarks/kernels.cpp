@@ -7,10 +7,11 @@
 #include <cmath>
 #include <variant>
 
-#include "hexaplast/base/simd.hpp"
+#include "base/simd.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/layout/linear_system.hpp"
+#include "layout/chunked_operator.hpp"
 #include "layout/partition.hpp"
 
 namespace {

@@ -1,4 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
+# Headers that are never installed, for this tree's own libraries and programs: those of src as "room/file.hpp", and
+# "formats/file.hpp". The plugin of SOFA does not link it, as it is built outside this tree too.
+add_library(hexaplast_internal INTERFACE)
+target_include_directories(hexaplast_internal INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
+
 # Makes a target one of the shared libraries that are installed. `hexaplast_room` is found as Hexaplast::room.
 #
 # hexaplast_library(TARGET [FILES file...] [PUBLIC target...] [PRIVATE target...])
@@ -13,17 +18,18 @@ function(hexaplast_library target)
   target_link_options(${target} PRIVATE -Wl,--no-undefined)
   target_compile_options(${target} PRIVATE $<$<BOOL:${HEXAPLAST_FUZZ}>:-fsanitize=fuzzer-no-link>)  # libFuzzer sees their lines
   target_link_libraries(${target}
-    PUBLIC ${arg_PUBLIC} PRIVATE $<BUILD_INTERFACE:hexaplast_flags> fmt::fmt ${arg_PRIVATE})
+    PUBLIC ${arg_PUBLIC} PRIVATE $<BUILD_INTERFACE:hexaplast_flags> $<BUILD_INTERFACE:hexaplast_internal> fmt::fmt ${arg_PRIVATE})
   install(TARGETS ${target} EXPORT HexaplastTargets
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development)
 endfunction()
 
-# hexaplast_plugin_headers(TARGET room...): the headers of rooms of plugin/, which are included as "room/file.hpp".
+# hexaplast_plugin_headers(TARGET room...): the headers of rooms of plugin/, which are included as "room/file.hpp". Two are not
+# installed: one needs a library that nobody else needs, one a header of src.
 function(hexaplast_plugin_headers target)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin>)
   foreach(room IN LISTS ARGN)
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin
-            COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "json_file.hpp" EXCLUDE)  # of a library nobody else needs
+            COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "json_file.hpp" EXCLUDE PATTERN "dense_body.hpp" EXCLUDE)
   endforeach()
 endfunction()

@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
+#include "formats/vtu_grid.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
-#include "hexaplast/formats/vtu_grid.hpp"
 
 namespace hexaplast {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "formats/readable_file.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
-#include "hexaplast/formats/readable_file.hpp"
 
 namespace hexaplast {
 

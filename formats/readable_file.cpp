@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/formats/readable_file.hpp"
+#include "formats/readable_file.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

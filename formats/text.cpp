@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 
 #include <fmt/format.h>
 

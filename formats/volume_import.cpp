@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
 
 namespace hexaplast {
 

@@ -9,8 +9,8 @@
 #include <cstring>
 #include <limits>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "mesh_source.hpp"
 
 namespace hexaplast {

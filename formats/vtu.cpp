@@ -11,11 +11,11 @@
 #include <optional>
 
 #include "exported_cells.hpp"
+#include "formats/base64.hpp"
+#include "formats/vtu_grid.hpp"
+#include "formats/xml.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/base64.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
-#include "hexaplast/formats/vtu_grid.hpp"
-#include "hexaplast/formats/xml.hpp"
 #include "mesh_source.hpp"
 
 // VTK's XML files of unstructured grids. A data array is text; or bytes in base64, in place or appended; or raw bytes,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/formats/vtu_grid.hpp"
+#include "formats/vtu_grid.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <iterator>
 #include <limits>
 
+#include "formats/xml.hpp"
 #include "hexaplast/formats/whole_file.hpp"
-#include "hexaplast/formats/xml.hpp"
 
 namespace hexaplast {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/formats/xml.hpp"
+#include "formats/xml.hpp"
 
 #include <fmt/format.h>
 #include <tinyxml2.h>
@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 
 namespace hexaplast {
 namespace {

@@ -8,15 +8,15 @@
 #include <cmath>
 
 #include "base/finite.hpp"
+#include "base/require.hpp"
 #include "base/saved_stream.hpp"
 #include "body_state.hpp"
 #include "element/samples.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
 #include "kinematics/polar.hpp"
+#include "mesh/trilinear.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
@@ -35,14 +35,25 @@ double moved(double threshold, double before, double now) {
   return std::isfinite(threshold) && std::isfinite(now) ? std::max(0.0, threshold + now - before) : now;
 }
 
-// To be raised with each change of what is saved: of History::serialize, of a member of Material or Settings, of its
-// type or place. SavedBody.KeepsTheBytesOfItsFormat fails until then.
-constexpr std::uint32_t kSavedVersion = 2;
+// To be raised with each change of History::serialize. Members of Material and Settings are part of the identity.
+constexpr std::uint32_t kSavedVersion = 3;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
+
+/// What saved members are: their names, in their order, and the words that enumerators stand for.
+template <class Options>
+void add_names(StateHash& hash, std::span<const Row<Options>> rows) {
+  const auto add = [&](std::string_view name) { hash.add(name.data(), name.size()); };
+  for (const Row<Options>& row : rows) {
+    add(row.member);
+    for (const std::string_view word : row.words) add(word);
+  }
+}
 
 /// XXH64 of what a saved history belongs to.
 std::uint64_t identity_of(const Model& model) {
   StateHash hash;
+  add_names(hash, material_rows());
+  add_names(hash, settings_rows());
   Archive archive([&](const void* data, std::size_t size) { hash.add(data, size); });
   PointArray positions = model.mesh.positions();
   std::vector<Hexahedron> hexahedra = model.mesh.hexahedra();

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/element_values.hpp"
-
 #include <algorithm>
 
-#include "hexaplast/base/require.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
+#include "base/require.hpp"
+#include "hexaplast/body.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/inspect.hpp"
+#include "inspect.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/require.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
 #include "kinematics/gradients.hpp"
 #include "plastic/element_flow.hpp"
 #include "plastic/rest_shape.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/model_check.hpp"
+#include "model_check.hpp"
 
 #include <fmt/format.h>
 

@@ -7,18 +7,18 @@
 #include <cmath>
 #include <utility>
 
+#include "base/require.hpp"
 #include "base/saved_stream.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "mesh/lumped_mass.hpp"
 
 namespace hexaplast {
 
 std::vector<double> lumped_masses(const Body& body, double density) {
   std::vector<double> mass(static_cast<std::size_t>(body.mesh().num_elements()));
   for (std::size_t e = 0; e < mass.size(); ++e) mass[e] = density * body.initial_volume(static_cast<int>(e));
-  const Eigen::VectorXd nodal = lumped_masses(body.mesh().num_nodes(), body.mesh().hexahedra(), mass);
+  const Eigen::VectorXd nodal = nodal_masses(body.mesh().num_nodes(), body.mesh().hexahedra(), mass);
   return {nodal.begin(), nodal.end()};
 }
 

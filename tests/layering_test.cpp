@@ -71,7 +71,9 @@ std::optional<std::string> room_of_include(const std::string& text) {
   for (const std::string root : {"hexaplast/plugin/", "hexaplast/", "plugin/"}) {
     if (text.starts_with(root)) return room_of(fs::path(text.substr(root.size())));
   }
-  return text.find('/') == text.npos ? std::nullopt : room_of(fs::path(text));  // else a file next to the including one
+  // without a folder: a header of src itself, or else a file next to the including one
+  const bool is_of_room = text.find('/') != text.npos || fs::exists(fs::path(HEXAPLAST_SOURCE_DIR) / "src" / text);
+  return is_of_room ? room_of(fs::path(text)) : std::nullopt;
 }
 
 struct SourceFile {
@@ -140,6 +142,90 @@ TEST(Layering, ForwardDeclarationsPointDown) {
           << file.path << ": " << file.room << " announces " << match[1] << ", which is not of a room below it";
     }
   EXPECT_GT(num_declarations, 3) << "the search has lost its object";
+}
+
+/// Whether an include refers to a header that is never installed: of src, or of formats beside its include folder.
+bool is_internal(const std::string& text) {
+  const fs::path root(HEXAPLAST_SOURCE_DIR);
+  return fs::exists(root / "src" / text) || (text.starts_with("formats/") && fs::exists(root / text));
+}
+
+/// What a program outside this tree can include, by the folder that it is found in.
+std::map<fs::path, std::set<fs::path>> installed_headers() {
+  const fs::path root(HEXAPLAST_SOURCE_DIR);
+  const std::set<std::string> kept{"json_file.hpp", "dense_body.hpp"};  // hexaplast_plugin_headers
+  std::map<fs::path, std::set<fs::path>> headers;
+  const auto add = [&](const fs::path& folder, const fs::path& below) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / below))
+      if (entry.path().extension() == ".hpp" && !kept.count(entry.path().filename().string()))
+        headers[folder].insert(fs::relative(entry.path(), folder));
+  };
+  add(root / "include", "hexaplast");
+  add(root / "formats/include", "hexaplast");
+  for (const char* room : {"attributes", "parts", "scene", "picture", "record", "page"}) add(root / "plugin", room);
+  headers[root / "plugin"].insert("components/components.hpp");
+  return headers;
+}
+
+/// Files of the plugin of SOFA and of the examples, which are built outside this tree.
+std::vector<fs::path> outside_files() {
+  const fs::path root(HEXAPLAST_SOURCE_DIR);
+  std::vector<fs::path> files;
+  for (const char* folder : {"plugin/sofa/src", "examples", "docs/examples"})
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      const fs::path extension = entry.path().extension();
+      if (extension == ".cpp" || extension == ".h" || extension == ".inl" || extension == ".hpp")
+        files.push_back(entry.path());
+    }
+  return files;
+}
+
+std::vector<std::string> includes_of(const fs::path& path) {
+  const std::regex include("^\\s*#include\\s+[\"<]([^\">]+)[\">].*");
+  std::vector<std::string> included;
+  std::ifstream in(path);
+  std::smatch match;
+  for (std::string line; std::getline(in, line);)
+    if (std::regex_match(line, match, include)) included.push_back(match[1]);
+  return included;
+}
+
+// What is installed, and what is built against it, needs nothing that is not.
+TEST(Layering, InstalledHeadersAndTheirUsersIncludeNoneOfOurOwn) {
+  std::vector<fs::path> files = outside_files();
+  EXPECT_GT(files.size(), 20u) << "the search has lost its object";
+  for (const auto& [folder, headers] : installed_headers())
+    for (const fs::path& header : headers) files.push_back(folder / header);
+  EXPECT_GT(files.size(), 100u) << "the search has lost its object";
+  for (const fs::path& file : files)
+    for (const std::string& text : includes_of(file)) {
+      const std::string name = fs::path(text).filename().string();
+      EXPECT_FALSE(is_internal(text) || name == "json_file.hpp" || name == "dense_body.hpp")
+          << file << " includes " << text << ", which is not installed";
+    }
+}
+
+// include/ is the promise. A header stands there because another promised one, a plugin or an example needs it, or
+// because docs/api.md tells people to use it; the rest belongs into src.
+TEST(Layering, PublicHeadersHaveUsersOutside) {
+  const fs::path root(HEXAPLAST_SOURCE_DIR);
+  std::set<std::string> used;
+  for (const auto& [folder, headers] : installed_headers())
+    for (const fs::path& header : headers)
+      for (const std::string& text : includes_of(folder / header)) used.insert(text);
+  for (const fs::path& file : outside_files())
+    for (const std::string& text : includes_of(file)) used.insert(text);
+  std::ifstream page(root / "docs/api.md");
+  const std::string api((std::istreambuf_iterator<char>(page)), {});
+  for (const auto& [folder, headers] : installed_headers()) {
+    if (folder == root / "plugin") continue;
+    for (const fs::path& header : headers) {
+      const std::string below = fs::relative(header, "hexaplast").string();
+      EXPECT_TRUE(used.count(header.string()) || api.find(below) != api.npos)
+          << header << " is included by nothing that is installed or built outside this tree, and docs/api.md does not "
+          << "name it";
+    }
+  }
 }
 
 // A host does not run in the other one: SOFA's components are made from parts.

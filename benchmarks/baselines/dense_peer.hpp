@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "hexaplast/elastic/dense_hexahedra.hpp"
+#include "elastic/dense_hexahedra.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/material/material.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"

@@ -19,13 +19,13 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/sections.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
-#include "hexaplast/solve/loads.hpp"
 #include "kinematics/polar.hpp"
 #include "material/corotated.hpp"
+#include "mesh/lumped_mass.hpp"
 #include "plastic/point_flow.hpp"
+#include "solve/loads.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 namespace hexaplast::bench {
 

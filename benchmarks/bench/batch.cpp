@@ -12,11 +12,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/simd.hpp"
 #include "bench/bar.hpp"
 #include "bench/machine.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
 
 namespace hexaplast::bench {
 

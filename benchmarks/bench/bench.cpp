@@ -10,14 +10,14 @@
 #include <memory>
 #include <optional>
 
+#include "base/simd.hpp"
 #include "baselines/dense_peer.hpp"
 #include "bench/bar.hpp"
 #include "bench/stages.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 namespace hexaplast::bench {
 

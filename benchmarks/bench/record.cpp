@@ -8,8 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
 
 namespace hexaplast::bench {
 

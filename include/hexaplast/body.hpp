@@ -12,7 +12,6 @@
 #include "hexaplast/material/material.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/plastic/flow_report.hpp"
-#include "hexaplast/state/element_history.hpp"
 
 namespace hexaplast {
 
@@ -148,5 +147,21 @@ class Body {
  private:
   std::unique_ptr<State> state_;
 };
+
+// One value per hexahedron, each without the decompositions that Body::fields needs: in a time that does not count
+// beside a step.
+
+/// [-] ElementFields::plastic_strain.
+std::vector<double> plastic_strains(const Body& body);
+
+/// [Pa] ElementFields::yield_stress.
+std::vector<double> present_yield_stresses(const Body& body);
+
+/// [m^3] at any nodal positions (num_nodes x 3): the current ones, or body.plastic_rest_positions(). 0 for those that
+/// are removed. Throws InputError for positions of another number of nodes.
+std::vector<double> element_volumes(const Body& body, ConstPoints x);
+
+/// [-] ElementFields::volume_ratio, up to rounding: volume at the plastic rest positions over the initial one.
+std::vector<double> plastic_volume_ratios(const Body& body);
 
 }  // namespace hexaplast

@@ -21,8 +21,8 @@ namespace hexaplast {
 using NodalLoad = std::function<void(double time, ConstPoints x, Points f)>;
 
 /// density times the volume of each hexahedron, an eighth to each of its corners [kg]; one mass per node. It is the
-/// trilinear volume, that of the elasticity; masses of scenes have SOFA's (mesh/lumped_mass.hpp), which is another
-/// where faces are not plane.
+/// trilinear volume, that of the elasticity; masses of scenes have SOFA's, which is another where faces
+/// are not plane.
 std::vector<double> lumped_masses(const Body& body, double density);
 
 /// A body with nodal masses, fixed nodes and a load, as a time integrator sees it.

@@ -9,7 +9,6 @@
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/element_values.hpp"
 #include "parts/hexahedral_body.hpp"
 #include "scene/potential.hpp"
 #include "scene/scene.hpp"

@@ -8,9 +8,9 @@
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/supports.hpp"
+#include "solve/loads.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -10,8 +10,8 @@
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/mesh/corner_sum_mass.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/corner_sum_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 #include "parts/dense_body.hpp"
 #include "scene/scene.hpp"
 

@@ -9,7 +9,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/selection.hpp"
+#include "mesh/selection.hpp"
 
 namespace hexaplast::components {
 namespace {

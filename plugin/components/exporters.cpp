@@ -8,8 +8,8 @@
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "formats/line_file.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/line_file.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
 #include "hexaplast/formats/whole_file.hpp"
 #include "scene/interfaces.hpp"

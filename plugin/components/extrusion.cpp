@@ -2,9 +2,9 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "geometry/placement.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/offset.hpp"
-#include "hexaplast/geometry/placement.hpp"
 #include "hexaplast/mesh/faces.hpp"
 
 namespace hexaplast::components {

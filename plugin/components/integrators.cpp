@@ -8,8 +8,8 @@
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "components/system_solver.hpp"
-#include "hexaplast/solve/explicit_integrators.hpp"
-#include "hexaplast/solve/newmark.hpp"
+#include "solve/explicit_integrators.hpp"
+#include "solve/newmark.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -10,10 +10,10 @@
 #include "components/part.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
-#include "hexaplast/solve/minres.hpp"
-#include "hexaplast/solve/preconditioners.hpp"
 #include "parts/multigrid_cg.hpp"
 #include "scene/interfaces.hpp"
+#include "solve/minres.hpp"
+#include "solve/preconditioners.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -9,9 +9,9 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "geometry/placement.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
-#include "hexaplast/geometry/placement.hpp"
 #include "scene/arrays.hpp"
 
 namespace hexaplast::components {

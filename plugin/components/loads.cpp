@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/loads.hpp"
+#include "solve/loads.hpp"
 
 #include <fmt/format.h>
 
@@ -13,10 +13,10 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
-#include "hexaplast/solve/contact_loads.hpp"
 #include "parts/tangential_load.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/load.hpp"
+#include "solve/contact_loads.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -7,8 +7,8 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/mesh/consistent_mass.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/consistent_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -154,7 +154,7 @@ class MeshMatrixMass final : public scene::Mass {
     const std::vector<double> masses =
         element_masses(element_volumes(measured_positions(*this), hexahedra), "hexahedron");
     if (is_lumped_)
-      lumped_ = lumped_masses(num_nodes, hexahedra, masses);
+      lumped_ = nodal_masses(num_nodes, hexahedra, masses);
     else
       coupled_ = ConsistentMass(measured_positions(*this), hexahedra, masses);
   }

@@ -7,7 +7,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/model_check.hpp"
+#include "model_check.hpp"
 #include "scene/parts.hpp"
 #include "scene/potential.hpp"
 

@@ -13,8 +13,8 @@
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/solve/loads.hpp"
 #include "scene/interfaces.hpp"
+#include "solve/loads.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -8,8 +8,8 @@
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "components/made_topology.hpp"
-#include "hexaplast/elastic/corotated_triangles.hpp"
-#include "hexaplast/elastic/dense_tetrahedra.hpp"
+#include "elastic/corotated_triangles.hpp"
+#include "elastic/dense_tetrahedra.hpp"
 #include "hexaplast/material/material.hpp"
 
 namespace hexaplast::components {

@@ -10,10 +10,10 @@
 #include "components/components.hpp"
 #include "components/grid_topology.hpp"
 #include "components/part.hpp"
+#include "geometry/coarsened_cage.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/cage.hpp"
-#include "hexaplast/geometry/coarsened_cage.hpp"
 #include "parts/grids.hpp"
 
 namespace hexaplast::components {

@@ -7,8 +7,8 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "geometry/placement.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/geometry/placement.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {

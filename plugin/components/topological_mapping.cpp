@@ -8,7 +8,7 @@
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -12,9 +12,9 @@
 #include "components/grid_topology.hpp"
 #include "components/part.hpp"
 #include "components/topological_mapping.hpp"
+#include "geometry/round_grid.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/geometry/round_grid.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "parts/grids.hpp"
 

@@ -9,9 +9,9 @@
 #include "attributes/words.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "formats/readable_file.hpp"
+#include "geometry/placement.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
-#include "hexaplast/geometry/placement.hpp"
 
 namespace hexaplast::components {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hexaplast/formats/xml.hpp"
+#include "formats/xml.hpp"
 
 namespace hexaplast::output {
 namespace {

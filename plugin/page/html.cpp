@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "hexaplast/formats/base64.hpp"
-#include "hexaplast/formats/xml.hpp"
+#include "formats/base64.hpp"
+#include "formats/xml.hpp"
 #include "page/page_parts.hpp"
 #include "picture/ink.hpp"
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <sstream>
 
-#include "hexaplast/formats/xml.hpp"
+#include "formats/xml.hpp"
 #include "page/history_panels.hpp"
 #include "page/html.hpp"
 #include "record/files.hpp"

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "hexaplast/base/memory.hpp"
-#include "hexaplast/base/require.hpp"
+#include "base/memory.hpp"
+#include "base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast::parts {
 namespace {

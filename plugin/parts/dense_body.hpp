@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hexaplast/elastic/dense_hexahedra.hpp"
+#include "elastic/dense_hexahedra.hpp"
 #include "parts/hexahedral_body.hpp"
 
 namespace hexaplast::parts {

@@ -10,8 +10,8 @@
 
 #include "attributes/parts.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/solve/loads.hpp"
 #include "parts/key_times.hpp"
+#include "solve/loads.hpp"
 
 namespace hexaplast::parts {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "attributes/shapes.hpp"
-#include "hexaplast/base/memory.hpp"
+#include "base/memory.hpp"
 #include "hexaplast/geometry/shapes.hpp"
 #include "parts/option.hpp"
 

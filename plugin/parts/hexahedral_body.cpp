@@ -3,10 +3,10 @@
 
 #include <utility>
 
-#include "hexaplast/base/memory.hpp"
-#include "hexaplast/material/filling.hpp"
+#include "base/memory.hpp"
 #include "hexaplast/mesh/quality.hpp"
-#include "hexaplast/model_check.hpp"
+#include "material/filling.hpp"
+#include "model_check.hpp"
 
 namespace hexaplast::parts {
 

@@ -10,9 +10,9 @@
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/embed.hpp"
-#include "hexaplast/solve/loads.hpp"
 #include "parts/contact_stiffness.hpp"
 #include "parts/key_times.hpp"
+#include "solve/loads.hpp"
 
 namespace hexaplast::parts {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "parts/option.hpp"
 

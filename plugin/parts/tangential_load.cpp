@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "attributes/parts.hpp"
-#include "hexaplast/solve/loads.hpp"
 #include "parts/key_times.hpp"
 #include "parts/option.hpp"
+#include "solve/loads.hpp"
 
 namespace hexaplast::parts {
 

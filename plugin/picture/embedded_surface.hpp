@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "hexaplast/base/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 #include "picture/ink.hpp"
 
 namespace hexaplast::output {

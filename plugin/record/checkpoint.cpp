@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "record/files.hpp"

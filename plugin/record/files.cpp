@@ -8,8 +8,9 @@
 #include <cerrno>
 #include <system_error>
 
+#include "formats/readable_file.hpp"
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
 #include "record/checkpoint.hpp"
 
 namespace hexaplast::output {

@@ -6,15 +6,11 @@
 #include <string>
 #include <string_view>
 
-#include "hexaplast/base/hash.hpp"
-#include "hexaplast/formats/line_file.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "hexaplast/formats/whole_file.hpp"
 
 namespace hexaplast::output {
 
 // The runner exits with 5 on an OutputError.
-using hexaplast::LineFile;
 using hexaplast::OutputError;
 using hexaplast::WholeFile;
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "hexaplast/base/hash.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "formats/vtu_grid.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/vtu_grid.hpp"
 #include "record/state_arrays.hpp"
 
 namespace hexaplast::output {

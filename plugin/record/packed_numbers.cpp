@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "hexaplast/formats/base64.hpp"
+#include "formats/base64.hpp"
 #include "record/files.hpp"
 
 namespace hexaplast::output {

@@ -8,10 +8,10 @@
 #include <charconv>
 #include <cmath>
 
+#include "formats/readable_file.hpp"
+#include "formats/xml.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
-#include "hexaplast/formats/readable_file.hpp"
-#include "hexaplast/formats/xml.hpp"
 #include "record/files.hpp"
 #include "record/instruments_vtu.hpp"
 #include "record/springs_vtu.hpp"

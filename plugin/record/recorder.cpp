@@ -10,6 +10,7 @@
 #include <cstring>
 #include <optional>
 
+#include "formats/line_file.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "picture/film.hpp"

@@ -5,8 +5,8 @@
 
 #include <numeric>
 
+#include "formats/vtu_grid.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/vtu_grid.hpp"
 #include "record/state_arrays.hpp"
 
 namespace hexaplast::output {

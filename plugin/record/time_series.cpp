@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "record/files.hpp"
 

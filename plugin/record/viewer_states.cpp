@@ -10,8 +10,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
 #include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "picture/colour_map.hpp"

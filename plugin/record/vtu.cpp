@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "hexaplast/formats/vtu_grid.hpp"
+#include "formats/vtu_grid.hpp"
 
 namespace hexaplast::output {
 

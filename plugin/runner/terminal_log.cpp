@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <mutex>
 
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 
 namespace hexaplast::runner {
 namespace {

@@ -6,9 +6,9 @@
 #include <sstream>
 #include <vector>
 
+#include "formats/readable_file.hpp"
+#include "formats/xml.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
-#include "hexaplast/formats/xml.hpp"
 
 namespace hexaplast::scene {
 namespace {

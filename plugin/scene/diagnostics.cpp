@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "attributes/words.hpp"
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 
 namespace hexaplast::scene {
 

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "formats/readable_file.hpp"
+#include "formats/xml.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
-#include "hexaplast/formats/xml.hpp"
 
 namespace hexaplast::scene {
 namespace {
@@ -22,6 +22,8 @@ namespace fs = std::filesystem;
   place.line = line;
   throw SceneError(format_error(place, what));
 }
+
+constexpr XmlLimits kXmlOfScenes{.elements = 10'000, .attributes_of_one = 1000, .attributes = 100'000};
 
 /// Parses files and carries out their includes.
 class Importer {

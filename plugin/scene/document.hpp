@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "hexaplast/formats/whole_file.hpp"
-#include "hexaplast/formats/xml.hpp"
 #include "scene/diagnostics.hpp"
 #include "scene/search_path.hpp"
 
@@ -36,7 +35,6 @@ struct Element {
 bool is_switched_off(std::string_view attribute);
 
 inline constexpr std::uintmax_t kLargestSceneFile = 64 * 1024 * 1024;  // [byte]; larger meshes belong into mesh files
-inline constexpr XmlLimits kXmlOfScenes{.elements = 10'000, .attributes_of_one = 1000, .attributes = 100'000};
 inline constexpr int kMaxIncludeLevels = 16;
 inline constexpr int kMaxIncludes = 1000;  // in all: files that include one another twice would double at each level
 

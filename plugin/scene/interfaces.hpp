@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/base/of_two.hpp"
+#include "hexaplast/base/types.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "scene/node.hpp"

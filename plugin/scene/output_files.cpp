@@ -10,7 +10,7 @@
 #include <cstring>
 #include <limits>
 
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 
 namespace hexaplast::scene {
 namespace {

@@ -14,8 +14,8 @@
 #include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
 #include "attributes/stock/sofa_names.hpp"
+#include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
 #include "scene/document.hpp"
 #include "scene/links.hpp"
 

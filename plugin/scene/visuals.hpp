@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 #include "scene/node.hpp"
 
 /// What pictures of a scene ask of its components. Nothing here takes part in a step.

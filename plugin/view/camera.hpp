@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "hexaplast/geometry/pick.hpp"
+#include "geometry/pick.hpp"
 
 namespace hexaplast::view {
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "geometry/pick.hpp"
 #include "hexaplast/geometry/embed.hpp"
-#include "hexaplast/geometry/pick.hpp"
 #include "hexaplast/geometry/plane_cut.hpp"
 #include "picture/gallery.hpp"
 #include "picture/surface.hpp"

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/pick.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/geometry/pick.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "scene/visuals.hpp"
 

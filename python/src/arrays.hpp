@@ -7,7 +7,6 @@
 #include <array>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 /// numpy arrays on their way in and out. What comes in is checked here once, with messages that name the argument:

@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
+#include "base/simd.hpp"
 #include "body.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "record/files.hpp"

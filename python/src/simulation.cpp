@@ -5,9 +5,9 @@
 #include "body.hpp"
 #include "deprecated.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "mesh/lumped_mass.hpp"
 #include "motion_record.hpp"
 
 namespace hexaplast::python {

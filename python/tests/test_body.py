@@ -223,7 +223,7 @@ def test_settings_and_materials_are_plain_data():
         "yield_norm": ("vonMises", "frobenius", "spectral"),
         "rotation_plasticity": ("objective", "vertex", "centre", "none"),
         "rotation_frame": ("bestFit", "world"),
-        "averaging": ("gaussNewton", "gaussNewtonIsolated", "localGlobal", "jacobi"),
+        "averaging": ("gaussNewton", "localGlobal", "jacobi"),
         "precision": ("double", "mixed"),
     }.items():
         for word in words:

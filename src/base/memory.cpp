@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/base/memory.hpp"
+#include "base/memory.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -10,8 +10,8 @@
 #include <new>
 #include <vector>
 
+#include "base/require.hpp"
 #include "base/thread_pool.hpp"
-#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 

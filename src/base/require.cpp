@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 
 #include <fmt/format.h>
 

@@ -49,7 +49,9 @@ std::vector<std::byte> read_saved(std::istream& in, const SavedKind& kind, std::
   if (found.version != kind.version)
     throw InputError(
         fmt::format("the saved {} has format version {}, must be {}", kind.name, found.version, kind.version));
-  if (of != identity) throw InputError(fmt::format("the saved {} has another mesh or other settings", kind.name));
+  if (of != identity)
+    throw InputError(
+        fmt::format("the saved {} has another mesh or other settings, or is of another version", kind.name));
   if (size > max) throw InputError(fmt::format("the saved {} is damaged: {} bytes are announced", kind.name, size));
 
   std::vector<std::byte> bytes(size);

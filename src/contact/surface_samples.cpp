@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "base/require.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
 #include "hexaplast/geometry/embed.hpp"
 
 namespace hexaplast {

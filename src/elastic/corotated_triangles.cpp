@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/elastic/corotated_triangles.hpp"
+#include "elastic/corotated_triangles.hpp"
 
 #include <fmt/format.h>
 
+#include "base/require.hpp"
 #include "elastic/frames.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/elastic/dense_hexahedra.hpp"
+#include "elastic/dense_hexahedra.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
+#include "base/require.hpp"
 #include "elastic/frames.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 namespace {

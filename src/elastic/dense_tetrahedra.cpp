@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/elastic/dense_tetrahedra.hpp"
+#include "elastic/dense_tetrahedra.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "base/require.hpp"
 #include "elastic/frames.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 namespace {

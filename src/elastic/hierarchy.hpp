@@ -5,7 +5,7 @@
 #include <span>
 
 #include "elastic/cycle_operator.hpp"
-#include "hexaplast/layout/chunked_operator.hpp"
+#include "layout/chunked_operator.hpp"
 #include "layout/coarse_mesh.hpp"
 #include "state/linearization.hpp"
 

@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/material/material.hpp"
 #include "kinematics/polar.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/geometry/coarsened_cage.hpp"
+#include "geometry/coarsened_cage.hpp"
 
 #include <fmt/format.h>
 

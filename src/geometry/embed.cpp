@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "base/finite.hpp"
+#include "base/require.hpp"
 #include "geometry/box_tree.hpp"
 #include "geometry/nearest_place.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {

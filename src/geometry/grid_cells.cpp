@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "hexaplast/base/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 
 namespace hexaplast {
 namespace {

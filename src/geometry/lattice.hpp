@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 namespace {

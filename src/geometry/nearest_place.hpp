@@ -4,7 +4,6 @@
 #include <array>
 #include <limits>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <numeric>
 
-#include "hexaplast/mesh/trilinear.hpp"
 #include "mesh/offenders.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 namespace {

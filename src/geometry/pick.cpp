@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/geometry/pick.hpp"
+#include "geometry/pick.hpp"
 
 #include <algorithm>
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 
 namespace hexaplast {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/geometry/placement.hpp"
+#include "geometry/placement.hpp"
 
 #include <numbers>
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 
 namespace hexaplast {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/geometry/round_grid.hpp"
+#include "geometry/round_grid.hpp"
 
 #include "hexaplast/geometry/grid.hpp"
 

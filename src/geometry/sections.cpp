@@ -6,8 +6,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/require.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 

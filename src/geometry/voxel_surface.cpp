@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/geometry/voxel_surface.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <tuple>
 
-#include "hexaplast/base/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/geometry/voxels.hpp"
 
 namespace hexaplast {
 namespace {

@@ -12,8 +12,8 @@
 #include <tuple>
 #include <utility>
 
+#include "base/disjoint_sets.hpp"
 #include "geometry/grid_cells.hpp"
-#include "hexaplast/base/disjoint_sets.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {

@@ -3,10 +3,9 @@
 
 #include <array>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
 #include "kinematics/sampling.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "hexaplast/base/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
 #include "mesh/neighbours.hpp"
 
 namespace hexaplast {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 

@@ -9,7 +9,7 @@
 #endif
 
 #include "base/lanes-inl.hpp"
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 #include "layout/partition.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "base/require.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
 #include "layout/runs.hpp"
 
 namespace hexaplast {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/material/filling.hpp"
+#include "material/filling.hpp"
 
 namespace hexaplast {
 

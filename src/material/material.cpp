@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/memory.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/base/memory.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/material/rows.hpp"
 

@@ -14,7 +14,7 @@ constexpr std::string_view kLaws[] = {"corotated", "neoHookean", "stableNeoHooke
 constexpr std::string_view kYieldNorms[] = {"vonMises", "frobenius", "spectral"};
 constexpr std::string_view kRotations[] = {"objective", "vertex", "centre", "none"};
 constexpr std::string_view kFrames[] = {"bestFit", "world"};
-constexpr std::string_view kAveragings[] = {"gaussNewton", "gaussNewtonIsolated", "localGlobal", "jacobi"};
+constexpr std::string_view kAveragings[] = {"gaussNewton", "localGlobal", "jacobi"};
 constexpr std::string_view kPrecisions[] = {"double", "mixed"};
 
 constexpr Row<Settings> kSettingsRows[] = {
@@ -112,10 +112,10 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "averaging",
      .group = kNumerics,
      .words = kAveragings,
-     .help = "Rest-shape averaging: how the rest shapes of the hexahedra are projected onto one mesh. gaussNewton: a "
-             "Gauss-Newton step that leaves rotations of hexahedra free; for comparison gaussNewtonIsolated (leaves "
-             "rotations of the isolated rest shapes free: bodies tilt), localGlobal (converges slowly in bending and "
-             "twist) and jacobi (one sweep, depends on the mesh).",
+     .help =
+         "Rest-shape averaging: how the rest shapes of the hexahedra are projected onto one mesh. gaussNewton: a "
+         "Gauss-Newton step that leaves rotations of hexahedra free; for comparison localGlobal (converges slowly in "
+         "bending and twist) and jacobi (one sweep, depends on the mesh).",
      .at = kMember<&Settings::averaging>},
     {.member = "averaging_steps",
      .name = "averagingSteps",

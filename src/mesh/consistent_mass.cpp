@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/consistent_mass.hpp"
+#include "mesh/consistent_mass.hpp"
 
 #include <cmath>
 #include <vector>
 
+#include "base/require.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 namespace {

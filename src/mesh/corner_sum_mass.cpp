@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/corner_sum_mass.hpp"
+#include "mesh/corner_sum_mass.hpp"
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 
 namespace hexaplast {
 

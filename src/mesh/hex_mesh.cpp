@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hexaplast/base/disjoint_sets.hpp"
+#include "base/disjoint_sets.hpp"
+#include "base/require.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
 #include "mesh/neighbours.hpp"
 #include "mesh/offenders.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 

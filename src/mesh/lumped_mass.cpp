@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 #include <array>
 #include <cmath>
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {
@@ -31,14 +31,14 @@ std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> h
 }
 
 Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra) {
-  return lumped_masses(static_cast<int>(x.rows()), hexahedra, element_volumes(x, hexahedra));
+  return nodal_masses(static_cast<int>(x.rows()), hexahedra, element_volumes(x, hexahedra));
 }
 
-Eigen::VectorXd lumped_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses) {
-  require_count("lumped_masses", "masses", std::ssize(masses), std::ssize(hexahedra));
+Eigen::VectorXd nodal_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses) {
+  require_count("nodal_masses", "masses", std::ssize(masses), std::ssize(hexahedra));
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(num_nodes);
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
-    require_nodes("lumped_masses", hexahedra[e], num_nodes);
+    require_nodes("nodal_masses", hexahedra[e], num_nodes);
     for (const int node : hexahedra[e]) mass[node] += masses[e] / kCorners;
   }
   return mass;

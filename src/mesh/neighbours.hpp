@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 

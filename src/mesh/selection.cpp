@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/selection.hpp"
+#include "mesh/selection.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 
 namespace hexaplast {
 

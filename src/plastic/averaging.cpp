@@ -77,7 +77,7 @@ struct Averaging::Kernels {
                                 .rest_shape = history.rest_shape.data(),
                                 .rotation_map = has_own_maps ? nullptr : history.rotation_map.data(),
                                 .fixed_map = has_own_maps ? history.rotation_map.data() : nullptr,
-                                .turns_targets = model.settings.averaging == AveragingMethod::kGaussNewtonIsolated,
+                                .turns_targets = model.turns_isolated_shapes,
                                 .coef = prepares ? of.coef.data() : nullptr,
                                 .gradient = prepares ? gradient().data() : nullptr,
                                 .misfit = misfit.data(),
@@ -179,7 +179,7 @@ class Averaging::System final : public LinearSystem {
   }
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
-  bool leaves_rotation() const { return projects_ && model_.settings.averaging == AveragingMethod::kGaussNewton; }
+  bool leaves_rotation() const { return projects_ && !model_.turns_isolated_shapes; }
 
   void apply(ConstPoints p, Points Ap) const override {
     const Partition& partition = *model_.partition;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "hexaplast/layout/chunked_operator.hpp"
+#include "layout/chunked_operator.hpp"
 #include "plastic/averaging.hpp"
 
 namespace hexaplast {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "hexaplast/mesh/trilinear.hpp"
 #include "kinematics/sampling.hpp"
+#include "mesh/trilinear.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "hexaplast/layout/linear_system.hpp"
+#include "layout/chunked_operator.hpp"
 #include "layout/partition.hpp"
 #include "solve/node_blocks.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/contact_loads.hpp"
+#include "solve/contact_loads.hpp"
 
 #include <cmath>
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 
 namespace hexaplast {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/explicit_integrators.hpp"
+#include "solve/explicit_integrators.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/finite.hpp"
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 #include "solve/acceleration.hpp"
 
 namespace hexaplast {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 
 namespace hexaplast {
 

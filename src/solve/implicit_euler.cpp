@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/finite.hpp"
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 #include "solve/constrained_operator.hpp"
 
 namespace hexaplast {

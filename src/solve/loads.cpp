@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/loads.hpp"
+#include "solve/loads.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "base/require.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/require.hpp"
 
 namespace hexaplast {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/minres.hpp"
+#include "solve/minres.hpp"
 
 #include <algorithm>
 #include <cmath>

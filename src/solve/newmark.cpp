@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/newmark.hpp"
+#include "solve/newmark.hpp"
 
 #include <cmath>
 #include <utility>
 
 #include "base/finite.hpp"
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 #include "solve/acceleration.hpp"
 #include "solve/constrained_operator.hpp"
 

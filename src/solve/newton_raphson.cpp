@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "base/finite.hpp"
-#include "hexaplast/base/irregular_field.hpp"
+#include "base/irregular_field.hpp"
+#include "base/require.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/require.hpp"
 #include "solve/constrained_operator.hpp"
 
 namespace hexaplast {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/preconditioners.hpp"
+#include "solve/preconditioners.hpp"
 
 #include <fmt/format.h>
 

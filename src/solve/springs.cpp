@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/springs.hpp"
+#include "solve/springs.hpp"
 
 #include <algorithm>
 #include <array>
 #include <map>
 
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
 
 namespace hexaplast {
 namespace {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "hexaplast/layout/chunked_operator.hpp"
 #include "kinematics/sampling.hpp"
+#include "layout/chunked_operator.hpp"
 #include "layout/partition.hpp"
 
 namespace hexaplast {

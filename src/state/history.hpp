@@ -5,7 +5,7 @@
 
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/state/element_history.hpp"
+#include "state/element_history.hpp"
 #include "state/model.hpp"
 
 namespace hexaplast {

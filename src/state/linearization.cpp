@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "state/linearization.hpp"
 
-#include "hexaplast/base/simd.hpp"
+#include "base/simd.hpp"
 
 namespace hexaplast {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/disjoint_sets.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "state/history.hpp"
 

@@ -8,7 +8,7 @@
 #include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 namespace hexaplast {
 namespace {

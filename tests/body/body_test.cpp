@@ -8,7 +8,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"

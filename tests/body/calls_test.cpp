@@ -5,22 +5,22 @@
 #include <sstream>
 #include <type_traits>
 
+#include "geometry/axial_pull.hpp"
+#include "geometry/pick.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/geometry/axial_pull.hpp"
 #include "hexaplast/geometry/embed.hpp"
-#include "hexaplast/geometry/pick.hpp"
 #include "hexaplast/geometry/plane_cut.hpp"
-#include "hexaplast/mesh/consistent_mass.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
-#include "hexaplast/mesh/selection.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/contact_loads.hpp"
 #include "hexaplast/solve/grip.hpp"
-#include "hexaplast/solve/loads.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "mesh/consistent_mass.hpp"
+#include "mesh/lumped_mass.hpp"
+#include "mesh/selection.hpp"
+#include "solve/contact_loads.hpp"
+#include "solve/loads.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/motion.hpp"
@@ -390,8 +390,8 @@ TEST_F(SizesOfCalls, OfWhatFollowsOrMeasuresAMesh) {
          BlockMatrix A = blocks(wrong);
          mass.add_blocks(1, A);
        }},
-      {"lumped_masses", "masses", 12,
-       [&](PointArray& wrong) { lumped_masses(kRows, hexahedra, std::vector<double>(wrong.rows(), 1)); }},
+      {"nodal_masses", "masses", 12,
+       [&](PointArray& wrong) { nodal_masses(kRows, hexahedra, std::vector<double>(wrong.rows(), 1)); }},
       {"add_gravity", "f", 3, [&](PointArray& wrong) { add_gravity(Eigen::Vector3d(1, 2, 3), Vec3::UnitZ(), wrong); }},
       {"kinetic_energy", "v", 3, [&](PointArray& wrong) { kinetic_energy(Eigen::Vector3d(1, 2, 3), wrong); }},
       {"axial_pull", "forces", kRows, [&](PointArray& wrong) { axial_pull(kCalled, ends, wrong); }},
@@ -407,7 +407,7 @@ TEST_F(SizesOfCalls, OfWhatFollowsOrMeasuresAMesh) {
       {"extent_along", [&] { extent_along(Vec3::UnitZ(), few, hexahedra); }},
       {"ConsistentMass", [&] { ConsistentMass(few, hexahedra, masses); }},
       {"element_volumes", [&] { element_volumes(few, hexahedra); }},
-      {"lumped_masses", [&] { lumped_masses(20, hexahedra, masses); }},
+      {"nodal_masses", [&] { nodal_masses(20, hexahedra, masses); }},
       {"elongation", [&] { elongation(ends, few); }},
       {"first_hit", [&] { first_hit(Ray{}, few, triangles); }},
       {"nearest_nodes", [&] { nearest_nodes(few, std::vector{20}, Vec3::Zero(), 1, 1); }},

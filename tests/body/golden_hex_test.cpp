@@ -35,6 +35,7 @@ struct GoldenHexahedron {
         history(model),
         current(matrix(data["xh"])),
         dt(data["params"]["dt"]) {
+    model.turns_isolated_shapes = true;
     ElementHistory element = history.element(0);
     element.rest_shape = matrix(data["y"]);
     element.rotation_map.fill(matrix(data["Pi"]));

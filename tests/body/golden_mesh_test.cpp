@@ -20,6 +20,8 @@ class GoldenMesh : public testing::TestWithParam<std::string> {
   Body body{HexMesh(matrix(data["X"]), support::hexahedra(data["H"])),
             {support::material(params)},
             support::settings(params, mode, RotationFrame::kBestFit)};
+
+  GoldenMesh() { body.state().model.turns_isolated_shapes = true; }
 };
 
 TEST_P(GoldenMesh, ThreePlasticStepsAtHeldPositions) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // One hexahedron by itself. Its intermediates are compared with golden data through the command
 // (runner/element_test.cpp), which prints them; here with difference quotients, the body and hand values.
-#include "hexaplast/inspect.hpp"
+#include "inspect.hpp"
 
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"

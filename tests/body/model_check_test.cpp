@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/model_check.hpp"
+#include "model_check.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
-#include "hexaplast/mesh/consistent_mass.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
 #include "hexaplast/moving_body.hpp"
+#include "mesh/consistent_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

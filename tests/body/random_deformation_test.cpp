@@ -13,8 +13,8 @@
 
 #include "body_state.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/solve/contact_loads.hpp"
 #include "kinematics/gradients.hpp"
+#include "solve/contact_loads.hpp"
 #include "support/materials.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"

@@ -11,8 +11,8 @@
 
 #include "body_state.hpp"
 #include "hexaplast/body.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/motion.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/elastic/dense_hexahedra.hpp"
+#include "elastic/dense_hexahedra.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
+#include "base/simd.hpp"
 #include "body_state.hpp"
-#include "hexaplast/base/simd.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"

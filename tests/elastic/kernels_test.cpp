@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "base/simd.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
 #include "hexaplast/body.hpp"
 #include "kinematics/gradients.hpp"
 #include "kinematics/polar.hpp"

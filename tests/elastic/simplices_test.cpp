@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "elastic/corotated_triangles.hpp"
+#include "elastic/dense_tetrahedra.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/elastic/corotated_triangles.hpp"
-#include "hexaplast/elastic/dense_tetrahedra.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

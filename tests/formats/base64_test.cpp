@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/formats/base64.hpp"
+#include "formats/base64.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/readable_file.hpp"
 #include "hexaplast/formats/volume_import.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What XML is read, what is refused and in which words; and text as a terminal may see it.
-#include "hexaplast/formats/xml.hpp"
+#include "formats/xml.hpp"
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
 
 #include <random>
 
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 
 namespace hexaplast {
 namespace {

@@ -6,7 +6,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"

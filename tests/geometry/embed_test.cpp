@@ -5,7 +5,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"

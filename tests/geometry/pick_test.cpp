@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/geometry/pick.hpp"
+#include "geometry/pick.hpp"
 
 #include <gtest/gtest.h>
 

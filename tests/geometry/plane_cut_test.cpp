@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hexaplast/mesh/trilinear.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "hexaplast/geometry/axial_pull.hpp"
+#include "geometry/axial_pull.hpp"
 #include "kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/geometry/voxel_surface.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "support/compare.hpp"
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/mesh/selection.hpp"
 #include "mesh/neighbours.hpp"
+#include "mesh/selection.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"
 

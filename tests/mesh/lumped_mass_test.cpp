@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/mesh/consistent_mass.hpp"
+#include "mesh/consistent_mass.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "hexaplast/material/filling.hpp"
+#include "material/filling.hpp"
 #include "parts/hexahedral_body.hpp"
 #include "support/refused.hpp"
 #include "support/rows.hpp"

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "formats/line_file.hpp"
 #include "hexaplast/base/error.hpp"
 #include "record/files.hpp"
 #include "record/time_series.hpp"

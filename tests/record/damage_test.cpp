@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "formats/line_file.hpp"
 #include "record/json_file.hpp"
 #include "record/manifest.hpp"
 #include "support/compare.hpp"
@@ -165,23 +166,23 @@ TEST(JsonFile, OfMoreThanOneMayKeepIsRefused) {
 TEST(LineFile, IsItsOwnAndFollowsNoLink) {
   const Scratch scratch;
   support::put(scratch / "mine", "mine");
-  EXPECT_THROW(output::LineFile(scratch / "mine"), OutputError);
+  EXPECT_THROW(LineFile(scratch / "mine"), OutputError);
   EXPECT_EQ(content(scratch / "mine"), "mine");
   support::put(scratch / "victim", "mine");
   fs::create_symlink(scratch / "victim", scratch / "history.csv");
-  EXPECT_THROW(output::LineFile(scratch / "history.csv"), OutputError);
+  EXPECT_THROW(LineFile(scratch / "history.csv"), OutputError);
   std::vector<std::byte> nothing(16);  // no bytes, and their checksum
   StateHash hash;
   const std::uint64_t checksum = hash.value();
   std::memcpy(nothing.data() + 8, &checksum, 8);
   Archive saved{std::span<const std::byte>(nothing)};
-  EXPECT_THROW(output::LineFile(scratch / "history.csv", saved), OutputError);
+  EXPECT_THROW(LineFile(scratch / "history.csv", saved), OutputError);
   EXPECT_EQ(content(scratch / "victim"), "mine");
 }
 
 TEST(LineFile, LosesNoLineSilently) {
   const Scratch scratch;
-  output::LineFile lines(scratch / "lines");
+  LineFile lines(scratch / "lines");
   lines.append("1");
   fs::rename(scratch / "lines", scratch / "moved");
   lines.append("2");
@@ -194,7 +195,7 @@ TEST(LineFile, SaysTheReasonOfTheSystem) {
   const Scratch scratch;
   for (const auto& [name, reason] : {std::pair(std::string(300, 'n'), "File name too long"),
                                      {std::string("nowhere/lines"), "No such file or directory"}})
-    EXPECT_TRUE(support::refuses<OutputError>([&, name = name] { output::LineFile{scratch / name}; },
+    EXPECT_TRUE(support::refuses<OutputError>([&, name = name] { LineFile{scratch / name}; },
                                               {name, std::string("cannot be opened for writing: ") + reason}));
 }
 

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/base64.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/base64.hpp"
 #include "record/packed_numbers.hpp"
 #include "support/output.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What somebody outside the project sees: a plugin and a program built against an installation, the example that the
 // pages show, and the packages.
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -112,6 +113,19 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
   EXPECT_TRUE(finds("0.1 COMPONENTS parts scene components output"));
   EXPECT_FALSE(finds("COMPONENTS teapot"));
   EXPECT_FALSE(finds("0.2"));
+}
+
+// Whoever includes one header of the core or of formats needs no other before it.
+TEST_F(OutsidePlugin, EachPublicHeaderCompilesAlone) {
+  must("'" HEXAPLAST_CMAKE "' --install '" HEXAPLAST_BUILD_DIR "' --prefix prefix --component development");
+  std::string headers;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(directory_ / "prefix/include"))
+    if (entry.path().extension() == ".hpp" && !has(entry.path(), "/plugin/")) headers += entry.path().string() + "\n";
+  EXPECT_GT(std::ranges::count(headers, '\n'), 30) << "the search has lost its object";
+  write("headers", headers);
+  must("xargs -a headers -P \"$(nproc)\" -I HEADER '" HEXAPLAST_COMPILER
+       "' -std=c++20 -fsyntax-only $(PKG_CONFIG_PATH=\"$PWD/prefix/" HEXAPLAST_LIBDIR
+       "/pkgconfig\" pkg-config --cflags hexaplast) -include HEADER -x c++ /dev/null");
 }
 
 /// The value of a variable of a preset.

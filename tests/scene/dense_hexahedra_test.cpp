@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // SOFA's elastic hexahedra in scenes. Their numbers: elastic/dense_hexahedra_test.cpp, sofa_trajectories_test.cpp.
-#include "hexaplast/elastic/dense_hexahedra.hpp"
+#include "elastic/dense_hexahedra.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
-#include "hexaplast/base/memory.hpp"
+#include "base/memory.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"

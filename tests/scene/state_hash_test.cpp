@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/simd.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
 #include "hexaplast/body.hpp"
 #include "record/recorder.hpp"
 #include "support/scene.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/contact_loads.hpp"
+#include "solve/contact_loads.hpp"
 
 #include "hexaplast/mesh/faces.hpp"
 #include "support/compare.hpp"

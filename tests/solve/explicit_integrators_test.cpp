@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/explicit_integrators.hpp"
+#include "solve/explicit_integrators.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/newmark.hpp"
+#include "solve/newmark.hpp"
 #include "support/compare.hpp"
 
 namespace hexaplast {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/loads.hpp"
+#include "solve/loads.hpp"
 
 #include <gtest/gtest.h>
 

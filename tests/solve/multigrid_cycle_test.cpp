@@ -7,7 +7,7 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/shapes.hpp"
-#include "hexaplast/mesh/lumped_mass.hpp"
+#include "mesh/lumped_mass.hpp"
 #include "solve/multigrid.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/element_values.hpp"
+#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"

@@ -10,9 +10,9 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/mesh/consistent_mass.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "mesh/consistent_mass.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 

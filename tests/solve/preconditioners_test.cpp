@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/preconditioners.hpp"
+#include "solve/preconditioners.hpp"
 
 #include <gtest/gtest.h>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
-#include "hexaplast/solve/minres.hpp"
+#include "solve/minres.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/solve/springs.hpp"
+#include "solve/springs.hpp"
 
 #include <gtest/gtest.h>
 

@@ -171,6 +171,7 @@ def main():
         submit("1-3")
         wait_for(lambda: num_rows(shards[0]) > 0, "a run of the first task")
         kill_task(conf, 1)
+        wait_for(lambda: "1" not in call("squeue", "-h", "-t", "RUNNING", "-o", "%K").split(), "that Slurm notices the failure")
         wait_for(lambda: num_rows(shards[1]) > 0, "a run of the second task")
         kill_node(conf, daemons["slurmd"])
         done = [num_rows(shard) for shard in shards]

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hexaplast/solve/loads.hpp"
+#include "solve/loads.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast::support {

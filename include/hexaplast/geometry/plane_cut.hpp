@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {

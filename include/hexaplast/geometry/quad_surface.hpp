@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {

@@ -12,14 +12,22 @@
 
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/irregular_field.hpp"
-#include "hexaplast/base/require.hpp"
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/layout/chunked_operator.hpp"
 
 namespace hexaplast {
 
 struct SlotScratch;
+struct CoarseMesh;
+template <class T>
+class ChunkedProduct;
+template <class T>
+class ChunkedOperator;
+
+/// The operator of a body on a mesh of twice the edge length.
+struct CoarseOperator {
+  const ChunkedOperator<float>* op = nullptr;
+  const CoarseMesh* mesh = nullptr;
+};
 
 /// Per node and axis, yes or no.
 using NodeMask = Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -79,12 +87,7 @@ struct NodalTerm {
 };
 
 /// Numbers in [0.5, 1.5) without any regularity, three per node: whatever acts on nodes leaves a trace of them.
-inline PointArray irregular_numbers(int num_nodes) {
-  PointArray numbers(num_nodes, 3);
-  fill_irregularly(numbers);
-  numbers.array() += 0.5;
-  return numbers;
-}
+PointArray irregular_numbers(int num_nodes);
 
 /// A linear system in the form that the kernels solve: A = P (diagonal + sum of factor L over the bodies + F) P, P
 /// zeroing the degrees of freedom that are not free.
@@ -130,22 +133,18 @@ struct MatrixFreeSystem {
   /// coupling is taken for freedom. project(field) makes P field of a field.
   template <class Project>
   void find_free(int num_nodes, const Project& project) {
-    const auto number = [](int node, int axis) { return 0.5 + irregular_number(3 * Eigen::Index{node} + axis); };
-    free.setOnes(num_nodes, 3);
-    couples_coordinates = false;
+    begin_free(num_nodes);
     for (int axis = 0; axis < 3; ++axis) {
-      scratch.setZero(num_nodes, 3);
-      for (int n = 0; n < num_nodes; ++n) scratch(n, axis) = number(n, axis);
+      fill_axis(axis);
       project(scratch);
-      for (int n = 0; n < num_nodes; ++n) {
-        if (scratch(n, axis) == 0)
-          free(n, axis) = 0;
-        else
-          scratch(n, axis) -= number(n, axis);
-      }
-      couples_coordinates = couples_coordinates || !scratch.isZero(0);
+      take_free(axis);
     }
   }
+
+ private:
+  void begin_free(int num_nodes);
+  void fill_axis(int axis);  // scratch: numbers along one axis
+  void take_free(int axis);  // what their projection has left of them
 };
 
 /// A symmetric positive definite system A x = b over nodal fields, seen by its solvers.
@@ -177,10 +176,7 @@ class LinearSystem {
 };
 
 /// Throws InputError unless b and x have a row per node of A.
-inline void require_sizes(const LinearSystem& A, ConstPoints b, ConstPoints x) {
-  require_rows("solve", "b", b, A.num_nodes());
-  require_rows("solve", "x", x, A.num_nodes());
-}
+void require_sizes(const LinearSystem& A, ConstPoints b, ConstPoints x);
 
 /// What makes the iterations of a linear solver few.
 enum class PreconditionedBy : int {

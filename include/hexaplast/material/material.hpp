@@ -87,9 +87,8 @@ enum class RotationFrame {
 /// How the isolated rest shapes become one plastic rest shape.
 enum class AveragingMethod {
   kGaussNewton,  ///< one Gauss-Newton step that leaves the rotations of the joined elements free  theory.md eq. 31
-  kGaussNewtonIsolated,  ///< that leaves the rotations of the isolated shapes free: bodies tilt
-  kLocalGlobal,          ///< rotations held fixed while positions are solved for: lags in bending and twist
-  kJacobi                ///< one sweep of averages, as printed in the paper: depends on the mesh size
+  kLocalGlobal,  ///< rotations held fixed while positions are solved for: lags in bending and twist
+  kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size
 };
 
 /// Numbers that the stiffness product and what follows from it are computed with. Positions, forces, rotations and

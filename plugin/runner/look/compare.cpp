@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 #include "page/comparison.hpp"
 #include "record/files.hpp"
 

@@ -8,9 +8,9 @@
 #include <CLI/CLI.hpp>
 #include <string_view>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "record/manifest.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"

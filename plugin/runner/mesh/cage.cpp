@@ -6,9 +6,9 @@
 
 #include <algorithm>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/cage.hpp"
 #include "record/files.hpp"
 #include "runner/exit_code.hpp"

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/offset.hpp"
 #include "runner/mesh/file.hpp"
 #include "runner/standard_output.hpp"

@@ -7,8 +7,8 @@
 
 #include <numbers>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/offset.hpp"
 #include "hexaplast/geometry/shapes.hpp"

@@ -9,13 +9,13 @@
 #include <map>
 #include <set>
 
+#include "formats/text.hpp"
+#include "formats/vtu_grid.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "hexaplast/formats/volume_import.hpp"
-#include "hexaplast/formats/vtu_grid.hpp"
 #include "hexaplast/formats/whole_file.hpp"
-#include "hexaplast/geometry/voxel_surface.hpp"
+#include "hexaplast/geometry/voxels.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/standard_output.hpp"
 #include "scene/reader.hpp"

@@ -9,12 +9,12 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "base/simd.hpp"
 #include "bench/batch.hpp"
 #include "bench/bench.hpp"
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/simulation.hpp"

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "hexaplast/formats/text.hpp"
-#include "hexaplast/model_check.hpp"
+#include "formats/text.hpp"
+#include "model_check.hpp"
 #include "runner/run/loads.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/run/regions.hpp"

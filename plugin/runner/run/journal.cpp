@@ -6,10 +6,10 @@
 #include <ctime>
 #include <thread>
 
+#include "base/memory.hpp"
+#include "base/simd.hpp"
 #include "bench/machine.hpp"
-#include "hexaplast/base/memory.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
 #include "page/report.hpp"
 #include "runner/run/scene_record.hpp"
 

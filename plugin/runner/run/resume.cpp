@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "base/simd.hpp"
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/simd.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "record/checkpoint.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"

@@ -10,10 +10,10 @@
 #include <set>
 #include <span>
 
+#include "base/simd.hpp"
+#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/base/simd.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "page/plot.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"

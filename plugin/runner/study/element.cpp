@@ -14,8 +14,8 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/inspect.hpp"
 #include "hexaplast/material/rows.hpp"
+#include "inspect.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "hexaplast/geometry/axial_pull.hpp"
+#include "geometry/axial_pull.hpp"
 #include "record/measures.hpp"
 #include "runner/run/ends.hpp"
 #include "runner/run/interrupt.hpp"

@@ -13,8 +13,8 @@
 #include <span>
 #include <thread>
 
+#include "formats/text.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/formats/text.hpp"
 #include "record/files.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/common_options.hpp"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 #include "page/history_panels.hpp"
 #include "page/panel_grids.hpp"
 

@@ -17,8 +17,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "hexaplast/base/simd.hpp"
-#include "hexaplast/formats/text.hpp"
+#include "base/simd.hpp"
+#include "formats/text.hpp"
 #include "record/files.hpp"
 #include "record/json_file.hpp"
 #include "runner/exit_code.hpp"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "hexaplast/formats/text.hpp"
+#include "formats/text.hpp"
 #include "record/field_file.hpp"
 #include "record/json_file.hpp"
 #include "runner/exit_code.hpp"

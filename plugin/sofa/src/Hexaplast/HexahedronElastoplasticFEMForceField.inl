@@ -14,7 +14,7 @@
 #include <numeric>
 
 #include "attributes/hexaplast.hpp"
-#include "hexaplast/element_values.hpp"
+#include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
 
 namespace hexaplast::sofa_plugin

@@ -6,14 +6,13 @@
 #include <string_view>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/geometry/quad_surface.hpp"
 
 namespace hexaplast {
 
 /// What is taken from a mesh file: nodes in the order of the file, and linear cells by node, in the corner order of
-/// hexahedron.hpp. Every corner is a row of `positions`. The geometry is not judged: that is HexMesh's part.
+/// base/types.hpp. Every corner is a row of `positions`. The geometry is not judged: that is HexMesh's part.
 struct ImportedMesh {
   PointArray positions;  ///< [m] num_nodes x 3
   std::vector<Edge> edges;

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
@@ -23,7 +22,7 @@ std::vector<double> element_volumes(ConstPoints x, std::span<const Hexahedron> h
 Eigen::VectorXd nodal_volumes(ConstPoints x, std::span<const Hexahedron> hexahedra);
 
 /// Masses [kg] of the nodes, of which each hexahedron gives an eighth of its own to each of its corners.
-Eigen::VectorXd lumped_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses);
+Eigen::VectorXd nodal_masses(int num_nodes, std::span<const Hexahedron> hexahedra, std::span<const double> masses);
 
 /// f += m g per node. masses: num_nodes [kg], gravity [m/s^2].
 void add_gravity(const Eigen::VectorXd& masses, const Vec3& gravity, Points f);

@@ -3,12 +3,10 @@
 
 #include <array>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 
-using CornerValues = std::array<double, kCorners>;
 using CornerTensors = std::array<Mat3, kCorners>;
 
 /// The plastic history of one element, by value.

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/base/require.hpp"
+#include "base/require.hpp"
+#include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
 

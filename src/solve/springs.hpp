@@ -7,8 +7,6 @@
 #include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/hexahedron.hpp"
-#include "hexaplast/base/of_two.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hexaplast/material/material.hpp"
-#include "hexaplast/state/element_history.hpp"
+#include "state/element_history.hpp"
 
 namespace hexaplast {
 

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "hexaplast/base/hexahedron.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {

@@ -6,7 +6,6 @@
 namespace hexaplast {
 
 struct Partition;
-struct CoarseMesh;
 
 /// A symmetric positive semi-definite operator L on nodal vectors of the kernels (Partition), applied chunk by chunk.
 template <class T>
@@ -26,12 +25,6 @@ class ChunkedOperator : public ChunkedProduct<T> {
  public:
   /// diagonal += factor diag(L) for the elements of one chunk, written likewise.
   virtual void add_diagonal(int chunk, T factor, T* diagonal) const = 0;
-};
-
-/// The same operator on a mesh of twice the edge length.
-struct CoarseOperator {
-  const ChunkedOperator<float>* op = nullptr;
-  const CoarseMesh* mesh = nullptr;
 };
 
 }  // namespace hexaplast

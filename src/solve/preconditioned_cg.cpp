@@ -1,0 +1,514 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "base/irregular_field.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "solve/cg_loop.hpp"
+#include "solve/multigrid.hpp"
+#include "solve/several_bodies.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+/// Tells whether conjugate gradients can go on along a direction p = z + beta p', z = M^-1 r, M being the
+/// preconditioner. As r is orthogonal to p',
+///
+///   p.Mp = r.z + beta^2 p'.Mp',   and p.Ap / p.Mp lies between the smallest and the largest eigenvalue of M^-1 A
+class Curvature {
+ public:
+  /// rounding: CgSpace::rounding. known: p.Ap / p.Mp that M^-1 A has at least somewhere, 0 where none is known.
+  explicit Curvature(double rounding, double known = 0) : rounding_(rounding), greatest_(known) {}
+
+  /// False where p.Ap is no more than rounding, of either sign: what is left of b lies outside the range of a
+  /// semi-definite A. Throws NumericalError where A is not semi-definite, or not finite. typical(): p.Ap / p.Mp of a
+  /// direction without any regularity, asked for where there is nothing to compare a negative one with.
+  template <class Typical>
+  bool is_positive(double r_z, double p_Ap, const Typical& typical) {
+    require_finite(p_Ap, r_z);
+    const double beta = r_z_ > 0 ? r_z / r_z_ : 0;
+    p_Mp_ = std::abs(r_z) + beta * beta * p_Mp_;
+    r_z_ = r_z;
+    if (p_Ap > rounding_ * p_Mp_ * greatest_) {
+      greatest_ = std::max(greatest_, p_Ap / p_Mp_);
+      return true;
+    }
+    if (p_Ap < 0 && -p_Ap > kNegative * p_Mp_ * (greatest_ > 0 ? greatest_ : std::abs(typical())))
+      throw_indefinite(p_Ap);
+    return false;
+  }
+
+ private:
+  static constexpr double kNegative = 1e-5;  // products in single precision make no more of it
+
+  double rounding_;
+  double r_z_ = 0, p_Mp_ = 0;
+  double greatest_;  // p.Ap / p.Mp so far
+};
+
+// p.Ap / p.Mp that M^-1 A has at least somewhere: a diagonal has 1, a cycle is made for 1 at the upper end.
+constexpr double kOfPreconditioned = 0.1;
+
+/// p.Ap / r.z of the first direction towards an irregular right-hand side.
+double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
+  PointArray any(num_nodes, 3);
+  fill_irregularly(any);
+  const ConstPoints b(any);
+  space.begin(b, nullptr);
+  const double r_z = space.precondition();
+  return space.product(0) / r_z;
+}
+
+/// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range. is_indefinite:
+/// where given, whether the preconditioner turned out not to be positive definite, which ends it too; else that throws.
+template <class Converged, class ConvergedBy>
+double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* start, double r_r, int max,
+                            int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by,
+                            bool* is_indefinite = nullptr) {
+  const int iterations_before = iterations;
+  bool is_outside = false;
+  Curvature curvature(space.rounding(), space.is_preconditioned() ? kOfPreconditioned : 0);
+  const auto goes_on = [&](double rho, double p_Ap) {
+    if (is_indefinite && (*is_indefinite = rho < 0)) return false;
+    is_outside = !curvature.is_positive(rho, p_Ap, [&] { return typical_curvature(space, b.rows()); });
+    if (!is_outside) require_definite(rho);
+    return !is_outside;
+  };
+  r_r = iterate(space, r_r, max, iterations, has_converged, has_converged_by, goes_on);
+  // what has blown up is worse than none
+  const bool begins_anew = is_outside && (iterations == iterations_before || r_r > hexaplast::dot(b, b));
+  return begins_anew ? space.begin(b, start) : r_r;
+}
+
+/// Another solver as a preconditioner: z = its answer to r.
+class SolverAsPreconditioner final : public NodalPreconditioner {
+ public:
+  explicit SolverAsPreconditioner(LinearSolver& solver) : solver_(solver) {}
+  void setup(const LinearSystem& A) {
+    A_ = &A;
+    solver_.setup(A);
+  }
+  void apply(const PointArray& r, PointArray& z) override { solver_.solve_again(*A_, r, z); }
+
+ private:
+  LinearSolver& solver_;
+  const LinearSystem* A_ = nullptr;
+};
+
+}  // namespace
+
+struct SolverPreconditionedConjugateGradients::Spaces {
+  NodalCgSpace space;
+};
+SolverPreconditionedConjugateGradients::SolverPreconditionedConjugateGradients(double tolerance, int iterations,
+                                                                               LinearSolver* preconditioner,
+                                                                               PreconditionedBy kind)
+    : tolerance_(tolerance),
+      iterations_(iterations),
+      preconditioner_(preconditioner),
+      kind_(kind),
+      spaces_(std::make_unique<Spaces>()) {}
+SolverPreconditionedConjugateGradients::~SolverPreconditionedConjugateGradients() = default;
+
+SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  SolverMemory none;
+  return solve_next(A, b, x, none);
+}
+
+SolveReport SolverPreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
+                                                               SolverMemory& memory) {
+  require_sizes(A, b, x);
+  SolveReport report;
+  const double b_squared = finite_square(b);
+  if (b_squared == 0) {
+    x.setZero();
+    memory.start.resize(0, 3);
+    return report;
+  }
+  const ConstPoints previous(memory.start);
+  const ConstPoints* start = previous.rows() == b.rows() ? &previous : nullptr;
+
+  std::optional<SolverAsPreconditioner> preconditioner;
+  if (preconditioner_) {
+    preconditioner.emplace(*preconditioner_).setup(A);
+    report.preconditioner = kind_;
+  }
+  NodalCgSpace& space = spaces_->space;
+  space.setup(A, preconditioner.has_value(), preconditioner ? &*preconditioner : nullptr);
+  const auto is_small = [&](double r_z) {
+    report.converged = std::abs(r_z) <= tolerance_ * b_squared;
+    return report.converged;
+  };
+  const double r_r =
+      iterate_within_range(space, b, start, space.begin(b, start), iterations_, report.iterations, kNoRule, is_small);
+  if (report.iterations == iterations_) is_small(space.precondition());  // of what the last of them left
+  space.end(x);
+  if (x.allFinite()) memory.start = x;
+  report.residual = std::sqrt(r_r / b_squared);
+  return report;
+}
+
+namespace {
+
+/// A cycle in single precision as a preconditioner of a system in double.
+class SinglePrecisionPreconditioner final : public SlotPreconditioner<double> {
+ public:
+  explicit SinglePrecisionPreconditioner(Multigrid<float>& multigrid) : multigrid_(multigrid) {}
+  void apply(const AlignedVector<double>& r, AlignedVector<double>& z) override {
+    r_.resize(r.size());
+    z_.resize(r.size());
+    std::transform(r.begin(), r.end(), r_.begin(), [](double entry) { return static_cast<float>(entry); });
+    multigrid_.apply(r_, z_);
+    std::copy(z_.begin(), z_.end(), z.begin());
+  }
+  double diagonal_norm(const AlignedVector<double>& x) override {
+    r_.resize(x.size());
+    std::transform(x.begin(), x.end(), r_.begin(), [](double entry) { return static_cast<float>(entry); });
+    return multigrid_.diagonal_norm(r_);
+  }
+
+ private:
+  Multigrid<float>& multigrid_;
+  AlignedVector<float> r_, z_;
+};
+
+}  // namespace
+
+/// With the system's own preconditioner where the kernels do not know it.
+struct PreconditionedConjugateGradients::Spaces {
+  MatrixFreeSystem system;
+  LumpedTerms lumped;
+  NodalCgSpace nodal;
+  SlotCgSpace<double> in_double;
+  SlotCgSpace<float> in_single;
+  Multigrid<double> multigrid_double;
+  Multigrid<float> multigrid_single;
+  SinglePrecisionPreconditioner single_precision{multigrid_single};
+  BlockJacobi<double> jacobi_double;
+  BlockJacobi<float> jacobi_single;
+  SeveralBodies several;
+  PointArray correction;
+  CgSpace* latest = nullptr;  // for the latest system
+  PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
+  bool may_redo = false;            // a solve with radii of an earlier step
+  bool has_outdated_radii = false;  // they made the latest preconditioner indefinite
+
+  /// Whether the latest preconditioner has spectral radii that were known before; then the next one finds them anew.
+  bool forgets_known_radii() {
+    if (preconditioned_by != PreconditionedBy::kMultigrid || !system.has_one_body()) return false;
+    const KernelBody& body = system.bodies.front();
+    return body.double_operator && !body.cycle_operator ? multigrid_double.forgets_known_radii()
+                                                        : multigrid_single.forgets_known_radii();
+  }
+  bool has_others() const { return knows_kernels && !system.others.empty(); }
+  bool refines() const { return knows_kernels && rounds_products(system); }
+  bool knows_residual() const { return knows_kernels && has_exact_products(system); }
+
+  /// radii: of a sequence; null: those of the latest system serve where it is this one.
+  CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, SpectralRadii* radii,
+                  PreconditionedBy& chosen) {
+    system.clear();
+    system.wants_coarse = preconditioner != Preconditioner::kDiagonal;
+    knows_kernels = A.describe(system);
+    chosen = PreconditionedBy::kNothing;
+    if (!knows_kernels) {
+      nodal.setup(A, true);
+      return nodal;
+    }
+    const NodeGroup all{0, static_cast<int>(system.diagonal.rows())};
+    const std::span<const NodeGroup> groups =
+        system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
+    if (!system.others.empty()) lumped.find(system, groups);
+    const bool cycles =
+        has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal));
+    return precondition(A, cycles, radii, chosen);
+  }
+
+  /// The present system by cycles, or by the diagonal.
+  CgSpace& precondition(const LinearSystem& A, bool cycles, SpectralRadii* radii, PreconditionedBy& chosen) {
+    const NodalPart rest = nodal_part();
+    chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
+    if (!system.has_one_body()) {
+      several.setup(A, system, rest, system.others.empty() ? nullptr : &lumped, cycles);
+      const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
+      nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding);
+      return nodal;
+    }
+    const KernelBody& body = system.bodies.front();
+    if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles, radii);
+    if (!body.cycle_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles, radii);
+    multigrid_single.setup(body, rest, radii);
+    in_double.setup(system, false, &single_precision);
+    return in_double;
+  }
+
+ private:
+  bool knows_kernels = false;
+  std::tuple<AlignedVector<double>, AlignedVector<float>> scratch_;
+
+  NodalPart nodal_part() const {
+    return {.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
+            .free = system.free,
+            .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
+            .version = system.diagonal_version,
+            .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
+  }
+
+  template <class T>
+  CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, BlockJacobi<T>& jacobi, const NodalPart& rest,
+                 bool cycles, SpectralRadii* radii) {
+    const KernelBody& body = system.bodies.front();
+    if (cycles) {
+      multigrid.setup(body, rest, radii);
+      space.setup(system, false, &multigrid);
+    } else if (!system.others.empty()) {
+      jacobi.setup(*body.op<T>(), static_cast<T>(body.factor), rest);
+      space.setup(system, false, &jacobi);
+    } else {
+      space.setup(system, true);
+    }
+    return space;
+  }
+
+  bool has_coarse() const {
+    return std::ranges::any_of(system.bodies, [](const KernelBody& body) { return !body.coarse.empty(); });
+  }
+
+  /// Jacobi needs about 4 c dt / h iterations for one per cent, multigrid three that cost as much as twelve: they break
+  /// even near c dt / h = 4. The stiffness on the diagonal over the rest of it is about (1.6 c dt / h)^2. Counted are
+  /// the degrees of freedom that more than half of the stiffness acts on: what holds some nodes is not theirs alone.
+  bool is_stiff(const PointArray& diagonal) {
+    double stiff = 0, all = 0;
+    const auto count = [&]<class T>(const KernelBody& body, const Partition& partition,
+                                    const AlignedVector<T>& stiffness) {
+      constexpr double kBreakEven = 40;
+      for (int n = 0; n < partition.num_nodes; ++n)
+        for (int i = 0; i < 3; ++i) {
+          const auto entry =
+              static_cast<double>(stiffness[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
+          all += entry;
+          if (entry > kBreakEven * diagonal(body.first_node + n, i)) stiff += entry;
+        }
+    };
+    const auto count_one_of_several = [&]<class T>(const KernelBody& body, const ChunkedOperator<T>& op) {
+      AlignedVector<T>& stiffness = std::get<AlignedVector<T>>(scratch_);
+      stiffness.resize(4 * static_cast<std::size_t>(op.partition().num_slots));
+      find_diagonal(op, static_cast<T>(body.factor), stiffness);
+      count(body, op.partition(), stiffness);
+    };
+    if (system.has_one_body()) {  // whose diagonal a cycle shares
+      const KernelBody& body = system.bodies.front();
+      if (!body.double_operator || body.cycle_operator)
+        count(body, body.cycle_operator ? body.cycle_operator->partition() : body.single_operator->partition(),
+              multigrid_single.stiffness(body));
+      else
+        count(body, body.double_operator->partition(), multigrid_double.stiffness(body));
+    } else {
+      for (const KernelBody& body : system.bodies)
+        if (body.double_operator)
+          count_one_of_several(body, *body.double_operator);
+        else
+          count_one_of_several(body, *body.single_operator);
+    }
+    return stiff > all / 2;
+  }
+};
+
+PreconditionedConjugateGradients::PreconditionedConjugateGradients(double tolerance, int iterations,
+                                                                   Preconditioner preconditioner)
+    : tolerance_(tolerance),
+      iterations_(iterations),
+      preconditioner_(preconditioner),
+      spaces_(std::make_unique<Spaces>()) {}
+PreconditionedConjugateGradients::~PreconditionedConjugateGradients() = default;
+PreconditionedConjugateGradients::PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept =
+    default;
+
+SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
+  SpectralRadii none;
+  return iterate(A, b, nullptr, x, &none);
+}
+
+SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
+                                                         SolverMemory& memory) {
+  SpectralRadii radii = memory.radii;
+  const SolveReport report = iterate(A, b, nullptr, x, &radii);
+  if (report.preconditioner == PreconditionedBy::kMultigrid) radii.heed(report.iterations);
+  memory.radii = radii;
+  return report;
+}
+
+SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) {
+  const ConstPoints start(x);  // which is read before x is written
+  return iterate(A, b, &start, x, nullptr);
+}
+
+namespace {
+
+// Single precision with half-precision coefficients answers to about 2e-4; beyond this its answers are corrections.
+constexpr double kSingleSuffices = 1e-3;
+constexpr double kCorrection = 3e-3;  // relative residual of each correction
+constexpr double kDoubt = 0.1;        // of the tolerance: rounding that may have hidden that it was not reached
+constexpr int kMaxCorrections = 50;
+
+// What coefficients in half precision, which enter a product twice, leave out of a residual: two rounding units in most
+// bodies, and a few times as much in some that are badly distorted.
+constexpr double kHalfLeavesOut = 0x1p-10;
+
+/// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`. is_indefinite:
+/// as in iterate_within_range.
+void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int max_iterations,
+         SolveReport& report, bool* is_indefinite = nullptr) {
+  const auto relative = [&](double r_r) { return std::sqrt(r_r) / norm_b; };
+  double r_r = space.begin(b, start);
+  if (start && !(relative(r_r) <= 1)) {  // worse than none
+    start = nullptr;
+    r_r = space.begin(b, start);
+  }
+  r_r = iterate_within_range(
+      space, b, start, r_r, max_iterations, report.iterations, [&](double now) { return relative(now) <= enough; },
+      kNoRule, is_indefinite);
+  report.residual = relative(r_r);
+  report.converged = report.residual <= enough;
+}
+
+}  // namespace
+
+PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A) {
+  PreparedSystem prepared;
+  PreconditionedBy& preconditioner = spaces_->preconditioned_by;
+  spaces_->latest = &spaces_->choose(A, preconditioner_, nullptr, preconditioner);
+  const MatrixFreeSystem& system = spaces_->system;
+  prepared.couples_coordinates = system.couples_coordinates;
+  prepared.is_near_inverse = preconditioner == PreconditionedBy::kMultigrid && system.is_one_body();
+  prepared.is_concurrent = preconditioner != PreconditionedBy::kNothing && system.is_one_body();
+  return prepared;
+}
+
+// The energy of the error before an iteration, e.A e, is about r.z; that of x is what each iteration adds to it. When
+// r.z tells that it is enough, most of another iteration is done: it is brought to its end.
+int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, bool has_start, Points x, Points r) {
+  CgSpace& space = *spaces_->latest;
+  const ConstPoints start(x);  // which is read before x is written
+  space.begin(b, has_start ? &start : nullptr);
+  double energy = has_start ? std::max(hexaplast::dot(b, x), 0.0) : 0, rho_before = 0;
+  int iterations = 0;
+  for (bool is_enough = false; iterations < iterations_ && !is_enough; ++iterations) {
+    const double rho = space.precondition();
+    require_finite(0, rho);
+    require_definite(rho);
+    if (rho == 0) break;
+    const double p_Ap = space.product(iterations == 0 ? 0 : rho / rho_before);
+    require_finite(p_Ap, rho);
+    if (p_Ap <= 0) throw_indefinite(p_Ap);
+    space.advance(rho / p_Ap);
+    energy += rho * rho / p_Ap;
+    is_enough = rho <= error * error * energy;
+    rho_before = rho;
+  }
+  space.end(x);
+  space.residual(r);
+  return iterations;
+}
+
+// What radii of an earlier step are too small for is solved again with those of the present one: the cells of a sheet
+// that turns fast.
+SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
+                                                      Points x, SpectralRadii* radii) {
+  require_sizes(A, b, x);
+  spaces_->may_redo = true;
+  SolveReport report = attempt(A, b, start, x, radii);
+  if (!std::exchange(spaces_->has_outdated_radii, false)) return report;
+  if (radii) *radii = {};
+  spaces_->may_redo = false;
+  const int lost = report.iterations;
+  report = attempt(A, b, start, x, radii);
+  report.iterations += lost;
+  return report;
+}
+
+SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
+                                                      Points x, SpectralRadii* radii) {
+  SolveReport report;
+  const double norm_b = std::sqrt(finite_square(b));
+  if (norm_b == 0) {
+    x.setZero();
+    return report;
+  }
+  spaces_->latest = &spaces_->choose(A, preconditioner_, radii, spaces_->preconditioned_by);
+  report.preconditioner = spaces_->preconditioned_by;
+  const double enough = std::max(tolerance_, A.rounding() / norm_b);
+  const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
+  PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;
+
+  // A cycle that turns out not to be positive definite is outdated, or gives way to the diagonal, from where it has
+  // come. False: the solve is to be made anew.
+  const auto run_on = [&](ConstPoints of, const ConstPoints* from, double norm, double until, Points answer) {
+    const bool cycles = report.preconditioner == PreconditionedBy::kMultigrid;
+    bool is_indefinite = false;
+    run(*spaces_->latest, of, from, norm, until, iterations_, report, cycles ? &is_indefinite : nullptr);
+    spaces_->has_outdated_radii = is_indefinite && spaces_->may_redo && spaces_->forgets_known_radii();
+    if (spaces_->has_outdated_radii) return false;
+    spaces_->latest->end(answer);
+    if (!is_indefinite) return true;
+    if (radii) *radii = {};
+    spaces_->latest = &spaces_->precondition(A, false, nullptr, spaces_->preconditioned_by);
+    report.preconditioner = spaces_->preconditioned_by;
+    const ConstPoints reached(answer);
+    run(*spaces_->latest, of, &reached, norm, until, iterations_, report);
+    spaces_->latest->end(answer);
+    return true;
+  };
+  if (refines) {
+    if (start) {
+      x = start->cwiseProduct(spaces_->system.free.cast<double>());
+      if (spaces_->system.couples_coordinates) A.project(x);
+    } else {
+      x.setZero();
+    }
+  } else {
+    if (!run_on(b, start, norm_b, enough, x)) return report;
+    // rounding leaves more than the tolerance where the stiffness is far above what b asks for, and where other terms
+    // are much stiffer than the body
+    if (!spaces_->knows_residual()) return report;
+    const bool is_doubtful = spaces_->latest->rounding_of_residual() > kDoubt * enough * norm_b;
+    if (!spaces_->has_others() && !is_doubtful) return report;
+    if (is_single && !is_doubtful && enough > 2 * kHalfLeavesOut) {
+      report.residual = spaces_->latest->residual_beside_others(spaces_->system, b, x, r) / norm_b;
+      report.converged = report.residual + kHalfLeavesOut <= enough;
+      if (report.converged) return report;
+    }
+  }
+  double norm_r = exact_residual(A, spaces_->system, b, x, r);
+  if (!std::isfinite(norm_r)) {  // the start was no number
+    x.setZero();
+    r = b;
+    norm_r = norm_b;
+  }
+
+  // corrections to an answer in double, until its own residual is small
+  correction.resize(b.rows(), 3);
+  for (int k = 0; k < kMaxCorrections && !(norm_r <= enough * norm_b) && report.iterations < iterations_; ++k) {
+    const double of_correction = std::max(0.5 * enough * norm_b / norm_r, is_single ? kCorrection : 0);
+    if (!run_on(r, nullptr, norm_r, of_correction, correction)) return report;
+    correction += x;
+    const double norm_before = std::exchange(norm_r, exact_residual(A, spaces_->system, b, correction, r));
+    // A is singular, or the answer as good as it gets
+    const bool gives_up = !is_single || (!report.converged && report.iterations < iterations_);
+    if (gives_up && !(norm_r < norm_before)) {
+      norm_r = norm_before;
+      break;
+    }
+    x = correction;
+  }
+  report.residual = norm_r / norm_b;
+  report.converged = report.residual <= enough;
+  return report;
+}
+
+}  // namespace hexaplast
