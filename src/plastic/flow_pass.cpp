@@ -78,7 +78,8 @@ struct HistoryLanes {
 };
 
 /// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
-/// cannot do. What is added to the history is found in T; the history itself is double.
+/// cannot do. What is added to the history is found in T; the history itself is double. Rotation maps are left to the
+/// averaging, which finds them for every element of a part that moves.
 template <class T>
 HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
                                       int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
@@ -86,10 +87,9 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const LaneElements<V> here(model, block, lane);
   const int* const elements = here.number;
   const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
-  const auto map_of = [](auto& of) { return [&of](int e) { return of.rotation_map[e].data(); }; };
   const auto corners_of = [](auto& values) { return [&values](int e) { return values[e].data(); }; };
   HistoryLanes<T, 3 * kCorners> rest_shape(elements, y_of(history));
-  const HistoryLanes<T, 9> map(elements, map_of(history));
+  const HistoryLanes<T, 9> map(elements, [&](int e) { return history.rotation_map[e].data(); });
   HistoryLanes<T, kCorners> yield_stress(elements, corners_of(history.yield_stress));
 
   const Settings& settings = model.settings;
@@ -252,7 +252,6 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
             .yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
   }
   rest_shape.store(elements, done, y_of(trial));
-  map.store(elements, done, map_of(trial));
 
   const auto harden = [&](HistoryLanes<T, kCorners>& threshold, const V* fractions, const V* sizes) {
     for (int part = 0; part < kParts<T>; ++part) {
