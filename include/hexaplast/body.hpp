@@ -96,8 +96,8 @@ class Body {
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero
-  ///       4 | format version: 1, and one more for each member that Material and Settings have gained since
-  ///       8 | XXH64 of mesh and settings
+  ///       4 | format version: 3
+  ///       8 | XXH64 of mesh and settings, and of the names of all members and words
   ///       8 | size of what follows
   ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)
   ///       8 | XXH64 of all bytes before
