@@ -273,7 +273,10 @@ class Reader {
       std::vector<std::string_view> known;
       for (const auto& other : object.all_data())
         if (other->attribute().access != Access::kOutput) known.push_back(other->attribute().name);
-      complain(attribute.place, where + ": unknown attribute", did_you_mean(attribute.name, known));
+      const std::string similar = did_you_mean(attribute.name, known);
+      complain(
+          attribute.place, where + ": unknown attribute",
+          similar.empty() ? fmt::format("'hexaplast list {}' shows its attributes", object.class_name()) : similar);
       return;
     }
     if (data->is_given()) {

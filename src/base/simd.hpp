@@ -10,7 +10,8 @@ namespace hexaplast {
 /// different sets differ in the last bits.
 std::string simd_target();
 
-/// All sets that could be used here, best first; the last one is portable and takes one element at a time.
+/// All sets that could be used here within the restriction of set_simd_target, best first; the last one is portable and
+/// takes one element at a time.
 std::vector<std::string> simd_targets();
 
 /// Restricts the kernels to one set; "" chooses again. Throws InputError for a set that simd_targets() does not name.

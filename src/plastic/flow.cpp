@@ -41,7 +41,9 @@ void fit_frames(const ConnectedParts& parts, ConstPoints plastic_rest, ConstPoin
   for (PartFrame& frame : frames) frame.rotation = polar(frame.rotation).R;
 }
 
-constexpr double kSinglePrecision = 1e-5;  // the screen may be wrong by this fraction
+// Errors of single precision: of the screen as a fraction, and of a stress in mixed precision, by the screen or by the
+// flow, as a fraction of the stiffness.
+constexpr double kSinglePrecision = 1e-5, kSingleStress = 2e-6;
 
 /// Whether the plastic step would leave an element as it is but for its volume, as far as single precision can tell.
 /// Errs on the safe side.
@@ -50,8 +52,10 @@ bool does_not_flow(const Model& model, const Linearization& at, int e, const His
   const float* screen =
       at.screen.data() + static_cast<std::size_t>(place / kBlock) * YieldScreen::kQuantities * kBlock + place % kBlock;
   const Material& material = model.material(e);
+  const double error =
+      model.settings.precision == Precision::kMixed ? kSingleStress * (2 * model.lame[e].mu + model.lame[e].lambda) : 0;
   for (int i = 0; i < kCorners; ++i) {
-    if (!(screen[(YieldScreen::kNorm + i) * kBlock] < (1 - kSinglePrecision) * history.yield_stress[e][i]) &&
+    if (!(screen[(YieldScreen::kNorm + i) * kBlock] + error < (1 - kSinglePrecision) * history.yield_stress[e][i]) &&
         material.flow_rate > 0)
       return false;
     if (model.can_rotate && material.rotation_flow_rate > 0 &&
@@ -157,8 +161,11 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     if (restores) restore_block(model, at, dt, history, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
-      if (e >= 0 && !work.flows[e].idle && (!work.flows[e].restores || (left >> place & 1)))
-        work.flows[e].overflowed = !work.trial.is_finite(e) || !std::isfinite(work.flows[e].dissipated);
+      if (e < 0 || work.flows[e].idle) continue;
+      ElementFlow& f = work.flows[e];
+      const bool is_alone = left >> place & 1;
+      if (!is_alone) copy_maps(history, e, work.trial);  // of a part at rest, which the averaging leaves alone
+      if (!f.restores || is_alone) f.overflowed = !work.trial.is_finite(e) || !std::isfinite(f.dissipated);
     }
   });
   work.version = history.version;

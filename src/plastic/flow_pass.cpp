@@ -79,7 +79,7 @@ struct HistoryLanes {
 
 /// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
 /// cannot do. What is added to the history is found in T; the history itself is double. Rotation maps are left to the
-/// averaging, which finds them for every element of a part that moves.
+/// caller and to the averaging, which finds them for every element of a part that moves.
 template <class T>
 HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
                                       int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
@@ -125,12 +125,11 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   const MaterialLanes<V> of(settings, narrow<T>(mu), narrow<T>(lambda));
   ModeLanes<V> volume_gradient;
   const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
-  const auto material = [&](double Material::*constant) {
-    if (model.materials.size() == 1) return V(static_cast<T>(model.materials[0].*constant));
-    return gather_numbers<T>(elements, [&](int e) { return model.materials[e].*constant; });
+  const auto per_step = [&](double Material::*rate) {
+    if (model.materials.size() == 1) return V(static_cast<T>(dt * model.materials[0].*rate));
+    return gather_numbers<T>(elements, [&](int e) { return dt * model.materials[e].*rate; });
   };
-  const V step(static_cast<T>(dt));
-  const V rate = step * material(&Material::flow_rate), rotation_rate = step * material(&Material::rotation_flow_rate);
+  const V rate = per_step(&Material::flow_rate), rotation_rate = per_step(&Material::rotation_flow_rate);
 
   // near the guard of the plastic rest shape the exact ratios decide
   const V largest_jacobian = gather_numbers<T>(elements, [&](int e) { return model.largest_jacobian[e]; });

@@ -38,9 +38,9 @@ struct SeriesLength {
 
 template <class V, std::size_t kLengths>
 HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
-  const double largest = hn::GetLane(hn::MaxOfLanes(typename V::Tag(), size.raw()));
-  for (const SeriesLength& length : lengths)
-    if (largest <= length.size) return length.terms;
+  for (const SeriesLength& length :
+       lengths)  // a size that is no number takes all terms, and leaves those beside it right
+    if (hn::AllTrue(typename V::Tag(), size < V(static_cast<typename V::Scalar>(length.size)))) return length.terms;
   return lengths[kLengths - 1].terms;
 }
 

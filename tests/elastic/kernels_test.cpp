@@ -257,6 +257,42 @@ TEST_P(OnEverySet, LargeStretchesFlowInLanes) {
   }
 }
 
+/// Plastic strain of sixteen separate cubes that are stretched alike, but for one of them, which is pushed through
+/// itself as far as makes S + tr S / 3 singular. -1: none is.
+std::vector<double> strains_beside(int pushed, Precision precision) {
+  PointArray X(16 * kCorners, 3), x = X;
+  std::vector<Hexahedron> cubes(16);
+  for (int e = 0; e < 16; ++e) {
+    const Vec3 stretch = e == pushed ? Vec3(1, 1, -0.5) : e % 2 ? Vec3(3, 1, 1) : Vec3(5, 0.6, 0.6);
+    const PointArray cube = support::block({1, 1, 1}, 1).positions();
+    for (int a = 0; a < kCorners; ++a) {
+      const int n = kCorners * e + a;
+      X.row(n) = cube.row(a) + Vec3(3 * e, 0, 0).transpose();
+      x.row(n) = cube.row(a) * stretch.asDiagonal() + Vec3(10 * e, 0, 0).transpose();
+      cubes[e][a] = kCorners * e + support::block({1, 1, 1}, 1).hexahedra()[0][a];
+    }
+  }
+  Body body(HexMesh(X, cubes), {{.young_modulus = 1000, .poisson_ratio = 0.3, .yield_stress = 1, .flow_rate = 50}},
+            {.precision = precision, .volume_restitution = 0});
+  body.flow(x, 0.01);
+  std::vector<double> strains;
+  for (int e = 0; e < 16; ++e) strains.push_back(body.plastic_strain()[e][0]);
+  return strains;
+}
+
+TEST_P(OnEverySet, LanesAreAsAccurateBesideOneThatFails) {
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    const std::vector<double> alone = strains_beside(-1, precision);
+    for (int pushed = 0; pushed < 16; ++pushed) {
+      const std::vector<double> beside = strains_beside(pushed, precision);
+      for (int e = 0; e < 16; ++e) {
+        if (e == pushed) continue;
+        EXPECT_NEAR(beside[e], alone[e], rounding_of_flow(precision)) << e << " beside " << pushed;
+      }
+    }
+  }
+}
+
 TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {
   std::vector<std::string> hashes;
   for (const int threads : {1, 2, 3, 7}) {

@@ -91,8 +91,9 @@ enum class AveragingMethod {
   kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size
 };
 
-/// Numbers that the stiffness product and what follows from it are computed with. Positions, forces, rotations and
-/// everything plastic are always double.
+/// Numbers that the stiffness product, what follows from it, and what a plastic step adds are computed with. Positions,
+/// forces, rotations of the elastic forces and the history are always double.                      theory.md
+/// section 9.7
 enum class Precision {
   kDouble,
   kMixed  ///< products and the vectors of solvers in single precision, coefficients in half where the machine has it
