@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Headers that are never installed, for this tree's own libraries and programs: those of src as "room/file.hpp", and
+# Headers that are never installed, for this tree's own libraries and programs: those of src as "module/file.hpp", and
 # "formats/file.hpp". The plugin of SOFA does not link it, as it is built outside this tree too.
 add_library(hexaplast_internal INTERFACE)
 target_include_directories(hexaplast_internal INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
 
-# Makes a target one of the shared libraries that are installed. `hexaplast_room` is found as Hexaplast::room.
+# Makes a target one of the shared libraries that are installed. `hexaplast_module` is found as Hexaplast::module.
 #
 # hexaplast_library(TARGET [FILES file...] [PUBLIC target...] [PRIVATE target...])
 function(hexaplast_library target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FILES;PUBLIC;PRIVATE")
-  string(REPLACE hexaplast_ "" room ${target})
+  string(REPLACE hexaplast_ "" module ${target})
   add_library(${target} SHARED ${arg_FILES})
-  add_library(Hexaplast::${room} ALIAS ${target})
+  add_library(Hexaplast::${module} ALIAS ${target})
   set_target_properties(${target} PROPERTIES
-    EXPORT_NAME ${room} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+    EXPORT_NAME ${module} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     INSTALL_RPATH "$ORIGIN")
   target_link_options(${target} PRIVATE -Wl,--no-undefined)
   target_compile_options(${target} PRIVATE $<$<BOOL:${HEXAPLAST_FUZZ}>:-fsanitize=fuzzer-no-link>)  # libFuzzer sees their lines
@@ -23,13 +23,13 @@ function(hexaplast_library target)
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development)
 endfunction()
 
-# hexaplast_plugin_headers(TARGET room...): the headers of rooms of plugin/, which are included as "room/file.hpp". Two are not
-# installed: one needs a library that nobody else needs, one a header of src.
+# hexaplast_plugin_headers(TARGET module...): the headers of modules of plugin/, which are included as "module/file.hpp". Two
+# are not installed: one needs a library that nobody else needs, one a header of src.
 function(hexaplast_plugin_headers target)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin>)
-  foreach(room IN LISTS ARGN)
-    install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin
+  foreach(module IN LISTS ARGN)
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin
             COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "json_file.hpp" EXCLUDE PATTERN "dense_body.hpp" EXCLUDE)
   endforeach()
 endfunction()

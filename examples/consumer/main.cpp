@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Pulls a bar for two seconds, lets go, and reads what stays. docs/api.md and the headers' page show this program.
+// Pulls a bar for two seconds, lets go, and reads the permanent deformation. docs/api.md and the headers' page show
+// this program.
 #include <algorithm>
 #include <cstdio>
 #include <hexaplast/geometry/grid.hpp>

@@ -130,8 +130,8 @@ class Body {
 
   ElementFields fields(ConstPoints x) const;
 
-  /// Volume [m^3] of the elements that are left, at any nodal positions (world or material) and in their original
-  /// shape.
+  /// Volume [m^3] of the elements that are left, at any nodal positions (current or plastic rest) and in their
+  /// initial shape.
   double volume(ConstPoints x) const;
   double initial_volume() const;
   double initial_volume(int hexahedron) const;  ///< also of one that is gone

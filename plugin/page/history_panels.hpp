@@ -12,7 +12,7 @@
 
 namespace hexaplast::output {
 
-/// Colours of the curves in a panel: world or first run, plastic or second run, and more.
+/// Colours of the curves in a panel: current or first run, plastic or second run, and more.
 struct CurveColours {
   std::string_view first = "#2563a8", second = "#c2410c", third = "#15803d", fourth = "#6d28d9", fifth = "#0e7490",
                    sixth = "#be185d", rest = "#8a8f98";  ///< rest: of what is left over

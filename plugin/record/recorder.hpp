@@ -73,7 +73,7 @@ class Recorder {
       RendererSource renderer = [] { return load_renderer(); });
 
   /// Goes on with the files of a run where save() left them, whatever was written later: a run that is interrupted and
-  /// gone on with writes the same as one that is not, but for the wall times and for the pictures, which show what is
+  /// resumed writes the same as one that is not, but for the wall times and for the pictures, which show what is
   /// still to come. plan.force does not matter. Throws InputError when the files are not those of the checkpoint,
   /// before anything is changed.
   Recorder(
@@ -81,8 +81,8 @@ class Recorder {
       RendererSource renderer = [] { return load_renderer(); });
   ~Recorder();
 
-  /// Files of states that the run had written and that were gone when it was gone on with: the .pvd files no longer
-  /// name them.
+  /// Files of states that the run had written and that were gone when it was resumed: the .pvd files no longer name
+  /// them.
   const std::vector<std::string>& lost_states() const;
 
   /// After record(): what the files hold, flushed to disk, into a checkpoint.
@@ -107,7 +107,7 @@ class Recorder {
 struct Largest {
   double value = 0;
   int hexahedron = -1;        ///< the first one with that value; -1: none is left
-  Vec3 place = Vec3::Zero();  ///< [m] its world centre
+  Vec3 place = Vec3::Zero();  ///< [m] its current centre
 };
 
 /// What the summary at the end of a run shows, computed from bodies and their current state.

@@ -10,8 +10,8 @@
 
 namespace hexaplast::output {
 
-/// Writes one state of bodies as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the world
-/// positions [m].
+/// Writes one state of bodies as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the
+/// current positions [m].
 ///
 ///   point data: displacement [m], material_position [m], velocity [m/s], and as far as they are given fixed (0 or 1)
 ///               and load [N] (BoundaryConditions)

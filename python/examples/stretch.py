@@ -29,7 +29,7 @@ def bar(yield_stress, flow_rate):
 
 
 def stretch(yield_stress, flow_rate):
-    """Rows of time [s], elongation of the bar and elongation that would stay [-]."""
+    """Rows of time [s], elongation of the bar and its permanent part [-]."""
     body = bar(yield_stress, flow_rate)
     x, y, z = body.initial_positions.T
     low, high = z < -0.49, z > 0.49
@@ -44,9 +44,9 @@ def stretch(yield_stress, flow_rate):
 
     curve = []
     for step in range(1, STEPS + 1):
-        share = min(step / RAMP, 1) if step <= RELEASE else 0
-        forces[high & centre, 2] = share * PULL / 4
-        forces[low & centre, 2] = -share * PULL / 4
+        fraction = min(step / RAMP, 1) if step <= RELEASE else 0
+        forces[high & centre, 2] = fraction * PULL / 4
+        forces[low & centre, 2] = -fraction * PULL / 4
         simulation.step(forces)
         curve.append((simulation.time, elongation(simulation.positions), elongation(body.plastic_rest_positions)))
     return np.array(curve)
@@ -77,8 +77,8 @@ def main():
 
     curve = stretch(arguments.yield_stress, arguments.flow_rate)
     print("time [s]  elongation [%]  permanent [%]")
-    for time, world, permanent in curve[49::50]:
-        print(f"{time:8.2f}  {100 * world:14.3f}  {100 * permanent:13.3f}")
+    for time, elongation, permanent in curve[49::50]:
+        print(f"{time:8.2f}  {100 * elongation:14.3f}  {100 * permanent:13.3f}")
     print(f"permanent elongation: {100 * curve[-1, 2]:.3f} %")
     if arguments.plot:
         plot(curve, arguments.plot)

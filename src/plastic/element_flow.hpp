@@ -18,7 +18,7 @@ struct FlowInput {
   double initial_volume;         ///< [m^3] V0
   const ElementPoints& x;        ///< [m] plastic rest corners
   const ElementSamples& samples;
-  const ElementPoints& current;  ///< [m] world corners
+  const ElementPoints& current;  ///< [m] current corners
   const Mat3& frame;             ///< B: what the paper's rotation modes are measured against
 };
 

@@ -25,7 +25,7 @@ struct ElementFlow {
 struct PartFrame {
   Vec3 rest_sum = Vec3::Zero(), current_sum = Vec3::Zero();
   int num_nodes = 0;
-  Mat3 rotation = Mat3::Zero();  ///< best fit from the material to the current positions
+  Mat3 rotation = Mat3::Zero();  ///< best fit from the plastic rest to the current positions
 };
 
 /// Scratch arrays of flow, kept so that a step allocates nothing.

@@ -59,7 +59,7 @@ enum class ElasticLaw {
 
 /// What unfolds folded elements.
 enum class RecoveryMode {
-  kNone,    ///< nothing: a body that was thrown out of shape may stay folded
+  kNone,    ///< nothing: folded elements may stay folded
   kCluster  ///< springs about the best rigid placement of every connected cluster of folded elements
 };
 
