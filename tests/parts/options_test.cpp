@@ -2,16 +2,22 @@
 // Parts by themselves: options of C++ with the defaults and ranges of the attribute table, and errors that name them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <sstream>
 
+#include "attributes/contact.hpp"
 #include "attributes/parts.hpp"
 #include "attributes/shapes.hpp"
+#include "attributes/words.hpp"
 #include "parts/grasp.hpp"
 #include "parts/grids.hpp"
+#include "parts/instrument.hpp"
 #include "parts/multigrid_cg.hpp"
 #include "parts/option.hpp"
+#include "parts/probe.hpp"
 #include "parts/tangential_load.hpp"
+#include "parts/tissue_contact.hpp"
 #include "support/refused.hpp"
 
 namespace hexaplast::parts {
@@ -37,6 +43,30 @@ std::vector<double> numbers(const std::vector<T>& list) {
 template <class T>
 std::vector<double> numbers(const std::optional<T>& option) {
   return option ? numbers(*option) : std::vector<double>();
+}
+
+bool is_initially(const attributes::Description& table, std::string_view name) {
+  return attributes::attribute_of(table, name).initial == "true";
+}
+
+/// The place of the default among the words of an attribute.
+template <class Word>
+Word initial_word(const attributes::Description& table, std::string_view name) {
+  const attributes::Attribute& attribute = attributes::attribute_of(table, name);
+  const std::vector<std::string_view> words = attributes::split_words(attribute.words);
+  return static_cast<Word>(std::ranges::find(words, attribute.initial) - words.begin());
+}
+
+/// What both kinds of contact have.
+template <class Options>
+void expect_defaults_of_contact(const attributes::Description& table) {
+  EXPECT_EQ(numbers(Options().contact_stiffness), initial(table, "contactStiffness"));
+  EXPECT_EQ(numbers(Options().tangential_stiffness), initial(table, "tangentialStiffness"));
+  EXPECT_EQ(numbers(Options().friction), initial(table, "friction"));
+  EXPECT_EQ(numbers(Options().contact_distance), initial(table, "contactDistance"));
+  EXPECT_EQ(numbers(Options().damping), initial(table, "damping"));
+  EXPECT_EQ(numbers(Options().max_subdivision), initial(table, "maxSubdivision"));
+  EXPECT_EQ(Options().is_active, is_initially(table, "active"));
 }
 
 TangentialLoadOptions load() { return {.indices = {1, 2}, .times = {0, 1}, .forces = {0, 5}}; }
@@ -75,6 +105,20 @@ TEST(Options, HaveTheDefaultsOfTheTable) {
             preconditioner_of(attributes::attribute_of(solver, "preconditioner").initial));
   EXPECT_EQ(numbers(MultigridCGOptions().tolerance), initial(solver, "tolerance"));
   EXPECT_EQ(numbers(MultigridCGOptions().iterations), initial(solver, "iterations"));
+  const auto& contact = attributes::kInstrumentContactForceField;
+  EXPECT_EQ(InstrumentOptions().shape, attributes::attribute_of(contact, "shape").initial);
+  EXPECT_EQ(numbers(InstrumentOptions().radius), initial(contact, "radius"));
+  EXPECT_EQ(numbers(InstrumentOptions().length), initial(contact, "length"));
+  EXPECT_EQ(numbers(InstrumentOptions().size), initial(contact, "size"));
+  EXPECT_EQ(numbers(InstrumentOptions().key_times), initial(contact, "keyTimes"));
+  EXPECT_EQ(numbers(InstrumentOptions().orientations), initial(contact, "orientations"));
+  expect_defaults_of_contact<InstrumentOptions>(contact);
+  expect_defaults_of_contact<TissueContactOptions>(attributes::kTissueContactForceField);
+  const auto& probe = attributes::kProbe;
+  EXPECT_EQ(numbers(ProbeOptions().entries), initial(probe, "indices"));
+  EXPECT_EQ(ProbeOptions().component, initial_word<ProbeOptions::Component>(probe, "component"));
+  EXPECT_EQ(ProbeOptions().statistic, initial_word<ProbeOptions::Statistic>(probe, "statistic"));
+  EXPECT_EQ(ProbeOptions().is_change, is_initially(probe, "change"));
 }
 
 TEST(Options, AreCalledInScenesAsTheTableCallsThem) {
