@@ -183,7 +183,7 @@ void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMes
 }
 
 template <class T>
-void Multigrid<T>::refer_to(const KernelBody& body) {
+void Multigrid<T>::setup_operators(const KernelBody& body) {
   operators_ = body.coarse;
   fine_.op = body.op<T>();
   if constexpr (std::is_same_v<T, float>)
@@ -195,7 +195,7 @@ void Multigrid<T>::refer_to(const KernelBody& body) {
 
 template <class T>
 const AlignedVector<T>& Multigrid<T>::stiffness(const KernelBody& body) {
-  refer_to(body);
+  setup_operators(body);
   const bool is_known =
       body.revision != 0 && body.revision == stiffness_of_.revision && body.factor == stiffness_of_.factor;
   if (is_known) return fine_.stiffness;
@@ -214,7 +214,7 @@ const AlignedVector<T>& Multigrid<T>::stiffness(const KernelBody& body) {
 // them, and serve all solves with one linearization, however contacts come and go.
 template <class T>
 void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest, SpectralRadii* known) {
-  refer_to(body);
+  setup_operators(body);
   if (rest.version != 0 && rest.version == diagonal_version_) return;
   diagonal_version_ = rest.version;
   stiffness(body);

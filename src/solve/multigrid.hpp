@@ -48,7 +48,7 @@ class Multigrid final : public SlotPreconditioner<T> {
   }
 
  private:
-  void refer_to(const KernelBody& body);
+  void setup_operators(const KernelBody& body);
   void find_radii(const KernelBody& body, const NodalPart& rest, SpectralRadii* known);
   void place(const PointArray& diagonal, const NodeMask& free, std::span<const NodeBlock> blocks);
   template <class Finer>
@@ -65,7 +65,7 @@ class Multigrid final : public SlotPreconditioner<T> {
   std::vector<MultigridLevel<float>> coarse_;
   std::span<const CoarseOperator> operators_;  // of the coarse meshes
   std::vector<int> block_of_slot_;             // of a finer mesh: index, or -1; scratch
-  long diagonal_version_ = 0;                  // MatrixFreeSystem::diagonal_version of the system that it refers to
+  long diagonal_version_ = 0;                  // MatrixFreeSystem::diagonal_version of the latest setup
   struct {
     long revision = 0;  // 0: of no system
     double factor = 0;
