@@ -21,8 +21,7 @@ class Surface {
 
   const std::vector<Eigen::Vector3f>& original() const { return original_; }
   const std::vector<Face>& faces() const { return faces_; }
-  const std::vector<Edge>& edges() const { return edges_; }      ///< each once
-  const std::vector<Edge>& creases() const { return creases_; }  ///< those at which the original is not smooth
+  const std::vector<Edge>& edges() const { return edges_; }  ///< each once
 
   float mean_edge() const;  ///< [m] mean length of the edges of the original
 
@@ -42,7 +41,8 @@ class Surface {
 
   std::vector<Eigen::Vector3f> original_;
   std::vector<Face> faces_;
-  std::vector<Edge> edges_, creases_, smooth_;
+  std::vector<Edge> edges_;
+  std::vector<Edge> creases_, smooth_;               // where the original is not smooth, and where it is
   std::vector<std::array<int, 2>> faces_of_smooth_;  // the two faces at each smooth edge
   std::vector<std::array<int, 4>> group_;            // of each face corner: corners of a group share a normal
   int num_groups_ = 0;
