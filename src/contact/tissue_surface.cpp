@@ -6,6 +6,7 @@
 #include <map>
 
 #include "hexaplast/mesh/faces.hpp"
+#include "mesh/neighbours.hpp"
 
 namespace hexaplast {
 namespace {
@@ -72,18 +73,7 @@ TissueSurface::TissueSurface(const HexMesh& mesh, std::span<const unsigned char>
 }
 
 void TissueSurface::find_neighbourhoods(std::span<const unsigned char> alive) {
-  std::map<Quad, std::array<int, 2>> sides;
-  for (const int e : hexahedra_)
-    for (const Quad& corners : kFaces) {
-      const auto [at, is_new] = sides.try_emplace(sorted(face_of(mesh_->hexahedra()[e], corners)), std::array{e, -1});
-      if (!is_new) at->second[1] = e;
-    }
-  std::vector<std::vector<int>> beside(static_cast<std::size_t>(mesh_->num_elements()));
-  for (const auto& [face, pair] : sides)
-    if (pair[1] >= 0) {
-      beside[pair[0]].push_back(pair[1]);
-      beside[pair[1]].push_back(pair[0]);
-    }
+  const std::vector<std::array<int, 6>> across = neighbours_across_faces(mesh_->hexahedra(), alive);
   near_.resize(static_cast<std::size_t>(mesh_->num_nodes()));
   for (int node = 0; node < mesh_->num_nodes(); ++node) {
     if (first_of_node_[node] == first_of_node_[node + 1]) continue;
@@ -92,7 +82,9 @@ void TissueSurface::find_neighbourhoods(std::span<const unsigned char> alive) {
       if (alive.empty() || alive[at.element]) near.push_back(at.element);
     for (int cell = 0; cell < kNearCells; ++cell) {
       const std::size_t before = near.size();
-      for (std::size_t k = 0; k < before; ++k) near.insert(near.end(), beside[near[k]].begin(), beside[near[k]].end());
+      for (std::size_t k = 0; k < before; ++k)
+        for (const int other : across[near[k]])
+          if (other >= 0) near.push_back(other);
       std::ranges::sort(near);
       near.erase(std::unique(near.begin(), near.end()), near.end());
     }

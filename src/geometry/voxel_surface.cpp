@@ -7,6 +7,7 @@
 #include "base/disjoint_sets.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/voxels.hpp"
+#include "mesh/neighbours.hpp"
 
 namespace hexaplast {
 namespace {
@@ -21,21 +22,15 @@ struct BorderFace {
 };
 
 std::vector<BorderFace> border_of(const VoxelMesh& voxels, int label) {
-  std::vector<BorderFace> faces;
-  for (int e = 0; e < voxels.mesh.num_elements(); ++e) {
-    if (voxels.labels[static_cast<std::size_t>(e)] != label) continue;
-    for (const Quad& face : kFaces)
-      faces.push_back({face_of(voxels.mesh.hexahedra()[static_cast<std::size_t>(e)], face), e});
-  }
-  // those that two hexahedra of the label share lie inside
-  std::ranges::sort(faces, {}, [](const BorderFace& face) { return std::pair(sorted(face.nodes), face.hexahedron); });
+  const auto& hexahedra = voxels.mesh.hexahedra();
+  std::vector<unsigned char> has_label;
+  for (const int each : voxels.labels) has_label.push_back(each == label);
+  const std::vector<std::array<int, 6>> across = neighbours_across_faces(hexahedra, has_label);
   std::vector<BorderFace> border;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const bool is_shared = f + 1 < faces.size() && sorted(faces[f].nodes) == sorted(faces[f + 1].nodes);
-    if (is_shared)
-      ++f;
-    else
-      border.push_back(faces[f]);
+  for (std::size_t e = 0; e < hexahedra.size(); ++e) {
+    if (!has_label[e]) continue;
+    for (std::size_t side = 0; side < 6; ++side)
+      if (across[e][side] < 0) border.push_back({face_of(hexahedra[e], kFaces[side]), static_cast<int>(e)});
   }
   std::ranges::sort(border, {}, [](const BorderFace& face) { return std::pair(face.hexahedron, face.nodes); });
   return border;
