@@ -39,13 +39,12 @@ double moved(double threshold, double before, double now) {
 constexpr std::uint32_t kSavedVersion = 3;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
-/// What saved members are: their names and types, in their order, and the words that enumerators stand for.
+/// What saved members are: their names, in their order, and the words that enumerators stand for.
 template <class Options>
 void add_names(StateHash& hash, std::span<const Row<Options>> rows) {
   const auto add = [&](std::string_view name) { hash.add(name.data(), name.size()); };
   for (const Row<Options>& row : rows) {
     add(row.member);
-    hash.add(&row.at.type, sizeof row.at.type);
     for (const std::string_view word : row.words) add(word);
   }
 }

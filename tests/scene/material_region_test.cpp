@@ -204,7 +204,8 @@ TEST(MaterialRegion, RefusesWhatCannotBe) {
   EXPECT_EQ(error("indices='0 1' hardening='1 2'"), kRegion + ".hardening: 2 values given, must be one");
   EXPECT_EQ(error("indices='0 1' plasticFlowRate='51'"),
             kRegion + ".plasticFlowRate: 51 times dt = 0.02 s is 1.02: must be at most 1");
-  EXPECT_EQ(error("indices='0' averaging='jacobi'"), kRegion + ".averaging: unknown attribute");
+  EXPECT_EQ(error("indices='0' averaging='jacobi'"),
+            kRegion + ".averaging: unknown attribute\n  hint: 'hexaplast list MaterialRegion' shows its attributes");
   EXPECT_EQ(error("indices='0' body='@grid'"),
             kRegion + ".body: the link leads to RegularGridTopology 'grid', must lead to a body of hexahedra");
   EXPECT_EQ(errors_of(support::four_nodes("<MaterialRegion indices='0'/>")),
