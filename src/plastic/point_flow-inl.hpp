@@ -38,8 +38,7 @@ struct SeriesLength {
 
 template <class V, std::size_t kLengths>
 HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
-  for (const SeriesLength& length :
-       lengths)  // a size that is no number takes all terms, and leaves those beside it right
+  for (const SeriesLength& length : lengths)  // NaN in one lane takes all terms: those beside it are right
     if (hn::AllTrue(typename V::Tag(), size < V(static_cast<typename V::Scalar>(length.size)))) return length.terms;
   return lengths[kLengths - 1].terms;
 }

@@ -92,8 +92,7 @@ enum class AveragingMethod {
 };
 
 /// Numbers that the stiffness product, what follows from it, and what a plastic step adds are computed with. Positions,
-/// forces, rotations of the elastic forces and the history are always double.                      theory.md
-/// section 9.7
+/// forces, rotations of the elastic forces and the history are always double.                    theory.md section 9.7
 enum class Precision {
   kDouble,
   kMixed  ///< products and the vectors of solvers in single precision, coefficients in half where the machine has it
