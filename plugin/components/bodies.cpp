@@ -1,67 +1,34 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <optional>
-
 #include "attributes/hexaplast.hpp"
-#include "components/body_field.hpp"
-#include "components/cells.hpp"
 #include "components/components.hpp"
-#include "components/material_region.hpp"
-#include "components/part.hpp"
-#include "hexaplast/base/error.hpp"
+#include "components/part_body_field.hpp"
 #include "hexaplast/body.hpp"
-#include "parts/hexahedral_body.hpp"
 #include "scene/potential.hpp"
-#include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
 
 /// A body as a force field.
-class HexahedronElastoplasticFEMForceField final : public BodyField, public scene::Potential {
+class HexahedronElastoplasticFEMForceField final : public PartBodyField<parts::HexahedralBody>,
+                                                   public scene::Potential {
  public:
-  HexahedronElastoplasticFEMForceField() : BodyField(attributes::kHexahedronElastoplasticFEMForceField) {}
-
-  void init() override {
-    state_ = &needed_ready<scene::MechanicalState>();
-    topology_ = &linked<scene::Topology>("topology");
-    hexahedra_ = &hexahedra_on(*this, *topology_, state_->num_nodes());
-    body_.emplace(accepted(*this, [&] {
-      return parts::HexahedralBody(state_->rest_positions(), *hexahedra_, options(), node().clock().dt);
-    }));
-    pass_on(*this, body_->take_warnings());
-    rayleigh_stiffness_ = real("rayleighStiffness");
-  }
-
-  // The material may change during a run: what flowed stays.
-  void refresh() override {
-    try {
-      accepted(*this, [&] { body_->set_options(options(), node().clock().dt); });
-    } catch (const InputError& error) {
-      reject(error.what());
-    }
-    pass_on(*this, body_->take_warnings());
-    rayleigh_stiffness_ = real("rayleighStiffness");
-  }
-
-  void reset() override { body_->reset(); }
-  void serialize(Archive& archive) override { body_->serialize(archive); }
+  HexahedronElastoplasticFEMForceField() : PartBodyField(attributes::kHexahedronElastoplasticFEMForceField) {}
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
-    body_->body().linearize(x);
-    body_->body().add_force(f);
+    part().body().linearize(x);
+    part().body().add_force(f);
   }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
-    body_->body().add_stiffness_product(factor, dx, df);
+    part().body().add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
-    body_->body().add_stiffness_blocks(factor, A);
+    part().body().add_stiffness_blocks(factor, A);
   }
   bool describe(double factor, MatrixFreeSystem& system) const override {
-    body_->body().describe(factor, system);
+    part().body().describe(factor, system);
     return true;
   }
-  double potential_energy(double, ConstPoints x) const override { return body_->body().energy(x); }
-  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+  double potential_energy(double, ConstPoints x) const override { return part().body().energy(x); }
 
   void provide(scene::Data& output) override {
     if (!body()) return;
@@ -77,43 +44,16 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
     } else if (name == "volumeRatio") {
       output.set(plastic_volume_ratios(*body()));
     } else if (name == "volume") {
-      output.set(element_volumes(*body(), state_->positions()));
+      output.set(element_volumes(*body(), state().positions()));
     } else if (name == "plasticVolume") {
       output.set(element_volumes(*body(), body()->plastic_rest_positions()));
     }
   }
 
-  void end_step(double dt) override {
-    body_->end_step(state_->positions(), dt);
-    announce();
-  }
-
-  const std::vector<Hexahedron>* hexahedra() const override { return hexahedra_; }
-  const Body* body() const override { return body_ ? &body_->body() : nullptr; }
-  const FlowReport* flow_report() const override { return body_ ? &body_->report() : nullptr; }
-  void remove_elements(std::span<const int> elements) override {
-    body_->body().remove(elements);
-    announce();
-  }
-
  private:
-  /// Tells the scene which hexahedra have gone since it was told last.
-  void announce() {
-    if (const std::span<const int> gone = body_->take_removed(); !gone.empty()) scene::announce_removed(*this, gone);
+  parts::HexahedralBody make(parts::HexahedralBodyOptions options, double dt) override {
+    return {state().rest_positions(), *hexahedra(), std::move(options), dt};
   }
-
-  parts::HexahedralBodyOptions options() {
-    std::vector<parts::MaterialRegion> regions;
-    for (MaterialRegion* region : MaterialRegion::all_of(*this)) regions.push_back(region->values(*hexahedra_));
-    return parts::body_options([this](const auto& row) { return values_of(*this, row); }, hexahedra_->size(),
-                               topology_->fill(), regions);
-  }
-
-  scene::MechanicalState* state_ = nullptr;
-  scene::Topology* topology_ = nullptr;
-  const std::vector<Hexahedron>* hexahedra_ = nullptr;
-  std::optional<parts::HexahedralBody> body_;
-  double rayleigh_stiffness_ = 0;
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "parts/instrument.hpp"
@@ -129,27 +128,8 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   }
 
   parts::InstrumentOptions options() {
-    parts::InstrumentOptions options{.shape = text("shape"),
-                                     .radius = real_if_given("radius"),
-                                     .length = real_if_given("length"),
-                                     .surface_positions = vectors3("surfacePositions"),
-                                     .embedded_positions = vectors3("embeddedPositions"),
-                                     .is_prescribed = prescribing_ != nullptr,
-                                     .key_times = reals("keyTimes"),
-                                     .positions = vectors3("positions"),
-                                     .orientations = reals("orientations"),
-                                     .contact_stiffness = real_if_given("contactStiffness"),
-                                     .tangential_stiffness = real_if_given("tangentialStiffness"),
-                                     .friction = real("friction"),
-                                     .contact_distance = real("contactDistance"),
-                                     .damping = real("damping"),
-                                     .max_subdivision = integer("maxSubdivision"),
-                                     .is_active = boolean("active")};
-    if (is_given("size")) options.size = vector3("size");
-    options.surface_triangles =
-        cells_of<3>(*this, "surfaceTriangles", static_cast<int>(options.surface_positions.rows()));
-    options.embedded_triangles =
-        cells_of<3>(*this, "embeddedTriangles", static_cast<int>(options.embedded_positions.rows()));
+    auto options = read_options<parts::InstrumentOptions>(*this);
+    options.is_prescribed = prescribing_ != nullptr;
     return options;
   }
 

@@ -1,93 +1,41 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <memory>
-#include <optional>
 
 #include "attributes/stock.hpp"
-#include "components/body_field.hpp"
-#include "components/cells.hpp"
 #include "components/components.hpp"
-#include "components/material_region.hpp"
-#include "components/part.hpp"
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
+#include "components/part_body_field.hpp"
 #include "mesh/corner_sum_mass.hpp"
 #include "mesh/lumped_mass.hpp"
 #include "parts/dense_body.hpp"
-#include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
 
 /// SOFA's elastic hexahedra as a force field.
-class DenseHexahedronField : public BodyField {
+class DenseHexahedronField : public PartBodyField<parts::DenseBody> {
  public:
   DenseHexahedronField(const attributes::Description& description, ElementMatrix matrix)
-      : BodyField(description), matrix_(matrix) {}
+      : PartBodyField(description), matrix_(matrix) {}
 
-  void init() override {
-    state_ = &needed_ready<scene::MechanicalState>();
-    topology_ = &linked<scene::Topology>("topology");
-    hexahedra_ = &hexahedra_on(*this, *topology_, state_->num_nodes());
-    const DenseHexahedraSettings settings{.frame = parts::frame_of(text("method")), .matrix = matrix_};
-    body_.emplace(accepted(*this, [&] {
-      return parts::DenseBody(state_->rest_positions(), *hexahedra_, options(), settings, node().clock().dt);
-    }));
-    pass_on(*this, body_->take_warnings());
-    rayleigh_stiffness_ = real("rayleighStiffness");
-  }
-
-  void refresh() override {
-    try {
-      accepted(*this, [&] { body_->set_options(options(), node().clock().dt); });
-    } catch (const InputError& error) {
-      reject(error.what());
-    }
-    pass_on(*this, body_->take_warnings());
-    rayleigh_stiffness_ = real("rayleighStiffness");
-  }
-
-  void reset() override { body_->reset(); }
-  void serialize(Archive& archive) override { body_->serialize(archive); }
-
-  void add_force(double, ConstPoints x, ConstPoints, Points f) override { body_->hexahedra().add_force(x, f); }
+  void add_force(double, ConstPoints x, ConstPoints, Points f) override { part().hexahedra().add_force(x, f); }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
-    body_->hexahedra().add_stiffness_product(factor, dx, df);
+    part().hexahedra().add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
-    body_->hexahedra().add_stiffness_blocks(factor, A);
-  }
-  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
-
-  void end_step(double dt) override { body_->end_step(state_->positions(), dt); }
-
-  const std::vector<Hexahedron>* hexahedra() const override { return hexahedra_; }
-  const Body* body() const override { return body_ ? &body_->body() : nullptr; }
-  const FlowReport* flow_report() const override { return body_ ? &body_->report() : nullptr; }
-  void remove_elements(std::span<const int> elements) override {
-    body_->remove(elements);
-    if (const std::span<const int> gone = body_->take_removed(); !gone.empty()) scene::announce_removed(*this, gone);
-  }
-
- private:
-  parts::HexahedralBodyOptions options() {
-    std::vector<parts::MaterialRegion> regions;
-    for (MaterialRegion* region : MaterialRegion::all_of(*this)) regions.push_back(region->values(*hexahedra_));
-    return parts::body_options([this](const auto& row) { return values_of(*this, row); }, hexahedra_->size(),
-                               topology_->fill(), regions, published_element());
+    part().hexahedra().add_stiffness_blocks(factor, A);
   }
 
  protected:
   ElementMatrix matrix() const { return matrix_; }
-  scene::Topology& topology() const { return *topology_; }
-  scene::MechanicalState& state() const { return *state_; }
 
  private:
+  parts::DenseBody make(parts::HexahedralBodyOptions options, double dt) override {
+    const DenseHexahedraSettings settings{.frame = parts::frame_of(text("method")), .matrix = matrix_};
+    return {state().rest_positions(), *hexahedra(), std::move(options), settings, dt};
+  }
+  Settings other_settings() const override { return published_element(); }
+
   ElementMatrix matrix_;
-  scene::MechanicalState* state_ = nullptr;
-  scene::Topology* topology_ = nullptr;
-  const std::vector<Hexahedron>* hexahedra_ = nullptr;
-  std::optional<parts::DenseBody> body_;
-  double rayleigh_stiffness_ = 0;
 };
 
 /// SOFA's hexahedra that are their own mass.
@@ -112,11 +60,6 @@ class DenseHexahedronFieldAndMass final : public DenseHexahedronField, public sc
   bool add_diagonal(double factor, Points diagonal) const override {
     if (mass_.is_lumped()) diagonal.colwise() += factor * mass_.lumped();
     return mass_.is_lumped();
-  }
-  double kinetic_energy(ConstPoints v) const override {
-    PointArray momentum = PointArray::Zero(v.rows(), 3);
-    add_product(1, v, momentum);
-    return dot(v, momentum) / 2;
   }
   double rayleigh_mass() const override { return rayleigh_mass_; }
 

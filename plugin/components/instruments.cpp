@@ -70,16 +70,7 @@ class GraspForceField final : public scene::ForceField,
  private:
   parts::GraspOptions options() {
     rayleigh_stiffness_ = real("rayleighStiffness");
-    parts::GraspOptions options{.key_times = reals("keyTimes"),
-                                .positions = vectors3("positions"),
-                                .grasp_time = real("graspTime"),
-                                .release_time = real_if_given("releaseTime"),
-                                .radius = real_if_given("radius"),
-                                .stiffness = real("stiffness"),
-                                .max_force = real_if_given("maxForce"),
-                                .damping = real("damping")};
-    if (is_given("indices")) options.indices = indices("indices", state_->num_nodes());
-    return options;
+    return read_options<parts::GraspOptions>(*this);
   }
 
   scene::MechanicalState* state_ = nullptr;

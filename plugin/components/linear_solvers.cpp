@@ -176,11 +176,8 @@ class MultigridCGLinearSolver final : public scene::LinearSolver {
   MultigridCGLinearSolver() : LinearSolver(attributes::kMultigridCGLinearSolver) {}
 
   void init() override {
-    solver_.emplace(accepted(*this, [&] {
-      return parts::MultigridCG({.preconditioner = parts::preconditioner_of(text("preconditioner")),
-                                 .tolerance = real("tolerance"),
-                                 .iterations = integer("iterations")});
-    }));
+    solver_.emplace(
+        accepted(*this, [&] { return parts::MultigridCG(read_options<parts::MultigridCGOptions>(*this)); }));
   }
   hexaplast::LinearSolver& method() override { return solver_->solver(); }
   void heed(const SolveReport& report) override { pass_on(*this, solver_->heed(report)); }

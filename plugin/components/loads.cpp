@@ -116,16 +116,8 @@ class TangentialForceField final : public PrescribedLoad {
   TangentialForceField() : PrescribedLoad(attributes::kTangentialForceField) {}
 
   void init() override {
-    const int count = num_nodes();
-    load_.emplace(accepted(*this, [&] {
-      return parts::TangentialLoad({.indices = indices("indices", count),
-                                    .group_size = integer("groupSize"),
-                                    .axis = vector3("axis"),
-                                    .centre = vector3("centre"),
-                                    .times = reals("times"),
-                                    .forces = reals("forces")},
-                                   count);
-    }));
+    load_.emplace(accepted(
+        *this, [&] { return parts::TangentialLoad(read_options<parts::TangentialLoadOptions>(*this), num_nodes()); }));
     note_loaded({load_->nodes().begin(), load_->nodes().end()});
   }
 

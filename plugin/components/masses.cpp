@@ -140,11 +140,6 @@ class MeshMatrixMass final : public scene::Mass {
     if (is_lumped_) diagonal.colwise() += factor * lumped_;
     return is_lumped_;
   }
-  double kinetic_energy(ConstPoints v) const override {
-    PointArray momentum = PointArray::Zero(v.rows(), 3);
-    add_product(1, v, momentum);
-    return dot(v, momentum) / 2;
-  }
   double rayleigh_mass() const override { return rayleigh_mass_; }
 
  private:

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <limits>
 #include <optional>
-#include <utility>
 
 #include "attributes/parts.hpp"
-#include "attributes/words.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
@@ -26,15 +22,13 @@ class Probe final : public scene::Probe {
   void bwd_init() override {
     if (!is_given("value")) reject("value", "is not given: there is nothing to record");
     if (is_given("points")) embed();
-    probe_.emplace(options(), holds_vectors() ? 3 : 1);
+    probe_.emplace(read_options<parts::ProbeOptions>(*this), holds_vectors() ? 3 : 1);
     read();
   }
   bool looks_by_itself() const override { return true; }
 
   double read() override {
-    long version = 0;
-    for (const char* option : {"indices", "component", "statistic", "change"}) version += find_data(option)->version();
-    if (std::exchange(seen_options_, version) != version) probe_->set_options(options());
+    probe_->set_options(read_options<parts::ProbeOptions>(*this));
     return accepted(*this, [&] { return probe_->read(points_ ? at_points() : reals("value")); });
   }
   std::string_view unit() override { return source().attribute().unit; }
@@ -83,20 +77,6 @@ class Probe final : public scene::Probe {
     return type == attributes::Type::kVector3 || type == attributes::Type::kVectors3;
   }
 
-  /// The place of a word among those of its attribute.
-  template <class Word>
-  Word word(std::string_view attribute) {
-    const std::vector<std::string_view> words = attributes::split_words(find_data(attribute)->attribute().words);
-    return static_cast<Word>(std::ranges::find(words, text(attribute)) - words.begin());
-  }
-  parts::ProbeOptions options() {
-    return {.entries = indices("indices", std::numeric_limits<int>::max()),
-            .component = word<parts::ProbeOptions::Component>("component"),
-            .statistic = word<parts::ProbeOptions::Statistic>("statistic"),
-            .is_change = boolean("change")};
-  }
-
-  long seen_options_ = -1;  // version
   std::optional<parts::Probe> probe_;
   std::optional<Embedding> points_;
   std::vector<double> values_at_points_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "attributes/shapes.hpp"
 
+#include <memory>
 #include <optional>
 
 #include "components/components.hpp"
@@ -12,7 +13,9 @@
 namespace hexaplast::components {
 namespace {
 
-class ShapeTopology : public MadeTopology {
+/// A grid that is bent into the shape of an organ.
+template <class Options>
+class ShapeTopology final : public MadeTopology {
  public:
   using MadeTopology::MadeTopology;
 
@@ -21,19 +24,11 @@ class ShapeTopology : public MadeTopology {
   const PointArray& positions() override { return mesh().positions(); }
   const std::vector<Hexahedron>& hexahedra() override { return mesh().hexahedra(); }
 
- protected:
-  virtual HexMesh make() = 0;
-
-  std::vector<int> cells() {
-    const std::vector<std::int64_t>& given = integers("cells");
-    return {given.begin(), given.end()};
-  }
-
  private:
   const HexMesh& mesh() {
     if (mesh_) return *mesh_;
     try {
-      mesh_ = accepted(*this, [&] { return make(); });
+      mesh_ = accepted(*this, [&] { return parts::make_grid(read_options<Options>(*this)); });
     } catch (const InputError& error) {
       reject(error.what());
     }
@@ -43,52 +38,15 @@ class ShapeTopology : public MadeTopology {
   std::optional<HexMesh> mesh_;
 };
 
-class TubeGridTopology final : public ShapeTopology {
- public:
-  TubeGridTopology() : ShapeTopology(attributes::kTubeGridTopology) {}
-
- private:
-  HexMesh make() override {
-    parts::TubeGridOptions options{.cells = cells(),
-                                   .inner_radius = real("innerRadius"),
-                                   .outer_radius = real("outerRadius"),
-                                   .length = real("length"),
-                                   .bend = real("bend")};
-    if (is_given("centreline")) options.centreline = vectors3("centreline");
-    return make_grid(options);
-  }
-};
-
-class SheetGridTopology final : public ShapeTopology {
- public:
-  SheetGridTopology() : ShapeTopology(attributes::kSheetGridTopology) {}
-
- private:
-  HexMesh make() override {
-    return make_grid(parts::SheetGridOptions{
-        .cells = cells(), .size = reals("size"), .thickness = real("thickness"), .curvature = real("curvature")});
-  }
-};
-
-class SpherePatchGridTopology final : public ShapeTopology {
- public:
-  SpherePatchGridTopology() : ShapeTopology(attributes::kSpherePatchGridTopology) {}
-
- private:
-  HexMesh make() override {
-    return make_grid(parts::SpherePatchGridOptions{.cells = cells(),
-                                                   .inner_radius = real("innerRadius"),
-                                                   .outer_radius = real("outerRadius"),
-                                                   .angle = real("angle")});
-  }
-};
-
 }  // namespace
 
 void add_shapes(scene::Factory& factory) {
-  factory.add<TubeGridTopology>(attributes::kTubeGridTopology);
-  factory.add<SheetGridTopology>(attributes::kSheetGridTopology);
-  factory.add<SpherePatchGridTopology>(attributes::kSpherePatchGridTopology);
+  const auto add = [&]<class Options>(const attributes::Description& description, const Options&) {
+    factory.add(description, [&description] { return std::make_unique<ShapeTopology<Options>>(description); });
+  };
+  add(attributes::kTubeGridTopology, parts::TubeGridOptions());
+  add(attributes::kSheetGridTopology, parts::SheetGridOptions());
+  add(attributes::kSpherePatchGridTopology, parts::SpherePatchGridOptions());
 }
 
 }  // namespace hexaplast::components

@@ -100,15 +100,7 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
   OfTwo<ConstPoints> velocities() const {
     return {ConstPoints(states_[0]->velocities()), ConstPoints(states_[1]->velocities())};
   }
-  parts::TissueContactOptions options() {
-    return {.contact_stiffness = real_if_given("contactStiffness"),
-            .tangential_stiffness = real_if_given("tangentialStiffness"),
-            .friction = real("friction"),
-            .contact_distance = real("contactDistance"),
-            .damping = real("damping"),
-            .max_subdivision = integer("maxSubdivision"),
-            .is_active = boolean("active")};
-  }
+  parts::ContactOptions options() { return read_options<parts::ContactOptions>(*this); }
 
   std::array<scene::MechanicalState*, 2> states_ = {};
   std::array<scene::ForceField*, 2> body_fields_ = {};  // that have the bodies

@@ -57,7 +57,7 @@ void DenseBody::set_options(HexahedralBodyOptions options, double dt) {
 }
 
 void DenseBody::remove(std::span<const int> elements) {
-  measured_.body().remove(elements);
+  measured_.remove(elements);
   hexahedra_.set_alive(body().alive());
 }
 

@@ -19,16 +19,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void check(const GraspOptions& options, int num_nodes) {
-  OptionRanges ranges(attributes::kGraspForceField);
-  ranges.check("key_times", options.key_times);
-  ranges.check("positions", options.positions);
-  ranges.check("grasp_time", options.grasp_time);
-  if (options.release_time) ranges.check("release_time", *options.release_time);
-  if (options.radius) ranges.check("radius", *options.radius);
-  ranges.check("stiffness", options.stiffness);
-  if (options.max_force) ranges.check("max_force", *options.max_force);
-  ranges.check("damping", options.damping);
-
+  OptionRanges ranges(attributes::kGraspForceField, options);
   if (options.indices) ranges.collect([&] { check_nodes("indices", *options.indices, num_nodes); });
   ranges.collect([&] {
     check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));

@@ -25,6 +25,18 @@ struct GraspOptions {
   double stiffness = 1000;                                 ///< [N/m] of the grip as a whole
   std::optional<double> max_force = std::nullopt;          ///< [N] of the grip as a whole; no limit where not given
   double damping = 0;                                      ///< [N s/m] of the grip as a whole
+
+  static void each(auto& options, const auto& visit) {
+    visit("key_times", options.key_times);
+    visit("positions", options.positions);
+    visit("grasp_time", options.grasp_time);
+    visit("release_time", options.release_time);
+    visit("radius", options.radius);
+    visit("indices", options.indices);
+    visit("stiffness", options.stiffness);
+    visit("max_force", options.max_force);
+    visit("damping", options.damping);
+  }
 };
 
 /// An instrument that takes hold of the nodes around it, moves along a path and lets go. Fields are num_nodes x 3.

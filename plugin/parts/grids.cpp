@@ -19,7 +19,6 @@ constexpr double kMaxCells = 16'777'216;
 
 /// What was checked before, and cells: throws all that is wrong.
 std::array<int, 3> three_cells(OptionRanges& ranges, const std::vector<int>& cells) {
-  ranges.check("cells", cells);
   ranges.collect([&] {
     if (cells.size() != 3) throw OptionError("cells", fmt::format("{} numbers given, must be three", cells.size()));
     check_num_hexahedra("cells", static_cast<double>(cells[0]) * cells[1] * cells[2]);
@@ -31,12 +30,7 @@ std::array<int, 3> three_cells(OptionRanges& ranges, const std::vector<int>& cel
 }  // namespace
 
 HexMesh make_grid(const TubeGridOptions& options) {
-  OptionRanges ranges(attributes::kTubeGridTopology);
-  ranges.check("inner_radius", options.inner_radius);
-  ranges.check("outer_radius", options.outer_radius);
-  ranges.check("length", options.length);
-  ranges.check("bend", options.bend);
-  if (options.centreline) ranges.check("centreline", *options.centreline);
+  OptionRanges ranges(attributes::kTubeGridTopology, options);
   const std::array<int, 3> cells = three_cells(ranges, options.cells);
   const int num_points = cells[2] + 1;
   const Centreline curve = options.centreline ? curve_through(*options.centreline, num_points)
@@ -45,20 +39,14 @@ HexMesh make_grid(const TubeGridOptions& options) {
 }
 
 HexMesh make_grid(const SheetGridOptions& options) {
-  OptionRanges ranges(attributes::kSheetGridTopology);
-  ranges.check("size", options.size);
-  ranges.check("thickness", options.thickness);
-  ranges.check("curvature", options.curvature);
+  OptionRanges ranges(attributes::kSheetGridTopology, options);
   if (options.size.size() != 2) ranges.add({"size", fmt::format("{} numbers given, must be two", options.size.size())});
   const std::array<int, 3> cells = three_cells(ranges, options.cells);
   return sheet(cells, {options.size[0], options.size[1]}, options.thickness, options.curvature);
 }
 
 HexMesh make_grid(const SpherePatchGridOptions& options) {
-  OptionRanges ranges(attributes::kSpherePatchGridTopology);
-  ranges.check("inner_radius", options.inner_radius);
-  ranges.check("outer_radius", options.outer_radius);
-  ranges.check("angle", options.angle);
+  OptionRanges ranges(attributes::kSpherePatchGridTopology, options);
   const std::array<int, 3> cells = three_cells(ranges, options.cells);
   return sphere_patch(cells, options.inner_radius, options.outer_radius, options.angle * kDegree);
 }

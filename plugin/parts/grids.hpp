@@ -19,6 +19,15 @@ struct TubeGridOptions {
   double length = 0.1;                   ///< [m] from the origin along z, where there is no centreline
   double bend = 0;                       ///< [deg] by which it is bent towards x, where there is no centreline
   std::optional<PointArray> centreline = std::nullopt;  ///< [m] points of a smooth curve to follow instead
+
+  static void each(auto& options, const auto& visit) {
+    visit("cells", options.cells);
+    visit("inner_radius", options.inner_radius);
+    visit("outer_radius", options.outer_radius);
+    visit("length", options.length);
+    visit("bend", options.bend);
+    visit("centreline", options.centreline);
+  }
 };
 HexMesh make_grid(const TubeGridOptions& options);
 
@@ -28,6 +37,13 @@ struct SheetGridOptions {
   std::vector<double> size = {0.1, 0.1};  ///< [m] along x and y, in the middle of the thickness
   double thickness = 0.002;               ///< [m] along z
   double curvature = 0;                   ///< [1/m] about an axis along y
+
+  static void each(auto& options, const auto& visit) {
+    visit("cells", options.cells);
+    visit("size", options.size);
+    visit("thickness", options.thickness);
+    visit("curvature", options.curvature);
+  }
 };
 HexMesh make_grid(const SheetGridOptions& options);
 
@@ -37,6 +53,13 @@ struct SpherePatchGridOptions {
   double inner_radius = 0.01;            ///< [m]
   double outer_radius = 0.012;           ///< [m]
   double angle = 90;                     ///< [deg] from side to side
+
+  static void each(auto& options, const auto& visit) {
+    visit("cells", options.cells);
+    visit("inner_radius", options.inner_radius);
+    visit("outer_radius", options.outer_radius);
+    visit("angle", options.angle);
+  }
 };
 HexMesh make_grid(const SpherePatchGridOptions& options);
 

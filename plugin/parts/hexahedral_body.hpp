@@ -70,6 +70,7 @@ class HexahedralBody {
   /// Plastic flow at accepted positions.
   void end_step(ConstPoints x, double dt);
 
+  void remove(std::span<const int> elements) { body_.remove(elements); }
   void reset();
   void serialize(Archive& archive);
 

@@ -10,7 +10,6 @@
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/embed.hpp"
-#include "parts/contact_stiffness.hpp"
 #include "parts/key_times.hpp"
 #include "solve/loads.hpp"
 
@@ -42,45 +41,44 @@ void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
       ranges.add({"orientations", fmt::format("quaternion {} is 0 0 0 0, must have a length", k)});
 }
 
-double given(const std::optional<double>& size, std::string_view option, std::string_view shape) {
+template <class Size>
+const Size& given(const std::optional<Size>& size, std::string_view option, std::string_view shape) {
   if (!size) throw OptionError(option, fmt::format("is not given: a {} has one", shape));
   return *size;
 }
 
 Solid solid_of(const InstrumentOptions& options) {
-  const auto radius = [&] { return given(options.radius, "radius", options.shape); };
-  const auto length = [&] { return given(options.length, "length", options.shape); };
-  if (options.shape == "capsule") return Solid::capsule(radius(), length());
-  if (options.shape == "cylinder") return Solid::cylinder(radius(), length());
-  if (options.shape == "box") {
-    if (!options.size) throw OptionError("size", "is not given: a box has one");
-    return Solid::box(*options.size);
+  using enum InstrumentOptions::Shape;
+  switch (options.shape) {
+    case kCapsule:
+      return Solid::capsule(given(options.radius, "radius", "capsule"), given(options.length, "length", "capsule"));
+    case kCylinder:
+      return Solid::cylinder(given(options.radius, "radius", "cylinder"), given(options.length, "length", "cylinder"));
+    case kBox:
+      return Solid::box(given(options.size, "size", "box"));
+    case kSurface:
+      try {
+        return Solid::closed_surface(options.surface_positions, options.surface_triangles);
+      } catch (const InputError& error) {
+        throw OptionError("surface_triangles", error.what());
+      }
+    case kSphere:
+      break;
   }
-  if (options.shape == "surface") {
-    try {
-      return Solid::closed_surface(options.surface_positions, options.surface_triangles);
-    } catch (const InputError& error) {
-      throw OptionError("surface_triangles", error.what());
-    }
-  }
-  return Solid::sphere(radius());
+  return Solid::sphere(given(options.radius, "radius", "sphere"));
+}
+
+void check_triangles(OptionRanges& ranges, std::string_view option, const std::vector<Triangle>& triangles,
+                     const PointArray& points) {
+  ranges.collect([&] {
+    for (const Triangle& triangle : triangles) check_nodes(option, triangle, static_cast<int>(points.rows()));
+  });
 }
 
 void check(const InstrumentOptions& options) {
-  OptionRanges ranges(attributes::kInstrumentContactForceField);
-  ranges.collect([&] { check_word("shape", kInstrumentShapes, options.shape); });
-  if (options.radius) ranges.check("radius", *options.radius);
-  if (options.length) ranges.check("length", *options.length);
-  if (options.size) ranges.check("size", *options.size);
-  ranges.check("key_times", options.key_times);
-  ranges.check("positions", options.positions);
-  ranges.check("orientations", options.orientations);
-  if (options.contact_stiffness) ranges.check("contact_stiffness", *options.contact_stiffness);
-  if (options.tangential_stiffness) ranges.check("tangential_stiffness", *options.tangential_stiffness);
-  ranges.check("friction", options.friction);
-  ranges.check("contact_distance", options.contact_distance);
-  ranges.check("damping", options.damping);
-  ranges.check("max_subdivision", std::span(&options.max_subdivision, 1));
+  OptionRanges ranges(attributes::kInstrumentContactForceField, options);
+  check_triangles(ranges, "surface_triangles", options.surface_triangles, options.surface_positions);
+  check_triangles(ranges, "embedded_triangles", options.embedded_triangles, options.embedded_positions);
   check_path(ranges, options);
   if (options.embedded_positions.rows() > 0 && options.embedded_triangles.empty())
     ranges.add({"embedded_positions", "given without embeddedTriangles, which make a surface of them"});
@@ -102,19 +100,13 @@ void Instrument::set_options(InstrumentOptions options) {
   const Solid solid = solid_of(options);
   const bool has_same_shape = contact_ && options.shape == options_.shape && options.radius == options_.radius &&
                               options.length == options_.length && options.size == options_.size &&
-                              options.max_subdivision == options_.max_subdivision &&
+                              options.contact.max_subdivision == options_.contact.max_subdivision &&
                               options.surface_triangles == options_.surface_triangles &&
                               options.embedded_triangles == options_.embedded_triangles &&
                               options.embedded_positions == options_.embedded_positions &&
                               options.surface_positions == options_.surface_positions;
   options_ = std::move(options);
-  const double stiffness = options_.contact_stiffness.value_or(default_contact_stiffness(body_));
-  const ContactSettings settings{.stiffness = stiffness,
-                                 .tangential_stiffness = options_.tangential_stiffness.value_or(stiffness),
-                                 .friction = options_.friction,
-                                 .distance = options_.contact_distance,
-                                 .damping = options_.damping,
-                                 .is_active = options_.is_active};
+  const ContactSettings settings = options_.contact.settings(default_contact_stiffness(body_));
   if (has_same_shape) {
     contact_->set_settings(settings);
     return;
@@ -134,13 +126,13 @@ void Instrument::set_options(InstrumentOptions options) {
 SurfaceSamples Instrument::samples_of(const Solid& solid) const {
   const double wanted = kPerRadius * solid.smallest_radius();
   if (options_.embedded_triangles.empty())
-    return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.max_subdivision);
+    return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.contact.max_subdivision);
   return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
-                                     options_.embedded_triangles, wanted, options_.max_subdivision);
+                                     options_.embedded_triangles, wanted, options_.contact.max_subdivision);
 }
 
 void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
-  if (!options_.is_active) return;
+  if (!options_.contact.active) return;
   const Solid& solid = contact_->solid();
   const Eigen::Quaterniond to_frame = pose.orientation.conjugate();
   double depth = 0;

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/contact/instrument_contact.hpp"
+#include "parts/contact_options.hpp"
 #include "parts/option.hpp"
 
 namespace hexaplast::parts {
 
 /// In scenes: InstrumentContactForceField.
 struct InstrumentOptions {
-  std::string_view shape = "sphere";                ///< one of kInstrumentShapes
+  enum class Shape { kSphere, kCapsule, kCylinder, kBox, kSurface };
+
+  Shape shape = Shape::kSphere;
   std::optional<double> radius = std::nullopt;      ///< [m] of sphere, capsule, cylinder
   std::optional<double> length = std::nullopt;      ///< [m] of capsule, cylinder
   std::optional<Vec3> size = std::nullopt;          ///< [m] of box
@@ -28,16 +29,23 @@ struct InstrumentOptions {
   std::vector<double> key_times = {};                ///< [s] of its path, ascending
   PointArray positions = PointArray(0, 3);           ///< [m] one row per key time
   std::vector<double> orientations = {};             ///< quaternions x y z w, one per key time, or none
-  std::optional<double> contact_stiffness = std::nullopt;     ///< [Pa/m] otherwise 30 E / edge length
-  std::optional<double> tangential_stiffness = std::nullopt;  ///< [Pa/m] otherwise contact_stiffness
-  double friction = 0;
-  double contact_distance = 0;  ///< [m]
-  double damping = 0;           ///< [Pa s/m]
-  int max_subdivision = 8;      ///< parts of the edge of a face, at most
-  bool is_active = true;        ///< otherwise nothing touches
+  ContactOptions contact = {};
+
+  static void each(auto& options, const auto& visit) {
+    visit("shape", options.shape);
+    visit("radius", options.radius);
+    visit("length", options.length);
+    visit("size", options.size);
+    visit("surface_positions", options.surface_positions);
+    visit("surface_triangles", options.surface_triangles);
+    visit("embedded_positions", options.embedded_positions);
+    visit("embedded_triangles", options.embedded_triangles);
+    visit("key_times", options.key_times);
+    visit("positions", options.positions);
+    visit("orientations", options.orientations);
+    ContactOptions::each(options.contact, visit);
+  }
 };
-inline constexpr std::array<std::string_view, 5> kInstrumentShapes = {"sphere", "capsule", "cylinder", "box",
-                                                                      "surface"};
 
 /// Where a pose gets to that keeps its velocities [m/s, rad/s] for a duration [s].
 Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity, double duration);

@@ -73,10 +73,19 @@ InstrumentShape box(const Vec3& size) {
 }  // namespace
 
 InstrumentShape shape_of(const InstrumentOptions& options) {
-  if (options.shape == "capsule") return capsule(*options.radius, *options.length);
-  if (options.shape == "cylinder") return cylinder(*options.radius, *options.length);
-  if (options.shape == "box") return box(*options.size);
-  if (options.shape == "surface") return {options.surface_positions, options.surface_triangles};
+  using enum InstrumentOptions::Shape;
+  switch (options.shape) {
+    case kCapsule:
+      return capsule(*options.radius, *options.length);
+    case kCylinder:
+      return cylinder(*options.radius, *options.length);
+    case kBox:
+      return box(*options.size);
+    case kSurface:
+      return {options.surface_positions, options.surface_triangles};
+    case kSphere:
+      break;
+  }
   return capsule(*options.radius, 0);
 }
 

@@ -4,16 +4,12 @@
 #include <fmt/format.h>
 
 #include "attributes/parts.hpp"
-#include "attributes/words.hpp"
 
 namespace hexaplast::parts {
 namespace {
 
 const MultigridCGOptions& checked(const MultigridCGOptions& options) {
-  OptionRanges ranges(attributes::kMultigridCGLinearSolver);
-  ranges.check("tolerance", options.tolerance);
-  ranges.check("iterations", options.iterations);
-  ranges.throw_all();
+  OptionRanges(attributes::kMultigridCGLinearSolver, options).throw_all();
   return options;
 }
 
@@ -37,13 +33,6 @@ std::vector<Remark> MultigridCG::heed(const SolveReport& report) {
        fmt::format("is multigrid, which needs a body whose hexahedra form a lattice of more than a few, in shapes of "
                    "which its cycle is positive definite: the preconditioner is {} instead",
                    name_of(report.preconditioner))}};
-}
-
-Preconditioner preconditioner_of(std::string_view word) {
-  const auto& attribute = attributes::attribute_of(attributes::kMultigridCGLinearSolver, "preconditioner");
-  check_word("preconditioner", attributes::split_words(attribute.words), word);
-  if (word == "multigrid") return Preconditioner::kMultigrid;
-  return word == "diagonal" ? Preconditioner::kDiagonal : Preconditioner::kAuto;
 }
 
 }  // namespace hexaplast::parts

@@ -13,6 +13,12 @@ struct MultigridCGOptions {
   Preconditioner preconditioner = Preconditioner::kAuto;
   double tolerance = 0.01;  ///< on |r| / |b|
   int iterations = 500;     ///< at most
+
+  static void each(auto& options, const auto& visit) {
+    visit("preconditioner", options.preconditioner);
+    visit("tolerance", options.tolerance);
+    visit("iterations", options.iterations);
+  }
 };
 
 /// Preconditioned conjugate gradients that end when the answer is as good as asked for.
@@ -21,6 +27,7 @@ class MultigridCG {
   /// Throws OptionError.
   explicit MultigridCG(const MultigridCGOptions& options);
 
+  const MultigridCGOptions& options() const { return options_; }
   LinearSolver& solver() { return solver_; }
 
   /// To be told what each solve did. Warns once where multigrid was asked for and not possible, or not definite.
@@ -32,8 +39,5 @@ class MultigridCG {
   bool has_cycled_ = false;  // multigrid was possible
   bool is_warned_ = false;
 };
-
-/// The preconditioner of a word of the attribute table. Throws OptionError for another word.
-Preconditioner preconditioner_of(std::string_view word);
 
 }  // namespace hexaplast::parts

@@ -36,18 +36,22 @@ void OptionErrors::add(const OptionError& error) {
 }
 
 void OptionErrors::throw_all() const {
-  if (!reasons_.empty()) throw OptionError(what_, reasons_);
+  if (!empty()) throw OptionError(what_, reasons_);
 }
 
-void OptionRanges::check(std::string_view option, std::span<const double> numbers) {
+void OptionRanges::check_numbers(std::string_view option, std::span<const double> numbers) {
   const attributes::Range& range = attributes::attribute_of(table_, attribute_name(option)).range;
   collect([&] {
     for (const double number : numbers) check_range(option, range, number);
   });
 }
 
-void OptionRanges::check(std::string_view option, std::span<const int> numbers) {
-  check(option, std::vector<double>(numbers.begin(), numbers.end()));
+void OptionRanges::check_numbers(std::string_view option, std::span<const int> numbers) {
+  const attributes::Range& range = attributes::attribute_of(table_, attribute_name(option)).range;
+  if (range == attributes::kIndex) return;  // checked by whoever knows how many there are
+  collect([&] {
+    for (const int number : numbers) check_range(option, range, number);
+  });
 }
 
 void check_range(std::string_view option, const attributes::Range& range, double number) {
@@ -63,6 +67,12 @@ void check_nodes(std::string_view option, std::span<const int> nodes, int num_no
 
 void check_word(std::string_view option, std::span<const std::string_view> words, std::string_view word) {
   if (const std::string error = attributes::unknown_word(word, words); !error.empty()) throw OptionError(option, error);
+}
+
+std::size_t place_of_word(const attributes::Attribute& attribute, std::string_view word) {
+  const std::vector<std::string_view> words = attributes::split_words(attribute.words);
+  check_word(attribute.name, words, word);
+  return static_cast<std::size_t>(std::ranges::find(words, word) - words.begin());
 }
 
 }  // namespace hexaplast::parts

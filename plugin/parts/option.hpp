@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,6 +15,9 @@
 #include "hexaplast/base/types.hpp"
 
 /// What every host runs: plain objects that are made from a struct of options. They name no type of a host.
+///
+/// Options::each(options, visit) calls visit(name, member) for each option that scenes give. Hosts read their
+/// attributes along this list, ranges are checked along it, and a test compares it with the attribute table.
 namespace hexaplast::parts {
 
 /// "groupSize" of "group_size": what scenes call an option.
@@ -57,6 +62,8 @@ class OptionErrors {
   /// Whether that option has no error so far.
   bool accepts(std::string_view option) const;
 
+  bool empty() const { return reasons_.empty(); }
+
   /// Throws all as one OptionError, if there are any.
   void throw_all() const;
 
@@ -65,20 +72,30 @@ class OptionErrors {
   std::vector<Remark> reasons_;
 };
 
-/// Checks options against the ranges that the attribute table has for them, and collects those that lie outside.
+/// Options that lie outside of the ranges that the attribute table has for them, for further checks to be added.
 class OptionRanges : public OptionErrors {
  public:
-  explicit OptionRanges(const attributes::Description& table) : table_(table) {}
-
-  void check(std::string_view option, double number) { check(option, std::span(&number, 1)); }
-  void check(std::string_view option, std::span<const double> numbers);
-  void check(std::string_view option, std::span<const int> numbers);
-  template <class Derived>
-  void check(std::string_view option, const Eigen::PlainObjectBase<Derived>& numbers) {
-    check(option, std::span<const double>(numbers.data(), static_cast<std::size_t>(numbers.size())));
+  template <class Options>
+  OptionRanges(const attributes::Description& table, const Options& options) : table_(table) {
+    Options::each(options, [this](std::string_view option, const auto& member) { check(option, member); });
   }
 
  private:
+  template <class T>
+  void check(std::string_view option, const std::optional<T>& member) {
+    if (member) check(option, *member);
+  }
+  template <class T>
+  void check(std::string_view option, const T& member) {
+    if constexpr (std::is_same_v<T, double> || std::is_same_v<T, int>)
+      check_numbers(option, std::span(&member, 1));
+    else if constexpr (requires { std::span(member.data(), static_cast<std::size_t>(member.size())); })
+      check_numbers(option, std::span(member.data(), static_cast<std::size_t>(member.size())));
+  }
+  void check_numbers(std::string_view option, std::span<const double> numbers);
+  void check_numbers(std::string_view option, std::span<const int> numbers);
+  void check_numbers(std::string_view, std::span<const Triangle>) {}  // by whoever knows the nodes
+
   const attributes::Description& table_;
 };
 
@@ -98,5 +115,8 @@ void check_nodes(std::string_view option, std::span<const int> nodes, int num_no
 
 /// Throws OptionError for a word that is none of `words`.
 void check_word(std::string_view option, std::span<const std::string_view> words, std::string_view word);
+
+/// The place of a word among those of an attribute, which are in the order of an enumeration. Throws OptionError.
+std::size_t place_of_word(const attributes::Attribute& attribute, std::string_view word);
 
 }  // namespace hexaplast::parts

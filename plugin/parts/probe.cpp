@@ -30,7 +30,7 @@ double Probe::read(std::span<const double> values) {
   using Statistic = ProbeOptions::Statistic;
   const int count = static_cast<int>(values.size()) / width_;
   if (count == 0) throw OptionError("value", "holds no number");
-  std::vector<int> entries = options_.entries;
+  std::vector<int> entries = options_.indices;
   if (entries.empty()) {
     entries.resize(static_cast<std::size_t>(count));
     std::iota(entries.begin(), entries.end(), 0);
@@ -39,7 +39,7 @@ double Probe::read(std::span<const double> values) {
     if (entry >= count) throw OptionError("indices", fmt::format("holds {}, must be below {}", entry, count));
 
   std::vector<double> changed;
-  if (options_.is_change) {
+  if (options_.change) {
     if (first_.empty()) first_.assign(values.begin(), values.end());
     if (first_.size() != values.size())
       throw OptionError("value", fmt::format("holds {} numbers, {} at first: there is no change of that", values.size(),

@@ -11,10 +11,17 @@ struct ProbeOptions {
   enum class Component { kX, kY, kZ, kNorm };
   enum class Statistic { kMean, kSum, kMin, kMax };
 
-  std::vector<int> entries = {};           ///< that count; empty: all
+  std::vector<int> indices = {};           ///< of the entries that count; empty: all
   Component component = Component::kNorm;  ///< of vectors
   Statistic statistic = Statistic::kMean;  ///< over the entries
-  bool is_change = false;                  ///< since the first reading
+  bool change = false;                     ///< since the first reading
+
+  static void each(auto& options, const auto& visit) {
+    visit("indices", options.indices);
+    visit("component", options.component);
+    visit("statistic", options.statistic);
+    visit("change", options.change);
+  }
 };
 
 /// Makes one number of a list of numbers or vectors. Sum and mean are those of the vectors, of which the component is

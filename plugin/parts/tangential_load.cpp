@@ -13,13 +13,7 @@
 namespace hexaplast::parts {
 
 TangentialLoad::TangentialLoad(TangentialLoadOptions options, int num_nodes) : options_(std::move(options)) {
-  OptionRanges ranges(attributes::kTangentialForceField);
-  ranges.check("group_size", options_.group_size);
-  ranges.check("axis", options_.axis);
-  ranges.check("centre", options_.centre);
-  ranges.check("times", options_.times);
-  ranges.check("forces", options_.forces);
-
+  OptionRanges ranges(attributes::kTangentialForceField, options_);
   ranges.collect([&] { check_nodes("indices", options_.indices, num_nodes); });
   if (ranges.accepts("group_size") && options_.indices.size() % static_cast<std::size_t>(options_.group_size) != 0)
     ranges.add(

@@ -16,6 +16,15 @@ struct TangentialLoadOptions {
   Vec3 centre = Vec3::Zero();       ///< [m] a point on the axis
   std::vector<double> times = {};   ///< [s] ascending
   std::vector<double> forces = {};  ///< [N] on each group at each key time
+
+  static void each(auto& options, const auto& visit) {
+    visit("indices", options.indices);
+    visit("group_size", options.group_size);
+    visit("axis", options.axis);
+    visit("centre", options.centre);
+    visit("times", options.times);
+    visit("forces", options.forces);
+  }
 };
 
 /// Forces around an axis that turn with the body (add_tangential_forces), changing linearly between key times: none

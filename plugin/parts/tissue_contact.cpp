@@ -6,40 +6,23 @@
 #include <algorithm>
 
 #include "attributes/contact.hpp"
-#include "parts/contact_stiffness.hpp"
+#include "parts/option.hpp"
 
 namespace hexaplast::parts {
 namespace {
 
 constexpr double kMaxDistance = 0.5;  // of contact, in edges
 
-void check(const TissueContactOptions& options) {
-  OptionRanges ranges(attributes::kTissueContactForceField);
-  if (options.contact_stiffness) ranges.check("contact_stiffness", *options.contact_stiffness);
-  if (options.tangential_stiffness) ranges.check("tangential_stiffness", *options.tangential_stiffness);
-  ranges.check("friction", options.friction);
-  ranges.check("contact_distance", options.contact_distance);
-  ranges.check("damping", options.damping);
-  ranges.check("max_subdivision", std::span(&options.max_subdivision, 1));
-  ranges.throw_all();
-}
-
 }  // namespace
 
-Tissues::Tissues(TissueContactOptions options, const Body& first, const Body& second) : bodies_{&first, &second} {
+Tissues::Tissues(const ContactOptions& options, const Body& first, const Body& second) : bodies_{&first, &second} {
   set_options(options);
 }
 
-void Tissues::set_options(TissueContactOptions options) {
-  check(options);
-  const double stiffness = options.contact_stiffness.value_or(
-      std::min(default_contact_stiffness(*bodies_[0]), default_contact_stiffness(*bodies_[1])));
-  const ContactSettings settings{.stiffness = stiffness,
-                                 .tangential_stiffness = options.tangential_stiffness.value_or(stiffness),
-                                 .friction = options.friction,
-                                 .distance = options.contact_distance,
-                                 .damping = options.damping,
-                                 .is_active = options.is_active};
+void Tissues::set_options(const ContactOptions& options) {
+  OptionRanges(attributes::kTissueContactForceField, options).throw_all();
+  const ContactSettings settings =
+      options.settings(std::min(default_contact_stiffness(*bodies_[0]), default_contact_stiffness(*bodies_[1])));
   std::optional<TissueContact> other;
   if (!contact_ || options.max_subdivision != options_.max_subdivision) {
     other.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);

@@ -6,30 +6,19 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/contact/tissue_contact.hpp"
-#include "parts/option.hpp"
+#include "parts/contact_options.hpp"
 
 namespace hexaplast::parts {
 
-/// In scenes: TissueContactForceField.
-struct TissueContactOptions {
-  std::optional<double> contact_stiffness = std::nullopt;  ///< [Pa/m] otherwise 30 E / edge length, the softer body's
-  std::optional<double> tangential_stiffness = std::nullopt;  ///< [Pa/m] otherwise contact_stiffness
-  double friction = 0;
-  double contact_distance = 0;  ///< [m]
-  double damping = 0;           ///< [Pa s/m]
-  int max_subdivision = 8;      ///< parts of the edge of a face, at most
-  bool is_active = true;        ///< otherwise nothing touches
-};
-
-/// Two bodies that touch, or one that touches itself.
+/// Two bodies that touch, or one that touches itself. In scenes: TissueContactForceField.
 class Tissues {
  public:
   /// Throws OptionError. The bodies must outlive it; one body twice touches itself.
-  Tissues(TissueContactOptions options, const Body& first, const Body& second);
+  Tissues(const ContactOptions& options, const Body& first, const Body& second);
 
   /// Other options for the same bodies. What sticks goes on sticking, unless max_subdivision is another one. Throws
   /// OptionError.
-  void set_options(TissueContactOptions options);
+  void set_options(const ContactOptions& options);
 
   /// Finds the contacts of a step of dt [s]. rayleigh_stiffness [s]: that of the time integrator, which does not act on
   /// contact.
@@ -58,7 +47,7 @@ class Tissues {
 
   std::array<const Body*, 2> bodies_;
   std::array<std::size_t, 2> num_removed_ = {};
-  TissueContactOptions options_;
+  ContactOptions options_;
   std::optional<TissueContact> contact_;
   double rayleigh_stiffness_ = 0;
 };

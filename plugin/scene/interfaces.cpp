@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
 
@@ -16,6 +17,12 @@ constexpr int kMaxEngines = 100;
 thread_local int num_asking = 0;
 
 }  // namespace
+
+double MassMatrix::kinetic_energy(ConstPoints v) const {
+  PointArray momentum = PointArray::Zero(v.rows(), 3);
+  add_product(1, v, momentum);
+  return dot(v, momentum) / 2;
+}
 
 const std::vector<Quad>& Topology::quads() {
   static const std::vector<Quad> none;

@@ -100,7 +100,7 @@ class MassMatrix {
   virtual void add_gravity(const Vec3& gravity, Points f) const = 0;             ///< f += M g [N]
   virtual void add_product(double factor, ConstPoints dx, Points df) const = 0;  ///< df += factor M dx
   virtual void add_blocks(double factor, BlockMatrix& A) const = 0;              ///< A += factor M
-  virtual double kinetic_energy(ConstPoints v) const = 0;                        ///< v.M v / 2 [J]
+  virtual double kinetic_energy(ConstPoints v) const;                            ///< v.M v / 2 [J]
 
   /// diagonal += diagonal of factor M, for a mass that has no other entries; false for the others.
   virtual bool add_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }

@@ -5,12 +5,19 @@
 #include "base/require.hpp"
 
 namespace hexaplast {
-
 namespace {
 
 double number(Eigen::Index node, int axis) { return 0.5 + irregular_number(3 * node + axis); }
 
 }  // namespace
+
+void SolveReport::add(const SolveReport& again) {
+  iterations += again.iterations;
+  residual = again.residual;
+  converged = again.converged;
+  if (again.preconditioner == PreconditionedBy::kDiagonal && again.iterations > 0)
+    preconditioner = again.preconditioner;  // a cycle has given way to it
+}
 
 PointArray irregular_numbers(int num_nodes) {
   PointArray numbers(num_nodes, 3);

@@ -25,6 +25,11 @@ Eigen::Map<PointArray> field_of(Eigen::MatrixXd& columns, int column) {
 
 }  // namespace
 
+void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const double> lambda, Points f) {
+  for (std::size_t j = 0; j < rows.size(); ++j)
+    for (const auto& [node, direction] : rows[j]) f.row(node) += lambda[j] * direction.transpose();
+}
+
 Compliance::Compliance(Preconditioner preconditioner, double energy_error)
     : preconditioner_(preconditioner), energy_error_(energy_error) {}
 

@@ -44,25 +44,20 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
       first_order ? OperatorFactors{.mass = 1, .damping = 0, .stiffness = -ah}
                   : OperatorFactors{.mass = 1 + ah * rM, .damping = -ah, .stiffness = -ah * (ah + rK)};
   const ConstrainedOperator A(system, factors);
-  SolveReport report = solver.solve_next(A, right_hand_side_, velocity_, memory_);
-  for (int k = 0; k < kMaxReleases; ++k) {
-    released_.setZero(x.rows(), 3);
-    released_product_.setZero(x.rows(), 3);
-    end_velocity_ = velocity_;
-    if (!first_order) end_velocity_ += v;
-    end_ = x + h * end_velocity_;
-    if (!system.release(time, x, v, end_, end_velocity_, released_, released_product_)) break;
-    if (measures_energy_) force_ += released_;
-    if (!first_order) released_ = h * (released_ + (ah + rK) * released_product_);
-    system.project(released_);
-    right_hand_side_ += released_;
-    const SolveReport again = solver.solve_from_guess(A, right_hand_side_, velocity_);
-    report.iterations += again.iterations;
-    report.residual = again.residual;
-    report.converged = again.converged;
-    if (again.preconditioner == PreconditionedBy::kDiagonal && again.iterations > 0)
-      report.preconditioner = again.preconditioner;  // a cycle has given way to it
-  }
+  const SolveReport report =
+      solve(solver, A, right_hand_side_, velocity_, memory_, [&](const PointArray& dv, PointArray& b) {
+        released_.setZero(x.rows(), 3);
+        released_product_.setZero(x.rows(), 3);
+        end_velocity_ = dv;
+        if (!first_order) end_velocity_ += v;
+        end_ = x + h * end_velocity_;
+        if (!system.release(time, x, v, end_, end_velocity_, released_, released_product_)) return false;
+        if (measures_energy_) force_ += released_;
+        add_released(
+            first_order ? 1 : h, first_order ? 0 : ah + rK, released_, released_product_,
+            [&](Points field) { system.project(field); }, b);
+        return true;
+      });
 
   if (!first_order) velocity_ += v;  //                                                                        eq. 42
   require_finite(velocity_, "velocity");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Tetrahedra and triangles of SOFA. Where SOFA takes them: scene/sofa_trajectories_test.cpp.
+// Tetrahedra and triangles of SOFA. Where SOFA takes them: components/sofa_trajectories_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -14,6 +14,7 @@
 #include "attributes/contact.hpp"
 #include "attributes/hexaplast.hpp"
 #include "attributes/shapes.hpp"
+#include "attributes/words.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "support/sofa_adapter.hpp"
@@ -65,7 +66,7 @@ TEST(SofaPlugin, SaysWhoItIsAndTakesThreadsFromTheEnvironment) {
   set_num_threads(threads);
 }
 
-TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
+TEST(SofaPlugin, HasADataWithTheDefaultAndTheAliasesOfEveryAttributeOfTheTable) {
   const std::set<std::string_view> of_sofa{"rayleighStiffness", "position", "hexahedra", "quads", "edges"};
   int num_defaults = 0;
   for (const attributes::Description* each :
@@ -86,6 +87,8 @@ TEST(SofaPlugin, HasADataWithTheDefaultForEveryAttributeOfTheTable) {
         EXPECT_EQ(data->getGroup() == "Outputs", is_output) << attribute.name;
         EXPECT_TRUE(data->getHelp().starts_with(attribute.help)) << attribute.name << ": " << data->getHelp();
         EXPECT_NE(data->getHelp().find(attribute.unit), std::string::npos) << attribute.name;
+        for (const std::string_view alias : attributes::split_words(attribute.aliases))
+          EXPECT_EQ(component->findData(std::string(alias)), data) << each->class_name << "." << alias;
       }
       std::istringstream expected{std::string(attribute.initial)}, found(data->getValueString());
       for (std::string word, other; expected >> word; ++num_defaults) {

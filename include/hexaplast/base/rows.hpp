@@ -25,6 +25,8 @@ struct Range {
   constexpr bool contains(double value) const {
     return (exclusive_min ? value > min : value >= min) && (exclusive_max ? value < max : value <= max);
   }
+
+  bool operator==(const Range&) const = default;
 };
 
 /// By which of its two names a message calls a member.

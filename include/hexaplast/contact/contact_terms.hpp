@@ -56,10 +56,16 @@ struct ContactTerm {
     weights[num_nodes++] = weight;
   }
 
+  /// Of the first body alone: where the contact is.
+  Vec3 place_on_first(ConstPoints x) const {
+    Vec3 sum = Vec3::Zero();
+    for (int a = 0; a < num_first; ++a) sum += weights[a] * x.row(nodes[a]).transpose();
+    return sum;
+  }
+
   /// r, dr/dt or a change of r.
   Vec3 at(const OfTwo<ConstPoints>& field) const {
-    Vec3 sum = Vec3::Zero();
-    for (int a = 0; a < num_first; ++a) sum += weights[a] * field.first.row(nodes[a]).transpose();
+    Vec3 sum = place_on_first(field.first);
     for (int a = num_first; a < num_nodes; ++a) sum += weights[a] * field.second.row(nodes[a]).transpose();
     return sum;
   }

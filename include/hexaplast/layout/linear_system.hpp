@@ -196,6 +196,9 @@ struct SolveReport {
   double residual = 0;    ///< |b - A x| / |b| as the solver knows it (0 for a direct solver)
   bool converged = true;  ///< false: stopped before the tolerance, by the iteration limit or because A is singular
   PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< that was used
+
+  /// A further solve of the same system, from its solution.
+  void add(const SolveReport& again);
 };
 
 /// What multigrid has estimated of a system, and serves the next ones of a sequence, whose spectra are nearly the same.

@@ -13,6 +13,9 @@ namespace hexaplast {
 /// A row of a constraint's Jacobian: directions at nodes.
 using ConstraintRow = std::vector<std::pair<int, Vec3>>;
 
+/// f += J^T lambda, for nodes that f has.
+void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const double> lambda, Points f);
+
 /// What constraints feel of a system: W = J A^-1 J^T, for rows of J that are few against the nodes.
 ///
 /// Each row of J is a right-hand side b_i. Approximate solutions X, with the residuals R = B - A X, span a space. W is

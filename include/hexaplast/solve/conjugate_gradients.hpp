@@ -53,9 +53,9 @@ class SolverPreconditionedConjugateGradients final : public LinearSolver {
 };
 
 enum class Preconditioner {
-  kDiagonal,   ///< Jacobi
+  kAuto,       ///< multigrid where it pays: stiff systems, of which one step couples many elements
   kMultigrid,  ///< a V-cycle over coarser meshes; the diagonal where the system has none
-  kAuto        ///< multigrid where it pays: stiff systems, of which one step couples many elements
+  kDiagonal    ///< Jacobi
 };
 
 /// What `prepare` says of a system.

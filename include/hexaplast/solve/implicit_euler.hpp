@@ -91,6 +91,25 @@ class ImplicitEuler {
   /// InputError where x or v has not one row per node of the system; x and v are then as before.
   SolveReport step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x, Points v);
 
+  /// A dv = b of a step, and again while `release(dv, b)` has let go of what would pull at the end of the step that dv
+  /// leads to, and has added to b what that changes.
+  template <class Release>
+  static SolveReport solve(LinearSolver& solver, const LinearSystem& A, PointArray& b, PointArray& dv,
+                           SolverMemory& memory, const Release& release) {
+    SolveReport report = solver.solve_next(A, b, dv, memory);
+    for (int k = 0; k < kMaxReleases && release(dv, b); ++k) report.add(solver.solve_from_guess(A, b, dv));
+    return report;
+  }
+
+  /// b += h (f + (a h + rK) K v), projected, for a change of f and one of K v; `force` is changed too.
+  template <class Project>
+  static void add_released(double h, double of_product, PointArray& force, const PointArray& product,
+                           const Project& project, PointArray& b) {
+    force = h * (force + of_product * product);
+    project(force);
+    b += force;
+  }
+
   /// What the steps so far have left for the linear solver of the next one. It belongs to x and v: whoever puts others
   /// in their place, as after a step that has thrown, puts theirs here or resets it.
   SolverMemory& memory() { return memory_; }

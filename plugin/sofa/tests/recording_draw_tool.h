@@ -24,7 +24,6 @@ public:
     std::vector<RGBAColor> colours;  ///< of the corners
     std::vector<Vec3> ends;          ///< [m] of lines, two after two
     std::vector<Vec3> points;        ///< [m]
-    std::vector<float> radii;        ///< [m] of spheres, capsules and cylinders
     int num_others = 0;              ///< calls that draw or change something else
     int num_open_states = 0;         ///< saved and not restored
     bool is_lit = false, is_wireframe = false;
@@ -73,8 +72,8 @@ public:
     void drawFakeSpheres(Points, float, Colour) override { ++num_others; }
     void drawCone(Place, Place, float, float, Colour, int) override { ++num_others; }
     void drawCube(const float&, Colour, const int&) override { ++num_others; }
-    void drawCylinder(Place, Place, float radius, Colour, int) override { radii.push_back(radius); }
-    void drawCapsule(Place, Place, float radius, Colour, int) override { radii.push_back(radius); }
+    void drawCylinder(Place, Place, float, Colour, int) override { ++num_others; }
+    void drawCapsule(Place, Place, float, Colour, int) override { ++num_others; }
     void drawArrow(Place, Place, float, Colour, int) override { ++num_others; }
     void drawArrow(Place, Place, float, float, Colour, int) override { ++num_others; }
     void drawArrow(Place, Place, float, float, float, Colour, int) override { ++num_others; }
@@ -103,7 +102,7 @@ public:
     void drawHexahedra(Points, Colour) override { ++num_others; }
     void drawScaledHexahedra(Points, Colour, float) override { ++num_others; }
     void drawSphere(Place, float) override { ++num_others; }
-    void drawSphere(Place, float radius, Colour) override { radii.push_back(radius); }
+    void drawSphere(Place, float, Colour) override { ++num_others; }
     void drawEllipsoid(Place, Place) override { ++num_others; }
     void drawBoundingBox(Place, Place, float) override { ++num_others; }
     void draw3DText(Place, float, Colour, const char*) override { ++num_others; }

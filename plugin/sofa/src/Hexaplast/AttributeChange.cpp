@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "attributes/parts.hpp"
 #include "parts/attribute_change.hpp"
 #include "parts/key_times.hpp"
 
@@ -40,15 +39,6 @@ std::function<void()> keep(sofa::core::BaseData& data)
 }
 
 }  // namespace
-
-AttributeChange::AttributeChange()
-    : d_attribute(from_table(*this, d_attribute, row(attributes::kAttributeChange, "attribute"))),
-      d_keyTimes(from_table(*this, d_keyTimes, row(attributes::kAttributeChange, "keyTimes"))),
-      d_values(from_table(*this, d_values, row(attributes::kAttributeChange, "values"))),
-      l_component(initLink("component", row(attributes::kAttributeChange, "component").help.data()))
-{
-    f_listening.setValue(true);
-}
 
 void AttributeChange::bwdInit()
 {

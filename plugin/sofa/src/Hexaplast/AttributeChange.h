@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "attributes/parts.hpp"
+
 namespace hexaplast::sofa_plugin
 {
 
@@ -21,20 +23,22 @@ class HEXAPLAST_SOFA_API AttributeChange final : public sofa::core::objectmodel:
 public:
     SOFA_CLASS(AttributeChange, sofa::core::objectmodel::BaseObject);
 
-    Data<std::string> d_attribute;               ///< name of the Data
-    Data<sofa::type::vector<SReal>> d_keyTimes;  ///< [s] of the changes
-    Data<std::string> d_values;                  ///< separated by semicolons
+    Data<std::string> d_attribute{from_table(*this, d_attribute, row(attributes::kAttributeChange, "attribute"))};
+    Data<sofa::type::vector<SReal>> d_keyTimes{
+        from_table(*this, d_keyTimes, row(attributes::kAttributeChange, "keyTimes"))};
+    Data<std::string> d_values{from_table(*this, d_values, row(attributes::kAttributeChange, "values"))};
     sofa::core::objectmodel::SingleLink<AttributeChange, sofa::core::objectmodel::BaseObject,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_component;  ///< that has the Data
+        l_component{
+            initLink("component", row(attributes::kAttributeChange, "component").help.data())};  ///< that has the Data
 
     void bwdInit() override;
     void reset() override;
     void handleEvent(sofa::core::objectmodel::Event* event) override;
 
 protected:
-    AttributeChange();
+    AttributeChange() { f_listening.setValue(true); }
 
 private:
     void put(const std::optional<std::string>& value);

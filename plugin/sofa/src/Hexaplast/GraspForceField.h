@@ -3,12 +3,14 @@
 
 #include <Hexaplast/PartForceField.h>
 
+#include "attributes/parts.hpp"
 #include "parts/grasp.hpp"
 
 namespace hexaplast::sofa_plugin
 {
 
-/// An instrument that takes hold of the nodes around it, moves along a path and lets go.
+/// An instrument that takes hold of the nodes around it, moves along a path and lets go. Data:
+/// plugin/attributes/parts.hpp.
 template <class TDataTypes>
 class GraspForceField : public PartForceField<TDataTypes>
 {
@@ -16,18 +18,18 @@ public:
     SOFA_CLASS(SOFA_TEMPLATE(GraspForceField, TDataTypes), SOFA_TEMPLATE(PartForceField, TDataTypes));
     using Inherit = PartForceField<TDataTypes>;
 
-    Data<sofa::type::vector<SReal>> d_keyTimes;              ///< [s] of the tool's path
-    Data<sofa::type::vector<sofa::type::Vec3>> d_positions;  ///< [m] of the tool at each key time
-    Data<SReal> d_graspTime;                                 ///< [s] when the grip closes
-    Data<SReal> d_releaseTime;                               ///< [s] when it opens; never, where not set
-    Data<SReal> d_radius;                                    ///< [m] within which it takes nodes
-    Data<sofa::type::vector<sofa::Index>> d_indices;         ///< nodes that can be held; all, where not set
-    Data<SReal> d_stiffness;                                 ///< [N/m] of the grip as a whole
-    Data<SReal> d_maxForce;                                  ///< [N] of the grip as a whole; no limit, where not set
-    Data<SReal> d_damping;                                   ///< [N s/m] of the grip as a whole
-    Data<sofa::type::vector<sofa::Index>> d_grasped;         ///< output: nodes that it holds
-    Data<sofa::type::Vec3> d_force;                          ///< output [N]: what the tool exerted
-    Data<sofa::type::Vec3> d_torque;                         ///< output [N m]: its moment about the tool
+    Data<sofa::type::vector<SReal>> d_keyTimes{this->fromTable(d_keyTimes, "keyTimes", "Path")};
+    Data<sofa::type::vector<sofa::type::Vec3>> d_positions{this->fromTable(d_positions, "positions", "Path")};
+    Data<SReal> d_graspTime{this->fromTable(d_graspTime, "graspTime", "Path")};
+    Data<SReal> d_releaseTime{this->fromTable(d_releaseTime, "releaseTime", "Path")};
+    Data<SReal> d_radius{this->fromTable(d_radius, "radius", "Grip")};
+    Data<sofa::type::vector<sofa::Index>> d_indices{this->fromTable(d_indices, "indices", "Grip")};
+    Data<SReal> d_stiffness{this->fromTable(d_stiffness, "stiffness", "Grip")};
+    Data<SReal> d_maxForce{this->fromTable(d_maxForce, "maxForce", "Grip")};
+    Data<SReal> d_damping{this->fromTable(d_damping, "damping", "Grip")};
+    Data<sofa::type::vector<sofa::Index>> d_grasped{this->fromTable(d_grasped, "grasped")};
+    Data<sofa::type::Vec3> d_force{this->fromTable(d_force, "force")};
+    Data<sofa::type::Vec3> d_torque{this->fromTable(d_torque, "torque")};
 
     bool hasPart() const override { return m_grasp.has_value(); }
     bool isInMatrix() const override { return m_grasp->is_closed(); }
@@ -41,7 +43,7 @@ public:
     }
 
 protected:
-    GraspForceField();
+    GraspForceField() : Inherit(attributes::kGraspForceField) {}
 
     void makePart() override;
     void updatePart() override;
@@ -57,7 +59,6 @@ protected:
     std::optional<double> energy(SReal time, ConstPoints x) const override { return m_grasp->energy(time, x); }
 
 private:
-    parts::GraspOptions options() const;
     void showOutputs();
 
     std::optional<parts::Grasp> m_grasp;

@@ -5,55 +5,20 @@
 
 #include <Hexaplast/PartForceField.inl>
 
-#include "attributes/parts.hpp"
-
 namespace hexaplast::sofa_plugin
 {
-
-template <class TDataTypes>
-GraspForceField<TDataTypes>::GraspForceField()
-    : Inherit(attributes::kGraspForceField),
-      d_keyTimes(from_table(*this, d_keyTimes, row(attributes::kGraspForceField, "keyTimes"), "Path")),
-      d_positions(from_table(*this, d_positions, row(attributes::kGraspForceField, "positions"), "Path")),
-      d_graspTime(from_table(*this, d_graspTime, row(attributes::kGraspForceField, "graspTime"), "Path")),
-      d_releaseTime(from_table(*this, d_releaseTime, row(attributes::kGraspForceField, "releaseTime"), "Path")),
-      d_radius(from_table(*this, d_radius, row(attributes::kGraspForceField, "radius"), "Grip")),
-      d_indices(from_table(*this, d_indices, row(attributes::kGraspForceField, "indices"), "Grip")),
-      d_stiffness(from_table(*this, d_stiffness, row(attributes::kGraspForceField, "stiffness"), "Grip")),
-      d_maxForce(from_table(*this, d_maxForce, row(attributes::kGraspForceField, "maxForce"), "Grip")),
-      d_damping(from_table(*this, d_damping, row(attributes::kGraspForceField, "damping"), "Grip")),
-      d_grasped(from_table(*this, d_grasped, row(attributes::kGraspForceField, "grasped"))),
-      d_force(from_table(*this, d_force, row(attributes::kGraspForceField, "force"))),
-      d_torque(from_table(*this, d_torque, row(attributes::kGraspForceField, "torque")))
-{
-}
-
-template <class TDataTypes>
-parts::GraspOptions GraspForceField<TDataTypes>::options() const
-{
-    parts::GraspOptions options{.key_times = reals(d_keyTimes.getValue()),
-                                .positions = view(d_positions.getValue()),
-                                .grasp_time = d_graspTime.getValue(),
-                                .release_time = if_set(d_releaseTime),
-                                .radius = if_set(d_radius),
-                                .stiffness = d_stiffness.getValue(),
-                                .max_force = if_set(d_maxForce),
-                                .damping = d_damping.getValue()};
-    if (d_indices.isSet()) options.indices = whole_numbers(d_indices.getValue());
-    return options;
-}
 
 template <class TDataTypes>
 void GraspForceField<TDataTypes>::makePart()
 {
     m_grasp.reset();
-    m_grasp.emplace(options(), this->numNodes());
+    m_grasp.emplace(this->template readOptions<parts::GraspOptions>(), this->numNodes());
 }
 
 template <class TDataTypes>
 void GraspForceField<TDataTypes>::updatePart()
 {
-    m_grasp->set_options(options());
+    m_grasp->set_options(this->template readOptions<parts::GraspOptions>());
 }
 
 template <class TDataTypes>

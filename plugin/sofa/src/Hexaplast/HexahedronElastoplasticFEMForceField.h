@@ -25,49 +25,51 @@ public:
     using Inherit = PartForceField<TDataTypes>;
     using VecReal = sofa::type::vector<SReal>;
 
-    Data<VecReal> d_youngModulus;      ///< [Pa] one, or one per hexahedron
-    Data<VecReal> d_poissonRatio;      ///< one, or one per hexahedron
-    DataWord d_law;                    ///< how stress follows from stretch
-    Data<SReal> d_mooneyFraction;      ///< of the second constant of mooneyRivlin
-    Data<VecReal> d_yieldStress;       ///< [Pa] one, or one per hexahedron; it never yields where not set
-    DataWord d_yieldNorm;              ///< norm of the stress that is compared with yieldStress
-    Data<SReal> d_plasticFlowRate;     ///< [1/s] of stretch in excess of yield
-    Data<SReal> d_rotationYield;       ///< [rad] at which rotation begins to flow
-    Data<SReal> d_rotationFlowRate;    ///< [1/s] of rotation in excess of rotationYield
-    DataWord d_rotationPlasticity;     ///< how rotation becomes permanent
-    DataWord d_rotationFrame;          ///< what rotations are measured against
-    Data<SReal> d_hardening;           ///< growth of the yield limits with the flow
-    Data<SReal> d_volumeRestitution;   ///< [1/s] at which volume is restored
-    Data<SReal> d_inversionThreshold;  ///< fraction of its volume below which a hexahedron does not flow
-    Data<SReal> d_fractureStress;      ///< [Pa] it does not tear by stress where not set
-    Data<SReal> d_fractureStretch;     ///< it does not tear by stretch where not set
-    DataWord d_bending;                ///< strain of the samples
-    Data<SReal> d_blendWeight;         ///< of the corner in samples of blended
-    DataWord d_volumetric;             ///< what resists a change of volume
-    DataWord d_recovery;               ///< what unfolds folded hexahedra
-    Data<SReal> d_recoveryStrength;    ///< of its springs
-    Data<SReal> d_recoveryFrom;        ///< volume ratio at a corner where they begin
-    Data<SReal> d_recoveryFull;        ///< and where they have their full strength
-    DataWord d_averaging;              ///< how rest shapes become one
-    Data<int> d_averagingSteps;        ///< per time step
-    Data<SReal> d_averagingTolerance;  ///< on the relative residual of an averaging step
-    DataWord d_precision;              ///< of stiffness products
+    Data<VecReal> d_youngModulus{fromRow(d_youngModulus, "youngModulus")};
+    Data<VecReal> d_poissonRatio{fromRow(d_poissonRatio, "poissonRatio")};
+    DataWord d_law{fromRow(d_law, "law")};
+    Data<SReal> d_mooneyFraction{fromRow(d_mooneyFraction, "mooneyFraction")};
+    Data<VecReal> d_yieldStress{fromRow(d_yieldStress, "yieldStress")};
+    DataWord d_yieldNorm{fromRow(d_yieldNorm, "yieldNorm")};
+    Data<SReal> d_plasticFlowRate{fromRow(d_plasticFlowRate, "plasticFlowRate")};
+    Data<SReal> d_rotationYield{fromRow(d_rotationYield, "rotationYield")};
+    Data<SReal> d_rotationFlowRate{fromRow(d_rotationFlowRate, "rotationFlowRate")};
+    DataWord d_rotationPlasticity{fromRow(d_rotationPlasticity, "rotationPlasticity")};
+    DataWord d_rotationFrame{fromRow(d_rotationFrame, "rotationFrame")};
+    Data<SReal> d_hardening{fromRow(d_hardening, "hardening")};
+    Data<SReal> d_volumeRestitution{fromRow(d_volumeRestitution, "volumeRestitution")};
+    Data<SReal> d_inversionThreshold{fromRow(d_inversionThreshold, "inversionThreshold")};
+    Data<SReal> d_fractureStress{fromRow(d_fractureStress, "fractureStress")};
+    Data<SReal> d_fractureStretch{fromRow(d_fractureStretch, "fractureStretch")};
+    DataWord d_bending{fromRow(d_bending, "bending")};
+    Data<SReal> d_blendWeight{fromRow(d_blendWeight, "blendWeight")};
+    DataWord d_volumetric{fromRow(d_volumetric, "volumetric")};
+    DataWord d_recovery{fromRow(d_recovery, "recovery")};
+    Data<SReal> d_recoveryStrength{fromRow(d_recoveryStrength, "recoveryStrength")};
+    Data<SReal> d_recoveryFrom{fromRow(d_recoveryFrom, "recoveryFrom")};
+    Data<SReal> d_recoveryFull{fromRow(d_recoveryFull, "recoveryFull")};
+    DataWord d_averaging{fromRow(d_averaging, "averaging")};
+    Data<int> d_averagingSteps{fromRow(d_averagingSteps, "averagingSteps")};
+    Data<SReal> d_averagingTolerance{fromRow(d_averagingTolerance, "averagingTolerance")};
+    DataWord d_precision{fromRow(d_precision, "precision")};
 
-    Data<VecReal> d_plasticStrain;                                      ///< output, of each hexahedron
-    Data<VecReal> d_presentYieldStress;                                 ///< output [Pa], of each hexahedron
-    Data<VecReal> d_volumeRatio;                                        ///< output, of each hexahedron
-    Data<VecReal> d_volume;                                             ///< output, of each hexahedron [m^3]
-    Data<VecReal> d_plasticVolume;                                      ///< output, of each hexahedron [m^3]
-    Data<sofa::type::vector<sofa::type::Vec3>> d_plasticRestPositions;  ///< output [m]: of the nodes
-    Data<sofa::type::vector<sofa::Index>> d_removed;                    ///< output: hexahedra that are gone
+    Data<VecReal> d_plasticStrain{fromRow(d_plasticStrain, "plasticStrain")};
+    Data<VecReal> d_presentYieldStress{fromRow(d_presentYieldStress, "presentYieldStress")};
+    Data<VecReal> d_volumeRatio{fromRow(d_volumeRatio, "volumeRatio")};
+    Data<VecReal> d_volume{fromRow(d_volume, "volume")};
+    Data<VecReal> d_plasticVolume{fromRow(d_plasticVolume, "plasticVolume")};
+    Data<sofa::type::vector<sofa::type::Vec3>> d_plasticRestPositions{
+        fromRow(d_plasticRestPositions, "plasticRestPositions")};
+    Data<sofa::type::vector<sofa::Index>> d_removed{fromRow(d_removed, "removed")};
 
-    Data<bool> d_drawPlasticRestShape;  ///< draws the edges of the shape without forces
+    Data<bool> d_drawPlasticRestShape{
+        this->initData(&d_drawPlasticRestShape, false, "drawPlasticRestShape",
+                       "Draws the edges of the plastic rest shape, which the body has without load.")};
     sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_topology;  ///< the hexahedra
+        l_topology{this->initLink("topology", "The hexahedra; the topology of the node where it is not given.")};
 
-    void init() override;
     void bwdInit() override;
     void draw(const sofa::core::visual::VisualParams* vparams) override;
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
@@ -86,6 +88,7 @@ public:
 protected:
     HexahedronElastoplasticFEMForceField();
 
+    void initPart() override;
     void makePart() override;
     void updatePart() override;
     bool othersHaveChanged() override;
@@ -98,7 +101,10 @@ protected:
 
 private:
     template <class T>
-    auto fromRow(Data<T>& data, std::string_view name);
+    typename Data<T>::InitData fromRow(Data<T>& data, std::string_view name)
+    {
+        return this->fromTable(data, name, group_of(name).c_str());
+    }
 
     /// Throws InputError where a region cannot be.
     parts::HexahedralBodyOptions options(const std::vector<Hexahedron>& hexahedra) const;

@@ -20,69 +20,11 @@
 namespace hexaplast::sofa_plugin
 {
 
-/// The group of a member of Material or Settings; that of none is empty.
-inline std::string group_of(std::string_view name)
-{
-    if (const auto* row = find_row(material_rows(), name, Names::kScenes)) return std::string(row->group);
-    if (const auto* row = find_row(settings_rows(), name, Names::kScenes)) return std::string(row->group);
-    return {};
-}
-
-template <class TDataTypes>
-template <class T>
-auto HexahedronElastoplasticFEMForceField<TDataTypes>::fromRow(Data<T>& data, std::string_view name)
-{
-    return from_table(*this, data, attributes::attribute_of(attributes::kHexahedronElastoplasticFEMForceField, name),
-                      group_of(name).c_str());
-}
-
 template <class TDataTypes>
 HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForceField()
-    : Inherit(attributes::kHexahedronElastoplasticFEMForceField),
-      d_youngModulus(fromRow(d_youngModulus, "youngModulus")),
-      d_poissonRatio(fromRow(d_poissonRatio, "poissonRatio")),
-      d_law(fromRow(d_law, "law")),
-      d_mooneyFraction(fromRow(d_mooneyFraction, "mooneyFraction")),
-      d_yieldStress(fromRow(d_yieldStress, "yieldStress")),
-      d_yieldNorm(fromRow(d_yieldNorm, "yieldNorm")),
-      d_plasticFlowRate(fromRow(d_plasticFlowRate, "plasticFlowRate")),
-      d_rotationYield(fromRow(d_rotationYield, "rotationYield")),
-      d_rotationFlowRate(fromRow(d_rotationFlowRate, "rotationFlowRate")),
-      d_rotationPlasticity(fromRow(d_rotationPlasticity, "rotationPlasticity")),
-      d_rotationFrame(fromRow(d_rotationFrame, "rotationFrame")),
-      d_hardening(fromRow(d_hardening, "hardening")),
-      d_volumeRestitution(fromRow(d_volumeRestitution, "volumeRestitution")),
-      d_inversionThreshold(fromRow(d_inversionThreshold, "inversionThreshold")),
-      d_fractureStress(fromRow(d_fractureStress, "fractureStress")),
-      d_fractureStretch(fromRow(d_fractureStretch, "fractureStretch")),
-      d_bending(fromRow(d_bending, "bending")),
-      d_blendWeight(fromRow(d_blendWeight, "blendWeight")),
-      d_volumetric(fromRow(d_volumetric, "volumetric")),
-      d_recovery(fromRow(d_recovery, "recovery")),
-      d_recoveryStrength(fromRow(d_recoveryStrength, "recoveryStrength")),
-      d_recoveryFrom(fromRow(d_recoveryFrom, "recoveryFrom")),
-      d_recoveryFull(fromRow(d_recoveryFull, "recoveryFull")),
-      d_averaging(fromRow(d_averaging, "averaging")),
-      d_averagingSteps(fromRow(d_averagingSteps, "averagingSteps")),
-      d_averagingTolerance(fromRow(d_averagingTolerance, "averagingTolerance")),
-      d_precision(fromRow(d_precision, "precision")),
-      d_plasticStrain(fromRow(d_plasticStrain, "plasticStrain")),
-      d_presentYieldStress(fromRow(d_presentYieldStress, "presentYieldStress")),
-      d_volumeRatio(fromRow(d_volumeRatio, "volumeRatio")),
-      d_volume(fromRow(d_volume, "volume")),
-      d_plasticVolume(fromRow(d_plasticVolume, "plasticVolume")),
-      d_plasticRestPositions(fromRow(d_plasticRestPositions, "plasticRestPositions")),
-      d_removed(fromRow(d_removed, "removed")),
-      d_drawPlasticRestShape(
-          this->initData(&d_drawPlasticRestShape, false, "drawPlasticRestShape",
-                         "Draws the edges of the plastic rest shape, which the body has without load.")),
-      l_topology(this->initLink("topology", "The hexahedra; the topology of the node where it is not given."))
+    : Inherit(attributes::kHexahedronElastoplasticFEMForceField)
 {
-    this->addAlias(&d_bending, "gradient");  // the older names
-    this->addAlias(&d_blendWeight, "blendShare");
-    this->addAlias(&d_mooneyFraction, "mooneyShare");
-    this->addAlias(&d_plasticRestPositions, "materialPositions");
-    this->addAlias(&d_drawPlasticRestShape, "drawMaterialShape");
+    this->addAlias(&d_drawPlasticRestShape, "drawMaterialShape");  // the older name
     m_outputs.addOutput(&d_plasticStrain);
     m_outputs.addOutput(&d_presentYieldStress);
     m_outputs.addOutput(&d_volumeRatio);
@@ -93,7 +35,7 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
 }
 
 template <class TDataTypes>
-void HexahedronElastoplasticFEMForceField<TDataTypes>::init()
+void HexahedronElastoplasticFEMForceField<TDataTypes>::initPart()
 {
     if (!l_topology) l_topology.set(this->getContext()->getMeshTopologyLink());
     if (!l_topology)
@@ -102,7 +44,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::init()
         this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
         return;
     }
-    Inherit::init();
+    Inherit::initPart();
     m_outputs.setDirtyValue();
 }
 
@@ -206,7 +148,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
         std::vector<int> gone;
         for (int e = 0; e < static_cast<int>(is_left.size()); ++e)
             if (!is_left[e]) gone.push_back(e);
-        m_body->body().remove(gone);
+        m_body->remove(gone);
     }
     m_outputs.setDirtyValue();
 }
@@ -327,7 +269,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::handleTopologyChange(sofa
                     }
                 }
                 requireTopology();
-                m_body->body().remove(gone);
+                m_body->remove(gone);
                 m_outputs.setDirtyValue();
             });
 }

@@ -2,60 +2,12 @@
 #pragma once
 
 #include <Hexaplast/InstrumentContactForceField.h>
-#include <Hexaplast/contact.h>
 #include <Hexaplast/contact_drawing.h>
 
 #include <Hexaplast/PartForceField.inl>
 
-#include "attributes/contact.hpp"
-
 namespace hexaplast::sofa_plugin
 {
-namespace
-{
-
-constexpr const Description& kContact = attributes::kInstrumentContactForceField;
-
-}  // namespace
-
-template <class TDataTypes>
-InstrumentContactForceField<TDataTypes>::InstrumentContactForceField()
-    : Inherit(kContact),
-      d_shape(from_table(*this, d_shape, row(kContact, "shape"), "Instrument")),
-      d_radius(from_table(*this, d_radius, row(kContact, "radius"), "Instrument")),
-      d_length(from_table(*this, d_length, row(kContact, "length"), "Instrument")),
-      d_size(from_table(*this, d_size, row(kContact, "size"), "Instrument")),
-      d_surfacePositions(from_table(*this, d_surfacePositions, row(kContact, "surfacePositions"), "Instrument")),
-      d_surfaceTriangles(from_table(*this, d_surfaceTriangles, row(kContact, "surfaceTriangles"), "Instrument")),
-      d_embeddedPositions(from_table(*this, d_embeddedPositions, row(kContact, "embeddedPositions"), "Contact")),
-      d_embeddedTriangles(from_table(*this, d_embeddedTriangles, row(kContact, "embeddedTriangles"), "Contact")),
-      d_keyTimes(from_table(*this, d_keyTimes, row(kContact, "keyTimes"), "Path")),
-      d_positions(from_table(*this, d_positions, row(kContact, "positions"), "Path")),
-      d_orientations(from_table(*this, d_orientations, row(kContact, "orientations"), "Path")),
-      d_contactStiffness(from_table(*this, d_contactStiffness, row(kContact, "contactStiffness"), "Contact")),
-      d_tangentialStiffness(from_table(*this, d_tangentialStiffness, row(kContact, "tangentialStiffness"), "Contact")),
-      d_friction(from_table(*this, d_friction, row(kContact, "friction"), "Contact")),
-      d_contactDistance(from_table(*this, d_contactDistance, row(kContact, "contactDistance"), "Contact")),
-      d_damping(from_table(*this, d_damping, row(kContact, "damping"), "Contact")),
-      d_maxSubdivision(from_table(*this, d_maxSubdivision, row(kContact, "maxSubdivision"), "Contact")),
-      d_active(from_table(*this, d_active, row(kContact, "active"), "Contact")),
-      l_rigid(this->initLink("rigid", row(kContact, "rigid").help.data())),
-      d_rigidIndex(from_table(*this, d_rigidIndex, row(kContact, "rigidIndex"), "Path")),
-      d_force(from_table(*this, d_force, row(kContact, "force"))),
-      d_torque(from_table(*this, d_torque, row(kContact, "torque"))),
-      d_depth(from_table(*this, d_depth, row(kContact, "depth"))),
-      d_touching(from_table(*this, d_touching, row(kContact, "touching"))),
-      d_slipping(from_table(*this, d_slipping, row(kContact, "slipping"))),
-      d_drawInstrument(this->initData(&d_drawInstrument, true, "drawInstrument",
-                                      "Draws its shape, where visual models or force fields are shown.")),
-      d_drawForceScale(this->initData(&d_drawForceScale, SReal(0), "drawForceScale",
-                                      "Length of a force that is drawn [m/N]. 0: the greatest one has a tenth of the "
-                                      "size of the body."))
-{
-    this->addAlias(&d_embeddedPositions, "skinPositions");  // the older names
-    this->addAlias(&d_embeddedTriangles, "skinTriangles");
-}
-
 // Bodies and integrators may stand behind it: it is made when all of them have had their init.
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::init()
@@ -66,22 +18,7 @@ void InstrumentContactForceField<TDataTypes>::init()
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::bwdInit()
 {
-    Inherit::init();
-}
-
-template <class TDataTypes>
-void InstrumentContactForceField<TDataTypes>::reinit()
-{
-    if (hasPart())
-        Inherit::reinit();
-    else
-        Inherit::init();
-}
-
-template <class TDataTypes>
-void InstrumentContactForceField<TDataTypes>::checkRayleighStiffness() const
-{
-    require_own_rayleigh_stiffness(this->rayleighStiffness.getValue(), m_ownRayleighStiffness);
+    this->initPart();
 }
 
 template <class TDataTypes>
@@ -120,6 +57,7 @@ void InstrumentContactForceField<TDataTypes>::makePart()
     checkRigid();
     m_bodyMade = m_bodyField->timesMade();
     m_instrument.emplace(options(), *m_bodyField->body());
+    m_instrument->look_at_start(pose(), view(this->mstate->readPositions().ref()));
     pass_on(*this, m_instrument->take_warnings());
 }
 
@@ -140,28 +78,8 @@ bool InstrumentContactForceField<TDataTypes>::othersHaveChanged()
 template <class TDataTypes>
 parts::InstrumentOptions InstrumentContactForceField<TDataTypes>::options() const
 {
-    const std::string given = d_shape.given();
-    const auto* shape = std::find(parts::kInstrumentShapes.begin(), parts::kInstrumentShapes.end(), given);
-    if (shape == parts::kInstrumentShapes.end()) parts::check_word("shape", parts::kInstrumentShapes, given);
-    parts::InstrumentOptions options{.shape = *shape,
-                                     .radius = if_set(d_radius),
-                                     .length = if_set(d_length),
-                                     .surface_positions = view(d_surfacePositions.getValue()),
-                                     .surface_triangles = triangles(d_surfaceTriangles.getValue()),
-                                     .embedded_positions = view(d_embeddedPositions.getValue()),
-                                     .embedded_triangles = triangles(d_embeddedTriangles.getValue()),
-                                     .is_prescribed = l_rigid.get() != nullptr,
-                                     .key_times = reals(d_keyTimes.getValue()),
-                                     .positions = view(d_positions.getValue()),
-                                     .orientations = reals(d_orientations.getValue()),
-                                     .contact_stiffness = if_set(d_contactStiffness),
-                                     .tangential_stiffness = if_set(d_tangentialStiffness),
-                                     .friction = d_friction.getValue(),
-                                     .contact_distance = d_contactDistance.getValue(),
-                                     .damping = d_damping.getValue(),
-                                     .max_subdivision = d_maxSubdivision.getValue(),
-                                     .is_active = d_active.getValue()};
-    if (d_size.isSet()) options.size = vec3(d_size.getValue());
+    auto options = this->template readOptions<parts::InstrumentOptions>();
+    options.is_prescribed = l_rigid.get() != nullptr;
     return options;
 }
 
@@ -169,33 +87,26 @@ template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::resetPart()
 {
     m_instrument->reset();
-    m_isAccepted = true;
+    this->acceptStep();
     showOutputs();
 }
 
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
 {
-    const SReal ofIntegrator = rayleigh_stiffness_of(implicit_euler_of(*this->getContext()));
+    const SReal ofIntegrator = this->rayleighStiffnessOfIntegrator();
     const auto x = view(this->mstate->readPositions().ref()), v = view(this->mstate->readVelocities().ref());
     if (l_rigid)
         m_instrument->begin_step(poseAfter(0), poseAfter(dt), dt, ofIntegrator, x, v);
     else
         m_instrument->begin_step(time, dt, ofIntegrator, x, v);
-    m_ownRayleighStiffness = m_instrument->rayleigh_stiffness();
-    this->rayleighStiffness.setValue(m_ownRayleighStiffness);
-    m_isAccepted = false;
+    this->openStep(m_instrument->rayleigh_stiffness());
 }
 
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::endStep(SReal)
 {
-    if (isOneSided() && !m_isWarned)
-    {
-        m_isWarned = true;
-        msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
-                             "step are released after it only";
-    }
+    this->closeStep();
     m_instrument->end_step(view(this->mstate->readPositions().ref()), view(this->mstate->readVelocities().ref()));
     showOutputs();
 }
@@ -203,12 +114,8 @@ void InstrumentContactForceField<TDataTypes>::endStep(SReal)
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::showOutputs()
 {
-    const InstrumentContact& contact = m_instrument->contact();
-    d_force.setValue(vec3(contact.force()));
-    d_torque.setValue(vec3(contact.torque()));
-    d_depth.setValue(contact.depth());
-    d_touching.setValue(contact.num_touching());
-    d_slipping.setValue(contact.num_slipping());
+    this->showContact(m_instrument->contact());
+    d_torque.setValue(vec3(m_instrument->contact().torque()));
 }
 
 template <class TDataTypes>
@@ -247,62 +154,15 @@ Pose InstrumentContactForceField<TDataTypes>::pose() const
     return l_rigid ? poseAfter(0) : m_instrument->pose_at(this->getContext()->getTime());
 }
 
-// SOFA gives a cylinder no ends, and the caps of its capsules are those of its spheres: sides and discs here.
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::drawShape(sofa::helper::visual::DrawTool& tool) const
 {
-    constexpr int kSides = 24;
-    const sofa::type::RGBAColor colour(0.75F, 0.78F, 0.82F, 1.F);
-    const Pose at = pose();
-    const auto place = [&](const Vec3& own) { return vec3(at.to_world(own)); };
-    const std::string shape = d_shape.given();
-    const float radius = static_cast<float>(d_radius.getValue());
-    const double half = d_length.getValue() / 2;
-    const sofa::type::Vec3 ends[] = {place({0, 0, -half}), place({0, 0, half})};
+    const parts::InstrumentShape shape = parts::shape_of(options());
+    const PointArray points = shape.at(pose());
     std::vector<sofa::type::Vec3> corners;
-    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c)
-    {
-        for (const Vec3& corner : {a, b, c}) corners.push_back(place(corner));
-    };
-    if (shape == "sphere") tool.drawSphere(place(Vec3::Zero()), radius, colour);
-    if (shape == "capsule") tool.drawCapsule(ends[0], ends[1], radius, colour, kSides);
-    if (shape == "cylinder")
-    {
-        tool.drawCylinder(ends[0], ends[1], radius, colour, kSides);
-        const auto rim = [&](int i, double z)
-        {
-            const double angle = 2 * M_PI * i / kSides;
-            return Vec3(radius * std::cos(angle), radius * std::sin(angle), z);
-        };
-        for (int i = 0; i < kSides; ++i)
-        {
-            add({0, 0, half}, rim(i, half), rim(i + 1, half));
-            add({0, 0, -half}, rim(i + 1, -half), rim(i, -half));
-        }
-    }
-    if (shape == "box")
-    {
-        const Vec3 extent = vec3(d_size.getValue()) / 2;
-        for (int axis = 0; axis < 3; ++axis)
-            for (const double side : {-1.0, 1.0})
-            {
-                const auto corner = [&](double u, double v)
-                {
-                    Vec3 own;
-                    own[axis] = side * extent[axis];
-                    own[(axis + 1) % 3] = u * extent[(axis + 1) % 3];
-                    own[(axis + 2) % 3] = side * v * extent[(axis + 2) % 3];
-                    return own;
-                };
-                add(corner(-1, -1), corner(1, -1), corner(1, 1));
-                add(corner(-1, -1), corner(1, 1), corner(-1, 1));
-            }
-    }
-    if (shape == "surface")
-        for (const auto& triangle : d_surfaceTriangles.getValue())
-            add(vec3(d_surfacePositions.getValue()[triangle[0]]), vec3(d_surfacePositions.getValue()[triangle[1]]),
-                vec3(d_surfacePositions.getValue()[triangle[2]]));
-    if (!corners.empty()) tool.drawTriangles(corners, colour);
+    for (const Triangle& triangle : shape.triangles)
+        for (const int corner : triangle) corners.push_back(vec3(Vec3(points.row(corner))));
+    tool.drawTriangles(corners, sofa::type::RGBAColor(0.75F, 0.78F, 0.82F, 1.F));
 }
 
 template <class TDataTypes>
@@ -318,7 +178,7 @@ void InstrumentContactForceField<TDataTypes>::draw(const sofa::core::visual::Vis
     if (showsShape) drawShape(*tool);
     if (flags.getShowForceFields())
         draw_contacts(*tool, m_instrument->contact().terms(), view(this->mstate->readPositions().ref()),
-                      view(this->mstate->readVelocities().ref()), d_drawForceScale.getValue());
+                      view(this->mstate->readVelocities().ref()), this->d_drawForceScale.getValue());
 }
 
 template <class TDataTypes>

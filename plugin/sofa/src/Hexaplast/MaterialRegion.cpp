@@ -3,39 +3,11 @@
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 
-#include "attributes/hexaplast.hpp"
-
 namespace hexaplast::sofa_plugin
 {
 
 using sofa::core::objectmodel::BaseContext;
 using sofa::core::objectmodel::ComponentState;
-
-template <class T>
-auto MaterialRegion::fromRow(Data<T>& data, std::string_view name)
-{
-    const auto* of_material = find_row(material_rows(), name, Names::kScenes);
-    return from_table(*this, data, attributes::attribute_of(attributes::kMaterialRegion, name),
-                      of_material ? of_material->group.data() : "");
-}
-
-MaterialRegion::MaterialRegion()
-    : d_hexahedra(this->initData(&d_hexahedra, "hexahedra",
-                                 help_of(attributes::attribute_of(attributes::kMaterialRegion, "hexahedra")).c_str())),
-      d_indices(fromRow(d_indices, "indices")),
-      d_youngModulus(fromRow(d_youngModulus, "youngModulus")),
-      d_poissonRatio(fromRow(d_poissonRatio, "poissonRatio")),
-      d_yieldStress(fromRow(d_yieldStress, "yieldStress")),
-      d_plasticFlowRate(fromRow(d_plasticFlowRate, "plasticFlowRate")),
-      d_rotationYield(fromRow(d_rotationYield, "rotationYield")),
-      d_rotationFlowRate(fromRow(d_rotationFlowRate, "rotationFlowRate")),
-      d_hardening(fromRow(d_hardening, "hardening")),
-      d_fractureStress(fromRow(d_fractureStress, "fractureStress")),
-      d_fractureStretch(fromRow(d_fractureStretch, "fractureStretch")),
-      l_body(this->initLink("body", "The body; the one of the node, or the nearest one above, where it is not given.")),
-      m_inputs(*this, attributes::kMaterialRegion)
-{
-}
 
 MaterialRegion::Field* MaterialRegion::body() const
 {

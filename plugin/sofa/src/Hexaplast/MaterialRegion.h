@@ -6,6 +6,7 @@
 #include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/core/objectmodel/Link.h>
 
+#include "attributes/hexaplast.hpp"
 #include "parts/material_region.hpp"
 
 namespace hexaplast::sofa_plugin
@@ -20,21 +21,23 @@ public:
     using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
     using VecReal = sofa::type::vector<SReal>;
 
-    Data<MeshTopology::SeqHexahedra> d_hexahedra;     ///< by their nodes
-    Data<sofa::type::vector<sofa::Index>> d_indices;  ///< or by their numbers
-    Data<VecReal> d_youngModulus;                     ///< [Pa] one, or one per hexahedron of the region
-    Data<VecReal> d_poissonRatio;                     ///< one, or one per hexahedron of the region
-    Data<VecReal> d_yieldStress;                      ///< [Pa] one, or one per hexahedron of the region
-    Data<SReal> d_plasticFlowRate;                    ///< [1/s] of stretch in excess of yield
-    Data<SReal> d_rotationYield;                      ///< [rad] at which rotation begins to flow
-    Data<SReal> d_rotationFlowRate;                   ///< [1/s] of rotation in excess of rotationYield
-    Data<SReal> d_hardening;                          ///< growth of the yield limits with the flow
-    Data<SReal> d_fractureStress;                     ///< [Pa] beyond which a hexahedron tears
-    Data<SReal> d_fractureStretch;                    ///< beyond which a hexahedron tears
+    Data<MeshTopology::SeqHexahedra> d_hexahedra{fromTable(d_hexahedra, "hexahedra")};
+    Data<sofa::type::vector<sofa::Index>> d_indices{fromTable(d_indices, "indices")};
+    Data<VecReal> d_youngModulus{fromTable(d_youngModulus, "youngModulus")};
+    Data<VecReal> d_poissonRatio{fromTable(d_poissonRatio, "poissonRatio")};
+    Data<VecReal> d_yieldStress{fromTable(d_yieldStress, "yieldStress")};
+    Data<SReal> d_plasticFlowRate{fromTable(d_plasticFlowRate, "plasticFlowRate")};
+    Data<SReal> d_rotationYield{fromTable(d_rotationYield, "rotationYield")};
+    Data<SReal> d_rotationFlowRate{fromTable(d_rotationFlowRate, "rotationFlowRate")};
+    Data<SReal> d_hardening{fromTable(d_hardening, "hardening")};
+    Data<SReal> d_fractureStress{fromTable(d_fractureStress, "fractureStress")};
+    Data<SReal> d_fractureStretch{fromTable(d_fractureStretch, "fractureStretch")};
     sofa::core::objectmodel::SingleLink<MaterialRegion, Field,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_body;  ///< whose hexahedra they are
+        l_body{initLink(
+            "body",
+            attributes::attribute_of(attributes::kMaterialRegion, "body").help.data())};  ///< whose hexahedra they are
 
     void init() override;
     void reinit() override;
@@ -50,15 +53,19 @@ public:
     bool haveChanged() { return m_inputs.have_changed(); }
 
 protected:
-    MaterialRegion();
+    MaterialRegion() = default;
 
 private:
     template <class T>
-    auto fromRow(Data<T>& data, std::string_view name);
+    typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name)
+    {
+        return from_table(*this, data, attributes::attribute_of(attributes::kMaterialRegion, name),
+                          group_of(name).c_str());
+    }
 
     std::optional<std::vector<double>> given(const Row<Material>& row) const;
 
-    Inputs m_inputs;
+    Inputs m_inputs{*this, attributes::kMaterialRegion};
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -60,9 +60,10 @@ public:
     SOFA_CLASS(MultigridCGLinearSolver, SOFA_TEMPLATE2(sofa::component::linearsolver::MatrixLinearSolver,
                                                        GraphScatteredMatrix, GraphScatteredVector));
 
-    DataWord d_preconditioner;  ///< auto, multigrid or diagonal
-    Data<SReal> d_tolerance;    ///< on |r| / |b|
-    Data<int> d_iterations;     ///< at most
+    DataWord d_preconditioner{
+        from_table(*this, d_preconditioner, row(attributes::kMultigridCGLinearSolver, "preconditioner"))};
+    Data<SReal> d_tolerance{from_table(*this, d_tolerance, row(attributes::kMultigridCGLinearSolver, "tolerance"))};
+    Data<int> d_iterations{from_table(*this, d_iterations, row(attributes::kMultigridCGLinearSolver, "iterations"))};
 
     /// SOFA's constraint corrections refuse solvers that are called GraphScattered, of which none has J A^-1 J^T.
     static std::string GetCustomTemplateName() { return "MatrixFree"; }
@@ -74,13 +75,8 @@ public:
         m_constraints_are_checked = false;
         const auto make = [&]
         {
-            parts::OptionErrors errors;
-            parts::MultigridCGOptions options{.tolerance = d_tolerance.getValue(),
-                                              .iterations = d_iterations.getValue()};
-            errors.collect([&] { options.preconditioner = parts::preconditioner_of(d_preconditioner.given()); });
-            errors.collect([&] { m_solver.emplace(options); });
-            errors.throw_all();
-            m_compliance = Compliance(options.preconditioner);
+            m_solver.emplace(read_options<parts::MultigridCGOptions>(*this, attributes::kMultigridCGLinearSolver));
+            m_compliance = Compliance(m_solver->options().preconditioner);
         };
         if (!attempt(*this, make)) m_solver.reset();
         reset();
@@ -121,16 +117,9 @@ public:
                     if (m_knowsCompliance) return system.write(motionOf(system, system.read(b)), x);
                     check_constraints(system);
                     PointArray solution(system.num_nodes(), 3), load = system.read(b);
-                    SolveReport report = m_solver->solver().solve_next(system, load, solution, m_memory);
-                    for (int k = 0; k < ImplicitEuler::kMaxReleases && system.release(solution, load); ++k)
-                    {
-                        const SolveReport again = m_solver->solver().solve_from_guess(system, load, solution);
-                        report.iterations += again.iterations;
-                        report.residual = again.residual;
-                        report.converged = again.converged;
-                        if (again.preconditioner == PreconditionedBy::kDiagonal && again.iterations > 0)
-                            report.preconditioner = again.preconditioner;
-                    }
+                    const SolveReport report = ImplicitEuler::solve(
+                        m_solver->solver(), system, load, solution, m_memory,
+                        [&](const PointArray& dv, PointArray& rhs) { return system.release(dv, rhs); });
                     system.acceptStep();
                     system.write(solution, x);
                     msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
@@ -180,10 +169,11 @@ public:
                 [&]
                 {
                     const States states(*getContext());
+                    const ConstraintRows found(m_jacobian);
+                    std::vector<double> lambda;
+                    for (const Jacobian::Index number : found.numbers) lambda.push_back(multipliers->element(number));
                     PointArray force = PointArray::Zero(states.num_nodes(), 3);
-                    for (const auto& [number, line] : m_jacobian)
-                        for (const auto& [column, value] : line)
-                            force(column / 3, column % 3) += value * multipliers->element(number);
+                    add_constraint_force(found.rows, lambda, force);
                     const auto write = [&](const PointArray& field, auto id)
                     {
                         states.write(
@@ -192,15 +182,6 @@ public:
                     withSystem([&](const SofaSystem& system) { write(motionOf(system, force), dx); });
                     write(force, cparams->lambda());
                 });
-    }
-
-protected:
-    MultigridCGLinearSolver()
-        : d_preconditioner(
-              from_table(*this, d_preconditioner, row(attributes::kMultigridCGLinearSolver, "preconditioner"))),
-          d_tolerance(from_table(*this, d_tolerance, row(attributes::kMultigridCGLinearSolver, "tolerance"))),
-          d_iterations(from_table(*this, d_iterations, row(attributes::kMultigridCGLinearSolver, "iterations")))
-    {
     }
 
 private:
@@ -270,9 +251,9 @@ private:
     {
         PointArray motion(system.num_nodes(), 3);
         system.project(force);
-        PreconditionedConjugateGradients solver(std::min(kOfMultipliers, d_tolerance.getValue()),
-                                                d_iterations.getValue(),
-                                                parts::preconditioner_of(d_preconditioner.given()));
+        const parts::MultigridCGOptions& options = m_solver->options();
+        PreconditionedConjugateGradients solver(std::min(kOfMultipliers, options.tolerance), options.iterations,
+                                                options.preconditioner);
         const bool has_start = m_compliance.start(force, motion);
         const SolveReport report =
             has_start ? solver.solve_from_guess(system, force, motion) : solver.solve(system, force, motion);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Hexaplast/PartComponent.h>
 #include <Hexaplast/config.h>
 #include <Hexaplast/fields.h>
-#include <Hexaplast/table.h>
 #include <sofa/core/behavior/ForceField.h>
 
 #include <optional>
@@ -14,16 +14,16 @@
 namespace hexaplast::sofa_plugin
 {
 
-/// A force field of SOFA that is made from a part: between SOFA's calls, in its order, and those of the part. Data that
-/// change during a simulation take effect at the beginning of the next step, or by reinit.
+/// A part whose forces act on one state.
 template <class TDataTypes>
-class PartForceField : public sofa::core::behavior::ForceField<TDataTypes>
+class PartForceField : public PartComponent<sofa::core::behavior::ForceField<TDataTypes>>
 {
 public:
     SOFA_ABSTRACT_CLASS(SOFA_TEMPLATE(PartForceField, TDataTypes),
                         SOFA_TEMPLATE(sofa::core::behavior::ForceField, TDataTypes));
     using DataTypes = TDataTypes;
     using Inherit = sofa::core::behavior::ForceField<DataTypes>;
+    using Component = PartComponent<Inherit>;
     using VecCoord = typename DataTypes::VecCoord;
     using VecDeriv = typename DataTypes::VecDeriv;
     using DataVecCoord = sofa::core::objectmodel::Data<VecCoord>;
@@ -31,9 +31,6 @@ public:
     using MechanicalParams = sofa::core::MechanicalParams;
 
     void init() override;
-    void reinit() override;
-    void reset() override;
-    void handleEvent(sofa::core::objectmodel::Event* event) override;
 
     using Inherit::addBToMatrix;
     using Inherit::addDForce;
@@ -53,17 +50,13 @@ public:
 
     void computeBBox(const sofa::core::ExecParams* params, bool onlyVisible = false) override;
 
-    /// For MultigridCGLinearSolver: whether there are derivatives at the latest forces; those with respect to positions
-    /// for the kernels, where they can express them, and the diagonal of those with respect to velocities beside them.
-    virtual bool isInMatrix() const { return true; }
+    /// For MultigridCGLinearSolver: derivatives with respect to positions for the kernels, where they can express them,
+    /// and the diagonal of those with respect to velocities beside them.
     virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
     virtual void addDampingDiagonal(double /*factor*/, Points /*diagonal*/) const {}
 
-    /// For the same solver: whether the part has forces that would pull at the end of the present step. It tries an
-    /// end, and is asked to let go of what pulls there, until nothing does, or for as often as it likes.
-    virtual bool isOneSided() const { return false; }
-    virtual bool release(ConstPoints /*x*/, ConstPoints /*v*/) { return false; }  ///< whether there was anything
-    virtual void acceptStep() {}  ///< the step ends as it has been tried
+    /// For the same solver: lets go of what pulls at these ends of a step. Whether there was anything.
+    virtual bool release(ConstPoints /*x*/, ConstPoints /*v*/) { return false; }
 
     /// For the same solver, without the detour through SOFA's vectors: f += forces, df += (b B + k K) dx.
     void addOwnForce(ConstPoints x, ConstPoints v, Points f) { addPartForce(this->getContext()->getTime(), x, v, f); }
@@ -73,27 +66,10 @@ public:
         if (b != 0) addDampingProduct(b, dx, df);
     }
 
-    /// From now on addDForce adds nothing: a solver of ours has the stiffness by other ways.
-    void leaveOutOfProducts(bool leftOut) { m_leftOut = leftOut; }
-
-    virtual bool hasPart() const = 0;
-
-    /// Whether it has a part, and no error.
-    bool works() const { return hasPart() && !is_invalid(*this); }
-
 protected:
-    /// description: of the attributes that it has as Data.
-    explicit PartForceField(const Description& description);
+    using Component::Component;
 
-    virtual void checkRayleighStiffness() const;  ///< OptionError where it is not allowed
-
-    virtual void makePart() = 0;    ///< from the Data; what was there goes
-    virtual void updatePart() = 0;  ///< by Data that have changed
-    /// Whether Data of other components that the part is made from have changed since this was asked last.
-    virtual bool othersHaveChanged() { return false; }
-    virtual void resetPart() {}
-    virtual void beginStep(SReal /*time*/, SReal /*dt*/) {}
-    virtual void endStep(SReal /*dt*/) {}
+    void initPart() override;
 
     /// f += forces at x, v; fixes the positions that the derivatives refer to. df += factor df/dx dx and factor df/dv
     /// dx, and their blocks.
@@ -107,21 +83,12 @@ protected:
     int numNodes() const { return static_cast<int>(this->mstate->getSize()); }
 
 private:
-    /// Lets `call` make or change the part by the Data. Where it came through the component is valid; else what is
-    /// wrong with the Data is said, all at once.
-    template <class Call>
-    void acceptData(const Call& call);
-
     /// The stiffness at the latest forces into m_stiffness, df/dv into m_damping; false where that has failed, which is
     /// said.
     bool findStiffness();
     bool findDamping();
 
-    const Description& m_description;
-    std::optional<Inputs> m_inputs;
-    bool m_dataAreAccepted = false;
     BlockMatrix m_stiffness, m_damping;
-    bool m_leftOut = false;
 };
 
 #if !defined(HEXAPLAST_PARTFORCEFIELD_CPP)

@@ -2,93 +2,37 @@
 #pragma once
 
 #include <Hexaplast/PartForceField.h>
-#include <Hexaplast/errors.h>
 #include <Hexaplast/matrices.h>
 #include <sofa/core/MechanicalParams.h>
-#include <sofa/simulation/AnimateBeginEvent.h>
-#include <sofa/simulation/AnimateEndEvent.h>
 
 namespace hexaplast::sofa_plugin
 {
 
 template <class TDataTypes>
-PartForceField<TDataTypes>::PartForceField(const Description& description) : m_description(description)
+void PartForceField<TDataTypes>::init()
 {
-    this->f_listening.setValue(true);
+    initPart();
 }
 
 template <class TDataTypes>
-void PartForceField<TDataTypes>::init()
+void PartForceField<TDataTypes>::initPart()
 {
-    using sofa::core::objectmodel::ComponentState;
     Inherit::init();
     if (!this->mstate)
     {
         msg_error(this) << "needs a MechanicalObject of template Vec3 before it";
-        this->d_componentState.setValue(ComponentState::Invalid);
+        this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
         return;
     }
-    acceptData([&] { makePart(); });
-    m_inputs.emplace(*this, m_description);
+    Component::initPart();
     m_stiffness = m_damping = BlockMatrix(numNodes());
-}
-
-template <class TDataTypes>
-template <class Call>
-void PartForceField<TDataTypes>::acceptData(const Call& call)
-{
-    m_dataAreAccepted = accept_data(
-        *this, [&] { checkRayleighStiffness(); }, call);
-}
-
-template <class TDataTypes>
-void PartForceField<TDataTypes>::checkRayleighStiffness() const
-{
-    parts::check_range("rayleighStiffness", attributes::kNotNegative, this->rayleighStiffness.getValue());
-}
-
-// What flowed stays: the part follows the Data as it would at the beginning of the next step.
-template <class TDataTypes>
-void PartForceField<TDataTypes>::reinit()
-{
-    if (!hasPart()) return init();
-    m_inputs->have_changed();
-    othersHaveChanged();
-    acceptData([&] { updatePart(); });
-}
-
-template <class TDataTypes>
-void PartForceField<TDataTypes>::reset()
-{
-    if (!hasPart()) return;
-    // a step that was lost is forgotten, Data that were refused are not
-    if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
-    attempt(*this, [&] { resetPart(); });
-}
-
-template <class TDataTypes>
-void PartForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* event)
-{
-    if (sofa::simulation::AnimateBeginEvent::checkEventType(event))
-    {
-        if (!may_step(*this) || !hasPart()) return;
-        const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
-        const bool ownHaveChanged = m_inputs->have_changed(), othersHave = othersHaveChanged();
-        if (ownHaveChanged || othersHave) acceptData([&] { updatePart(); });
-        if (works()) attempt(*this, [&] { beginStep(this->getContext()->getTime(), dt); });
-    }
-    else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
-    {
-        const SReal dt = static_cast<sofa::simulation::AnimateEndEvent*>(event)->getDt();
-        attempt(*this, [&] { endStep(dt); });
-    }
 }
 
 template <class TDataTypes>
 void PartForceField<TDataTypes>::addForce(const MechanicalParams*, DataVecDeriv& f, const DataVecCoord& x,
                                           const DataVecDeriv& v)
 {
-    if (!works()) return;
+    if (!this->works()) return;
     auto forces = sofa::helper::getWriteAccessor(f);
     if (forces.size() < x.getValue().size()) forces.resize(x.getValue().size());
     attempt(
@@ -101,7 +45,7 @@ void PartForceField<TDataTypes>::addDForce(const MechanicalParams* mparams, Data
 {
     const double factor =
         sofa::core::mechanicalparams::kFactorIncludingRayleighDamping(mparams, this->rayleighStiffness.getValue());
-    if (!works() || m_leftOut) return;
+    if (!this->works() || this->isLeftOut()) return;
     auto forces = sofa::helper::getWriteAccessor(df);
     if (forces.size() < dx.getValue().size()) forces.resize(dx.getValue().size());
     const double damping = mparams->bFactor();
@@ -131,34 +75,34 @@ template <class TDataTypes>
 void PartForceField<TDataTypes>::addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor,
                                               unsigned int& offset)
 {
-    if (works() && findStiffness()) add(m_stiffness, factor, offset, *matrix);
+    if (this->works() && findStiffness()) add(m_stiffness, factor, offset, *matrix);
 }
 
 template <class TDataTypes>
 void PartForceField<TDataTypes>::addBToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor,
                                               unsigned int& offset)
 {
-    if (works() && findDamping()) add(m_damping, factor, offset, *matrix);
+    if (this->works() && findDamping()) add(m_damping, factor, offset, *matrix);
 }
 
 template <class TDataTypes>
 void PartForceField<TDataTypes>::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
 {
-    if (works() && findStiffness())
+    if (this->works() && findStiffness())
         add(m_stiffness, matrix->getForceDerivativeIn(this->mstate).withRespectToPositionsIn(this->mstate));
 }
 
 template <class TDataTypes>
 void PartForceField<TDataTypes>::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix)
 {
-    if (works() && findDamping())
+    if (this->works() && findDamping())
         add(m_damping, matrix->getForceDerivativeIn(this->mstate).withRespectToVelocityIn(this->mstate));
 }
 
 template <class TDataTypes>
 SReal PartForceField<TDataTypes>::getPotentialEnergy(const MechanicalParams*, const DataVecCoord& x) const
 {
-    if (!works()) return 0;
+    if (!this->works()) return 0;
     if (const auto found = energy(this->getContext()->getTime(), view(x.getValue()))) return *found;
     msg_warning(this) << "its forces have no potential energy: 0 counts";
     return 0;

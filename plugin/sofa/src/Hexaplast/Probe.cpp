@@ -14,23 +14,12 @@ class Probe final : public sofa::core::objectmodel::BaseObject
 public:
     SOFA_CLASS(Probe, sofa::core::objectmodel::BaseObject);
 
-    Data<sofa::type::vector<SReal>> d_value;              ///< what is recorded
-    Data<sofa::type::vector<sofa::Index>> d_indices;      ///< of its entries
-    Data<sofa::type::vector<sofa::type::Vec3>> d_points;  ///< of the body, in place of entries
-    DataWord d_component;                                 ///< of vectors
-    DataWord d_statistic;                                 ///< over the entries
-    Data<bool> d_change;                                  ///< since the beginning
-
-protected:
-    Probe()
-        : d_value(from_table(*this, d_value, row(attributes::kProbe, "value"))),
-          d_indices(from_table(*this, d_indices, row(attributes::kProbe, "indices"))),
-          d_points(from_table(*this, d_points, row(attributes::kProbe, "points"))),
-          d_component(from_table(*this, d_component, row(attributes::kProbe, "component"))),
-          d_statistic(from_table(*this, d_statistic, row(attributes::kProbe, "statistic"))),
-          d_change(from_table(*this, d_change, row(attributes::kProbe, "change")))
-    {
-    }
+    Data<sofa::type::vector<SReal>> d_value{from_table(*this, d_value, row(attributes::kProbe, "value"))};
+    Data<sofa::type::vector<sofa::Index>> d_indices{from_table(*this, d_indices, row(attributes::kProbe, "indices"))};
+    Data<sofa::type::vector<sofa::type::Vec3>> d_points{from_table(*this, d_points, row(attributes::kProbe, "points"))};
+    DataWord d_component{from_table(*this, d_component, row(attributes::kProbe, "component"))};
+    DataWord d_statistic{from_table(*this, d_statistic, row(attributes::kProbe, "statistic"))};
+    Data<bool> d_change{from_table(*this, d_change, row(attributes::kProbe, "change"))};
 };
 
 void registerProbe(sofa::core::ObjectFactory* factory) { register_component<Probe>(factory, attributes::kProbe); }

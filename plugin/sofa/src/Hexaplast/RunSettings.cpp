@@ -14,17 +14,9 @@ class RunSettings final : public sofa::core::objectmodel::BaseObject
 public:
     SOFA_CLASS(RunSettings, sofa::core::objectmodel::BaseObject);
 
-    Data<int> d_steps;        ///< of a run
-    Data<int> d_outputEvery;  ///< steps between two saved states
-    DataWord d_endSections;   ///< whether elongation and twist are recorded
-
-protected:
-    RunSettings()
-        : d_steps(from_table(*this, d_steps, row(attributes::kRunSettings, "steps"))),
-          d_outputEvery(from_table(*this, d_outputEvery, row(attributes::kRunSettings, "outputEvery"))),
-          d_endSections(from_table(*this, d_endSections, row(attributes::kRunSettings, "endSections")))
-    {
-    }
+    Data<int> d_steps{from_table(*this, d_steps, row(attributes::kRunSettings, "steps"))};
+    Data<int> d_outputEvery{from_table(*this, d_outputEvery, row(attributes::kRunSettings, "outputEvery"))};
+    DataWord d_endSections{from_table(*this, d_endSections, row(attributes::kRunSettings, "endSections"))};
 };
 
 void registerRunSettings(sofa::core::ObjectFactory* factory)

@@ -5,12 +5,14 @@
 #include <Hexaplast/table.h>
 #include <sofa/component/topology/container/constant/MeshTopology.h>
 
-#include "hexaplast/mesh/hex_mesh.hpp"
+#include "attributes/shapes.hpp"
+#include "parts/grids.hpp"
 
 namespace hexaplast::sofa_plugin
 {
 
-/// A topology of SOFA whose nodes and hexahedra are those of a grid that is bent into shape.
+/// A topology of SOFA whose nodes and hexahedra are those of a grid that is bent into shape. Data:
+/// plugin/attributes/shapes.hpp.
 class HEXAPLAST_SOFA_API ShapeTopology : public sofa::component::topology::container::constant::MeshTopology
 {
 public:
@@ -20,7 +22,24 @@ public:
     void init() override;
 
 protected:
+    explicit ShapeTopology(const Description& description) : m_description(description) {}
+
+    template <class T>
+    typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name)
+    {
+        return from_table(*this, data, attributes::attribute_of(m_description, name), "Shape");
+    }
+
     virtual HexMesh makeGrid() const = 0;
+
+    template <class Options>
+    HexMesh make() const
+    {
+        return parts::make_grid(read_options<Options>(*this, m_description));
+    }
+
+private:
+    const Description& m_description;
 };
 
 class HEXAPLAST_SOFA_API TubeGridTopology : public ShapeTopology
@@ -28,16 +47,16 @@ class HEXAPLAST_SOFA_API TubeGridTopology : public ShapeTopology
 public:
     SOFA_CLASS(TubeGridTopology, ShapeTopology);
 
-    Data<sofa::type::vector<sofa::Index>> d_cells;            ///< outward, around and along
-    Data<SReal> d_innerRadius;                                ///< [m]
-    Data<SReal> d_outerRadius;                                ///< [m]
-    Data<SReal> d_length;                                     ///< [m]
-    Data<SReal> d_bend;                                       ///< [deg]
-    Data<sofa::type::vector<sofa::type::Vec3>> d_centreline;  ///< [m] points of the curve that it follows
+    Data<sofa::type::vector<sofa::Index>> d_cells{fromTable(d_cells, "cells")};
+    Data<SReal> d_innerRadius{fromTable(d_innerRadius, "innerRadius")};
+    Data<SReal> d_outerRadius{fromTable(d_outerRadius, "outerRadius")};
+    Data<SReal> d_length{fromTable(d_length, "length")};
+    Data<SReal> d_bend{fromTable(d_bend, "bend")};
+    Data<sofa::type::vector<sofa::type::Vec3>> d_centreline{fromTable(d_centreline, "centreline")};
 
 protected:
-    TubeGridTopology();
-    HexMesh makeGrid() const override;
+    TubeGridTopology() : ShapeTopology(attributes::kTubeGridTopology) {}
+    HexMesh makeGrid() const override { return make<parts::TubeGridOptions>(); }
 };
 
 class HEXAPLAST_SOFA_API SheetGridTopology : public ShapeTopology
@@ -45,14 +64,14 @@ class HEXAPLAST_SOFA_API SheetGridTopology : public ShapeTopology
 public:
     SOFA_CLASS(SheetGridTopology, ShapeTopology);
 
-    Data<sofa::type::vector<sofa::Index>> d_cells;  ///< along x, along y and across
-    Data<sofa::type::vector<SReal>> d_size;         ///< [m] along x and y
-    Data<SReal> d_thickness;                        ///< [m] along z
-    Data<SReal> d_curvature;                        ///< [1/m] about an axis along y
+    Data<sofa::type::vector<sofa::Index>> d_cells{fromTable(d_cells, "cells")};
+    Data<sofa::type::vector<SReal>> d_size{fromTable(d_size, "size")};
+    Data<SReal> d_thickness{fromTable(d_thickness, "thickness")};
+    Data<SReal> d_curvature{fromTable(d_curvature, "curvature")};
 
 protected:
-    SheetGridTopology();
-    HexMesh makeGrid() const override;
+    SheetGridTopology() : ShapeTopology(attributes::kSheetGridTopology) {}
+    HexMesh makeGrid() const override { return make<parts::SheetGridOptions>(); }
 };
 
 class HEXAPLAST_SOFA_API SpherePatchGridTopology : public ShapeTopology
@@ -60,14 +79,14 @@ class HEXAPLAST_SOFA_API SpherePatchGridTopology : public ShapeTopology
 public:
     SOFA_CLASS(SpherePatchGridTopology, ShapeTopology);
 
-    Data<sofa::type::vector<sofa::Index>> d_cells;  ///< along x, along y and outward
-    Data<SReal> d_innerRadius;                      ///< [m]
-    Data<SReal> d_outerRadius;                      ///< [m]
-    Data<SReal> d_angle;                            ///< [deg] from side to side
+    Data<sofa::type::vector<sofa::Index>> d_cells{fromTable(d_cells, "cells")};
+    Data<SReal> d_innerRadius{fromTable(d_innerRadius, "innerRadius")};
+    Data<SReal> d_outerRadius{fromTable(d_outerRadius, "outerRadius")};
+    Data<SReal> d_angle{fromTable(d_angle, "angle")};
 
 protected:
-    SpherePatchGridTopology();
-    HexMesh makeGrid() const override;
+    SpherePatchGridTopology() : ShapeTopology(attributes::kSpherePatchGridTopology) {}
+    HexMesh makeGrid() const override { return make<parts::SpherePatchGridOptions>(); }
 };
 
 }  // namespace hexaplast::sofa_plugin

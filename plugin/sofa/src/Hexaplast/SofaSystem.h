@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-#include "hexaplast/layout/linear_system.hpp"
+#include "hexaplast/solve/implicit_euler.hpp"
 
 /// What a linear solver of SOFA is asked to solve, as a system of ours.
 namespace hexaplast::sofa_plugin
@@ -187,7 +187,7 @@ public:
 
     /// Lets go of what would pull at the end of the step that dv leads to, and adds to b what that changes. Whether
     /// there was anything: then the system is to be solved again.                                     theory.md eq. 41
-    bool release(ConstPoints dv, Points b) const
+    bool release(const PointArray& dv, PointArray& b) const
     {
         if (m_A.mparams.bFactor() == 0) return false;  // not a step of implicit Euler, where it is -h
         const double h = -m_A.mparams.bFactor(), ofProduct = m_A.mparams.kFactor() / m_A.mparams.bFactor();
@@ -230,9 +230,8 @@ public:
                       [&] { return pair.field->release(of(x_end), of(v_end)); });
         }
         if (!has_released) return false;
-        force = h * (force + ofProduct * product);
-        project(force);
-        b += force;
+        ImplicitEuler::add_released(
+            h, ofProduct, force, product, [&](Points field) { project(field); }, b);
         return true;
     }
 

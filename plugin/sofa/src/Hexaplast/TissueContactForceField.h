@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
+#include <Hexaplast/contact.h>
 #include <sofa/core/behavior/MixedInteractionForceField.h>
 
 #include "parts/tissue_contact.hpp"
@@ -10,38 +10,23 @@ namespace hexaplast::sofa_plugin
 {
 
 /// Two bodies that touch, or one that touches itself. Contacts are found at AnimateBeginEvent, anchors follow at
-/// AnimateEndEvent. Stands below the integrator of both bodies. Data that change during a simulation take effect at the
-/// beginning of the next step, or by reinit.
+/// AnimateEndEvent. Stands below the integrator of both bodies.
 template <class TDataTypes>
-class TissueContactForceField : public sofa::core::behavior::MixedInteractionForceField<TDataTypes, TDataTypes>
+class TissueContactForceField
+    : public ContactComponent<PartComponent<sofa::core::behavior::MixedInteractionForceField<TDataTypes, TDataTypes>>>
 {
 public:
     SOFA_CLASS(SOFA_TEMPLATE(TissueContactForceField, TDataTypes),
                SOFA_TEMPLATE2(sofa::core::behavior::MixedInteractionForceField, TDataTypes, TDataTypes));
     using DataTypes = TDataTypes;
     using Inherit = sofa::core::behavior::MixedInteractionForceField<TDataTypes, TDataTypes>;
+    using Component = ContactComponent<PartComponent<Inherit>>;
     using DataVecCoord = sofa::core::objectmodel::Data<typename DataTypes::VecCoord>;
     using DataVecDeriv = sofa::core::objectmodel::Data<typename DataTypes::VecDeriv>;
     using MechanicalParams = sofa::core::MechanicalParams;
 
-    Data<SReal> d_contactStiffness;     ///< [Pa/m] from the bodies, where not set
-    Data<SReal> d_tangentialStiffness;  ///< [Pa/m] contactStiffness, where not set
-    Data<SReal> d_friction;             ///< coefficient
-    Data<SReal> d_contactDistance;      ///< [m] between the surfaces
-    Data<SReal> d_damping;              ///< [Pa s/m]
-    Data<int> d_maxSubdivision;         ///< parts of the edge of a face, at most
-    Data<bool> d_active;                ///< otherwise the bodies pass through each other
-    Data<sofa::type::Vec3> d_force;     ///< output [N]: on the body of object1
-    Data<SReal> d_depth;                ///< output [m]: of the deepest point
-    Data<int> d_touching;               ///< output: number of points that touch
-    Data<int> d_slipping;               ///< output: how many of these slip
-    Data<SReal> d_drawForceScale;       ///< [m/N] of forces that are drawn
-
     void init() override;
     void bwdInit() override;
-    void reinit() override;
-    void reset() override;
-    void handleEvent(sofa::core::objectmodel::Event* event) override;
     void draw(const sofa::core::visual::VisualParams* vparams) override;
 
     using Inherit::addDForce;
@@ -60,41 +45,32 @@ public:
 
     /// The contacts; null before bwdInit and after an error.
     const parts::Tissues* tissues() const { return m_tissues ? &*m_tissues : nullptr; }
-    bool works() const { return m_tissues && !is_invalid(*this); }
+
+    bool hasPart() const override { return m_tissues.has_value(); }
 
     /// For MultigridCGLinearSolver, as those of PartForceField; fields of the two states.
-    bool isInMatrix() const { return works() && !m_tissues->contact().terms().empty(); }
-    bool isOneSided() const { return !m_isAccepted && isInMatrix(); }
+    bool isInMatrix() const override { return this->works() && !m_tissues->contact().terms().empty(); }
     bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v)
     {
         return m_tissues->contact().release(x, v);
     }
-    void acceptStep() { m_isAccepted = true; }
     void addOwnForce(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const
     {
         m_tissues->add_force(x, v, f);
     }
     void addOwnProduct(double b, double k, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
-    void leaveOutOfProducts(bool leftOut) { m_leftOut = leftOut; }
 
 protected:
     TissueContactForceField();
 
+    void makePart() override;
+    void updatePart() override;
+    bool othersHaveChanged() override;  ///< whether the bodies are others
+    void resetPart() override;
+    void beginStep(SReal time, SReal dt) override;
+    void endStep(SReal dt) override;
+
 private:
-    using BodyField = HexahedronElastoplasticFEMForceField<TDataTypes>;
-
-    /// Lets `call` make or change the contact by the Data.
-    template <class Call>
-    void acceptData(const Call& call);
-
-    parts::TissueContactOptions options() const;
-    void makeContact();
-    void updateContact();  ///< by Data that have changed
-    bool bodiesAreOthers() const;
-    void beginStep(SReal dt);
-    void endStep();
-    void showOutputs();
-
     OfTwo<ConstPoints> positions() const;
     OfTwo<ConstPoints> velocities() const;
     bool isWithItself() const { return this->mstate1.get() == this->mstate2.get(); }
@@ -104,14 +80,8 @@ private:
     BlockMatrix blocksOf(bool damping) const;
 
     std::optional<parts::Tissues> m_tissues;
-    std::optional<Inputs> m_inputs;
     std::array<BodyField*, 2> m_bodyFields = {};
     std::array<int, 2> m_bodiesMade = {};  // which of the bodies that these fields have made
-    bool m_dataAreAccepted = false;
-    SReal m_ownRayleighStiffness = 0;  // that takes back the integrator's
-    bool m_isAccepted = true;          // nothing pulls at the end of the present step
-    bool m_isWarned = false;           // of a linear solver that does not accept its steps
-    bool m_leftOut = false;
 };
 
 #if !defined(HEXAPLAST_TISSUECONTACTFORCEFIELD_CPP)

@@ -2,44 +2,18 @@
 #pragma once
 
 #include <Hexaplast/TissueContactForceField.h>
-#include <Hexaplast/contact.h>
 #include <Hexaplast/contact_drawing.h>
-#include <Hexaplast/errors.h>
 #include <Hexaplast/matrices.h>
 #include <sofa/core/MechanicalParams.h>
-#include <sofa/simulation/AnimateBeginEvent.h>
-#include <sofa/simulation/AnimateEndEvent.h>
 
 #include "attributes/contact.hpp"
 
 namespace hexaplast::sofa_plugin
 {
-namespace
-{
-
-constexpr const Description& kTissueContact = attributes::kTissueContactForceField;
-
-}  // namespace
 
 template <class TDataTypes>
-TissueContactForceField<TDataTypes>::TissueContactForceField()
-    : d_contactStiffness(from_table(*this, d_contactStiffness, row(kTissueContact, "contactStiffness"), "Contact")),
-      d_tangentialStiffness(
-          from_table(*this, d_tangentialStiffness, row(kTissueContact, "tangentialStiffness"), "Contact")),
-      d_friction(from_table(*this, d_friction, row(kTissueContact, "friction"), "Contact")),
-      d_contactDistance(from_table(*this, d_contactDistance, row(kTissueContact, "contactDistance"), "Contact")),
-      d_damping(from_table(*this, d_damping, row(kTissueContact, "damping"), "Contact")),
-      d_maxSubdivision(from_table(*this, d_maxSubdivision, row(kTissueContact, "maxSubdivision"), "Contact")),
-      d_active(from_table(*this, d_active, row(kTissueContact, "active"), "Contact")),
-      d_force(from_table(*this, d_force, row(kTissueContact, "force"))),
-      d_depth(from_table(*this, d_depth, row(kTissueContact, "depth"))),
-      d_touching(from_table(*this, d_touching, row(kTissueContact, "touching"))),
-      d_slipping(from_table(*this, d_slipping, row(kTissueContact, "slipping"))),
-      d_drawForceScale(this->initData(&d_drawForceScale, SReal(0), "drawForceScale",
-                                      "Length of a force that is drawn [m/N]. 0: the greatest one has a tenth of the "
-                                      "size of the body."))
+TissueContactForceField<TDataTypes>::TissueContactForceField() : Component(attributes::kTissueContactForceField)
 {
-    this->f_listening.setValue(true);
     this->mstate2.set(nullptr, "");  // that of object1, where it is not given
 }
 
@@ -58,72 +32,11 @@ template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::bwdInit()
 {
     Inherit::bwdInit();
-    acceptData([&] { makeContact(); });
-    m_inputs.emplace(*this, kTissueContact);
+    this->initPart();
 }
 
 template <class TDataTypes>
-template <class Call>
-void TissueContactForceField<TDataTypes>::acceptData(const Call& call)
-{
-    const auto check = [&]
-    { require_own_rayleigh_stiffness(this->rayleighStiffness.getValue(), m_ownRayleighStiffness); };
-    m_dataAreAccepted = accept_data(*this, check, call);
-}
-
-template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::reinit()
-{
-    if (m_inputs) m_inputs->have_changed();
-    acceptData([&] { updateContact(); });
-}
-
-template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::reset()
-{
-    if (!m_tissues) return;
-    // a step that was lost is forgotten, Data that were refused are not
-    if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
-    attempt(*this,
-            [&]
-            {
-                if (bodiesAreOthers()) return makeContact();
-                m_tissues->reset();
-                m_isAccepted = true;
-                showOutputs();
-            });
-}
-
-template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* event)
-{
-    if (sofa::simulation::AnimateBeginEvent::checkEventType(event))
-    {
-        if (!may_step(*this) || !m_tissues) return;
-        if (m_inputs->have_changed() || bodiesAreOthers()) acceptData([&] { updateContact(); });
-        const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
-        if (works()) attempt(*this, [&] { beginStep(dt); });
-    }
-    else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
-    {
-        attempt(*this, [&] { endStep(); });
-    }
-}
-
-template <class TDataTypes>
-parts::TissueContactOptions TissueContactForceField<TDataTypes>::options() const
-{
-    return {.contact_stiffness = if_set(d_contactStiffness),
-            .tangential_stiffness = if_set(d_tangentialStiffness),
-            .friction = d_friction.getValue(),
-            .contact_distance = d_contactDistance.getValue(),
-            .damping = d_damping.getValue(),
-            .max_subdivision = d_maxSubdivision.getValue(),
-            .is_active = d_active.getValue()};
-}
-
-template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::makeContact()
+void TissueContactForceField<TDataTypes>::makePart()
 {
     m_tissues.reset();
     m_bodyFields = {};
@@ -145,21 +58,31 @@ void TissueContactForceField<TDataTypes>::makeContact()
     }
     m_bodyFields = fields;
     for (std::size_t k = 0; k < 2; ++k) m_bodiesMade[k] = m_bodyFields[k]->timesMade();
-    m_tissues.emplace(options(), *m_bodyFields[0]->body(), *m_bodyFields[1]->body());
-    m_isAccepted = true;
+    m_tissues.emplace(this->template readOptions<parts::ContactOptions>(), *m_bodyFields[0]->body(),
+                      *m_bodyFields[1]->body());
+    this->acceptStep();
 }
 
 template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::updateContact()
+void TissueContactForceField<TDataTypes>::updatePart()
 {
-    if (!m_tissues || bodiesAreOthers()) return makeContact();
-    m_tissues->set_options(options());
+    if (othersHaveChanged()) return makePart();
+    m_tissues->set_options(this->template readOptions<parts::ContactOptions>());
 }
 
 template <class TDataTypes>
-bool TissueContactForceField<TDataTypes>::bodiesAreOthers() const
+bool TissueContactForceField<TDataTypes>::othersHaveChanged()
 {
     return m_bodiesMade[0] != m_bodyFields[0]->timesMade() || m_bodiesMade[1] != m_bodyFields[1]->timesMade();
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::resetPart()
+{
+    if (othersHaveChanged()) return makePart();
+    m_tissues->reset();
+    this->acceptStep();
+    this->showContact(m_tissues->contact());
 }
 
 template <class TDataTypes>
@@ -175,35 +98,18 @@ OfTwo<ConstPoints> TissueContactForceField<TDataTypes>::velocities() const
 }
 
 template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::beginStep(SReal dt)
+void TissueContactForceField<TDataTypes>::beginStep(SReal, SReal dt)
 {
-    m_tissues->begin_step(dt, rayleigh_stiffness_of(implicit_euler_of(*this->getContext())), positions(), velocities());
-    m_ownRayleighStiffness = m_tissues->rayleigh_stiffness();
-    this->rayleighStiffness.setValue(m_ownRayleighStiffness);
-    m_isAccepted = false;
+    m_tissues->begin_step(dt, this->rayleighStiffnessOfIntegrator(), positions(), velocities());
+    this->openStep(m_tissues->rayleigh_stiffness());
 }
 
 template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::endStep()
+void TissueContactForceField<TDataTypes>::endStep(SReal)
 {
-    if (isOneSided() && !m_isWarned)
-    {
-        m_isWarned = true;
-        msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
-                             "step are released after it only";
-    }
+    this->closeStep();
     m_tissues->contact().end_step(positions(), velocities());
-    showOutputs();
-}
-
-template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::showOutputs()
-{
-    const TissueContact& contact = m_tissues->contact();
-    d_force.setValue(vec3(contact.force()));
-    d_depth.setValue(contact.depth());
-    d_touching.setValue(contact.num_touching());
-    d_slipping.setValue(contact.num_slipping());
+    this->showContact(m_tissues->contact());
 }
 
 template <class TDataTypes>
@@ -211,7 +117,7 @@ void TissueContactForceField<TDataTypes>::addForce(const MechanicalParams*, Data
                                                    const DataVecCoord& x1, const DataVecCoord& x2,
                                                    const DataVecDeriv& v1, const DataVecDeriv& v2)
 {
-    if (!works()) return;
+    if (!this->works()) return;
     auto first = sofa::helper::getWriteAccessor(f1), second = sofa::helper::getWriteAccessor(f2);
     if (first.size() < x1.getValue().size()) first.resize(x1.getValue().size());
     if (second.size() < x2.getValue().size()) second.resize(x2.getValue().size());
@@ -228,7 +134,7 @@ void TissueContactForceField<TDataTypes>::addDForce(const MechanicalParams* mpar
                                                     DataVecDeriv& df2, const DataVecDeriv& dx1, const DataVecDeriv& dx2)
 {
     const double k = mparams->kFactor(), b = mparams->bFactor();
-    if (!isInMatrix() || m_leftOut) return;
+    if (!isInMatrix() || this->isLeftOut()) return;
     auto first = sofa::helper::getWriteAccessor(df1), second = sofa::helper::getWriteAccessor(df2);
     if (first.size() < dx1.getValue().size()) first.resize(dx1.getValue().size());
     if (second.size() < dx2.getValue().size()) second.resize(dx2.getValue().size());
@@ -280,7 +186,7 @@ void TissueContactForceField<TDataTypes>::addBlocks(const BlockMatrix& blocks, c
 template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
 {
-    if (!works()) return;
+    if (!this->works()) return;
     attempt(*this,
             [&]
             {
@@ -292,7 +198,7 @@ void TissueContactForceField<TDataTypes>::buildStiffnessMatrix(sofa::core::behav
 template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix)
 {
-    if (!works() || d_damping.getValue() == 0) return;
+    if (!this->works() || this->d_damping.getValue() == 0) return;
     attempt(*this,
             [&]
             {
@@ -305,17 +211,17 @@ template <class TDataTypes>
 SReal TissueContactForceField<TDataTypes>::getPotentialEnergy(const MechanicalParams*, const DataVecCoord&,
                                                               const DataVecCoord&) const
 {
-    if (works()) msg_warning(this) << "its forces have no potential energy: 0 counts";
+    if (this->works()) msg_warning(this) << "its forces have no potential energy: 0 counts";
     return 0;
 }
 
 template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::draw(const sofa::core::visual::VisualParams* vparams)
 {
-    if (!works() || !vparams->displayFlags().getShowForceFields()) return;
+    if (!this->works() || !vparams->displayFlags().getShowForceFields()) return;
     auto* tool = vparams->drawTool();
     const auto lifeCycle = tool->makeStateLifeCycle();
-    draw_contacts(*tool, m_tissues->contact().terms(), positions(), velocities(), d_drawForceScale.getValue());
+    draw_contacts(*tool, m_tissues->contact().terms(), positions(), velocities(), this->d_drawForceScale.getValue());
 }
 
 }  // namespace hexaplast::sofa_plugin

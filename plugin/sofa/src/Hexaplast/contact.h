@@ -42,21 +42,79 @@ inline const sofa::core::behavior::OdeSolver& implicit_euler_of(const sofa::core
     return *integrator;
 }
 
-inline SReal rayleigh_stiffness_of(const sofa::core::behavior::OdeSolver& integrator)
+/// What all contacts of bodies have, besides what makes them a component (TBase). Data: plugin/attributes/contact.hpp.
+template <class TBase>
+class ContactComponent : public TBase
 {
-    const auto* stiffness = dynamic_cast<const Data<SReal>*>(integrator.findData("rayleighStiffness"));
-    return stiffness ? stiffness->getValue() : 0;
-}
+public:
+    Data<SReal> d_contactStiffness{this->fromTable(d_contactStiffness, "contactStiffness", "Contact")};
+    Data<SReal> d_tangentialStiffness{this->fromTable(d_tangentialStiffness, "tangentialStiffness", "Contact")};
+    Data<SReal> d_friction{this->fromTable(d_friction, "friction", "Contact")};
+    Data<SReal> d_contactDistance{this->fromTable(d_contactDistance, "contactDistance", "Contact")};
+    Data<SReal> d_damping{this->fromTable(d_damping, "damping", "Contact")};
+    Data<int> d_maxSubdivision{this->fromTable(d_maxSubdivision, "maxSubdivision", "Contact")};
+    Data<bool> d_active{this->fromTable(d_active, "active", "Contact")};
+    Data<sofa::type::Vec3> d_force{this->fromTable(d_force, "force")};
+    Data<SReal> d_depth{this->fromTable(d_depth, "depth")};
+    Data<int> d_touching{this->fromTable(d_touching, "touching")};
+    Data<int> d_slipping{this->fromTable(d_slipping, "slipping")};
+    Data<SReal> d_drawForceScale{this->initData(&d_drawForceScale, SReal(0), "drawForceScale",
+                                                "Length of a force that is drawn [m/N]. 0: the greatest one has a "
+                                                "tenth of the size of the body.")};
 
-/// The Rayleigh stiffness of contact is there for SOFA, which multiplies the stiffness by it: OptionError for another
-/// one than its own.
-inline void require_own_rayleigh_stiffness(SReal given, SReal own)
-{
-    if (given != own)
-        throw parts::OptionError("rayleighStiffness",
-                                 fmt::format("= {}: must not be given, as the Rayleigh stiffness of the integrator "
-                                             "does not act on contact. damping damps it",
-                                             given));
-}
+    bool isOneSided() const override { return !m_isAccepted && this->isInMatrix(); }
+    void acceptStep() override { m_isAccepted = true; }
+
+protected:
+    using TBase::TBase;
+
+    void checkRayleighStiffness() const override
+    {
+        if (const SReal given = this->rayleighStiffness.getValue(); given != m_ownRayleighStiffness)
+            throw parts::OptionError("rayleighStiffness",
+                                     fmt::format("= {}: must not be given, as the Rayleigh stiffness of the integrator "
+                                                 "does not act on contact. damping damps it",
+                                                 given));
+    }
+
+    SReal rayleighStiffnessOfIntegrator() const
+    {
+        const auto* stiffness =
+            dynamic_cast<const Data<SReal>*>(implicit_euler_of(*this->getContext()).findData("rayleighStiffness"));
+        return stiffness ? stiffness->getValue() : 0;
+    }
+
+    /// A step begins, for which the part has found its contacts. ownStiffness [s]: the Rayleigh stiffness that takes
+    /// back the integrator's, since SOFA multiplies the stiffness by it.
+    void openStep(SReal ownStiffness)
+    {
+        m_ownRayleighStiffness = ownStiffness;
+        this->rayleighStiffness.setValue(ownStiffness);
+        m_isAccepted = false;
+    }
+
+    /// It ends.
+    void closeStep()
+    {
+        if (!isOneSided() || m_isWarned) return;
+        m_isWarned = true;
+        msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
+                             "step are released after it only";
+    }
+
+    template <class Contact>
+    void showContact(const Contact& contact)
+    {
+        d_force.setValue(vec3(contact.force()));
+        d_depth.setValue(contact.depth());
+        d_touching.setValue(contact.num_touching());
+        d_slipping.setValue(contact.num_slipping());
+    }
+
+private:
+    SReal m_ownRayleighStiffness = 0;
+    bool m_isAccepted = true;  // nothing pulls at the end of the present step
+    bool m_isWarned = false;   // of a linear solver that does not accept its steps
+};
 
 }  // namespace hexaplast::sofa_plugin

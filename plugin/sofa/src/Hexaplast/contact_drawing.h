@@ -14,14 +14,6 @@ namespace hexaplast::sofa_plugin
 inline constexpr float kContactPointSize = 5, kContactForceWidth = 2;  // [pixels]
 inline constexpr double kLongestForce = 0.1;                           // of the body's size
 
-/// Where a contact is: at its sample.
-inline Vec3 place_of(const ContactTerm& term, ConstPoints x)
-{
-    Vec3 place = Vec3::Zero();
-    for (int a = 0; a < term.num_first; ++a) place += term.weights[a] * x.row(term.nodes[a]).transpose();
-    return place;
-}
-
 /// The points that touch, red where they slip, and the forces on the first body as lines from there. scale: [m/N]; 0:
 /// so that the greatest force is a tenth of the body's size.
 inline void draw_contacts(sofa::helper::visual::DrawTool& tool, const ContactTerms& contacts,
@@ -41,7 +33,7 @@ inline void draw_contacts(sofa::helper::visual::DrawTool& tool, const ContactTer
     std::vector<sofa::type::Vec3> stick, slip, ends;
     for (std::size_t i = 0; i < forces.size(); ++i)
     {
-        const Vec3 place = place_of(contacts.terms[i], x.first);
+        const Vec3 place = contacts.terms[i].place_on_first(x.first);
         (contacts.terms[i].slips ? slip : stick).push_back(vec3(place));
         ends.push_back(vec3(place));
         ends.push_back(vec3(Vec3(place + scale * forces[i])));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Hexaplast/fields.h>
 #include <Hexaplast/releases.h>
 #include <sofa/helper/OptionsGroup.h>
 
@@ -13,6 +14,8 @@
 
 #include "attributes/admissible.hpp"
 #include "attributes/words.hpp"
+#include "hexaplast/material/rows.hpp"
+#include "parts/option.hpp"
 
 /// Data as the attribute table describes them, so that names, defaults and help stand once for all hosts.
 namespace hexaplast::sofa_plugin
@@ -56,6 +59,14 @@ private:
     int m_counterRead = -1;
 };
 
+/// The group of a member of Material or Settings; that of none is empty.
+inline std::string group_of(std::string_view name)
+{
+    if (const auto* row = find_row(material_rows(), name, Names::kScenes)) return std::string(row->group);
+    if (const auto* row = find_row(settings_rows(), name, Names::kScenes)) return std::string(row->group);
+    return {};
+}
+
 inline std::string help_of(const Attribute& attribute)
 {
     std::string help(attribute.help);
@@ -86,8 +97,8 @@ T initial_value(const Attribute& attribute)
     }
 }
 
-/// What a Data of a component is made from: d_axis(from_table(*this, d_axis, row(kTable, "axis"))). `group`: under
-/// which windows show it; outputs have theirs.
+/// What a Data of a component is made from: Data<SReal> d_length{from_table(*this, d_length, row(kTable, "length"))}.
+/// `group`: under which windows show it; outputs have theirs. The component knows it by its older names too.
 template <class T>
 typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const Attribute& attribute,
                                       const char* group = "")
@@ -96,14 +107,58 @@ typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const
     auto init = owner.initData(&data, initial_value<T>(attribute), std::string(attribute.name).c_str(),
                                help_of(attribute).c_str(), true, is_output);
     init.group = is_output ? "Outputs" : group;
+    for (const std::string_view alias : attributes::split_words(attribute.aliases))
+        owner.addAlias(&data, std::string(alias).c_str());
     return init;
 }
 
+/// An option of a part from the Data that has its name.
 template <class T>
-std::optional<T> if_set(const Data<T>& data)
+void read_option(const sofa::core::BaseData& data, const Attribute& attribute, T& option)
 {
-    if (!data.isSet()) return std::nullopt;
-    return data.getValue();
+    using namespace sofa::type;
+    const auto is = [&]<class Of>(std::type_identity<Of>) -> const Of&
+    { return dynamic_cast<const Data<Of>&>(data).getValue(); };
+    if constexpr (std::is_enum_v<T>)
+        option = static_cast<T>(parts::place_of_word(attribute, dynamic_cast<const DataWord&>(data).given()));
+    else if constexpr (std::is_same_v<T, hexaplast::Vec3>)
+        option = vec3(is(std::type_identity<sofa::type::Vec3>()));
+    else if constexpr (std::is_same_v<T, std::vector<double>>)
+        option = reals(is(std::type_identity<vector<SReal>>()));
+    else if constexpr (std::is_same_v<T, std::vector<int>>)
+        option = whole_numbers(is(std::type_identity<vector<sofa::Index>>()));
+    else if constexpr (std::is_same_v<T, PointArray>)
+        option = view(is(std::type_identity<vector<sofa::type::Vec3>>()));
+    else if constexpr (std::is_same_v<T, std::vector<Triangle>>)
+        option = triangles(is(std::type_identity<MeshTopology::SeqTriangles>()));
+    else
+        option = is(std::type_identity<T>());
+}
+template <class T>
+void read_option(const sofa::core::BaseData& data, const Attribute& attribute, std::optional<T>& option)
+{
+    if (data.isSet()) read_option(data, attribute, option.emplace());
+}
+
+/// The options of a part from the Data of its component. Throws OptionError for a word that there is not, with what
+/// else is wrong.
+template <class Options>
+Options read_options(const SofaComponent& owner, const Description& description)
+{
+    Options options;
+    parts::OptionErrors errors;
+    Options::each(options,
+                  [&](std::string_view option, auto& member)
+                  {
+                      const std::string name = parts::attribute_name(option);
+                      errors.collect(
+                          [&]
+                          { read_option(*owner.findData(name), attributes::attribute_of(description, name), member); });
+                  });
+    if (errors.empty()) return options;
+    errors.collect([&] { parts::OptionRanges(description, options).throw_all(); });
+    errors.throw_all();
+    return options;
 }
 
 /// The inputs of a component that has the attributes of a table: whether a value changed since they were seen last.

@@ -11,7 +11,7 @@ namespace sofa::core::topology {
 
 class Topology : public objectmodel::BaseComponent {
  public:
-  using Hexa = std::array<Index, 8>;
+  using Hexa = type::Vec<8, Index>;
   using SeqHexahedra = type::vector<Hexa>;
   using Triangle = type::Vec<3, Index>;
   using SeqTriangles = type::vector<Triangle>;

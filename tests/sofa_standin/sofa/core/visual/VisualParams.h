@@ -4,7 +4,6 @@
 
 #include <sofa/type/types.h>
 
-#include <string>
 #include <vector>
 
 namespace sofa::helper::visual {
@@ -19,12 +18,6 @@ class DrawTool {
   struct Lines {
     std::vector<type::Vec3> ends;
     type::RGBAColor colour;
-  };
-
-  struct Round {
-    std::string shape;
-    std::vector<type::Vec3> places;
-    float radius;
   };
 
   class StateLifeCycle {
@@ -52,20 +45,10 @@ class DrawTool {
   void drawPoints(const std::vector<type::Vec3>& places, float, const type::RGBAColor& colour) {
     points.push_back({places, colour});
   }
-  void drawSphere(const type::Vec3& centre, float radius, const type::RGBAColor&) {
-    round.push_back({"sphere", {centre}, radius});
-  }
-  void drawCapsule(const type::Vec3& from, const type::Vec3& to, float radius, const type::RGBAColor&, int) {
-    round.push_back({"capsule", {from, to}, radius});
-  }
-  void drawCylinder(const type::Vec3& from, const type::Vec3& to, float radius, const type::RGBAColor&, int) {
-    round.push_back({"cylinder", {from, to}, radius});
-  }
   void disableLighting() { is_lit = false; }
 
   std::vector<Triangles> triangles;
   std::vector<Lines> lines, points;
-  std::vector<Round> round;
   int open_states = 0;
   bool is_wireframe = false, is_lit = false;
 };

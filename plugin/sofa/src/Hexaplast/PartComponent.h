@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/errors.h>
+#include <Hexaplast/table.h>
+#include <sofa/simulation/AnimateBeginEvent.h>
+#include <sofa/simulation/AnimateEndEvent.h>
+
+#include <optional>
+
+namespace hexaplast::sofa_plugin
+{
+
+/// A force field of SOFA that is made from a part: between SOFA's calls, in its order, and those of the part. Data that
+/// change during a simulation take effect at the beginning of the next step, or by reinit. SOFA's update callbacks
+/// would be called within a step, by whoever asks for the state of the component first.
+template <class TBase>
+class PartComponent : public TBase
+{
+public:
+    // What flowed stays: the part follows the Data as it would at the beginning of the next step.
+    void reinit() override
+    {
+        if (!hasPart()) return initPart();
+        m_inputs->have_changed();
+        othersHaveChanged();
+        acceptData([&] { updatePart(); });
+    }
+
+    void reset() override
+    {
+        if (!hasPart()) return;
+        // a step that was lost is forgotten, Data that were refused are not
+        if (m_dataAreAccepted) this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+        attempt(*this, [&] { resetPart(); });
+    }
+
+    void handleEvent(sofa::core::objectmodel::Event* event) override
+    {
+        if (sofa::simulation::AnimateBeginEvent::checkEventType(event))
+        {
+            if (!may_step(*this) || !hasPart()) return;
+            const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
+            const bool ownHaveChanged = m_inputs->have_changed(), othersHave = othersHaveChanged();
+            if (ownHaveChanged || othersHave) acceptData([&] { updatePart(); });
+            if (works()) attempt(*this, [&] { beginStep(this->getContext()->getTime(), dt); });
+        }
+        else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
+        {
+            const SReal dt = static_cast<sofa::simulation::AnimateEndEvent*>(event)->getDt();
+            attempt(*this, [&] { endStep(dt); });
+        }
+    }
+
+    virtual bool hasPart() const = 0;
+
+    /// Whether it has a part, and no error.
+    bool works() const { return hasPart() && !is_invalid(*this); }
+
+    /// For MultigridCGLinearSolver: whether there are derivatives at the latest forces.
+    virtual bool isInMatrix() const { return true; }
+
+    /// For the same solver: whether the part has forces that would pull at the end of the present step. It tries an
+    /// end, and asks the part to let go of what pulls there, until nothing does, or for as often as it likes.
+    virtual bool isOneSided() const { return false; }
+    virtual void acceptStep() {}  ///< the step ends as it has been tried
+
+    /// From now on addDForce adds nothing: a solver of ours has the stiffness by other ways.
+    void leaveOutOfProducts(bool leftOut) { m_isLeftOut = leftOut; }
+
+protected:
+    /// description: of the attributes that it has as Data.
+    explicit PartComponent(const Description& description) : m_description(description)
+    {
+        this->f_listening.setValue(true);
+    }
+
+    /// What a Data is made from: the attribute of its name. `group`: under which windows show it.
+    template <class T>
+    typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name, const char* group = "")
+    {
+        return from_table(*this, data, attributes::attribute_of(m_description, name), group);
+    }
+
+    /// Makes the part and begins to look at the Data.
+    virtual void initPart()
+    {
+        acceptData([&] { makePart(); });
+        m_inputs.emplace(*this, m_description);
+    }
+
+    virtual void checkRayleighStiffness() const  ///< OptionError where it is not allowed
+    {
+        parts::check_range("rayleighStiffness", attributes::kNotNegative, this->rayleighStiffness.getValue());
+    }
+
+    virtual void makePart() = 0;    ///< from the Data; what was there goes
+    virtual void updatePart() = 0;  ///< by Data that have changed
+    /// Whether Data of other components that the part is made from have changed since this was asked last.
+    virtual bool othersHaveChanged() { return false; }
+    virtual void resetPart() {}
+    virtual void beginStep(SReal /*time*/, SReal /*dt*/) {}
+    virtual void endStep(SReal /*dt*/) {}
+
+    bool isLeftOut() const { return m_isLeftOut; }
+
+    /// The options of the part from its Data. Throws OptionError.
+    template <class Options>
+    Options readOptions() const
+    {
+        return read_options<Options>(*this, m_description);
+    }
+
+private:
+    /// Lets `call` make or change the part by the Data. Where it came through the component is valid; else what is
+    /// wrong with the Data is said, all at once.
+    template <class Call>
+    void acceptData(const Call& call)
+    {
+        m_dataAreAccepted = accept_data(
+            *this, [&] { checkRayleighStiffness(); }, call);
+    }
+
+    const Description& m_description;
+    std::optional<Inputs> m_inputs;
+    bool m_dataAreAccepted = false;
+    bool m_isLeftOut = false;
+};
+
+}  // namespace hexaplast::sofa_plugin
