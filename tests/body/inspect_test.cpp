@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // One hexahedron by itself. Its intermediates are compared with golden data through the command
-// (runner/element_test.cpp), which prints them; here with difference quotients, the body and hand values.
+// (runner/study/element_test.cpp), which prints them; here with difference quotients, the body and hand values.
 #include "inspect.hpp"
 
 #include "body_state.hpp"

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 
-EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "examples" / "cluster" / "sweep.sbatch"
+EXAMPLE = pathlib.Path(__file__).resolve().parents[3] / "examples" / "cluster" / "sweep.sbatch"
 VARY = ["--vary", "bar/material.yieldStress=100:800:4", "--vary", "bar/material.plasticFlowRate=1,2,4", "--steps", "500"]
 
 CONF = """ClusterName=test

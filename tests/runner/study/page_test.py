@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 SBATCH = """#!/bin/bash
 [[ $1 =~ ^--array=1-([0-9]+)$ ]] || { echo "sbatch: $1" >&2; exit 1; }
 for SLURM_ARRAY_TASK_ID in $(seq "${BASH_REMATCH[1]}"); do
