@@ -37,14 +37,14 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
       if (integrator_->boolean(scheme))
         reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     instrument_.emplace(accepted(*this, [&] { return parts::Instrument(options(), *body_field_->body()); }));
-    shape_ = parts::shape_of(options());
+    shape_ = parts::shape_of(instrument_->options());
     instrument_->look_at_start(present_pose(node().clock().time), state_->positions());
     pass_on(*this, instrument_->take_warnings());
   }
 
   void refresh() override {
     accepted(*this, [&] { instrument_->set_options(options()); });
-    shape_ = parts::shape_of(options());
+    shape_ = parts::shape_of(instrument_->options());
     pass_on(*this, instrument_->take_warnings());
   }
 

@@ -116,8 +116,9 @@ class TangentialForceField final : public PrescribedLoad {
   TangentialForceField() : PrescribedLoad(attributes::kTangentialForceField) {}
 
   void init() override {
+    const int count = num_nodes();
     load_.emplace(accepted(
-        *this, [&] { return parts::TangentialLoad(read_options<parts::TangentialLoadOptions>(*this), num_nodes()); }));
+        *this, [&] { return parts::TangentialLoad(read_options<parts::TangentialLoadOptions>(*this), count); }));
     note_loaded({load_->nodes().begin(), load_->nodes().end()});
   }
 

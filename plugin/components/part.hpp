@@ -40,7 +40,7 @@ void read_option(scene::Object& owner, const std::string& name, T& option) {
 }
 template <class T>
 void read_option(scene::Object& owner, const std::string& name, std::optional<T>& option) {
-  if (owner.is_given(name)) read_option(owner, name, option.emplace());
+  if (owner.has_value(name)) read_option(owner, name, option.emplace());
 }
 
 /// The options of a part from the attributes of its component.

@@ -7,12 +7,13 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/contact/contact_terms.hpp"
+#include "parts/option.hpp"
 
 namespace hexaplast::parts {
 
 /// What all contacts of bodies have.
 struct ContactOptions {
-  std::optional<double> contact_stiffness = std::nullopt;  ///< [Pa/m] otherwise 30 E / edge length, the softer body's
+  std::optional<double> contact_stiffness = std::nullopt;  ///< [Pa/m] otherwise 30 E / edge length of the softer body
   std::optional<double> tangential_stiffness = std::nullopt;  ///< [Pa/m] otherwise contact_stiffness
   double friction = 0;
   double contact_distance = 0;  ///< [m]
@@ -21,13 +22,13 @@ struct ContactOptions {
   bool active = true;           ///< otherwise nothing touches
 
   static void each(auto& options, const auto& visit) {
-    visit("contact_stiffness", options.contact_stiffness);
-    visit("tangential_stiffness", options.tangential_stiffness);
-    visit("friction", options.friction);
-    visit("contact_distance", options.contact_distance);
-    visit("damping", options.damping);
-    visit("max_subdivision", options.max_subdivision);
-    visit("active", options.active);
+    HEXAPLAST_OPTION(contact_stiffness);
+    HEXAPLAST_OPTION(tangential_stiffness);
+    HEXAPLAST_OPTION(friction);
+    HEXAPLAST_OPTION(contact_distance);
+    HEXAPLAST_OPTION(damping);
+    HEXAPLAST_OPTION(max_subdivision);
+    HEXAPLAST_OPTION(active);
   }
 
   /// default_stiffness [Pa/m]: of contact, where there is no contact_stiffness.

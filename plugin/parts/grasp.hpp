@@ -27,15 +27,15 @@ struct GraspOptions {
   double damping = 0;                                      ///< [N s/m] of the grip as a whole
 
   static void each(auto& options, const auto& visit) {
-    visit("key_times", options.key_times);
-    visit("positions", options.positions);
-    visit("grasp_time", options.grasp_time);
-    visit("release_time", options.release_time);
-    visit("radius", options.radius);
-    visit("indices", options.indices);
-    visit("stiffness", options.stiffness);
-    visit("max_force", options.max_force);
-    visit("damping", options.damping);
+    HEXAPLAST_OPTION(key_times);
+    HEXAPLAST_OPTION(positions);
+    HEXAPLAST_OPTION(grasp_time);
+    HEXAPLAST_OPTION(release_time);
+    HEXAPLAST_OPTION(radius);
+    HEXAPLAST_OPTION(indices);
+    HEXAPLAST_OPTION(stiffness);
+    HEXAPLAST_OPTION(max_force);
+    HEXAPLAST_OPTION(damping);
   }
 };
 

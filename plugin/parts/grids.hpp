@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hexaplast/mesh/hex_mesh.hpp"
+#include "parts/option.hpp"
 
 /// Grids bent into the shapes of organs (hexaplast/geometry/shapes.hpp), with the options that scenes give. All throw
 /// OptionError, and InputError for shapes that fold or run into themselves.
@@ -21,12 +22,12 @@ struct TubeGridOptions {
   std::optional<PointArray> centreline = std::nullopt;  ///< [m] points of a smooth curve to follow instead
 
   static void each(auto& options, const auto& visit) {
-    visit("cells", options.cells);
-    visit("inner_radius", options.inner_radius);
-    visit("outer_radius", options.outer_radius);
-    visit("length", options.length);
-    visit("bend", options.bend);
-    visit("centreline", options.centreline);
+    HEXAPLAST_OPTION(cells);
+    HEXAPLAST_OPTION(inner_radius);
+    HEXAPLAST_OPTION(outer_radius);
+    HEXAPLAST_OPTION(length);
+    HEXAPLAST_OPTION(bend);
+    HEXAPLAST_OPTION(centreline);
   }
 };
 HexMesh make_grid(const TubeGridOptions& options);
@@ -39,10 +40,10 @@ struct SheetGridOptions {
   double curvature = 0;                   ///< [1/m] about an axis along y
 
   static void each(auto& options, const auto& visit) {
-    visit("cells", options.cells);
-    visit("size", options.size);
-    visit("thickness", options.thickness);
-    visit("curvature", options.curvature);
+    HEXAPLAST_OPTION(cells);
+    HEXAPLAST_OPTION(size);
+    HEXAPLAST_OPTION(thickness);
+    HEXAPLAST_OPTION(curvature);
   }
 };
 HexMesh make_grid(const SheetGridOptions& options);
@@ -55,10 +56,10 @@ struct SpherePatchGridOptions {
   double angle = 90;                     ///< [deg] from side to side
 
   static void each(auto& options, const auto& visit) {
-    visit("cells", options.cells);
-    visit("inner_radius", options.inner_radius);
-    visit("outer_radius", options.outer_radius);
-    visit("angle", options.angle);
+    HEXAPLAST_OPTION(cells);
+    HEXAPLAST_OPTION(inner_radius);
+    HEXAPLAST_OPTION(outer_radius);
+    HEXAPLAST_OPTION(angle);
   }
 };
 HexMesh make_grid(const SpherePatchGridOptions& options);

@@ -32,17 +32,17 @@ struct InstrumentOptions {
   ContactOptions contact = {};
 
   static void each(auto& options, const auto& visit) {
-    visit("shape", options.shape);
-    visit("radius", options.radius);
-    visit("length", options.length);
-    visit("size", options.size);
-    visit("surface_positions", options.surface_positions);
-    visit("surface_triangles", options.surface_triangles);
-    visit("embedded_positions", options.embedded_positions);
-    visit("embedded_triangles", options.embedded_triangles);
-    visit("key_times", options.key_times);
-    visit("positions", options.positions);
-    visit("orientations", options.orientations);
+    HEXAPLAST_OPTION(shape);
+    HEXAPLAST_OPTION(radius);
+    HEXAPLAST_OPTION(length);
+    HEXAPLAST_OPTION(size);
+    HEXAPLAST_OPTION(surface_positions);
+    HEXAPLAST_OPTION(surface_triangles);
+    HEXAPLAST_OPTION(embedded_positions);
+    HEXAPLAST_OPTION(embedded_triangles);
+    HEXAPLAST_OPTION(key_times);
+    HEXAPLAST_OPTION(positions);
+    HEXAPLAST_OPTION(orientations);
     ContactOptions::each(options.contact, visit);
   }
 };
@@ -80,6 +80,7 @@ class Instrument {
   /// f += forces [N] of the present step, without what the integrator adds by its Rayleigh stiffness.
   void add_force(ConstPoints x, ConstPoints v, Points f) const;
 
+  const InstrumentOptions& options() const { return options_; }
   const InstrumentContact& contact() const { return *contact_; }
   InstrumentContact& contact() { return *contact_; }
 

@@ -15,9 +15,9 @@ struct MultigridCGOptions {
   int iterations = 500;     ///< at most
 
   static void each(auto& options, const auto& visit) {
-    visit("preconditioner", options.preconditioner);
-    visit("tolerance", options.tolerance);
-    visit("iterations", options.iterations);
+    HEXAPLAST_OPTION(preconditioner);
+    HEXAPLAST_OPTION(tolerance);
+    HEXAPLAST_OPTION(iterations);
   }
 };
 

@@ -48,7 +48,7 @@ void OptionRanges::check_numbers(std::string_view option, std::span<const double
 
 void OptionRanges::check_numbers(std::string_view option, std::span<const int> numbers) {
   const attributes::Range& range = attributes::attribute_of(table_, attribute_name(option)).range;
-  if (range == attributes::kIndex) return;  // checked by whoever knows how many there are
+  if (range == attributes::kIndex) return;  // by whoever knows how many there are
   collect([&] {
     for (const int number : numbers) check_range(option, range, number);
   });

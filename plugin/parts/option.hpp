@@ -18,6 +18,8 @@
 ///
 /// Options::each(options, visit) calls visit(name, member) for each option that scenes give. Hosts read their
 /// attributes along this list, ranges are checked along it, and a test compares it with the attribute table.
+#define HEXAPLAST_OPTION(member) visit(#member, options.member)
+
 namespace hexaplast::parts {
 
 /// "groupSize" of "group_size": what scenes call an option.
@@ -91,6 +93,8 @@ class OptionRanges : public OptionErrors {
       check_numbers(option, std::span(&member, 1));
     else if constexpr (requires { std::span(member.data(), static_cast<std::size_t>(member.size())); })
       check_numbers(option, std::span(member.data(), static_cast<std::size_t>(member.size())));
+    else
+      static_assert(std::is_same_v<T, bool> || std::is_enum_v<T>, "a new type: teach it here");
   }
   void check_numbers(std::string_view option, std::span<const double> numbers);
   void check_numbers(std::string_view option, std::span<const int> numbers);

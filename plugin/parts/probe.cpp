@@ -36,7 +36,8 @@ double Probe::read(std::span<const double> values) {
     std::iota(entries.begin(), entries.end(), 0);
   }
   for (const int entry : entries)
-    if (entry >= count) throw OptionError("indices", fmt::format("holds {}, must be below {}", entry, count));
+    if (entry < 0 || entry >= count)
+      throw OptionError("indices", fmt::format("holds {}, must lie in [0, {})", entry, count));
 
   std::vector<double> changed;
   if (options_.change) {

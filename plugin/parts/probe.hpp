@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "parts/option.hpp"
+
 namespace hexaplast::parts {
 
 /// In scenes: Probe.
@@ -17,10 +19,10 @@ struct ProbeOptions {
   bool change = false;                     ///< since the first reading
 
   static void each(auto& options, const auto& visit) {
-    visit("indices", options.indices);
-    visit("component", options.component);
-    visit("statistic", options.statistic);
-    visit("change", options.change);
+    HEXAPLAST_OPTION(indices);
+    HEXAPLAST_OPTION(component);
+    HEXAPLAST_OPTION(statistic);
+    HEXAPLAST_OPTION(change);
   }
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
+#include "parts/option.hpp"
 
 namespace hexaplast::parts {
 
@@ -18,12 +19,12 @@ struct TangentialLoadOptions {
   std::vector<double> forces = {};  ///< [N] on each group at each key time
 
   static void each(auto& options, const auto& visit) {
-    visit("indices", options.indices);
-    visit("group_size", options.group_size);
-    visit("axis", options.axis);
-    visit("centre", options.centre);
-    visit("times", options.times);
-    visit("forces", options.forces);
+    HEXAPLAST_OPTION(indices);
+    HEXAPLAST_OPTION(group_size);
+    HEXAPLAST_OPTION(axis);
+    HEXAPLAST_OPTION(centre);
+    HEXAPLAST_OPTION(times);
+    HEXAPLAST_OPTION(forces);
   }
 };
 

@@ -139,6 +139,12 @@ template const std::string& Object::get(std::string_view);
 template const std::vector<std::int64_t>& Object::get(std::string_view);
 template const std::vector<double>& Object::get(std::string_view);
 
+bool Object::has_value(std::string_view name) {
+  const Data* end = &data(name);
+  while (end->source()) end = end->source();
+  return end->is_given() || !end->attribute().initial.empty() || is_computed(end->attribute());
+}
+
 std::optional<double> Object::real_if_given(std::string_view name) {
   if (std::holds_alternative<std::monostate>(data(name).value())) return std::nullopt;
   return real(name);

@@ -112,6 +112,7 @@ class Object {
   /// Values by name. Asking for a name or a type that the description does not have is a programming error
   /// (std::logic_error). `integers` and `reals` stay valid until the value changes.
   bool is_given(std::string_view name) { return data(name).is_given(); }
+  bool has_value(std::string_view name);  ///< given, here or where it comes from, or there by default
   bool boolean(std::string_view name) { return get<bool>(name); }
   int integer(std::string_view name) { return static_cast<int>(get<std::int64_t>(name)); }
   double real(std::string_view name) { return get<double>(name); }

@@ -19,6 +19,11 @@ constexpr double kNegligible = 0.03;   // of the energy norm of a start, that a 
 constexpr double kOfFarInverse = 0.2;  // of the error allowed, where M is far from A: it sees less of smooth errors
 constexpr int kColumns = 8;            // of W, that are multiplied at once
 
+void require_node(const char* whose, int node, int row, int num_nodes) {
+  if (node < 0 || node >= num_nodes)
+    throw InputError(fmt::format("{}: node {} of row {} must lie in [0, {})", whose, node, row, num_nodes));
+}
+
 Eigen::Map<PointArray> field_of(Eigen::MatrixXd& columns, int column) {
   return {columns.col(column).data(), columns.rows() / 3, 3};
 }
@@ -26,8 +31,13 @@ Eigen::Map<PointArray> field_of(Eigen::MatrixXd& columns, int column) {
 }  // namespace
 
 void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const double> lambda, Points f) {
+  if (lambda.size() != rows.size())
+    throw InputError(fmt::format("add_constraint_force: {} values of lambda, must be {}", lambda.size(), rows.size()));
   for (std::size_t j = 0; j < rows.size(); ++j)
-    for (const auto& [node, direction] : rows[j]) f.row(node) += lambda[j] * direction.transpose();
+    for (const auto& [node, direction] : rows[j]) {
+      require_node("add_constraint_force", node, static_cast<int>(j), static_cast<int>(f.rows()));
+      f.row(node) += lambda[j] * direction.transpose();
+    }
 }
 
 Compliance::Compliance(Preconditioner preconditioner, double energy_error)
@@ -56,8 +66,7 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   b_.setZero(size, num_rows);
   for (int j = 0; j < num_rows; ++j)
     for (const auto& [node, direction] : rows[j]) {
-      if (node < 0 || node >= A.num_nodes())
-        throw InputError(fmt::format("Compliance: node {} of row {} must lie in [0, {})", node, j, A.num_nodes()));
+      require_node("Compliance", node, j, A.num_nodes());
       field_of(b_, j).row(node) += direction.transpose();
     }
   const int num_solvers = num_threads();

@@ -284,6 +284,15 @@ TEST(InstrumentContactForceField, TakesASurface) {
   EXPECT_TRUE(support::agrees(surface, box, 1e-9));
 }
 
+// An option that follows one without a value has none either: its default holds.
+TEST(InstrumentContactForceField, TakesTheOptionsOfAnotherOne) {
+  EXPECT_EQ(errors_of(block("<InstrumentContactForceField name='a' shape='box' size='1 1 1' friction='.3' keyTimes='0' "
+                            "positions='0 0 1'/><InstrumentContactForceField name='b' src='@a'/>"
+                            "<InstrumentContactForceField name='c' radius='.1' keyTimes='0' positions='0 0 1' "
+                            "contactStiffness='@a.contactStiffness' tangentialStiffness='@a.friction'/>")),
+            "");
+}
+
 TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   const auto errors = [](const std::string& attributes) {
     return errors_of(block("<InstrumentContactForceField keyTimes='0' positions='0 0 1' " + attributes + "/>"));
@@ -300,6 +309,8 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
             prefix + ".orientations: quaternion 0 is 0 0 0 0, must have a length");
   EXPECT_EQ(errors("shape='surface' surfacePositions='0 0 0  1 0 0  0 1 0' surfaceTriangles='0 1 2'"),
             prefix + ".surfaceTriangles: closed surface: is open at edge 0 1 of triangle 0");
+  EXPECT_EQ(errors("shape='surface' surfacePositions='0 0 0  1 0 0  0 1 0' surfaceTriangles='0 1 9'"),
+            prefix + ".surfaceTriangles: 9 must lie in [0, 3)");
   EXPECT_EQ(errors_of(block("<InstrumentContactForceField radius='1' keyTimes='0' positions='0 0 1'/>",
                             "<SparseLDLSolver/>", "<EulerImplicitSolver trapezoidalScheme='true'/>")),
             prefix + ": its EulerImplicitSolver has trapezoidalScheme: contact needs implicit Euler");

@@ -30,7 +30,7 @@ using support::refused;
 
 const PointArray kPoints = (PointArray(4, 3) << 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3).finished();
 
-/// A member as its attribute writes it, where the default of the attribute is no list.
+/// A member as its attribute writes it.
 std::string text_of(const attributes::Attribute& attribute, const auto& member) {
   using T = std::remove_cvref_t<decltype(member)>;
   if constexpr (std::is_enum_v<T>)
@@ -151,6 +151,24 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
   EXPECT_EQ(static_cast<Preconditioner>(place_of_word(words, "diagonal")), Preconditioner::kDiagonal);
   EXPECT_EQ(refused([&] { place_of_word(words, "Multigrid"); }),
             "preconditioner: 'Multigrid' must be auto, multigrid or diagonal (did you mean 'multigrid'?)");
+}
+
+TEST(Options, OfEveryTypeAreCheckedAgainstTheirRange) {
+  EXPECT_EQ(refused([] { make_grid(SheetGridOptions{.size = {-1, 1}}); }), "size: -1 must be > 0");
+  const auto instrument = [](const InstrumentOptions& options) {
+    return refused([&] { OptionRanges(attributes::kInstrumentContactForceField, options).throw_all(); });
+  };
+  EXPECT_EQ(instrument({.size = Vec3(0, 1, 1)}), "size: 0 must be > 0");
+  EXPECT_EQ(instrument({.positions = PointArray::Constant(1, 3, std::numeric_limits<double>::infinity())}),
+            "positions: inf is not finite");
+  EXPECT_EQ(instrument({.contact = {.friction = -1, .max_subdivision = 65}}),
+            "friction: -1 must be >= 0; maxSubdivision: 65 must lie in [1, 64]");
+}
+
+TEST(Probe, RefusesEntriesThatAreNotThere) {
+  const std::vector<double> values = {1, 2};
+  EXPECT_EQ(refused([&] { Probe({.indices = {2}}, 1).read(values); }), "indices: holds 2, must lie in [0, 2)");
+  EXPECT_EQ(refused([&] { Probe({.indices = {-1}}, 1).read(values); }), "indices: holds -1, must lie in [0, 2)");
 }
 
 TEST(Grasp, KeepsItsGripWhereOptionsChange) {

@@ -111,6 +111,16 @@ TEST(SofaPlugin, GroupsTheDataOfABodyAsTheRowsAre) {
   check("HexahedronElastoplasticFEMForceField", material_rows());
   check("HexahedronElastoplasticFEMForceField", settings_rows());
   check("MaterialRegion", material_rows());
+  const auto group_of = [&](const std::string& class_name, const std::string& name) {
+    return factory().entries.at(class_name).make()->findData(name)->getGroup();
+  };
+  EXPECT_EQ(group_of("GraspForceField", "keyTimes"), "Path");
+  EXPECT_EQ(group_of("GraspForceField", "maxForce"), "Grip");
+  EXPECT_EQ(group_of("InstrumentContactForceField", "radius"), "Instrument");
+  EXPECT_EQ(group_of("TissueContactForceField", "friction"), "Contact");
+  EXPECT_EQ(group_of("SheetGridTopology", "thickness"), "Shape");
+  const auto body = factory().entries.at("HexahedronElastoplasticFEMForceField").make();
+  EXPECT_EQ(body->findData("drawMaterialShape"), body->findData("drawPlasticRestShape"));
 }
 
 TEST_F(Adapter, TangentialForcesTurnAboutTheAxis) {

@@ -145,6 +145,40 @@ TEST_F(InstrumentAdapter, DrawsItsShapeWhereItIs) {
   EXPECT_NEAR(enclosed(surface), 1e-3 / 6, 1e-15);
 }
 
+// Data count from the next step on: until then, and where they are refused, the instrument is the one before.
+TEST_F(InstrumentAdapter, DrawsTheShapeThatItHasUntilDataAreAccepted) {
+  integrate();
+  make_body({});
+  Contact& contact = make_contact(with(box(), {}));
+  const auto num_corners = [&] {
+    sofa::core::visual::VisualParams shown;
+    contact.draw(&shown);
+    return shown.tool.triangles.at(0).corners.size();
+  };
+  EXPECT_EQ(num_corners(), 36u);
+  for (const char* shape : {"capsule", "cube"}) {
+    contact.findData("shape")->read(shape);
+    EXPECT_EQ(num_corners(), 36u) << shape;
+  }
+}
+
+TEST_F(InstrumentAdapter, IsMadeByReinitAfterWhatWasRefused) {
+  integrate();
+  make_body({});
+  Contact& contact = make_contact(with(box(), {{"friction", "-1"}, {"shape", "cube"}, {"rayleighStiffness", "1"}}));
+  for (const char* attribute : {"friction", "shape", "rayleighStiffness"})
+    EXPECT_NE(said().find("InstrumentContactForceField." + std::string(attribute) + ": "), std::string::npos) << said();
+  contact.reset();
+  EXPECT_FALSE(is_valid(contact));
+  contact.findData("friction")->read("0");
+  contact.findData("shape")->read("box");
+  contact.findData("rayleighStiffness")->read("0");
+  contact.reinit();
+  EXPECT_TRUE(is_valid(contact)) << said();
+  tell<AnimateBeginEvent>();
+  EXPECT_TRUE(contact.isInMatrix());
+}
+
 TEST_F(InstrumentAdapter, DrawsWhereItTouchesAndTheForces) {
   integrate();
   make_body({});
@@ -252,7 +286,9 @@ TEST_F(InstrumentAdapter, FollowsABodyThatIsMadeAnewAndHexahedraThatGo) {
   tell<AnimateBeginEvent>();
   const int touching = contact.instrument()->contact().num_touching();
   body.init();
+  sofa_standin::messages().clear();
   tell<AnimateBeginEvent>();
+  EXPECT_EQ(said(), "") << "it does not begin anew";
   EXPECT_EQ(contact.instrument()->contact().num_touching(), touching) << said();
   tell<AnimateEndEvent>();
   EXPECT_TRUE(is_valid(contact)) << said();

@@ -139,6 +139,37 @@ TEST_F(TissueAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {
   EXPECT_NE(said().find("not a MultigridCGLinearSolver"), std::string::npos) << said();
 }
 
+TEST_F(TissueAdapter, IsMadeByReinitAfterWhatWasRefused) {
+  integrate(tissue);
+  Contact& contact = make_contact({{"friction", "-1"}, {"maxSubdivision", "0"}});
+  for (const char* attribute : {"friction", "maxSubdivision"})
+    EXPECT_NE(said().find("TissueContactForceField." + std::string(attribute) + ": "), std::string::npos) << said();
+  contact.reset();
+  EXPECT_FALSE(is_valid(contact));
+  contact.findData("friction")->read("0");
+  contact.findData("maxSubdivision")->read("8");
+  contact.reinit();
+  EXPECT_TRUE(is_valid(contact)) << said();
+  tell<AnimateBeginEvent>();
+  ASSERT_TRUE(contact.isInMatrix());
+  contact.findData("active")->read("false");
+  tell<AnimateBeginEvent>();
+  EXPECT_FALSE(contact.isInMatrix()) << "from the next step on";
+  EXPECT_FALSE(contact.d_active.getValue());
+}
+
+TEST_F(TissueAdapter, FollowsABodyThatIsMadeAnew) {
+  integrate(tissue);
+  Contact& contact = make_contact({});
+  tell<AnimateBeginEvent>();
+  const int touching = contact.tissues()->contact().num_touching();
+  ASSERT_GT(touching, 0);
+  upper.get<HexahedronElastoplasticFEMForceField<Vec3Types>>(BaseContext::Local)->init();
+  tell<AnimateBeginEvent>();
+  EXPECT_EQ(contact.tissues()->contact().num_touching(), touching) << said();
+  EXPECT_TRUE(is_valid(contact)) << said();
+}
+
 TEST_F(TissueAdapter, RefusesWhatCannotTouch) {
   const auto refuses = [&](const std::string& reason, const Attributes& attributes) {
     sofa_standin::messages().clear();

@@ -162,6 +162,16 @@ INSTANTIATE_TEST_SUITE_P(Systems, ComplianceOf,
                                          SystemCase{"spring", 2e5, Precision::kMixed, Preconditioner::kAuto, 5}),
                          [](const auto& each) { return std::string(each.param.name); });
 
+TEST(Compliance, ForcesOfMultipliersAreThoseOfTheTransposedJacobian) {
+  const std::vector<ConstraintRow> rows = {{{1, Vec3(1, 2, 3)}, {0, Vec3(0, 0, 4)}}, {{1, Vec3(5, 0, 0)}}};
+  PointArray f = PointArray::Ones(2, 3), expected(2, 3);
+  add_constraint_force(rows, std::array{2.0, -1.0}, f);
+  expected << 1, 1, 9, -2, 5, 7;
+  EXPECT_EQ(f, expected);
+  EXPECT_THROW(add_constraint_force(rows, std::array{2.0}, f), InputError);
+  EXPECT_THROW(add_constraint_force(std::vector<ConstraintRow>{{{2, Vec3::Ones()}}}, std::array{1.0}, f), InputError);
+}
+
 TEST(Compliance, BeginsTheMotionOfMultipliersNearIt) {
   const HeldSlab slab(2e5, Precision::kDouble);
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);

@@ -13,7 +13,7 @@ namespace hexaplast {
 /// A row of a constraint's Jacobian: directions at nodes.
 using ConstraintRow = std::vector<std::pair<int, Vec3>>;
 
-/// f += J^T lambda, for nodes that f has.
+/// f += J^T lambda. Throws InputError for another number of lambda than of rows, and for a node that f has not.
 void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const double> lambda, Points f);
 
 /// What constraints feel of a system: W = J A^-1 J^T, for rows of J that are few against the nodes.

@@ -259,7 +259,7 @@ TEST_F(Probes, ThatCannotBeReadAreRefused) {
   for (const auto& [probe, message] : std::vector<std::pair<std::string, std::string>>{
            {"<Probe name='tip'/>", "bar.scn:14: error: Probe.value: is not given: there is nothing to record"},
            {"<Probe name='tip' value='@nodes.position' indices='81'/>",
-            "bar.scn:14: error: Probe.indices: holds 81, must be below 81"},
+            "bar.scn:14: error: Probe.indices: holds 81, must lie in [0, 81)"},
            {"<Probe name='tip' value='@nodes.position' component='w'/>", "bar.scn:14: error: Probe.component"},
            {"<Probe name='tip' value='@forceps.name'/>", "bar.scn:14: error: "},
            {"<Probe name='tip' value='@nobody.force'/>", "bar.scn:14: error: "},

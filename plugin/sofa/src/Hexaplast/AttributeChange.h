@@ -18,27 +18,25 @@ namespace hexaplast::sofa_plugin
 
 /// Changes a Data of another component at AnimateBeginEvent. It stands before that component, so that the change counts
 /// in the same step. Data: plugin/attributes/parts.hpp.
-class HEXAPLAST_SOFA_API AttributeChange final : public sofa::core::objectmodel::BaseObject
+class HEXAPLAST_SOFA_API AttributeChange final : public TableComponent<sofa::core::objectmodel::BaseObject>
 {
 public:
-    SOFA_CLASS(AttributeChange, sofa::core::objectmodel::BaseObject);
+    SOFA_CLASS(AttributeChange, SOFA_TEMPLATE(TableComponent, sofa::core::objectmodel::BaseObject));
 
-    Data<std::string> d_attribute{from_table(*this, d_attribute, row(attributes::kAttributeChange, "attribute"))};
-    Data<sofa::type::vector<SReal>> d_keyTimes{
-        from_table(*this, d_keyTimes, row(attributes::kAttributeChange, "keyTimes"))};
-    Data<std::string> d_values{from_table(*this, d_values, row(attributes::kAttributeChange, "values"))};
+    Data<std::string> d_attribute{fromTable(d_attribute, "attribute")};
+    Data<sofa::type::vector<SReal>> d_keyTimes{fromTable(d_keyTimes, "keyTimes")};
+    Data<std::string> d_values{fromTable(d_values, "values")};
     sofa::core::objectmodel::SingleLink<AttributeChange, sofa::core::objectmodel::BaseObject,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_component{
-            initLink("component", row(attributes::kAttributeChange, "component").help.data())};  ///< that has the Data
+        l_component{initLink("component", helpOf("component"))};  ///< that has the Data
 
     void bwdInit() override;
     void reset() override;
     void handleEvent(sofa::core::objectmodel::Event* event) override;
 
 protected:
-    AttributeChange() { f_listening.setValue(true); }
+    AttributeChange() : TableComponent(attributes::kAttributeChange) { f_listening.setValue(true); }
 
 private:
     void put(const std::optional<std::string>& value);

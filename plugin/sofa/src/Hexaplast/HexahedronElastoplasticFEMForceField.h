@@ -25,42 +25,42 @@ public:
     using Inherit = PartForceField<TDataTypes>;
     using VecReal = sofa::type::vector<SReal>;
 
-    Data<VecReal> d_youngModulus{fromRow(d_youngModulus, "youngModulus")};
-    Data<VecReal> d_poissonRatio{fromRow(d_poissonRatio, "poissonRatio")};
-    DataWord d_law{fromRow(d_law, "law")};
-    Data<SReal> d_mooneyFraction{fromRow(d_mooneyFraction, "mooneyFraction")};
-    Data<VecReal> d_yieldStress{fromRow(d_yieldStress, "yieldStress")};
-    DataWord d_yieldNorm{fromRow(d_yieldNorm, "yieldNorm")};
-    Data<SReal> d_plasticFlowRate{fromRow(d_plasticFlowRate, "plasticFlowRate")};
-    Data<SReal> d_rotationYield{fromRow(d_rotationYield, "rotationYield")};
-    Data<SReal> d_rotationFlowRate{fromRow(d_rotationFlowRate, "rotationFlowRate")};
-    DataWord d_rotationPlasticity{fromRow(d_rotationPlasticity, "rotationPlasticity")};
-    DataWord d_rotationFrame{fromRow(d_rotationFrame, "rotationFrame")};
-    Data<SReal> d_hardening{fromRow(d_hardening, "hardening")};
-    Data<SReal> d_volumeRestitution{fromRow(d_volumeRestitution, "volumeRestitution")};
-    Data<SReal> d_inversionThreshold{fromRow(d_inversionThreshold, "inversionThreshold")};
-    Data<SReal> d_fractureStress{fromRow(d_fractureStress, "fractureStress")};
-    Data<SReal> d_fractureStretch{fromRow(d_fractureStretch, "fractureStretch")};
-    DataWord d_bending{fromRow(d_bending, "bending")};
-    Data<SReal> d_blendWeight{fromRow(d_blendWeight, "blendWeight")};
-    DataWord d_volumetric{fromRow(d_volumetric, "volumetric")};
-    DataWord d_recovery{fromRow(d_recovery, "recovery")};
-    Data<SReal> d_recoveryStrength{fromRow(d_recoveryStrength, "recoveryStrength")};
-    Data<SReal> d_recoveryFrom{fromRow(d_recoveryFrom, "recoveryFrom")};
-    Data<SReal> d_recoveryFull{fromRow(d_recoveryFull, "recoveryFull")};
-    DataWord d_averaging{fromRow(d_averaging, "averaging")};
-    Data<int> d_averagingSteps{fromRow(d_averagingSteps, "averagingSteps")};
-    Data<SReal> d_averagingTolerance{fromRow(d_averagingTolerance, "averagingTolerance")};
-    DataWord d_precision{fromRow(d_precision, "precision")};
+    Data<VecReal> d_youngModulus{this->fromTable(d_youngModulus, "youngModulus")};
+    Data<VecReal> d_poissonRatio{this->fromTable(d_poissonRatio, "poissonRatio")};
+    DataWord d_law{this->fromTable(d_law, "law")};
+    Data<SReal> d_mooneyFraction{this->fromTable(d_mooneyFraction, "mooneyFraction")};
+    Data<VecReal> d_yieldStress{this->fromTable(d_yieldStress, "yieldStress")};
+    DataWord d_yieldNorm{this->fromTable(d_yieldNorm, "yieldNorm")};
+    Data<SReal> d_plasticFlowRate{this->fromTable(d_plasticFlowRate, "plasticFlowRate")};
+    Data<SReal> d_rotationYield{this->fromTable(d_rotationYield, "rotationYield")};
+    Data<SReal> d_rotationFlowRate{this->fromTable(d_rotationFlowRate, "rotationFlowRate")};
+    DataWord d_rotationPlasticity{this->fromTable(d_rotationPlasticity, "rotationPlasticity")};
+    DataWord d_rotationFrame{this->fromTable(d_rotationFrame, "rotationFrame")};
+    Data<SReal> d_hardening{this->fromTable(d_hardening, "hardening")};
+    Data<SReal> d_volumeRestitution{this->fromTable(d_volumeRestitution, "volumeRestitution")};
+    Data<SReal> d_inversionThreshold{this->fromTable(d_inversionThreshold, "inversionThreshold")};
+    Data<SReal> d_fractureStress{this->fromTable(d_fractureStress, "fractureStress")};
+    Data<SReal> d_fractureStretch{this->fromTable(d_fractureStretch, "fractureStretch")};
+    DataWord d_bending{this->fromTable(d_bending, "bending")};
+    Data<SReal> d_blendWeight{this->fromTable(d_blendWeight, "blendWeight")};
+    DataWord d_volumetric{this->fromTable(d_volumetric, "volumetric")};
+    DataWord d_recovery{this->fromTable(d_recovery, "recovery")};
+    Data<SReal> d_recoveryStrength{this->fromTable(d_recoveryStrength, "recoveryStrength")};
+    Data<SReal> d_recoveryFrom{this->fromTable(d_recoveryFrom, "recoveryFrom")};
+    Data<SReal> d_recoveryFull{this->fromTable(d_recoveryFull, "recoveryFull")};
+    DataWord d_averaging{this->fromTable(d_averaging, "averaging")};
+    Data<int> d_averagingSteps{this->fromTable(d_averagingSteps, "averagingSteps")};
+    Data<SReal> d_averagingTolerance{this->fromTable(d_averagingTolerance, "averagingTolerance")};
+    DataWord d_precision{this->fromTable(d_precision, "precision")};
 
-    Data<VecReal> d_plasticStrain{fromRow(d_plasticStrain, "plasticStrain")};
-    Data<VecReal> d_presentYieldStress{fromRow(d_presentYieldStress, "presentYieldStress")};
-    Data<VecReal> d_volumeRatio{fromRow(d_volumeRatio, "volumeRatio")};
-    Data<VecReal> d_volume{fromRow(d_volume, "volume")};
-    Data<VecReal> d_plasticVolume{fromRow(d_plasticVolume, "plasticVolume")};
+    Data<VecReal> d_plasticStrain{this->fromTable(d_plasticStrain, "plasticStrain")};
+    Data<VecReal> d_presentYieldStress{this->fromTable(d_presentYieldStress, "presentYieldStress")};
+    Data<VecReal> d_volumeRatio{this->fromTable(d_volumeRatio, "volumeRatio")};
+    Data<VecReal> d_volume{this->fromTable(d_volume, "volume")};
+    Data<VecReal> d_plasticVolume{this->fromTable(d_plasticVolume, "plasticVolume")};
     Data<sofa::type::vector<sofa::type::Vec3>> d_plasticRestPositions{
-        fromRow(d_plasticRestPositions, "plasticRestPositions")};
-    Data<sofa::type::vector<sofa::Index>> d_removed{fromRow(d_removed, "removed")};
+        this->fromTable(d_plasticRestPositions, "plasticRestPositions")};
+    Data<sofa::type::vector<sofa::Index>> d_removed{this->fromTable(d_removed, "removed")};
 
     Data<bool> d_drawPlasticRestShape{
         this->initData(&d_drawPlasticRestShape, false, "drawPlasticRestShape",
@@ -68,7 +68,7 @@ public:
     sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_topology{this->initLink("topology", "The hexahedra; the topology of the node where it is not given.")};
+        l_topology{this->initLink("topology", this->helpOf("topology"))};
 
     void bwdInit() override;
     void draw(const sofa::core::visual::VisualParams* vparams) override;
@@ -100,12 +100,6 @@ protected:
     std::optional<double> energy(SReal, ConstPoints x) const override { return m_body->body().energy(x); }
 
 private:
-    template <class T>
-    typename Data<T>::InitData fromRow(Data<T>& data, std::string_view name)
-    {
-        return this->fromTable(data, name, group_of(name).c_str());
-    }
-
     /// Throws InputError where a region cannot be.
     parts::HexahedralBodyOptions options(const std::vector<Hexahedron>& hexahedra) const;
 

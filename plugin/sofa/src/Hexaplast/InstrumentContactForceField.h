@@ -16,7 +16,8 @@ template <class TDataTypes>
 class InstrumentContactForceField : public ContactComponent<PartForceField<TDataTypes>>
 {
 public:
-    SOFA_CLASS(SOFA_TEMPLATE(InstrumentContactForceField, TDataTypes), SOFA_TEMPLATE(PartForceField, TDataTypes));
+    SOFA_CLASS(SOFA_TEMPLATE(InstrumentContactForceField, TDataTypes),
+               SOFA_TEMPLATE(ContactComponent, PartForceField<TDataTypes>));
     using Inherit = ContactComponent<PartForceField<TDataTypes>>;
     using VecReal = sofa::type::vector<SReal>;
     using VecVec3 = sofa::type::vector<sofa::type::Vec3>;
@@ -37,9 +38,8 @@ public:
     sofa::core::objectmodel::SingleLink<InstrumentContactForceField, sofa::core::behavior::BaseMechanicalState,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_rigid{this->initLink("rigid",
-                               row(attributes::kInstrumentContactForceField, "rigid")
-                                   .help.data())};  ///< frames, one of which prescribes its motion in place of the path
+        l_rigid{this->initLink(
+            "rigid", this->helpOf("rigid"))};  ///< frames, one of which prescribes its motion in place of the path
     Data<int> d_rigidIndex{this->fromTable(d_rigidIndex, "rigidIndex", "Path")};
     Data<sofa::type::Vec3> d_torque{this->fromTable(d_torque, "torque")};
     Data<bool> d_drawInstrument{this->initData(&d_drawInstrument, true, "drawInstrument",
@@ -73,8 +73,6 @@ protected:
     void addDampingBlocks(double factor, BlockMatrix& A) const override;
 
 private:
-    using BodyField = HexahedronElastoplasticFEMForceField<TDataTypes>;
-
     parts::InstrumentOptions options() const;
     void checkRigid() const;
     Pose poseAfter(

@@ -19,6 +19,9 @@ template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::bwdInit()
 {
     this->initPart();
+    if (!this->works()) return;
+    attempt(*this, [&] { m_instrument->look_at_start(pose(), view(this->mstate->readPositions().ref())); });
+    pass_on(*this, m_instrument->take_warnings());
 }
 
 template <class TDataTypes>
@@ -57,7 +60,6 @@ void InstrumentContactForceField<TDataTypes>::makePart()
     checkRigid();
     m_bodyMade = m_bodyField->timesMade();
     m_instrument.emplace(options(), *m_bodyField->body());
-    m_instrument->look_at_start(pose(), view(this->mstate->readPositions().ref()));
     pass_on(*this, m_instrument->take_warnings());
 }
 
@@ -157,7 +159,7 @@ Pose InstrumentContactForceField<TDataTypes>::pose() const
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::drawShape(sofa::helper::visual::DrawTool& tool) const
 {
-    const parts::InstrumentShape shape = parts::shape_of(options());
+    const parts::InstrumentShape shape = parts::shape_of(m_instrument->options());
     const PointArray points = shape.at(pose());
     std::vector<sofa::type::Vec3> corners;
     for (const Triangle& triangle : shape.triangles)

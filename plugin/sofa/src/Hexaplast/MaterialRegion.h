@@ -14,10 +14,10 @@ namespace hexaplast::sofa_plugin
 
 /// Gives some hexahedra of a body values of their own; its body asks for them. Data: the rows of Material, and
 /// plugin/attributes/hexaplast.hpp.
-class HEXAPLAST_SOFA_API MaterialRegion final : public sofa::core::objectmodel::BaseObject
+class HEXAPLAST_SOFA_API MaterialRegion final : public TableComponent<sofa::core::objectmodel::BaseObject>
 {
 public:
-    SOFA_CLASS(MaterialRegion, sofa::core::objectmodel::BaseObject);
+    SOFA_CLASS(MaterialRegion, SOFA_TEMPLATE(TableComponent, sofa::core::objectmodel::BaseObject));
     using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
     using VecReal = sofa::type::vector<SReal>;
 
@@ -35,9 +35,7 @@ public:
     sofa::core::objectmodel::SingleLink<MaterialRegion, Field,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_body{initLink(
-            "body",
-            attributes::attribute_of(attributes::kMaterialRegion, "body").help.data())};  ///< whose hexahedra they are
+        l_body{initLink("body", helpOf("body"))};  ///< whose hexahedra they are
 
     void init() override;
     void reinit() override;
@@ -53,16 +51,9 @@ public:
     bool haveChanged() { return m_inputs.have_changed(); }
 
 protected:
-    MaterialRegion() = default;
+    MaterialRegion() : TableComponent(attributes::kMaterialRegion) {}
 
 private:
-    template <class T>
-    typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name)
-    {
-        return from_table(*this, data, attributes::attribute_of(attributes::kMaterialRegion, name),
-                          group_of(name).c_str());
-    }
-
     std::optional<std::vector<double>> given(const Row<Material>& row) const;
 
     Inputs m_inputs{*this, attributes::kMaterialRegion};

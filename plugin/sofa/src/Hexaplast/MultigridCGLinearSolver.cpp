@@ -53,17 +53,16 @@ struct ConstraintRows
 /// Preconditioned conjugate gradients that end when the answer is as good as asked for. SOFA's constraint corrections
 /// ask it for J A^-1 J^T, and for the motion that belongs to multipliers.
 class MultigridCGLinearSolver final
-    : public sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>
+    : public TableComponent<
+          sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>>
 {
 public:
     using Inherit = sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>;
-    SOFA_CLASS(MultigridCGLinearSolver, SOFA_TEMPLATE2(sofa::component::linearsolver::MatrixLinearSolver,
-                                                       GraphScatteredMatrix, GraphScatteredVector));
+    SOFA_CLASS(MultigridCGLinearSolver, SOFA_TEMPLATE(TableComponent, Inherit));
 
-    DataWord d_preconditioner{
-        from_table(*this, d_preconditioner, row(attributes::kMultigridCGLinearSolver, "preconditioner"))};
-    Data<SReal> d_tolerance{from_table(*this, d_tolerance, row(attributes::kMultigridCGLinearSolver, "tolerance"))};
-    Data<int> d_iterations{from_table(*this, d_iterations, row(attributes::kMultigridCGLinearSolver, "iterations"))};
+    DataWord d_preconditioner{fromTable(d_preconditioner, "preconditioner")};
+    Data<SReal> d_tolerance{fromTable(d_tolerance, "tolerance")};
+    Data<int> d_iterations{fromTable(d_iterations, "iterations")};
 
     /// SOFA's constraint corrections refuse solvers that are called GraphScattered, of which none has J A^-1 J^T.
     static std::string GetCustomTemplateName() { return "MatrixFree"; }
@@ -75,7 +74,7 @@ public:
         m_constraints_are_checked = false;
         const auto make = [&]
         {
-            m_solver.emplace(read_options<parts::MultigridCGOptions>(*this, attributes::kMultigridCGLinearSolver));
+            m_solver.emplace(readOptions<parts::MultigridCGOptions>());
             m_compliance = Compliance(m_solver->options().preconditioner);
         };
         if (!attempt(*this, make)) m_solver.reset();
@@ -183,6 +182,9 @@ public:
                     write(force, cparams->lambda());
                 });
     }
+
+protected:
+    MultigridCGLinearSolver() : TableComponent(attributes::kMultigridCGLinearSolver) {}
 
 private:
     /// Solvers of constraints that ask for one constraint after the other need the entries of a factorised matrix. SOFA

@@ -15,9 +15,11 @@ namespace hexaplast::sofa_plugin
 /// change during a simulation take effect at the beginning of the next step, or by reinit. SOFA's update callbacks
 /// would be called within a step, by whoever asks for the state of the component first.
 template <class TBase>
-class PartComponent : public TBase
+class PartComponent : public TableComponent<TBase>
 {
 public:
+    SOFA_ABSTRACT_CLASS(SOFA_TEMPLATE(PartComponent, TBase), SOFA_TEMPLATE(TableComponent, TBase));
+
     // What flowed stays: the part follows the Data as it would at the beginning of the next step.
     void reinit() override
     {
@@ -70,23 +72,16 @@ public:
 
 protected:
     /// description: of the attributes that it has as Data.
-    explicit PartComponent(const Description& description) : m_description(description)
+    explicit PartComponent(const Description& description) : TableComponent<TBase>(description)
     {
         this->f_listening.setValue(true);
-    }
-
-    /// What a Data is made from: the attribute of its name. `group`: under which windows show it.
-    template <class T>
-    typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name, const char* group = "")
-    {
-        return from_table(*this, data, attributes::attribute_of(m_description, name), group);
     }
 
     /// Makes the part and begins to look at the Data.
     virtual void initPart()
     {
         acceptData([&] { makePart(); });
-        m_inputs.emplace(*this, m_description);
+        m_inputs.emplace(*this, this->description());
     }
 
     virtual void checkRayleighStiffness() const  ///< OptionError where it is not allowed
@@ -104,13 +99,6 @@ protected:
 
     bool isLeftOut() const { return m_isLeftOut; }
 
-    /// The options of the part from its Data. Throws OptionError.
-    template <class Options>
-    Options readOptions() const
-    {
-        return read_options<Options>(*this, m_description);
-    }
-
 private:
     /// Lets `call` make or change the part by the Data. Where it came through the component is valid; else what is
     /// wrong with the Data is said, all at once.
@@ -121,7 +109,6 @@ private:
             *this, [&] { checkRayleighStiffness(); }, call);
     }
 
-    const Description& m_description;
     std::optional<Inputs> m_inputs;
     bool m_dataAreAccepted = false;
     bool m_isLeftOut = false;

@@ -20,7 +20,7 @@ class PartForceField : public PartComponent<sofa::core::behavior::ForceField<TDa
 {
 public:
     SOFA_ABSTRACT_CLASS(SOFA_TEMPLATE(PartForceField, TDataTypes),
-                        SOFA_TEMPLATE(sofa::core::behavior::ForceField, TDataTypes));
+                        SOFA_TEMPLATE(PartComponent, sofa::core::behavior::ForceField<TDataTypes>));
     using DataTypes = TDataTypes;
     using Inherit = sofa::core::behavior::ForceField<DataTypes>;
     using Component = PartComponent<Inherit>;

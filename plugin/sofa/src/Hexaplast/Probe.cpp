@@ -9,17 +9,20 @@ namespace hexaplast::sofa_plugin
 {
 
 /// What `hexaplast run` records. In SOFA that is the business of Monitor and of scripts, which may read it.
-class Probe final : public sofa::core::objectmodel::BaseObject
+class Probe final : public TableComponent<sofa::core::objectmodel::BaseObject>
 {
 public:
-    SOFA_CLASS(Probe, sofa::core::objectmodel::BaseObject);
+    SOFA_CLASS(Probe, SOFA_TEMPLATE(TableComponent, sofa::core::objectmodel::BaseObject));
 
-    Data<sofa::type::vector<SReal>> d_value{from_table(*this, d_value, row(attributes::kProbe, "value"))};
-    Data<sofa::type::vector<sofa::Index>> d_indices{from_table(*this, d_indices, row(attributes::kProbe, "indices"))};
-    Data<sofa::type::vector<sofa::type::Vec3>> d_points{from_table(*this, d_points, row(attributes::kProbe, "points"))};
-    DataWord d_component{from_table(*this, d_component, row(attributes::kProbe, "component"))};
-    DataWord d_statistic{from_table(*this, d_statistic, row(attributes::kProbe, "statistic"))};
-    Data<bool> d_change{from_table(*this, d_change, row(attributes::kProbe, "change"))};
+    Data<sofa::type::vector<SReal>> d_value{fromTable(d_value, "value")};
+    Data<sofa::type::vector<sofa::Index>> d_indices{fromTable(d_indices, "indices")};
+    Data<sofa::type::vector<sofa::type::Vec3>> d_points{fromTable(d_points, "points")};
+    DataWord d_component{fromTable(d_component, "component")};
+    DataWord d_statistic{fromTable(d_statistic, "statistic")};
+    Data<bool> d_change{fromTable(d_change, "change")};
+
+protected:
+    Probe() : TableComponent(attributes::kProbe) {}
 };
 
 void registerProbe(sofa::core::ObjectFactory* factory) { register_component<Probe>(factory, attributes::kProbe); }

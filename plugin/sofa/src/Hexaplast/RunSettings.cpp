@@ -9,14 +9,17 @@ namespace hexaplast::sofa_plugin
 {
 
 /// How long `hexaplast run` runs a scene. In SOFA that is the business of runSofa; scripts may read it.
-class RunSettings final : public sofa::core::objectmodel::BaseObject
+class RunSettings final : public TableComponent<sofa::core::objectmodel::BaseObject>
 {
 public:
-    SOFA_CLASS(RunSettings, sofa::core::objectmodel::BaseObject);
+    SOFA_CLASS(RunSettings, SOFA_TEMPLATE(TableComponent, sofa::core::objectmodel::BaseObject));
 
-    Data<int> d_steps{from_table(*this, d_steps, row(attributes::kRunSettings, "steps"))};
-    Data<int> d_outputEvery{from_table(*this, d_outputEvery, row(attributes::kRunSettings, "outputEvery"))};
-    DataWord d_endSections{from_table(*this, d_endSections, row(attributes::kRunSettings, "endSections"))};
+    Data<int> d_steps{fromTable(d_steps, "steps")};
+    Data<int> d_outputEvery{fromTable(d_outputEvery, "outputEvery")};
+    DataWord d_endSections{fromTable(d_endSections, "endSections")};
+
+protected:
+    RunSettings() : TableComponent(attributes::kRunSettings) {}
 };
 
 void registerRunSettings(sofa::core::ObjectFactory* factory)

@@ -16,11 +16,10 @@ class TissueContactForceField
     : public ContactComponent<PartComponent<sofa::core::behavior::MixedInteractionForceField<TDataTypes, TDataTypes>>>
 {
 public:
-    SOFA_CLASS(SOFA_TEMPLATE(TissueContactForceField, TDataTypes),
-               SOFA_TEMPLATE2(sofa::core::behavior::MixedInteractionForceField, TDataTypes, TDataTypes));
     using DataTypes = TDataTypes;
     using Inherit = sofa::core::behavior::MixedInteractionForceField<TDataTypes, TDataTypes>;
     using Component = ContactComponent<PartComponent<Inherit>>;
+    SOFA_CLASS(SOFA_TEMPLATE(TissueContactForceField, TDataTypes), Component);
     using DataVecCoord = sofa::core::objectmodel::Data<typename DataTypes::VecCoord>;
     using DataVecDeriv = sofa::core::objectmodel::Data<typename DataTypes::VecDeriv>;
     using MechanicalParams = sofa::core::MechanicalParams;

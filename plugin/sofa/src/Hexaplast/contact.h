@@ -47,6 +47,8 @@ template <class TBase>
 class ContactComponent : public TBase
 {
 public:
+    SOFA_ABSTRACT_CLASS(SOFA_TEMPLATE(ContactComponent, TBase), TBase);
+
     Data<SReal> d_contactStiffness{this->fromTable(d_contactStiffness, "contactStiffness", "Contact")};
     Data<SReal> d_tangentialStiffness{this->fromTable(d_tangentialStiffness, "tangentialStiffness", "Contact")};
     Data<SReal> d_friction{this->fromTable(d_friction, "friction", "Contact")};

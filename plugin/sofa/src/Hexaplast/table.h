@@ -26,12 +26,6 @@ using attributes::Description;
 using sofa::core::objectmodel::Data;
 using sofa::helper::OptionsGroup;
 
-/// An attribute of the table, looked up by the compiler.
-consteval const Attribute& row(const Description& description, std::string_view name)
-{
-    return attributes::attribute_of(description, name);
-}
-
 /// A word. Of one that it does not have, an OptionsGroup warns, and keeps the word before; this one remembers what it
 /// was given, so that its component can refuse it.
 class DataWord final : public Data<OptionsGroup>
@@ -97,11 +91,10 @@ T initial_value(const Attribute& attribute)
     }
 }
 
-/// What a Data of a component is made from: Data<SReal> d_length{from_table(*this, d_length, row(kTable, "length"))}.
-/// `group`: under which windows show it; outputs have theirs. The component knows it by its older names too.
+/// What a Data of a component is made from. The component knows it by its older names too.
 template <class T>
 typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const Attribute& attribute,
-                                      const char* group = "")
+                                      const char* group)
 {
     const bool is_output = attribute.access == attributes::Access::kOutput;
     auto init = owner.initData(&data, initial_value<T>(attribute), std::string(attribute.name).c_str(),
@@ -160,6 +153,45 @@ Options read_options(const SofaComponent& owner, const Description& description)
     errors.throw_all();
     return options;
 }
+
+/// A component whose Data are attributes of a table.
+template <class TBase>
+class TableComponent : public TBase
+{
+public:
+    SOFA_ABSTRACT_CLASS(SOFA_TEMPLATE(TableComponent, TBase), TBase);
+
+protected:
+    explicit TableComponent(const Description& description) : m_description(description) {}
+
+    const Description& description() const { return m_description; }
+
+    /// What a Data is made from: Data<SReal> d_length{this->fromTable(d_length, "length")}. `group`: under which
+    /// windows show it, where it is no member of Material or Settings and no output.
+    template <class T>
+    typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name, const char* group = "")
+    {
+        const std::string of_row = group_of(name);
+        return from_table(*this, data, attributes::attribute_of(m_description, name),
+                          of_row.empty() ? group : of_row.c_str());
+    }
+
+    /// For links, which SOFA makes in the class that has them: l_body{initLink("body", helpOf("body"))}.
+    const char* helpOf(std::string_view name) const
+    {
+        return attributes::attribute_of(m_description, name).help.data();
+    }
+
+    /// The options of a part from the Data. Throws OptionError.
+    template <class Options>
+    Options readOptions() const
+    {
+        return read_options<Options>(*this, m_description);
+    }
+
+private:
+    const Description& m_description;
+};
 
 /// The inputs of a component that has the attributes of a table: whether a value changed since they were seen last.
 class Inputs
