@@ -79,7 +79,7 @@ class OptionRanges : public OptionErrors {
  public:
   template <class Options>
   OptionRanges(const attributes::Description& table, const Options& options) : table_(table) {
-    Options::each(options, [this](std::string_view option, const auto& member) { check(option, member); });
+    Options::each(options, [this](std::string_view option, const auto& member) { this->check(option, member); });
   }
 
  private:
