@@ -17,6 +17,7 @@
 #include "bench/machine.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 
 namespace hexaplast::bench {
 

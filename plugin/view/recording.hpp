@@ -8,6 +8,10 @@
 #include "scene/document.hpp"
 #include "view/user_actions.hpp"
 
+namespace hexaplast::scene {
+class Scene;
+}
+
 namespace hexaplast::view {
 
 /// The text of a scene that repeats what was done to another one in a session: the elements of that scene, an

@@ -7,6 +7,7 @@
 #include "hexaplast/geometry/sections.hpp"
 #include "runner/run/boundary_conditions.hpp"
 #include "runner/run/loads.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
 

@@ -25,6 +25,7 @@
 #include "runner/standard_output.hpp"
 #include "runner/study/evaluations.hpp"
 #include "runner/study/experiments.hpp"
+#include "runner/study/factor.hpp"
 #include "runner/study/fit_result.hpp"
 #include "scene/reader.hpp"
 
